@@ -260,7 +260,13 @@ class RelaxationData:
         """
         model, known, held = solid.maxwell, dict(self.terms.known), self.drift
         # a seal that warms is sought where several temperatures were fitted
-        kinds = ("give", "settling", "preload", *(("warming",) if self.moved is None else ()))
+        kinds = (
+            "give",
+            "settling",
+            "preload",
+            "memory",
+            *(("warming",) if self.moved is None else ()),
+        )
         borne = {kind: known.pop(kind) for kind in kinds if kind in known}
         if "drift" in known:
             borne["drift"], known["drift"] = known["drift"].beyond(held), held

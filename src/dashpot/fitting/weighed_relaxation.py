@@ -37,7 +37,7 @@ from dashpot.preparation.denoising import between_samples, rests, true_motion
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.records.temperature import SAME_TEMPERATURE
-from dashpot.signals.unseen import machine_terms, warming
+from dashpot.signals.unseen import earlier_press, machine_terms, set_sd, warming
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 
@@ -152,7 +152,7 @@ def relaxation_data(
         certain,
         model,
         residual,
-        size=_left_of_law(law),
+        size=float(np.hypot(_left_of_law(law), set_of(test, model))),
         rms=fit.residual.rms,
         doubts={kind_of(name): sd for name, (_, sd) in doubts.items()},
         claimed=claimed,
@@ -255,7 +255,14 @@ def held_data(
     time = test.time[: test.hold.stop] - test.time[0]
     ramp = felt * np.clip((time - (test.onset - test.time[0])) / test.ramp_time, 0.0, 1.0)
     found = _weighed(
-        test, block, block, answer, residual, size=test.depth_doubt, since=since, claimed=claimed
+        test,
+        block,
+        block,
+        answer,
+        residual,
+        since=since,
+        claimed=claimed,
+        size=float(np.hypot(test.depth_doubt, set_of(test, answer))),
     )
     if law is None:
         # eq. 5 is fitted with a drift as free as it may be
@@ -273,6 +280,7 @@ def fitted_data(
     ramp's corners is not in it, so it serves no question about fast arms.
     """
     size = float(np.hypot(test.depth_doubt, test.contact_error / test.depth))
+    size = float(np.hypot(size, set_of(test, answer)))
     time, x, _ = motion(test)
     found = _weighed(test, block, block, answer, residual, size=size)
     found = _doubted(found, test, (time, x), start=float(time[first_sample(test)]))
@@ -421,11 +429,25 @@ def unseen(
         relaxing = answer.force(time, np.ones(len(time)))
         tared = float(np.interp(priors(test).at, time, relaxing))
         found["preload"] = relaxing - tared, test.preload * test.depth / peak
+    if test.loading_start is None and not test.gap > 0 and answer.arms:
+        memory, sd = earlier_press(test.machine, answer, time, depth=test.depth)
+        # what it carries in the middle of the rest is offset
+        found["memory"] = memory - float(np.interp(priors(test).at, time, memory)), sd
     # its temperature is that of its contact, however long the machine stood before
     known = max(test.onset - test.ramp_time - test.time[0], 0.0)
     warms = warming(time, x, answer, since=known)
     found["warming"] = warms, unseen_warmth(test.specimen).sd
     return found
+
+
+def set_of(test: RampHold, answer: GeneralizedMaxwell) -> float:
+    """Return the standard deviation of the depth that a set of earlier presses leaves, relative.
+
+    A gap that was found may be the set of a seal that was pressed before its record began.
+    """
+    if not test.gap > 0 or test.loading_start is not None:
+        return 0.0
+    return set_sd(test.machine, answer, depth=test.depth, gap=test.gap) / test.depth
 
 
 def laid_out(test: RampHold, time: FloatArray) -> IndexArray:

@@ -151,7 +151,9 @@ def prepare(
     preload = _preload(record, before, touch, rise)
     if earlier is not None:
         touch = earlier.touch
-    machine.heeds("sync", "drift", "compliance", "creep", "force_filter", of="a ramp and hold")
+    machine.heeds(
+        "sync", "drift", "compliance", "creep", "force_filter", "rest", of="a ramp and hold"
+    )
     record = _on_the_machine(record, preload, machine)
     past = None
     if earlier is not None:
@@ -479,6 +481,7 @@ def _record(
         contact_error=touch.standard_error,
         specimen=test.specimen,
         source=test.source,
+        gap=max(touch.gap, 0.0),
         loading_start=None if earlier is None else float(t[motion.start]),
         plate=None if earlier is None or earlier.bonded else sealed(compression.copy())[kept],
     )
@@ -584,6 +587,7 @@ def _known(machine: Machine) -> tuple[Step, ...]:
         ("compliance_m_per_n", machine.compliance or None,
          "machine that gives {:.4g} m/N, taken off the displacement with the force freed of noise"),
         ("creep_m", machine.creep, "crosshead that creeps by {:.4g} m in e-fold time (one SD)"),
+        ("rest_s", machine.rest, "seal that rested for {:.4g} s before its record"),
         ("force_filter_hz", machine.force_filter,
          "force behind a first-order low-pass of {:.4g} Hz, which the fit's motion passes too"),
     )  # fmt: skip

@@ -61,6 +61,15 @@ USUAL: Mapping[str, Usual] = MappingProxyType({
         1.25e-3, "of the depth in a factor e of time after its stop",
         "20 um in a factor e of time, of 8 mm, is two standard deviations",
     ),
+    "earlier press": Usual(
+        0.1, "of the depth, by which a seal was pressed for long before its record",
+        "conditioning cycles to the full depth: their mean, less what a rest takes",
+    ),
+    "set": Usual(
+        0.03, "of the depth, by which its face may be lower than it was; half of a gap at most",
+        "simulation: 4 s after conditioning cycles, half of what is left",
+    ),
+    "rest after it": Usual(4.0, "s", "the time that a recorder takes to be started by hand"),
     "warming": Usual(0.7, "K, of the seal over its record", "a room without a chamber"),
     "warming in a chamber": Usual(
         0.5, "K, of the seal over its record", "what a chamber holds its temperature to"
@@ -96,6 +105,8 @@ class Machine:
         m, where no reading shows it.
     force_filter : float or None
         Cut-off of a first-order low-pass in the force channel, Hz.
+    rest : float or None
+        Time for which the seal was left alone before its record began, s.
     oven : float or None
         Standard deviation of the temperature of an oven from what it says, K.
 
@@ -126,6 +137,9 @@ class Machine:
         under="machine",
     )
 
+    rest: float | None = option(
+        None, "Rest of the seal before the record, e.g. 10min.", unit="time", under="machine"
+    )
     oven: float | None = option(
         None, "Error of an oven's temperature, e.g. 1K.", unit="temperature", under="machine"
     )
@@ -159,6 +173,11 @@ class Machine:
     def creep_sd(self, depth: float) -> float:
         """Standard deviation of what its crosshead settles by in a factor e of time, m."""
         return USUAL["crosshead"].size * depth if self.creep is None else self.creep
+
+    @property
+    def rested(self) -> float:
+        """Time for which a seal was left alone before its record, at least, s."""
+        return USUAL["rest after it"].size if self.rest is None else self.rest
 
     def drift_sd(self, final: float, duration: float, noise: float | None = None) -> float:
         r"""Standard deviation of the drift, N/s; of a cell not described, from the final force, N.
@@ -203,6 +222,6 @@ class Machine:
 
     def __post_init__(self) -> None:
         si_fields(self)
-        known = picked(self, "sync", "drift", "compliance", "creep", "oven")
+        known = picked(self, "sync", "drift", "compliance", "creep", "rest", "oven")
         not_negative("machine ", **known, expected="a number >= 0 in SI units", optional=True)
         positive("machine ", force_filter=self.force_filter, unit=" Hz", optional=True)

@@ -185,6 +185,8 @@ class RampHold(ByValue, Pictured, Documented):
         Lines found in the force and taken off it.
     given : array, shape (n,), or None
         What the machine gave, m, and is off `displacement`; None if nothing was taken off.
+    gap : float
+        Air that the plate crossed before first contact, m; 0 if none shows.
     loading_start : float or None
         Where the stand before the loading that is fitted begins, s, in a record with earlier ones:
         all before it is followed, and not fitted. None if there is no earlier loading.
@@ -222,6 +224,7 @@ class RampHold(ByValue, Pictured, Documented):
     machine: Machine = field(default_factory=Machine)
     hum: tuple[Hum, ...] = ()
     given: FloatArray | None = None
+    gap: float = 0.0
     loading_start: float | None = None
     plate: FloatArray | None = None
 

@@ -10,6 +10,8 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # K, of which the change is taken
 _RISE = 0.5
+# s for which a seal may have been pressed before its record
+PRESSED_FOR = 30.0
 
 
 def machine_terms(
@@ -51,6 +53,36 @@ def machine_terms(
         way = np.log1p(np.maximum(since, 0.0) / ramp_time)
         found["settling"] = solid.force(time, way), creep
     return found
+
+
+def earlier_press(
+    machine: Machine, solid: GeneralizedMaxwell, time: FloatArray, *, depth: float
+) -> tuple[FloatArray, float]:
+    r"""Return what a seal still remembers of presses before its record: N a m, and its sd in m.
+
+    An arm that was pressed for D, and left alone for R, pulls by
+
+    .. math:: k_j m_j e^{-t/\tau_j}, \qquad m_j = (1 - e^{-D/\tau_j})\, e^{-R/\tau_j}
+    """
+    tau = np.asarray(solid.tau)
+    memory = _remembered(solid, machine.rested)
+    return -np.exp(-time[:, None] / tau) @ memory, USUAL["earlier press"].size * depth
+
+
+def set_sd(machine: Machine, solid: GeneralizedMaxwell, *, depth: float, gap: float) -> float:
+    """Return the standard deviation of how much of a gap, m, is the set of an earlier press, m.
+
+    A set goes as what the solid remembers does.
+    """
+    usual = float(_remembered(solid, USUAL["rest after it"].size).sum())
+    left = float(_remembered(solid, machine.rested).sum()) / usual if usual > 0 else 0.0
+    return min(gap / 2, USUAL["set"].size * depth * left)
+
+
+def _remembered(solid: GeneralizedMaxwell, rested: float) -> FloatArray:
+    """What each arm keeps of a press after a rest, s, over its compression, N/m."""
+    tau = np.asarray(solid.tau)
+    return np.asarray(-np.expm1(-PRESSED_FOR / tau) * np.exp(-rested / tau) * solid.k)
 
 
 def warming(
