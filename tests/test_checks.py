@@ -777,6 +777,7 @@ RAMP = [
         0.333,
     ),
     Case("offset_believable", lambda x: ramp.offset_believable([(x, 0.0, 1.0, 9.0)]), 2.999, 3.001),
+    Case("baseline_agrees", lambda x: ramp.baseline_agrees([(1e-3, x)]), 0.999, 1.001),
     Case("drift_believable", lambda x: ramp.drift_believable([(x, 0.0, 1.0, 9.0)]), 2.999, 3.001),
 ]
 
@@ -1595,7 +1596,7 @@ LIMITS = {
     "fitting/nonlinear_ramp": {
         "ramp_followed": 0.01, "ramp_explained": 1.2, "tangent_told": 2, "hold_followed": 1.25,
         "k_inf_believable": 0.05,
-        "offset_believable": 3, "drift_believable": 3, "clocks_agree": 3,
+        "offset_believable": 3, "drift_believable": 3, "baseline_agrees": 1, "clocks_agree": 3,
     },
     "fitting/fractional": {
         "slope_known": 0.05, "element_explains": 1.02, "families_told_apart": 100,

@@ -30,7 +30,7 @@ from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import PAPER
 
-KNOWN = Machine(sync=1e-3, drift=2e-5, compliance=0.0, creep=0.0)
+KNOWN = Machine(sync=1e-3, drift=2e-5, compliance=0.0, creep=0.0, rest=1e5)
 
 
 @pytest.fixture(scope="module")
@@ -116,7 +116,7 @@ def test_intervals_of_arms_hold_what_a_rig_did_unseen(rig: str) -> None:
 def test_a_named_rig_leaves_little_but_the_noise(record: RampHold, method: str) -> None:
     named = replace(
         record,
-        machine=Machine(sync=1e-3, drift=1e-6, compliance=0.0, creep=0.0),
+        machine=Machine(sync=1e-3, drift=1e-6, compliance=0.0, creep=0.0, rest=1e5),
         specimen=replace(record.specimen, warmed=0.0),
     )
     unknown, known = (fit(one, arms=2, method=method) for one in (record, named))
@@ -264,14 +264,17 @@ def test_a_doubt_at_few_samples_is_that_at_every_one(record: RampHold) -> None:
 
 
 def test_a_sum_of_columns_that_are_there_doubts_as_a_column_does(record: RampHold) -> None:
-    """The end of the hold by the fit's own block, and by one in which each doubt has a column."""
+    """The end of the hold by the fit's own block, and by one in which each doubt has a column.
+
+    What is remembered has no such sum on the ramp, only in the hold.
+    """
     found = fit(record)
     wide = end_of_hold(
         [relaxation_data(record, found)], time=record.hold_time, own=found.model, dof=found.dof
     )
     for name in ("k_end", "k_3end", "k_inf"):
         ends, others = getattr(wide, name), getattr(found.end_of_hold, name)
-        np.testing.assert_allclose(ends, others, atol=0.03 * np.ptp(wide.k_end))
+        np.testing.assert_allclose(ends, others, atol=0.07 * np.ptp(wide.k_end))
 
 
 def test_the_point_knows_nothing_of_it_and_every_limit_does(record: RampHold) -> None:
@@ -281,8 +284,7 @@ def test_the_point_knows_nothing_of_it_and_every_limit_does(record: RampHold) ->
     assert usual.model.k_inf == pytest.approx(known.model.k_inf, rel=5e-3)
     assert width(usual) > 3 * width(known)
     # each value that is named narrows the stiffness at the end
-    rest = {"compliance": None, "creep": None, "drift": None}
-    for name in rest:
+    for name in ("compliance", "creep", "drift", "rest"):
         less = replace(record, machine=replace(KNOWN, **{name: None}))
         assert width(fit(less)) > 1.02 * width(known)
 

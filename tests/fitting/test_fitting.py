@@ -214,7 +214,7 @@ def in_other_units(force: float, slow: float) -> tuple[RampHold, RampHold]:
 
 def test_what_a_rig_adds_scales_where_it_is_said_in_units() -> None:
     """The usual cell warms in 120 s, and usual clocks are 5 ms apart, in any unit of time."""
-    still = Machine(sync=0.0, drift=0.0, compliance=0.0, creep=0.0)
+    still = Machine(sync=0.0, drift=0.0, compliance=0.0, creep=0.0, rest=1e9)
     one, other = (
         fit(replace(each, machine=still), arms=2) for each in in_other_units(4.4482, 60.0)
     )

@@ -58,7 +58,7 @@ def test_a_hold_that_is_long_enough_passes() -> None:
 def test_a_known_drift_tells_the_end() -> None:
     """A free drift is what hides the end: the data sheet's narrows it."""
     test = pressed(PAPER)
-    rigid = {"compliance": 0.0, "creep": 0.0}
+    rigid = {"compliance": 0.0, "creep": 0.0, "rest": 1e5}
     free = fit(replace(test, machine=Machine(**rigid))).left_open
     known = fit(replace(test, machine=Machine(drift=1e-5, **rigid))).left_open
     assert free is not None
@@ -128,7 +128,7 @@ def test_the_sentence_says_what_is_known_and_what_is_not() -> None:
         .says("N/m")
         .endswith(
             "or below. Record a baseline of 10 s, and give the drift, compliance and creep of the "
-            "machine: k(40.0 s) is then known to about 0.8 % instead of 4.0 %."
+            "machine and the rest of the seal: k(40.0 s) is then known to about 0.8 % instead of 4.0 %."
         )
     )
 

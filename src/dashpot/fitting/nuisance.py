@@ -145,6 +145,10 @@ class Priors(NamedTuple):
         Of the force behind the displacement, s.
     first : int
         The first sample that the fit may use: those before contact are spent on the priors.
+    slope : Prior
+        As the baseline alone shows the drift, N/s; of an infinite error where there is none.
+    conflict : float
+        Above 1 baseline and load cell contradict each other.
     doubt : Prior
         Of the drift, N/s, for whatever is claimed as a limit. A fit whose own drift were as free
         would trade slow arms for it.
@@ -156,6 +160,8 @@ class Priors(NamedTuple):
     drift_from: str
     delay: Prior
     first: int
+    slope: Prior
+    conflict: float
     doubt: Prior
 
 
@@ -193,6 +199,8 @@ def priors(record: RampHold) -> Priors:
         "baseline" if told else source,
         delay_prior(record),
         first,
+        slope,
+        machine.drift_conflict(slope, *known, record.force_noise),
         Prior(*doubt),
     )
 

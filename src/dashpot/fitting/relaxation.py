@@ -442,6 +442,8 @@ def _load_cells(moved: LateMotion, found: Chosen, end: EndOfHold | None) -> list
         for name, record in ((f"delay@{i}", record) for i, record in enumerate(records))
         if name in names
     ]
+    known = [priors(record) for record in records]
+    answers.append(ramp_checks.baseline_agrees([(one.slope.mean, one.conflict) for one in known]))
     return [*answers, ramp_checks.clocks_agree(late)]
 
 

@@ -179,10 +179,10 @@ class RelaxationData:
 
     @property
     def on_a_named_rig(self) -> RelaxationData:
-        """The data if machine and crosshead were known, and of the drift a fifth were in doubt."""
+        """The data if machine, crosshead and rest were known, and of the drift a fifth were in doubt."""
         mean, sd = self.terms.known["drift"]
         terms = self.terms.beside(drift=Prior(mean, NAMED_DRIFT * sd))
-        known = self.unseen and self.unseen.but("give", "settling")
+        known = self.unseen and self.unseen.but("give", "settling", "memory")
         return replace(self, unseen=known, terms=terms)
 
     @property

@@ -38,7 +38,8 @@ def naming(time: float, now: float, then: float) -> str:
     if not then < WORTH_NAMING * now:
         return ""
     return (
-        "Record a baseline of 10 s, and give the drift, compliance and creep of the machine: "
+        "Record a baseline of 10 s, and give the drift, compliance and creep of the machine and "
+        "the rest of the seal: "
         f"k({duration(time)}) is then known to about {rounded(100 * then, digits=1)} % instead of "
         f"{rounded(100 * now, digits=2)} %."
     )

@@ -211,14 +211,40 @@ class Machine:
         record, by :math:`w = 10^{-3} F_e/T`. With s that of :meth:`drift_sd`
 
         .. math:: 1/\sigma^2 = 1/s^2 + 1/(e^2 + w^2), \qquad \mu = m\,\sigma^2/(e^2 + w^2)
+
+        Where they contradict each other (:meth:`drift_conflict` above 1) there is no average: the
+        drift is then 0 with :math:`\sigma^2 = s^2 + m^2`.
         """
         mean, error = slope
         usual = self.drift_sd(final, duration, noise)
         if not math.isfinite(error) or usual == 0:
             return 0.0, usual, False
+        if self.drift_conflict(slope, final, duration, noise) > 1:
+            return 0.0, math.hypot(usual, mean), False
         seen = error**2 + (USUAL["drift changes"].size * final / duration) ** 2
         sd = 1 / math.sqrt(1 / seen + 1 / usual**2)
         return mean * sd**2 / seen, sd, sd < _TOLD * usual
+
+    def drift_conflict(
+        self,
+        slope: tuple[float, float],
+        final: float,
+        duration: float,
+        noise: float | None = None,
+    ) -> float:
+        r"""Return by how much a baseline contradicts what is known of the cell: above 1 it does.
+
+        .. math:: |m| \big/ 3\sqrt{e^2 + w^2 + s^2}
+
+        with the slope m of :meth:`drift_told`. Source: G. E. P. Box, J. R. Statist. Soc. A 143
+        (1980) 383, the prior predictive check.
+        """
+        mean, error = slope
+        if not math.isfinite(error):
+            return 0.0
+        changes = USUAL["drift changes"].size * final / duration
+        spread = math.hypot(error, changes, self.drift_sd(final, duration, noise))
+        return abs(mean) / (3 * spread) if spread > 0 else 0.0
 
     def __post_init__(self) -> None:
         si_fields(self)

@@ -114,10 +114,17 @@ ASSUMPTIONS = (
     ),
     Assumption(
         "known history",
-        "The seal starts from rest; what was pressed before has relaxed.",
+        "The seal starts from rest, or what was pressed before is on record and is followed.",
         "What it still relaxes from an earlier loading is taken for drift or for the slowest arm.",
-        ("preload_absent", "baseline_recorded", "single_loading", "contact_found"),
-        (),
+        (
+            "preload_absent",
+            "baseline_recorded",
+            "single_loading",
+            "contact_found",
+            "history_explained",
+            "face_recovered",
+        ),
+        ("--machine rest=",),
         "Rest ten times the longest hold before, and record a second or more of that rest.",
     ),
     Assumption(
@@ -164,6 +171,7 @@ ASSUMPTIONS = (
         (
             "offset_believable",
             "drift_believable",
+            "baseline_agrees",
             "k_inf_believable",
             "baseline_recorded",
             "drift_told_from_arm",

@@ -174,6 +174,7 @@ def ramp_checks(
             ],
             np.inf if end is None else end.beyond,
         ),
+        checks.baseline_agrees([(known.slope.mean, known.conflict) for known in rows.known]),
         checks.clocks_agree(
             [
                 (late.value, late.standard_error, delay_prior(test).sd)

@@ -176,6 +176,28 @@ def drift_believable(
 
 
 @criterion(
+    "slope of the baseline / 3 SD",
+    "<=",
+    1.0,
+    "Box 1980: beyond, two that speak of one drift differ",
+)
+def baseline_agrees(slopes: Sequence[tuple[float, float]]) -> Finding:
+    """The baseline drifts by no more than the load cell may.
+
+    Of every record the slope of its baseline, N/s, over what it may be, and that over 3 standard
+    deviations of what both leave.
+    """
+    slope, value = max(slopes, key=lambda pair: pair[1], default=(0.0, 0.0))
+    return Finding(
+        f"The baseline drifts by {written(slope, 'mN/s', '.2g')}, "
+        f"{3 * value:.2g} standard deviations of what is known of the load cell",
+        value,
+        "The seal still moved before its ramp, or the cell drifts otherwise. Neither is taken off",
+        "Let seal and amplifier rest, or state the drift (--machine drift=...).",
+    )
+
+
+@criterion(
     "delay / its error",
     "<=",
     3.0,
