@@ -36,6 +36,7 @@ from dashpot.fitting.checks.solid import (
     arms_distinct,
     arms_supported,
     frequencies_informed,
+    loss_factor_known,
     order_agreed,
     residuals_random,
     tau_inside_window,
@@ -47,14 +48,16 @@ from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
 from dashpot.fitting.retardation import FLOW, GLASS, Retarded, spectrum_of
 from dashpot.fitting.spectrum import shared_where_few_fall_short
 from dashpot.fitting.superposition.superpose import superpose
+from dashpot.fitting.uncertainty.band_limits import band_of_curve
 from dashpot.fitting.uncertainty.curve_data import ENOUGH, CurveData, curve_data
 from dashpot.fitting.uncertainty.estimate import SolutionEstimate, estimated, rounding
 from dashpot.fitting.uncertainty.informed_band import informed_band
-from dashpot.fitting.uncertainty.left_open import end_of_curve
+from dashpot.fitting.uncertainty.left_open import end_of_curve, spectra_of_curve
 from dashpot.fitting.uncertainty.load_error import load_rows
 from dashpot.fitting.weighed_relaxation import noise_power
 from dashpot.preparation.checks import of_temperature
 from dashpot.preparation.creep import OF_A_COUNT, load_hold
+from dashpot.records.band_error import BandError
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.creep import Creep, CreepCompliance, CreepTest, LoadHold
 from dashpot.records.evidence import Evidence, Provenance
@@ -64,6 +67,7 @@ from dashpot.records.relaxation import quantum
 from dashpot.records.superposition import AsMeasured, Superposition
 from dashpot.signals.segments import find_segments
 from dashpot.solids.interconversion import CreepSpectrum
+from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # retardations of the first solution, which tells the velocity
 _ROUGH = 2
@@ -285,7 +289,7 @@ def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"])
         noise=max(found.estimate.spread, 1e-6 * found.data.peak, 1e-300),
     )  # fmt: skip
     window = (2 * float(np.diff(record.time).min()), record.hold_time)
-    end = _end_of_test(record, found)
+    end, band, known = _end_of_test(record, found, band)
     answers = (
         found.ended,
         *_checks(found, record.unit, window, "the record"),
@@ -297,6 +301,7 @@ def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"])
         checks.levels_agree(*_departure(record, found)),
         residuals_steady([residual], rounding=ROUNDING * found.data.peak),
         frequencies_informed(band),
+        loss_factor_known(known),
     )
     word = "m" if record.unit == "N/m" else "1"
     return assembled(
@@ -308,6 +313,7 @@ def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"])
             checks=(*record.checks, *answers),
             end_of_hold=end,
             creep=found.creep,
+            band_error=known,
         ),
         Provenance(
             "creep",
@@ -390,8 +396,10 @@ def _plateau_checks(creep: CreepSpectrum, end: EndOfHold | None, unit: str) -> l
     return [] if end is None or creep.flow > 0 else [plateau_told(end, unit)]
 
 
-def _end_of_test(record: LoadHold, found: Retarded) -> EndOfHold | None:
-    """What the record leaves open of force over displacement when its hold ends.
+def _end_of_test(
+    record: LoadHold, found: Retarded, band: tuple[float, float]
+) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
+    """What the record leaves open when its hold ends, and where in a band it knows the solid.
 
     Its rig drifts as one that is not described may, and gives under the load.
     """
@@ -411,7 +419,20 @@ def _end_of_test(record: LoadHold, found: Retarded) -> EndOfHold | None:
         terms=terms,
     )  # fmt: skip
     lam = found.spectrum.lam
-    return end_of_curve(data, "creep", time=record.hold_time, own=found.model, further=lam)
+    return _end_and_band(data, record.hold_time, found.model, lam, band)
+
+
+def _end_and_band(
+    data: CurveData,
+    time: float,
+    model: GeneralizedMaxwell,
+    lam: Sequence[float],
+    band: tuple[float, float],
+) -> tuple[EndOfHold, tuple[float, float], BandError | None]:
+    """What retardations leave open at the end of some data, and where in a band they are known."""
+    spectra = spectra_of_curve(data, time=time, further=lam)
+    end = end_of_curve(data, "creep", time=time, own=model, further=lam, spectra=spectra)
+    return end, *band_of_curve(spectra, model, band, creep=True)
 
 
 def _departure(record: LoadHold, found: Retarded) -> tuple[float | None, float | None]:
@@ -482,11 +503,17 @@ def _of_curve(
         found.append(chosen_arms(data, count, max_arms=max_arms, thorough=thorough))
     best = _better(found)
     creep, unit = best.spectrum, curve.stiffness_unit
-    end = None
+    band = 1 / (2 * np.pi * float(t[-1])), 1 / (2 * np.pi * float(t[0]))
+    end, known = None, None
     if len(t) >= ENOUGH:
         flowing = _curve_block(t, values, weight, window, flows=True)
         seen = curve_data(flowing, t, window=(window[0], 10 * window[1]))
-        end = end_of_curve(seen, "creep", time=float(t[-1]), own=best.model, further=creep.lam)
+        end, band, known = _end_and_band(seen, float(t[-1]), best.model, creep.lam, band)
+        if known is not None:
+            line = 1 / (2 * np.pi * t)
+            missed = np.abs(creep.compliance(t) / values - 1)
+            inside = (line >= band[0]) & (line <= band[1])
+            known = replace(known, misfit=(float(np.max(missed[inside], initial=0.0)), 0.0))
     answers = (
         *origin.checks,
         best.ended,
@@ -496,9 +523,9 @@ def _of_curve(
         checks.creep_finished(creep, float(t[-1])),
         *_plateau_checks(creep, end, unit),
         checks.compliance_followed(best.estimate.rms, best.model.arms),
+        loss_factor_known(known),
     )
     step = _step(best, f"{len(t)} values of a creep compliance", arms)
-    band = 1 / (2 * np.pi * float(t[-1])), 1 / (2 * np.pi * float(t[0]))
     return assembled(
         best.outcome(replace(best.residual, unit="1")),
         Evidence(
@@ -508,6 +535,7 @@ def _of_curve(
             checks=answers,
             end_of_hold=end,
             creep=best.creep,
+            band_error=known,
         ),
         Provenance("creep", origin.sources, (*origin.steps, step), curve.specimen),
         unit=unit,

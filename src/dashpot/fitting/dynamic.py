@@ -28,6 +28,7 @@ from dashpot.fitting.checks.curves import (
 from dashpot.fitting.checks.solid import (
     arms_distinct,
     arms_supported,
+    loss_factor_known,
     order_agreed,
     residuals_random,
     tau_inside_window,
@@ -52,11 +53,13 @@ from dashpot.fitting.spectrum import (
     spectrum_where_few_fail,
 )
 from dashpot.fitting.superposition.superpose import superpose
+from dashpot.fitting.uncertainty.band_limits import band_of_curve
 from dashpot.fitting.uncertainty.curve_data import ENOUGH, curve_data
 from dashpot.fitting.uncertainty.informed_band import informed_band
-from dashpot.fitting.uncertainty.left_open import end_of_curve
+from dashpot.fitting.uncertainty.left_open import end_of_curve, spectra_of_curve
 from dashpot.preparation.checks import of_temperature
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
+from dashpot.records.band_error import BandError
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import Residual
@@ -64,7 +67,7 @@ from dashpot.records.evidence import Evidence, Provenance
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.records.superposition import AsMeasured, Superposition
-from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+from dashpot.solids.maxwell import Solid
 
 Weights: TypeAlias = Literal["relative", "modulus"]
 
@@ -153,9 +156,11 @@ def fit_dynamic(
     both = chosen_family(found, family)
     found = both.best
     band, met = _band(data, records, sets[1:], found.model.k_0)
-    other = both.alternative(band, SWEEPS)
+    end, known = None, None
     # relaxation tests beside it see further
-    end = None if records else _end(data, sets[0], found.model, both.arms.model.tau)
+    if not records:
+        end, band, known = _end(data, sets[0], found, both.arms.model.tau, band)
+    other = both.alternative(band, SWEEPS)
     of_data = (
         kramers_kronig(passive_misfit(data)),
         loss_positive(data),
@@ -184,9 +189,11 @@ def fit_dynamic(
                 *_checks(found, data, records, end, [n for one in sets for n in one.freedom]),
                 *both.checks(other),
                 *met,
+                loss_factor_known(known),
             ),
             alternative=other,
             end_of_hold=end,
+            band_error=known,
         ),
         Provenance(
             "dynamic",
@@ -346,15 +353,40 @@ def _relaxations(records: Sequence[RampHold], most: int) -> list[_Set]:
 
 
 def _end(
-    data: DynamicTest, sweep: _Set, model: GeneralizedMaxwell, tau: Sequence[float]
-) -> EndOfHold | None:
-    """What a sweep leaves open of the storage below it; nothing of one of few lines."""
+    data: DynamicTest,
+    sweep: _Set,
+    found: Chosen,
+    tau: Sequence[float],
+    band: tuple[float, float],
+) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
+    """What a sweep leaves open of the storage below it, and where in a band it knows the solid.
+
+    Nothing of one of few lines.
+    """
     if len(data.frequency) < ENOUGH:
-        return None
+        return None, band, None
     slowest = 1 / float(data.omega.min())
     window = 1 / (_FASTER * float(data.omega.max())), _SLOWER * slowest
     seen = curve_data(sweep.block, data.frequency, window=window)
-    return end_of_curve(seen, "sweep", time=slowest, own=model, further=tau)
+    spectra = spectra_of_curve(seen, time=slowest, further=tau)
+    end = end_of_curve(seen, "sweep", time=slowest, own=found.model, further=tau, spectra=spectra)
+    band, known = band_of_curve(spectra, found.solid, band)
+    if known is not None:
+        known = replace(known, misfit=_misfit_in_band(found.solid, data, band))
+    return end, band, known
+
+
+def _misfit_in_band(
+    solid: Solid, data: DynamicTest, band: tuple[float, float]
+) -> tuple[float, float]:
+    """By how much a solid misses stiffness and loss factor of a line in a band, relative to it."""
+    inside = (data.frequency >= band[0]) & (data.frequency <= band[1])
+    K, measured = solid.complex_stiffness(omega=data.omega), data.value
+    shown = inside & (data.loss > 0)
+    size = np.abs(np.abs(K) / np.abs(measured) - 1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        loss = np.abs((K.imag / K.real) / (measured.imag / measured.real) - 1)
+    return float(np.max(size[inside], initial=0.0)), float(np.max(loss[shown], initial=0.0))
 
 
 def _checks(

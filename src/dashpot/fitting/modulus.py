@@ -19,6 +19,7 @@ from dashpot.fitting.checks.curves import modulus_falls, plateau
 from dashpot.fitting.checks.solid import (
     arms_distinct,
     arms_supported,
+    loss_factor_known,
     order_agreed,
     residuals_random,
     tau_inside_window,
@@ -30,9 +31,11 @@ from dashpot.fitting.spectrum import (
     spectrum_where_few_fail,
 )
 from dashpot.fitting.superposition.superpose import superpose
+from dashpot.fitting.uncertainty.band_limits import BeforeCurve, band_of_curve
 from dashpot.fitting.uncertainty.curve_data import ENOUGH, curve_data
-from dashpot.fitting.uncertainty.left_open import end_of_curve
+from dashpot.fitting.uncertainty.left_open import end_of_curve, spectra_of_curve
 from dashpot.preparation.checks import of_temperature
+from dashpot.records.band_error import BandError
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.evidence import Evidence, Provenance
 from dashpot.records.fit import Fit
@@ -118,7 +121,12 @@ def fit_modulus(
     found = chosen_arms(FitData([block], [block]), arms, max_arms=max_arms, thorough=thorough)
     model = found.model
     positive = t[t > 0]
-    end = _end(t, block, model)
+    band = float(1 / (2 * np.pi * positive[-1])), float(1 / (2 * np.pi * positive[0]))
+    end, band, known = _end(t, block, model, band)
+    if known is not None:
+        # a curve shows its modulus alone
+        missed = _misfit_in_band(model, t, values, band)
+        known = replace(known, misfit=(missed, 0.0))
     told = plateau(
         model,
         float(found.error[0]),
@@ -137,6 +145,7 @@ def fit_modulus(
         *told,
         residuals_random(found.estimate.kappa, found.estimate.rms),
         *([] if found.choice is None else [order_agreed(found.choice)]),
+        loss_factor_known(known),
     )
     step = Step(
         "fit_modulus",
@@ -145,10 +154,16 @@ def fit_modulus(
         "relaxation modulus",
     )
     left = replace(found.residual, unit="1" if weights == "relative" else unit)
-    band = float(1 / (2 * np.pi * positive[-1])), float(1 / (2 * np.pi * positive[0]))
     few = assembled(
         found.outcome(left),
-        Evidence(band, found.orders, found.certificate, checks=asked, end_of_hold=end),
+        Evidence(
+            band,
+            found.orders,
+            found.certificate,
+            checks=asked,
+            end_of_hold=end,
+            band_error=known,
+        ),
         Provenance("modulus", origin.sources, (*origin.steps, step), data.specimen),
         unit=unit,
         temperatures=origin.temperatures,
@@ -162,14 +177,32 @@ def fit_modulus(
     )
 
 
-def _end(t: FloatArray, block: DataBlock, model: GeneralizedMaxwell) -> EndOfHold | None:
-    """What the curve leaves open of its end; nothing of one of few values."""
+def _end(
+    t: FloatArray, block: DataBlock, model: GeneralizedMaxwell, band: tuple[float, float]
+) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
+    """What the curve leaves open of its end, and where in a band it knows the solid.
+
+    Nothing of one of few values.
+    """
     if len(t) < ENOUGH:
-        return None
+        return None, band, None
     shortest, longest = _window(t)
     later = np.maximum(t, t[1])
     data = curve_data(block, later, window=(shortest, 10 * longest))
-    return end_of_curve(data, "curve", time=longest, own=model, further=model.tau)
+    end = end_of_curve(data, "curve", time=longest, own=model, further=model.tau)
+    early = BeforeCurve(data, float(t[t > 0][0]), model)
+    spectra = spectra_of_curve(early, time=longest, further=model.tau)
+    return end, *band_of_curve(spectra, model, band)
+
+
+def _misfit_in_band(
+    model: GeneralizedMaxwell, t: FloatArray, values: FloatArray, band: tuple[float, float]
+) -> float:
+    """By how much the model misses a value of the curve in a band, relative to it, at most."""
+    with np.errstate(divide="ignore"):
+        line = 1 / (2 * np.pi * t)
+    error = np.abs(model.relaxation(t) / values - 1)
+    return float(np.max(error[(line >= band[0]) & (line <= band[1])], initial=0.0))
 
 
 def _at_one_temperature(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypedDict
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from dashpot.fitting.assembly import (
     provenance_of,
 )
 from dashpot.fitting.checks import relaxation as checks
-from dashpot.fitting.checks.solid import frequencies_informed, order_agreed
+from dashpot.fitting.checks.solid import frequencies_informed, loss_factor_known, order_agreed
 from dashpot.fitting.design import NUISANCE, Design, block_of, bound, solid_of
 from dashpot.fitting.filter_bias import filter_bias
 from dashpot.fitting.fit_data import First, FitData, data_of, weighed
@@ -45,9 +45,11 @@ from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.fitting.repeats import refuse_copies
 from dashpot.fitting.temperature.of_tests import checked_temperatures, reference_of
+from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra
+from dashpot.fitting.uncertainty.band_limits import band_of_hold
 from dashpot.fitting.uncertainty.estimate import SolutionEstimate
 from dashpot.fitting.uncertainty.informed_band import informed_band
-from dashpot.fitting.uncertainty.left_open import end_of_hold
+from dashpot.fitting.uncertainty.left_open import end_of_hold, spectra_of_holds
 from dashpot.fitting.uncertainty.moved_by_rig import moved_by_clocks, moved_by_rig
 from dashpot.fitting.weighed_relaxation import fitted_data, held_data
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
@@ -56,10 +58,20 @@ from dashpot.records.evidence import Evidence
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.maxwell import GeneralizedMaxwell
 
 if TYPE_CHECKING:
     from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
     from dashpot.fitting.temperature.reduced import Own
+
+
+class _Hold(TypedDict):
+    """How long the longest hold was, s, the arms fitted to it, and the freedom of its noise."""
+
+    time: float
+    own: GeneralizedMaxwell
+    dof: float
+
 
 # arms that a test may have by itself, where it is one of several temperatures
 _OWN_ARMS = 6
@@ -309,7 +321,9 @@ def _assembled(
     )
     # what it bounds is of any spectrum: few arms weigh the record as well as many
     data = _of_doubtful_rigs(records, both.arms, design)
-    end = _end_of_hold(records, data, both.arms).holding(found.model)
+    spectra = spectra_of_holds(data, **_hold_of(records, both.arms))
+    end = _end_of_hold(records, data, both.arms, spectra).holding(found.model)
+    band, known = band_of_hold(spectra, found.solid, band)
     unseen = moved_by_rig(data, found.solid)
     if design.method == "hold" and "delay" in design.nuisance and found.solid is found.model:
         unseen = np.hstack((unseen, moved_by_clocks(records, found.model)))
@@ -335,9 +349,11 @@ def _assembled(
                 *([] if gate is None else [ramp_checks.ramp_explained(gate.judged)]),
                 *both.checks(other),
                 frequencies_informed(band),
+                loss_factor_known(known),
             ),
             end_of_hold=end,
             alternative=other,
+            band_error=known,
         ),
         provenance_of(
             design.method, records, *steps, _step(records, found, design, thorough=thorough)
@@ -351,13 +367,11 @@ def _by_ramp(records: Sequence[RampHold], found: RampLaw, arms: int | None) -> F
     from dashpot.fitting.nonlinear_ramp.assembly import held_ramps, ramp_fit
 
     data = held_ramps(records, found)
-    end = end_of_hold(
-        data,
-        time=max(record.hold_time for record in records),
-        own=found.model,
-        dof=found.estimate.dof,
-    )
-    return ramp_fit(records, found, asked=arms, end=end, unseen=moved_by_rig(data, found.model))
+    hold = _hold_of(records, found)
+    spectra = spectra_of_holds(data, **hold)
+    end = end_of_hold(data, **hold, spectra=spectra)
+    unseen = moved_by_rig(data, found.model)
+    return ramp_fit(records, found, asked=arms, end=end, unseen=unseen, spectra=spectra)
 
 
 def _of_doubtful_rigs(
@@ -373,15 +387,22 @@ def _of_doubtful_rigs(
 
 
 def _end_of_hold(
-    records: Sequence[RampHold], data: Sequence[RelaxationData], found: Chosen
+    records: Sequence[RampHold],
+    data: Sequence[RelaxationData],
+    found: Chosen,
+    spectra: AdmissibleSpectra,
 ) -> EndOfHold:
     """What the records leave open of the stiffness at the end of the hold and beyond."""
-    return end_of_hold(
-        data,
-        time=max(record.hold_time for record in records),
-        own=found.model,
-        dof=found.estimate.dof,
-    )
+    return end_of_hold(data, **_hold_of(records, found), spectra=spectra)
+
+
+def _hold_of(records: Sequence[RampHold], found: Chosen | RampLaw) -> _Hold:
+    """What their limits ask of the records and of the fit."""
+    return {
+        "time": max(record.hold_time for record in records),
+        "own": found.model,
+        "dof": found.estimate.dof,
+    }
 
 
 def _checks(

@@ -323,8 +323,10 @@ def _dense(
     residual = Residual(values, values * dense.rms**2, dense.rms, unit="1")
     estimate = ParameterEstimate((), np.zeros((0, 0)), np.inf, residual, nuisance=few.nuisance)
     end = few.end_of_hold
+    known = few.evidence.band_error
     evidence = replace(
         few.evidence,
+        band_error=None if known is None else known.about(dense.model, few.model),
         certificate=None,
         checks=(*of_data, check),
         end_of_hold=None if end is None else end.holding(dense.model),

@@ -10,6 +10,7 @@ from dashpot.base.checks import Check
 from dashpot.base.facts import Fact
 from dashpot.base.provenance import Source, Step
 from dashpot.records.alternative import Alternative
+from dashpot.records.band_error import BandError
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.estimate import (
     CreepEstimate,
@@ -192,6 +193,9 @@ class Evidence:
         The compliances and retardation times that were fitted to a creep test.
     alternative : Alternative or None
         The best solid of the other family, where both were fitted.
+    band_error : BandError or None
+        How well stiffness and loss factor are known in the band, over all spectra that the test
+        does not reject; None where that was not asked.
     """
 
     band: tuple[float, float]
@@ -204,6 +208,7 @@ class Evidence:
     end_of_hold: EndOfHold | None = None
     creep: CreepEstimate | None = None
     alternative: Alternative | None = None
+    band_error: BandError | None = None
 
 
 @dataclass(frozen=True)

@@ -93,6 +93,7 @@ class Fit(ByValue, Pictured, Documented):
         "id=identity", "status", "ok", "says=status.value", "verdict", "model", "solid=own_solid~",
         "standard_error=errors_by_arm~", "interval_95=intervals_95~", "estimate.residual",
         "band_hz=evidence.band", "elastic_law", "left_open=evidence.end_of_hold",
+        "error_in_band=evidence.band_error?",
         "temperature=temperatures", "mass=mass_found?", "evidence.creep?", "provenance.method",
         "estimate.parameters", "estimate.covariance", "estimate.of_noise?", "estimate.dof",
         "evidence.orders", "evidence.certificate", "estimate.profiles", "estimate.nuisance",
@@ -176,21 +177,28 @@ class Fit(ByValue, Pictured, Documented):
 
     @property
     def error_in_band(self) -> tuple[float, float]:
-        r"""Largest standard error of stiffness and of loss factor in the band, each over its value.
+        r"""Largest 95 % error of stiffness and of loss factor in the band, each over its value.
 
-        Of :math:`|K^*|` and :math:`\eta = K''/K'`, by the covariance of the arms, and by the limits
-        at the end of the hold where they are wider; infinite where none is known.
+        Of :math:`|K^*|` and :math:`\eta = K''/K'`, over every spectrum that the test does not
+        reject, and no less than what the fit misses of the record's own lines
+        (:class:`~dashpot.records.band_error.BandError`). Where that was not asked, by the
+        covariance of the arms, and by the limits at the end of the hold where they are wider;
+        infinite where none is known.
         """
+        if self.evidence.band_error is not None:
+            return self.evidence.band_error.largest
         low, high = self.band
         if not (0 < high < np.inf):
             return np.inf, np.inf
         lines = np.geomspace(low or 1e-3 * high, high, LINES_IN_BAND)
         s = np.asarray(2j * np.pi * lines, dtype=complex)
-        stiffness, loss_factor = self._of_arms.errors_of_vibration(self.model, s)
+        stiffness, loss_factor = (
+            NORMAL * error for error in self._of_arms.errors_of_vibration(self.model, s)
+        )
         end = self.end_of_hold
         if end is not None and np.isfinite(end.k_end[1]):
             # its limits hold for every rig that may have made the test, the covariance for one
-            wide = (end.k_end[1] - end.k_end[0]) / (2 * NORMAL)
+            wide = (end.k_end[1] - end.k_end[0]) / 2
             stiffness = max(stiffness, wide / end.of(self.model))
         return stiffness, loss_factor
 
@@ -297,12 +305,17 @@ class Fit(ByValue, Pictured, Documented):
             profiles=(),
             nuisance=self.nuisance,
         )
-        low, high = self.band
+        (low, high), known = self.band, self.evidence.band_error
         return replace(
             scaled,
             solid=solid,
             estimate=estimate,
-            evidence=replace(scaled.evidence, band=(low / a_t, high / a_t), end_of_hold=None),
+            evidence=replace(
+                scaled.evidence,
+                band=(low / a_t, high / a_t),
+                end_of_hold=None,
+                band_error=known and known.shifted(a_t),
+            ),
             provenance=replace(
                 scaled.provenance, specimen=replace(self.specimen, temperature=kelvin)
             ),
@@ -793,6 +806,7 @@ class Fit(ByValue, Pictured, Documented):
                 checks=self.checks,
                 end_of_hold=None if self.end_of_hold is None else self.end_of_hold * count,
                 alternative=None if other is None else replace(other, solid=count * other.solid),
+                band_error=self.evidence.band_error,
             ),
             provenance=replace(self.provenance, steps=(*self.steps, step)),
         )

@@ -9,11 +9,14 @@ from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.status import Status
 from dashpot.base.units import read_in, written
 from dashpot.engine.inference.order import MAX_SE_LN_TAU, MIN_K_OVER_SE, Choice
+from dashpot.records.band_error import WELL_KNOWN, BandError
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 MIN_TAU_RATIO = 1.5
 # what is left of zero in a sum of stiffnesses, relative to it
 ROUNDING = 1e-12
+# an error of a loss factor beyond which its size says nothing
+FAR_OFF = 1.0
 
 
 @criterion(
@@ -202,6 +205,21 @@ def frequencies_informed(band: tuple[float, float]) -> Finding:
         "no frequency",
         remedy="Reduce the noise, press deeper, or hold longer.",
         limit=low,
+    )
+
+
+@criterion("error of the loss factor", "<=", WELL_KNOWN, "our choice; 95 %, over all spectra")
+def loss_factor_known(known: BandError | None) -> Finding:
+    """The loss factor is known in the valid band, whatever arms the data cannot show."""
+    if known is None:
+        return Finding("How well the loss factor is known was not computed")
+    error = known.largest[1]
+    size = f"±{100 * error:.2g} %" if error < FAR_OFF else "a factor of two or worse"
+    return Finding(
+        f"In the valid band the loss factor is known to {size}",
+        error,
+        "Arms that the data cannot show, or lines that the model misses, leave it open",
+        "Use the stiffness alone, measure with less noise, or add a hammer test.",
     )
 
 

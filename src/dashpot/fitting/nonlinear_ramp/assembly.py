@@ -11,13 +11,15 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.provenance import Step
 from dashpot.fitting.assembly import FoundSolid, assembled, provenance_of
-from dashpot.fitting.checks.solid import frequencies_informed
+from dashpot.fitting.checks.solid import frequencies_informed, loss_factor_known
 from dashpot.fitting.design import Design, compressed
 from dashpot.fitting.nonlinear_ramp import checks
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
 from dashpot.fitting.nuisance import delay_prior, last_of_hold, material
 from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.relaxation_data import RelaxationData
+from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra
+from dashpot.fitting.uncertainty.band_limits import band_of_hold
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.fitting.uncertainty.moved_by_rig import moved_by_clocks
 from dashpot.fitting.weighed_relaxation import held_data
@@ -38,6 +40,7 @@ def ramp_fit(
     further: Sequence[Check] = (),
     end: EndOfHold | None = None,
     unseen: FloatArray | None = None,
+    spectra: AdmissibleSpectra | None = None,
 ) -> Fit:
     """Return the fit of tests that share an elastic law.
 
@@ -54,6 +57,8 @@ def ramp_fit(
     unseen : array, shape (p, d), optional
         What each doubt of the rigs adds to the parameters: it is in every interval, and in nothing
         that a check judges by the noise.
+    spectra : AdmissibleSpectra, optional
+        What the holds do not reject: they end the valid band.
     """
     model, estimate = found.model, _doubted(found.estimate, found.model, tests)
     found = replace(found, estimate=estimate)
@@ -64,15 +69,25 @@ def ramp_fit(
         stiffness=max(model.k_0, 1e-300),
         noise=max(residual.rms * np.sqrt(residual.kappa), 1e-300),
     )
+    known = None
+    if spectra is not None:
+        band, known = band_of_hold(spectra, model, band)
     noticed = [check for test in tests for check in test.checks]
-    answers = (*law_checks(tests, found, end), *further, frequencies_informed(band))
+    answers = (
+        *law_checks(tests, found, end),
+        *further,
+        frequencies_informed(band),
+        loss_factor_known(known),
+    )
     return assembled(
         FoundSolid(
             model,
             estimate if unseen is None else estimate.with_rig(unseen),
             fewer=asked is not None and model.arms < asked,
         ),
-        Evidence(band, checks=(*noticed, *answers), by_depth=by_depth, end_of_hold=end),
+        Evidence(
+            band, checks=(*noticed, *answers), by_depth=by_depth, end_of_hold=end, band_error=known
+        ),
         provenance_of("full", tests, _step(tests, found)),
         elastic_law=replace(found.law, ratio_se=_shape_error(found)),
     )

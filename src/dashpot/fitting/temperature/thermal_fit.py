@@ -16,7 +16,12 @@ from dashpot.engine.inference.order import chance_beyond
 from dashpot.engine.solver.variable_projection import Solution, solve
 from dashpot.fitting.assembly import FoundSolid, assembled
 from dashpot.fitting.checks.relaxation import hold_long_enough, same_specimen
-from dashpot.fitting.checks.solid import frequencies_informed, optimum_found, order_agreed
+from dashpot.fitting.checks.solid import (
+    frequencies_informed,
+    loss_factor_known,
+    optimum_found,
+    order_agreed,
+)
 from dashpot.fitting.checks.temperature import of_shifts, overlap
 from dashpot.fitting.pipeline import certified
 from dashpot.fitting.questions import RelaxationWindow, Residuals, of_solid
@@ -33,10 +38,12 @@ from dashpot.fitting.temperature.outcome import (
     shifts_of,
 )
 from dashpot.fitting.temperature.reduced import Own, moved
+from dashpot.fitting.uncertainty.band_limits import band_of_hold
 from dashpot.fitting.uncertainty.informed_band import informed_alone, informed_band
-from dashpot.fitting.uncertainty.left_open import end_of_hold
+from dashpot.fitting.uncertainty.left_open import end_of_hold, spectra_of_holds
 from dashpot.fitting.weighed_relaxation import relaxation_data
 from dashpot.preparation.checks import of_records
+from dashpot.records.band_error import BandError
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.estimate import Nuisance, ParameterEstimate, parameter_names
 from dashpot.records.evidence import Evidence, OrderScore
@@ -104,8 +111,25 @@ def fit_thermal(
     found = Thermal(best, known(best.joint, best.tests, best.point))
     made = _assembled(found, vertical, shift_law, asked=arms)
     end = _end_of_hold(found, made)
-    checks = (*made.checks, hold_long_enough(end))
-    return replace(made, evidence=replace(made.evidence, end_of_hold=end, checks=checks))
+    band, error = _known_band(found, made)
+    checks = (*made.checks, hold_long_enough(end), loss_factor_known(error))
+    evidence = replace(made.evidence, band=band, end_of_hold=end, checks=checks, band_error=error)
+    return replace(made, evidence=evidence)
+
+
+def _known_band(found: Thermal, made: Fit) -> tuple[tuple[float, float], BandError | None]:
+    """The valid band, and how well all tests together know the solid there; their ramps linear."""
+    tests = found.best.tests
+    if made.temperatures is None or any(test.law is not None for test in tests):
+        return made.band, None
+    data = [relaxation_data(test.record, made) for test in tests]
+    spectra = spectra_of_holds(
+        data,
+        time=max(test.record.hold_time for test in tests),
+        own=made.model,
+        dof=made.dof,
+    )
+    return band_of_hold(spectra, made.model, made.band)
 
 
 def _end_of_hold(found: Thermal, made: Fit) -> EndOfHold | None:

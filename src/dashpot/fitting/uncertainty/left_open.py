@@ -25,10 +25,27 @@ from dashpot.records.estimate import Interval
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 if TYPE_CHECKING:
+    from dashpot.fitting.uncertainty.band_limits import BeforeCurve
     from dashpot.fitting.uncertainty.curve_data import CurveData
 
 # so many T later a compliance is asked for its most stiffness at rest: one that flows has no end
 AT_REST = 100.0
+
+
+def spectra_of_holds(
+    relaxations: Sequence[RelaxationData],
+    *,
+    time: float,
+    own: GeneralizedMaxwell,
+    dof: float,
+    level: float = 0.95,
+) -> AdmissibleSpectra:
+    """Return the spectra that some holds do not reject; the parameters of :func:`end_of_hold`."""
+    spectra = AdmissibleSpectra(
+        relaxations, fastest=1 / time, limit=deviance_limit(level, dof), further=own.tau
+    )
+    spectra.refuse_beyond(*misfits(relaxations))
+    return spectra
 
 
 def end_of_hold(
@@ -38,6 +55,7 @@ def end_of_hold(
     own: GeneralizedMaxwell,
     dof: float,
     level: float = 0.95,
+    spectra: AdmissibleSpectra | None = None,
 ) -> EndOfHold:
     """Return the limits of k(T), k(3 T), k_inf, and of the slope at T.
 
@@ -54,11 +72,11 @@ def end_of_hold(
         Degrees of freedom of the noise.
     level : float
         Coverage of each limit, nearly.
+    spectra : AdmissibleSpectra, optional
+        Those of :func:`spectra_of_holds`, where they are known already.
     """
-    spectra = AdmissibleSpectra(
-        relaxations, fastest=1 / time, limit=deviance_limit(level, dof), further=own.tau
-    )
-    spectra.refuse_beyond(*misfits(relaxations))
+    if spectra is None:
+        spectra = spectra_of_holds(relaxations, time=time, own=own, dof=dof, level=level)
     falling = spectra.falling_at(time)
     found = EndOfHold(
         time=time,
@@ -71,6 +89,15 @@ def end_of_hold(
     return found.holding(own)
 
 
+def spectra_of_curve(
+    data: CurveData | BeforeCurve, *, time: float, further: Sequence[float], level: float = 0.95
+) -> AdmissibleSpectra:
+    """Return the spectra that a curve does not reject; the parameters of :func:`end_of_curve`."""
+    return AdmissibleSpectra(
+        [data], fastest=1 / time, limit=deviance_limit(level, data.dof), further=further
+    )
+
+
 def end_of_curve(
     data: CurveData,
     ended: Ended,
@@ -79,6 +106,7 @@ def end_of_curve(
     own: GeneralizedMaxwell,
     further: Sequence[float],
     level: float = 0.95,
+    spectra: AdmissibleSpectra | None = None,
 ) -> EndOfHold:
     """Return the limits of a curve at its end, 3 and 10 times as late, and of where it ends.
 
@@ -97,10 +125,11 @@ def end_of_curve(
         Its relaxation times, of creep its retardation times, s.
     level : float
         Coverage of each limit, nearly.
+    spectra : AdmissibleSpectra, optional
+        Those of :func:`spectra_of_curve`, where they are known already.
     """
-    spectra = AdmissibleSpectra(
-        [data], fastest=1 / time, limit=deviance_limit(level, data.dof), further=further
-    )
+    if spectra is None:
+        spectra = spectra_of_curve(data, time=time, further=further, level=level)
 
     def reach(times: float) -> Interval:
         return _of_curve(spectra, ended, times * time)

@@ -1,0 +1,292 @@
+r"""Where stiffness and loss factor are known, over every spectrum that a test does not reject.
+
+At a line :math:`\omega` the limits of the loss factor :math:`\eta = K''/K'` follow by Dinkelbach's
+iteration (*Management Science* 13, 1967), which starts from that of the fit. Those of
+:math:`|K^*|` are of its part along that of the fit,
+
+.. math:: |K^*| \cos(\phi - \phi_0) = K'\cos\phi_0 + K''\sin\phi_0,
+
+which is linear in the spectrum, over the cosine of the widest angle that the loss factor allows. Of
+creep :math:`J^* = 1/K^*` takes the place of K*: its angle and its size are as well known.
+
+The valid band ends where the loss factor is not known to 30 %, above or below a gap of the data,
+too: there an arm may stand that nothing shows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, runs
+from dashpot.fitting.relaxation_data import RelaxationRows
+from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra
+from dashpot.fitting.uncertainty.curve_data import CurveData
+from dashpot.records.band_error import WELL_KNOWN, BandError
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+
+#: a ratio is found when a step moves it by less than this part of the way from where it started
+SETTLED = 0.02
+#: a stiffness whose limits are no farther apart, as a factor, is as good as known
+NARROW = 1.25
+#: steps of a ratio, at most
+STEPS = 8
+#: lines over a band on which the least loss factor is sought
+OF_A_HOLD = 9
+#: lines over the band of a curve, at least
+FEWEST = 3
+#: lines to a decade of a curve, which may have gaps
+PER_DECADE = 3
+#: grid of relaxation times that is left for a hold, decades
+THINNED = 0.15
+#: arms are as fast as this part of the first time of a curve
+EARLIER = 0.1
+#: what relaxes before the first time of a curve, over its modulus there, at least
+LITTLE = 0.01
+#: a dashpot beside a curve counts so many times as much as an arm of its first time
+UNSHOWN = 100.0
+#: lines that are sought between one that is known and one that is not
+BETWEEN = 2
+
+Errors: TypeAlias = Callable[[float], tuple[float, float]]
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorsAbout:
+    """Relative errors of a fitted solid over some spectra.
+
+    Attributes
+    ----------
+    spectra : AdmissibleSpectra
+    solid : Solid
+    creep : bool
+        The spectra are of compliance.
+    stiffness : float or None
+        The relative error of the stiffness at every line, where it is known already.
+    """
+
+    spectra: AdmissibleSpectra
+    solid: Solid
+    creep: bool = False
+    stiffness: float | None = None
+
+    def __call__(self, frequency: float) -> tuple[float, float]:
+        """Return those of stiffness and of loss factor at a frequency, Hz."""
+        omega = 2 * np.pi * frequency
+        K = complex(self.solid.complex_stiffness(omega=omega))
+        columns = self.spectra.compliance_at if self.creep else self.spectra.stiffness_at
+        storage, loss = columns(omega)
+        size, angle = (1 / abs(K) if self.creep else abs(K)), float(np.angle(K))
+        eta = K.imag / K.real if K.real > 0 else np.inf
+        if self.stiffness is None:
+            least, most = self.spectra.reach(storage * np.cos(angle) + loss * np.sin(angle))
+        else:
+            least, most = size / (1 + self.stiffness), size * (1 + self.stiffness)
+        spread = most / least if least > 0 else np.inf
+        low, high = (
+            _largest_ratio(self.spectra, sign * loss, storage, sign * eta, spread)
+            for sign in (-1, 1)
+        )
+        if self.stiffness is not None:
+            return self.stiffness, _relative(-low, eta, high)
+        widest = max(abs(np.arctan(end) - angle) for end in (-low, high))
+        most /= max(float(np.cos(widest)), 1e-9)
+        return _relative(max(least, 0.0), size, most), _relative(-low, eta, high)
+
+
+def _largest_ratio(
+    spectra: AdmissibleSpectra, above: FloatArray, below: FloatArray, start: float, spread: float
+) -> float:
+    """Return the largest (above . k) / (below . k), at least `start`.
+
+    The gain g of a step from r to r + g/(below . k) bounds the ratio by r + g/b, b the least of
+    below . k: of a below . k that does not `spread` much one step is enough.
+    """
+    ratio = start
+    for _ in range(STEPS):
+        found = spectra.farthest(above - ratio * below)
+        if not np.isfinite(found).all():
+            return np.inf
+        base = float(below @ found)
+        larger = float(above @ found) / base if base > 0 else -np.inf
+        if not larger > ratio:
+            break
+        moved, ratio = larger - ratio, larger
+        if spread <= NARROW:
+            return start + spread * moved
+        if moved <= SETTLED * (ratio - start):
+            break
+    return ratio
+
+
+def _relative(low: float, value: float, high: float) -> float:
+    """Return by how much a value may lie off, relative to itself or to the truth."""
+    if not (low > 0 and value > 0 and np.isfinite(high)):
+        return np.inf
+    return float(max(high / value, value / low, 1.0) - 1)
+
+
+# -- a band ---------------------------------------------------------------------------------------
+
+
+def known_band(
+    errors: Errors, band: tuple[float, float], lines: Mapping[float, tuple[float, float]]
+) -> tuple[tuple[float, float], BandError]:
+    """Return the widest part of a band in which the loss factor is known, and how well.
+
+    Where it is known at no line the band stays as it is: the errors show that.
+
+    Parameters
+    ----------
+    errors : callable
+    band : (float, float)
+        Hz.
+    lines : mapping of float to (float, float)
+        Errors at some lines of the band, Hz, increasing; its two ends among them.
+    """
+    at, every = np.array(list(lines)), dict(lines)
+    known = np.array([error[1] for error in lines.values()]) <= WELL_KNOWN
+    if known.all() or not known.any():
+        return band, _band_error(every)
+    first, last = max(runs(known).tolist(), key=lambda run: at[run[1]] / at[run[0]])
+    ends = []
+    for inside, outside in ((first, first - 1), (last, last + 1)):
+        end = float(at[inside])
+        if 0 <= outside < len(at):
+            end = _end(errors, every, end, float(at[outside]))
+        ends.append(end)
+    low, high = ends
+    return (low, high), _band_error({f: e for f, e in every.items() if low <= f <= high})
+
+
+def band_of_hold(
+    spectra: AdmissibleSpectra, solid: Solid, band: tuple[float, float]
+) -> tuple[tuple[float, float], BandError | None]:
+    """Return the valid band of a hold, and how well its solid is known there.
+
+    Parameters
+    ----------
+    spectra : AdmissibleSpectra
+        What the holds do not reject.
+    solid : Solid
+        The fit.
+    band : (float, float)
+        The frequencies that the test informs, Hz.
+    """
+    if not _is_asked(solid, band):
+        return band, None
+    errors = ErrorsAbout(spectra.thinned(THINNED), solid)
+    ends = [errors(line) for line in band]
+    # of a hold the stiffness is known alike over the band: what its ends say is enough
+    between = replace(errors, stiffness=max(stiffness for stiffness, _ in ends))
+    lines = dict(zip(band, ends, strict=True))
+    at = np.geomspace(*band, OF_A_HOLD)
+    K = solid.complex_stiffness(omega=2 * np.pi * at)
+    lowest = int(np.argmin(K.imag / K.real))
+    # what is known in part is known worst where there is least of it: at an end, as a rule
+    if 0 < lowest < len(at) - 1 or all(error > WELL_KNOWN for _, error in ends):
+        middle = float(at[lowest if 0 < lowest < len(at) - 1 else len(at) // 2])
+        lines = {band[0]: ends[0], middle: between(middle), band[1]: ends[1]}
+    return known_band(between, band, lines)
+
+
+def band_of_curve(
+    spectra: AdmissibleSpectra,
+    solid: Solid,
+    band: tuple[float, float],
+    *,
+    creep: bool = False,
+) -> tuple[tuple[float, float], BandError | None]:
+    """Return the valid band of a curve, which ends at a gap, and how well its solid is known there.
+
+    The parameters are those of :func:`band_of_hold`; `creep` where the spectra are of compliance.
+    """
+    if not _is_asked(solid, band):
+        return band, None
+    count = int(np.ceil(PER_DECADE * np.log10(band[1] / band[0]))) + 1
+    lines = np.geomspace(*band, max(count, FEWEST)).tolist()
+    errors = ErrorsAbout(spectra, solid, creep)
+    return known_band(errors, band, {line: errors(line) for line in lines})
+
+
+@dataclass(frozen=True, eq=False)
+class BeforeCurve:
+    """A relaxation modulus, and what may relax before its first value.
+
+    No value shows an arm that is faster than the first time. All of them together are as stiff as
+    what the curve shows of its first decade, one standard deviation; a part of `LITTLE` at least.
+
+    Attributes
+    ----------
+    data : CurveData
+    first : float
+        The first time after the step, s.
+    solid : GeneralizedMaxwell
+        The fit.
+    """
+
+    data: CurveData
+    first: float
+    solid: GeneralizedMaxwell
+
+    @property
+    def window(self) -> tuple[float, float]:
+        """Shortest and longest relaxation time that is asked about, s."""
+        return EARLIER * self.first, self.data.window[1]
+
+    @property
+    def dof(self) -> float:
+        """Degrees of freedom of the noise."""
+        return self.data.dof
+
+    def rows(self, log_tau: FloatArray, *, slopes: bool = True) -> RelaxationRows:
+        """Those of the curve, and one of what may relax before it."""
+        found = self.data.rows(log_tau, slopes=slopes)
+        start, later = (float(self.solid.relaxation(n * self.first)) for n in (1.0, 10.0))
+        weight = 1 / max(start - later, LITTLE * start)
+        # how much of an arm is gone at the first time
+        before = -np.expm1(-self.first / np.exp(log_tau)) * weight
+        relaxed = float(self.solid.relaxation(0.0)) - start
+        return found._replace(
+            target=np.append(found.target, relaxed * weight),
+            spring=np.append(found.spring, 0.0),
+            # a dashpot is no arm that a curve can show
+            dashpot=np.append(found.dashpot, UNSHOWN * weight / self.first),
+            arms=np.vstack((found.arms, before)),
+            slopes=np.vstack((found.slopes, np.zeros(len(log_tau)))) if slopes else found.slopes,
+        )
+
+
+def _is_asked(solid: Solid, band: tuple[float, float]) -> bool:
+    """Whether there is a band, and a solid that has a loss."""
+    return 0 < band[0] < band[1] < np.inf and sum(solid.maxwell.k) > 0
+
+
+def _end(
+    errors: Errors, every: dict[float, tuple[float, float]], inside: float, outside: float
+) -> float:
+    """Return the last frequency found from one that is known towards one that is not."""
+    for _ in range(BETWEEN):
+        near, far = every[inside][1], every[outside][1]
+        share = 0.5
+        if 0 < near < WELL_KNOWN < far < np.inf:
+            share = float(np.clip(np.log(WELL_KNOWN / near) / np.log(far / near), 0.1, 0.98))
+        # a little nearer than where a straight line crosses
+        middle = inside * (outside / inside) ** (0.97 * share)
+        every[middle] = errors(middle)
+        if every[middle][1] <= WELL_KNOWN:
+            inside = middle
+        else:
+            outside = middle
+        if every[inside][1] > 0.8 * WELL_KNOWN:
+            break
+    return inside
+
+
+def _band_error(errors: Mapping[float, tuple[float, float]]) -> BandError:
+    lines = sorted(errors)
+    stiffness, loss_factor = zip(*(errors[line] for line in lines), strict=True)
+    return BandError(tuple(lines), tuple(stiffness), tuple(loss_factor))
