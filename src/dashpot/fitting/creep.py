@@ -290,9 +290,10 @@ def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"])
     )  # fmt: skip
     window = (2 * float(np.diff(record.time).min()), record.hold_time)
     end, band, known = _end_of_test(record, found, band)
+    word = "m" if record.unit == "N/m" else "1"
     answers = (
         found.ended,
-        *_checks(found, record.unit, window, "the record"),
+        *_checks(found, record.unit, window, "the record", word),
         *_flow_checks(creep, record.hold_time),
         checks.creep_finished(creep, record.hold_time),
         *_plateau_checks(creep, end, record.unit),
@@ -303,7 +304,6 @@ def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"])
         frequencies_informed(band),
         loss_factor_known(known),
     )
-    word = "m" if record.unit == "N/m" else "1"
     return assembled(
         found.outcome(replace(found.residual, unit=word), found.nuisances(of=word)),
         Evidence(
@@ -360,8 +360,10 @@ def _stand_out(found: Chosen, estimate: SolutionEstimate) -> bool:
     return significant(np.array(made.model.k), error[:arms], error[arms:])
 
 
-def _checks(found: Retarded, unit: str, window: tuple[float, float], of: str) -> tuple[Check, ...]:
-    """The checks of the solid, whatever it was fitted to."""
+def _checks(
+    found: Retarded, unit: str, window: tuple[float, float], of: str, left_in: str
+) -> tuple[Check, ...]:
+    """The checks of the solid, whatever it was fitted to; its residual is `left_in` a unit."""
     model, estimate = found.model, found.estimate
     told = []
     if found.alternative is not None:
@@ -374,6 +376,7 @@ def _checks(found: Retarded, unit: str, window: tuple[float, float], of: str) ->
         *told,
         residuals_random(estimate.kappa, estimate.rms),
         *([] if found.choice is None else [order_agreed(found.choice)]),
+        *found.enough(left_in),
     )
 
 
@@ -518,7 +521,7 @@ def _of_curve(
         *origin.checks,
         best.ended,
         *of_temperature(curve.specimen),
-        *_checks(best, unit, window, "the curve"),
+        *_checks(best, unit, window, "the curve", "1"),
         *_flow_checks(creep, float(t[-1])),
         checks.creep_finished(creep, float(t[-1])),
         *_plateau_checks(creep, end, unit),

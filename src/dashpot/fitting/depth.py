@@ -25,9 +25,10 @@ from dashpot.base.errors import FitError
 from dashpot.base.units import written
 from dashpot.engine.inference.estimate import Estimate
 from dashpot.fitting.checks.relaxation import separable
+from dashpot.fitting.checks.solid import arms_enough
 from dashpot.fitting.nonlinear_ramp.assembly import depth_error, held_ramps, ramp_fit
 from dashpot.fitting.nonlinear_ramp.hold_first import MAX_ARMS, follow
-from dashpot.fitting.nonlinear_ramp.ladder import ramp_law
+from dashpot.fitting.nonlinear_ramp.ladder import ramp_law, supported_by_holds
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
 from dashpot.fitting.pipeline import asked_arms
 from dashpot.fitting.relaxation_data import RelaxationData
@@ -107,8 +108,13 @@ def fit_depths(
                 "longer, or leave it out"
             )
     check = _separable(each)
+    enough = (
+        ()
+        if asked is None
+        else (arms_enough(supported_by_holds(ordered, found.hold), found.model.arms, unit="N"),)
+    )
     together = ramp_fit(
-        ordered, found, asked=asked, by_depth=by_depth, further=(check,),
+        ordered, found, asked=asked, by_depth=by_depth, further=(check, *enough),
         unseen=moved_by_rig(held, found.model),
     )  # fmt: skip
     return DepthLaw(found.law, by_depth, check, together)

@@ -422,6 +422,7 @@ def _checks(
         *plateau(model, float(error[0]), end, unit=data.unit, first=fastest, further=further),
         residuals_random(estimate.kappa, estimate.rms),
         *([] if found.choice is None else [order_agreed(found.choice)]),
+        *found.enough("sd"),
     ]
     if records:
         spread = [

@@ -145,6 +145,7 @@ def fit_modulus(
         *told,
         residuals_random(found.estimate.kappa, found.estimate.rms),
         *([] if found.choice is None else [order_agreed(found.choice)]),
+        *found.enough("1" if weights == "relative" else unit),
         loss_factor_known(known),
     )
     step = Step(

@@ -20,7 +20,7 @@ from dashpot.engine.inference.covariance import (
     noise_gain_differs,
     noise_gain_ratio,
 )
-from dashpot.engine.inference.order import DECISIVE, Choice, choose
+from dashpot.engine.inference.order import DECISIVE, Choice, Shortage, choose
 from dashpot.engine.solver.certificate import certificate
 from dashpot.engine.solver.variable_projection import (
     Jacobian,
@@ -28,7 +28,7 @@ from dashpot.engine.solver.variable_projection import (
     full_jacobian,
 )
 from dashpot.fitting.assembly import FoundSolid, nuisances
-from dashpot.fitting.checks.solid import optimum_found
+from dashpot.fitting.checks.solid import arms_enough, optimum_found, samples_independent
 from dashpot.fitting.design import solid_of
 from dashpot.fitting.fit_data import First, FitData, determinable_arms, weighed
 from dashpot.fitting.uncertainty.estimate import (
@@ -36,6 +36,7 @@ from dashpot.fitting.uncertainty.estimate import (
     SolutionEstimate,
     by_record,
     estimated,
+    rounding,
     scored,
 )
 from dashpot.fitting.uncertainty.profile_intervals import profiles
@@ -47,6 +48,10 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 _STATIONARY = 1e-6
 # where another spectrum leaves so much less, what is left is no noise
 _MISFIT = 0.5
+#: so many arms beyond those that were asked for are tried
+FURTHER = 2
+#: no more of a sum of squares can be gained
+ALL = 1 - 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,6 +158,34 @@ class Chosen:
     def certificate(self) -> Certificate:
         """How far the optimum can be from the best positive spectrum."""
         return certified(self.data.rows, self.solution)
+
+    @cached_property
+    def shortage(self) -> Shortage | None:
+        """The arms that the rules take, where fewer were asked for; None if those are enough.
+
+        More are tried only where a spectrum with any number of arms leaves less by what one arm
+        must gain.
+        """
+        solution = self.solution
+        least = solution.samples * rounding(self.data.peak) ** 2
+        if self.asked is None or solution.order < self.asked or solution.sse <= least:
+            return None
+        gain = -solution.samples * float(np.log1p(-min(self.certificate.gap, ALL)))
+        if gain < 2 * float(np.log(solution.samples)):
+            return None
+        more = chosen_arms(self.data, "auto", max_arms=solution.order + FURTHER)
+        supported = more.solution.order
+        if supported <= solution.order:
+            return None
+        return Shortage(solution.order, supported, self.estimate.rms, more.estimate.rms)
+
+    def enough(self, unit: str) -> tuple[Check, ...]:
+        """Whether the arms that were asked for are enough, residuals in `unit`; and the samples."""
+        known = self.estimate
+        answers = (samples_independent(known.effective, len(known.names), known.kappa),)
+        if self.asked is None:
+            return answers
+        return (arms_enough(self.shortage, self.solution.order, unit=unit), *answers)
 
     @property
     def ended(self) -> Check:

@@ -24,7 +24,12 @@ from dashpot.fitting.assembly import (
     provenance_of,
 )
 from dashpot.fitting.checks import relaxation as checks
-from dashpot.fitting.checks.solid import frequencies_informed, loss_factor_known, order_agreed
+from dashpot.fitting.checks.solid import (
+    arms_enough,
+    frequencies_informed,
+    loss_factor_known,
+    order_agreed,
+)
 from dashpot.fitting.design import NUISANCE, Design, block_of, bound, solid_of
 from dashpot.fitting.filter_bias import filter_bias
 from dashpot.fitting.fit_data import First, FitData, data_of, weighed
@@ -371,7 +376,17 @@ def _by_ramp(records: Sequence[RampHold], found: RampLaw, arms: int | None) -> F
     spectra = spectra_of_holds(data, **hold)
     end = end_of_hold(data, **hold, spectra=spectra)
     unseen = moved_by_rig(data, found.model)
-    return ramp_fit(records, found, asked=arms, end=end, unseen=unseen, spectra=spectra)
+    further = () if arms is None else (_holds_enough(records, found),)
+    return ramp_fit(
+        records, found, asked=arms, further=further, end=end, unseen=unseen, spectra=spectra
+    )
+
+
+def _holds_enough(records: Sequence[RampHold], found: RampLaw) -> Check:
+    """Whether the holds of a bent ramp support no more arms than were asked for."""
+    from dashpot.fitting.nonlinear_ramp.ladder import supported_by_holds  # as the law itself
+
+    return arms_enough(supported_by_holds(records, found.hold), found.model.arms, unit="N")
 
 
 def _of_doubtful_rigs(
@@ -431,6 +446,7 @@ def _checks(
     answers += _load_cells(late, found, end)
     if choice is not None:
         answers.append(order_agreed(choice))
+    answers += found.enough("N")
     if design.method == "full" and in_arms:
         answers.append(checks.hold_and_full_agree(model, late.holds.by_eq5(model), error, end=end))
     return tuple(answers)

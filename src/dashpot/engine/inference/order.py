@@ -71,6 +71,23 @@ class Choice(NamedTuple):
         return self.by_bic == self.by_significance
 
 
+class Shortage(NamedTuple):
+    """A number of arms that was asked for, where the data support more.
+
+    Attributes
+    ----------
+    arms, supported : int
+        What was asked for, and what the rules take.
+    rms, supported_rms : float
+        What either leaves.
+    """
+
+    arms: int
+    supported: int
+    rms: float
+    supported_rms: float
+
+
 def deviance(sse: float, *, effective: float, floor: float = 0.0) -> float:
     r"""Return :math:`M_\mathrm{eff} \ln(S + S_0)`: what BIC has without its parameters.
 

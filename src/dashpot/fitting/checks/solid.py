@@ -6,9 +6,10 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Finding, Remedy, criterion
+from dashpot.base.sentences import sentence
 from dashpot.base.status import Status
 from dashpot.base.units import read_in, written
-from dashpot.engine.inference.order import MAX_SE_LN_TAU, MIN_K_OVER_SE, Choice
+from dashpot.engine.inference.order import MAX_SE_LN_TAU, MIN_K_OVER_SE, Choice, Shortage
 from dashpot.records.band_error import WELL_KNOWN, BandError
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -17,6 +18,10 @@ MIN_TAU_RATIO = 1.5
 ROUNDING = 1e-12
 # an error of a loss factor beyond which its size says nothing
 FAR_OFF = 1.0
+# so many independent samples beyond the parameters show the size of a noise to a fourth
+FREEDOM = 10.0
+# residuals of which no more say the same are white
+ALIKE = 3.0
 
 
 @criterion(
@@ -191,6 +196,51 @@ def order_agreed(choice: Choice) -> Finding:
         limit=float(choice.by_significance),
         faulted=choice.capped,
     )
+
+
+@criterion(
+    "arms that the data support", "<=", source="the arms asked for; by the rules of their number"
+)
+def arms_enough(shortage: Shortage | None, arms: int, *, unit: str) -> Finding:
+    """So many arms as were asked for are enough: the data support no further one.
+
+    `unit` is that of the residual.
+    """
+    if shortage is None:
+        return Finding("The data support no further arm", float(arms), limit=float(arms))
+    few, more = shortage.arms, shortage.supported
+    leave = "leaves" if few == 1 else "leave"
+    left, less = (residual_said(rms, unit) for rms in (shortage.rms, shortage.supported_rms))
+    return Finding(
+        f"{sentence(arms_said(few))[:-1]} {leave} {left} rms, {arms_said(more)} leave {less}",
+        float(more),
+        "What too few arms miss is in no interval",
+        Remedy(f"Use {arms_said(more)}.", "arms", f"{more}"),
+        limit=float(few),
+    )
+
+
+@criterion(
+    "independent samples beyond the parameters", ">=", FREEDOM,
+    "our choice; of residuals of which at least three say the same",
+)  # fmt: skip
+def samples_independent(effective: float, parameters: int, kappa: float) -> Finding:
+    """The residuals hold enough independent samples to say how large the noise is."""
+    return Finding(
+        f"The residuals are equal to {effective:.3g} independent samples, for {parameters} "
+        "parameters",
+        effective - parameters,
+        "So few do not show how large the noise is",
+        "Look at the residuals: use more arms, or reduce slow noise.",
+        excused=kappa < ALIKE,
+    )
+
+
+def residual_said(rms: float, unit: str) -> str:
+    """Return what a fit leaves in words."""
+    if unit in {"N", "m"}:
+        return written(rms, {"N": "mN", "m": "um"}[unit], ".3g")
+    return f"{100 * rms:.3g} %" if unit == "1" else f"{rms:.3g} {unit}"
 
 
 @criterion("upper end, Hz", ">", source="the lower end of the band", grade="stop")

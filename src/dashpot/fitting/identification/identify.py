@@ -13,8 +13,9 @@ from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import FitError
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.engine.blocks.block import DataBlock
-from dashpot.engine.inference.order import DECISIVE, choose
+from dashpot.engine.inference.order import DECISIVE, Shortage, choose
 from dashpot.engine.solver.variable_projection import solve_orders
+from dashpot.fitting.checks.solid import arms_enough
 from dashpot.fitting.fractional.choice import checked_family
 from dashpot.fitting.fractional.projection import ArmColumns
 from dashpot.fitting.identification.asked import HammerRig, KnownSolid
@@ -39,6 +40,7 @@ from dashpot.fitting.identification.likelihood import (
     descend,
 )
 from dashpot.fitting.identification.parametrisation import GONE, Arms, Element, with_dashpot
+from dashpot.fitting.pipeline import FURTHER
 from dashpot.fitting.repeats import refuse_copies
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.fit import Fit
@@ -171,7 +173,7 @@ def identify(
         apart=apart,
         rival=rival,
         # where two tests disagree, a dashpot only hides it
-        dashpot=() if apart else (_dashpot_missed(best, own),),
+        dashpot=() if apart else (_dashpot_missed(best, own), *_arms_enough(best, arms, own)),
     )
 
 
@@ -309,6 +311,29 @@ def _chosen(found: Sequence[Candidate]) -> Candidate:
             bics = [one.bic for one in ladder.values()]
             best.append(ladder[choose([*ladder], bics, sure, decisive=DECISIVE).arms])
     return min(best, key=lambda candidate: candidate.bic)
+
+
+def _arms_enough(
+    best: Candidate, asked: int | Literal["auto"], before: Fit | None
+) -> tuple[Check, ...]:
+    """Whether the data support no further arm, where their number was asked for."""
+    sought = best.problem.sought
+    if asked == "auto" or not isinstance(sought, Arms) or best.exact:
+        return ()
+    few, shortage = sought.count, None
+    further = [few + one for one in range(1, FURTHER + 1)]
+    found = [best, *_candidates(best.problem, further, before)]
+    scale = min(found, key=lambda one: one.bic).line_scale
+    sure = [one.scaled(scale).significant for one in found]
+    numbers, bics = [one.arms for one in found], [one.bic for one in found]
+    more = choose(numbers, bics, sure, decisive=DECISIVE).arms
+    if more > few:
+        lines = best.problem.frf_data.lines.s
+        samples = 2 * len(lines) + sum(one.samples for one in best.problem.relaxations)
+        other = found[numbers.index(more)]
+        left = (float(np.sqrt(one.chi2 / samples)) for one in (best, other))
+        shortage = Shortage(few, more, *left)
+    return (arms_enough(shortage, few, unit="sd"),)
 
 
 def _dashpot_missed(best: Candidate, before: Fit | None) -> Check:

@@ -15,7 +15,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.choices import RampLawAsked, refuse_other
 from dashpot.base.errors import FitError
-from dashpot.engine.inference.order import bic_of_deviance, deviance
+from dashpot.engine.inference.order import Shortage, bic_of_deviance, deviance
 from dashpot.fitting.nonlinear_ramp.hold_first import (
     MAX_ARMS,
     Followed,
@@ -106,6 +106,27 @@ def ramp_law(
     if arms is None and len(hold.log_tau) < max_arms:
         found = _with_faster_arm(found, hold)
     return described(tests, hold, soundness, found, scores)
+
+
+def supported_by_holds(tests: Sequence[RampHold], hold: Hold) -> Shortage | None:
+    """Return the arms that the holds of some tests support, where a fit to them has fewer.
+
+    Parameters
+    ----------
+    tests : sequence of RampHold
+    hold : Hold
+        The holds by the number of arms that was asked for.
+    """
+    arms = len(hold.log_tau)
+    more = hold_alone(thinned(tests))
+    supported = len(more.log_tau)
+    if supported <= arms:
+        return None
+    return Shortage(arms, supported, _rms(hold), _rms(more))
+
+
+def _rms(hold: Hold) -> float:
+    return float(np.sqrt(np.mean(np.square(hold.rms))))
 
 
 def _followed(rows: ThinnedRows, spacing: KnotSpacing, hold: Hold, start: Followed) -> Followed:

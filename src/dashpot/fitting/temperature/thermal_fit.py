@@ -12,18 +12,19 @@ import numpy as np
 from dashpot.base.checks import Check
 from dashpot.base.choices import ShiftLaw, Vertical
 from dashpot.engine.blocks.block import DataBlock
-from dashpot.engine.inference.order import chance_beyond
+from dashpot.engine.inference.order import Shortage, chance_beyond
 from dashpot.engine.solver.variable_projection import Solution, solve
 from dashpot.fitting.assembly import FoundSolid, assembled
 from dashpot.fitting.checks.relaxation import hold_long_enough, same_specimen
 from dashpot.fitting.checks.solid import (
+    arms_enough,
     frequencies_informed,
     loss_factor_known,
     optimum_found,
     order_agreed,
 )
 from dashpot.fitting.checks.temperature import of_shifts, overlap
-from dashpot.fitting.pipeline import certified
+from dashpot.fitting.pipeline import FURTHER, certified
 from dashpot.fitting.questions import RelaxationWindow, Residuals, of_solid
 from dashpot.fitting.repeats import end_stiffnesses
 from dashpot.fitting.shift_law import LawThroughShifts
@@ -113,8 +114,25 @@ def fit_thermal(
     end = _end_of_hold(found, made)
     band, error = _known_band(found, made)
     checks = (*made.checks, hold_long_enough(end), loss_factor_known(error))
+    if arms is not None:
+        more = optimum(
+            tests, reference, arms=None, max_arms=arms + FURTHER, vertical=vertical,
+            thorough=thorough,
+        )  # fmt: skip
+        checks += (_arms_enough(best, more),)
     evidence = replace(made.evidence, band=band, end_of_hold=end, checks=checks, band_error=error)
     return replace(made, evidence=evidence)
+
+
+def _arms_enough(best: ThermalOptimum, more: ThermalOptimum) -> Check:
+    """Whether the data support no more arms than were asked for."""
+    few, many = best.point, more.point
+    shortage = None
+    if many.order > few.order:
+        rows = sum(block.samples for block in best.joint.blocks)
+        left = (float(np.sqrt(one.chi_square / rows)) for one in (few, many))
+        shortage = Shortage(few.order, many.order, *left)
+    return arms_enough(shortage, few.order, unit="sd")
 
 
 def _known_band(found: Thermal, made: Fit) -> tuple[tuple[float, float], BandError | None]:
