@@ -20,8 +20,8 @@ ROUNDING = 1e-12
 FAR_OFF = 1.0
 # so many independent samples beyond the parameters show the size of a noise to a fourth
 FREEDOM = 10.0
-# residuals of which no more say the same are white
-ALIKE = 3.0
+# residuals of which no more say the same are as good as white
+ALIKE = 10.0
 
 
 @criterion(
@@ -222,7 +222,7 @@ def arms_enough(shortage: Shortage | None, arms: int, *, unit: str) -> Finding:
 
 @criterion(
     "independent samples beyond the parameters", ">=", FREEDOM,
-    "our choice; of residuals of which at least three say the same",
+    "our choice; of residuals of which at least ten say the same",
 )  # fmt: skip
 def samples_independent(effective: float, parameters: int, kappa: float) -> Finding:
     """The residuals hold enough independent samples to say how large the noise is."""

@@ -79,6 +79,9 @@ class ErrorsAbout:
         K = complex(self.solid.complex_stiffness(omega=omega))
         columns = self.spectra.compliance_at if self.creep else self.spectra.stiffness_at
         storage, loss = columns(omega)
+        if not self.spectra.shown[1]:
+            # data without a column of a dashpot: the fastest arm stands for it
+            loss[1] = 0.0
         size, angle = (1 / abs(K) if self.creep else abs(K)), float(np.angle(K))
         eta = K.imag / K.real if K.real > 0 else np.inf
         if self.stiffness is None:
