@@ -78,6 +78,7 @@ from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.impact import checks as impact
 from dashpot.vibration.impact.amplitude import RegressionLine
 from dashpot.vibration.impact.estimators import Estimator, Spectra
+from dashpot.vibration.impact.exponential_window import ExponentialWindow
 from dashpot.vibration.impact.rocking import Combination
 from dashpot.vibration.modal import checks as modal
 from dashpot.vibration.modal.peaks import Peak
@@ -1172,6 +1173,14 @@ IMPACT = [
         5.999,
     ),
     Case(
+        "window_known",
+        lambda x: impact.window_known(
+            ExponentialWindow(1.0, x * MODE.decay, evident=True, ratio=0.1, seen_rate=1.0), MODE
+        ),
+        0.0999,
+        0.1001,
+    ),
+    Case(
         "lines_in_half_power_band",
         lambda x: impact.lines_in_half_power_band(measured(), replace(MODE, damping_ratio=x / 200)),
         1.501,
@@ -1667,7 +1676,8 @@ LIMITS = {
         "lines_resolve_the_peak": 1.5, "inside_identified_band": 1,
     },
     "vibration/impact": {
-        "hits_enough": 3, "coherence": 0.9, "lines_in_half_power_band": 1.5, "hammer_excites": -10,
+        "hits_enough": 3, "coherence": 0.9, "lines_in_half_power_band": 1.5, "window_known": 0.1,
+        "hammer_excites": -10,
         "frf_dissipates": -0.3, "mass_over_base": 3, "segments_resolve": 6,
         "channels_not_clipped": 1, "modes_within_band": 0,
         "hits_agree": 0.1, "amplitude_linear": 1, "softening_detectable": 0.01,

@@ -28,6 +28,7 @@ OPTIONS = st.builds(
     rate=st.none() | st.floats(1e-3, 1e7), delimiter=st.sampled_from([None, ",", "\t", "fixed"]),
     decimal=st.sampled_from([None, ".", ","]),
     encoding=st.sampled_from([None, "utf-8"]), skip_rows=st.integers(0, 99),
+    window_decay=st.none() | st.just(0.0) | st.floats(1e-6, 1e3),
     segment=st.none() | st.integers(1, 9), sheet=maybe, format=maybe, kind=maybe, calibration=maybe,
     axis=st.sampled_from(["Fz", "Tx"]),
 )  # fmt: skip

@@ -11,6 +11,7 @@ from typing import Any
 import click
 
 from dashpot.base.choices import FigureSize, words
+from dashpot.base.units import Dimension
 from dashpot.cli._grammar import Opt, Verb, group, of, opt, rest
 from dashpot.cli._values import Figure, File, OneOf, Output, Scoped, Units, Wlf
 from dashpot.io.options import ReadOptions
@@ -52,8 +53,10 @@ def reading(*, short: Sequence[str] = ("--column", "--units", "--profile")) -> l
             help="Answers saved by 'inspect --save'."),
         *of(ReadOptions, *text, into="options"),
         *of(ReadOptions, *part, into="options"),
-        *of(ReadOptions, "rate", type=Scoped(_rate()), multiple=True, metavar="FREQUENCY",
-            into="options"),
+        *of(ReadOptions, "rate", type=Scoped(_with_unit("frequency")), multiple=True,
+            metavar="FREQUENCY", into="options"),
+        *of(ReadOptions, "window_decay", type=Scoped(_with_unit("time")), multiple=True,
+            metavar="TIME", kinds="impact frf", into="options"),
         *of(ReadOptions, "calibration", "axis", into="options"),
         *of(ReadOptions, "kind", type=Scoped(click.STRING), multiple=True, metavar="KIND",
             help="What a file is, if taken for another: FILE:KIND.", into="options"),
@@ -63,10 +66,10 @@ def reading(*, short: Sequence[str] = ("--column", "--units", "--profile")) -> l
     return group(READING, found)
 
 
-def _rate() -> click.ParamType[object]:
+def _with_unit(dimension: Dimension) -> click.ParamType[object]:
     from dashpot.cli._values import WithUnit
 
-    return WithUnit("frequency")
+    return WithUnit(dimension)
 
 
 def result(

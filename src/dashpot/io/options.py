@@ -5,18 +5,21 @@ from __future__ import annotations
 import codecs
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from math import inf
 from pathlib import Path
 from typing import Any
 
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.options import flag_of, key_of, offered, option
 from dashpot.base.parsing import parsed_toml
-from dashpot.base.units import parse_quantity, si_fields
+from dashpot.base.units import Dimension, parse_quantity, si_fields
 
 DELIMITERS = {
     "tab": "\t", "\\t": "\t", "comma": ",", "semicolon": ";", "space": " ", "spaces": " ",
     "pipe": "|", "colon": ":", "fixed": "fixed",
 }  # fmt: skip
+_SHORTEST = 1e-6
+"""s; no window decays faster."""
 _PROFILE = 1 << 20
 """Bytes of the largest profile."""
 _NO_TEXT = {"idna", "punycode", "unicode-escape", "raw-unicode-escape"}
@@ -86,6 +89,9 @@ class ReadOptions:
         Unit by role or by column name: ``{"force": "N"}``. Wins over what the file says.
     rate : float or None
         Sampling rate, Hz, of a file without a (good) time column; replaces the time column.
+    window_decay : float or None
+        Time constant, s, of an exponential window that hits or an FRF were multiplied by before
+        they were written; 0 if there was none.
     delimiter, decimal, encoding : str or None
         ``"tab"``, ``"space"``, ``"fixed"`` or the character; ``"."`` or ``","``; a codec name.
     skip_rows : int
@@ -139,6 +145,9 @@ class ReadOptions:
     rate: float | None = option(
         None, "Sampling rate of a file without time.", section="", unit="frequency"
     )
+    window_decay: float | None = option(
+        None, "Time constant of an exponential window; 0s: none.", section="", unit="time"
+    )
     delimiter: str | None = option(
         None, "tab, space, comma, semicolon or fixed.", section="text", under="text",
         typed=_mark_words,
@@ -183,6 +192,12 @@ class ReadOptions:
         object.__setattr__(self, "acceleration", tuple(self.acceleration))
         if self.rate is not None and not self.rate > 0:
             raise DataError(f"rate = {self.rate!r} Hz; expected a sampling rate > 0")
+        decay = self.window_decay
+        if decay is not None and not (decay == 0 or _SHORTEST <= decay < inf):
+            raise DataError(
+                f"window_decay = {self.window_decay!r} s; expected a time constant of 1 us or more, "
+                "or 0 for none"
+            )
         if self.skip_rows < 0:
             raise DataError(f"skip_rows = {self.skip_rows}; expected a number of lines >= 0")
         for name in ("segment", "cycle"):
@@ -250,7 +265,7 @@ class ReadOptions:
 
 OF_HAMMER = (
     "acceleration", "hammer", "base_acceleration", "frequency", "real", "imaginary", "magnitude",
-    "phase", "coherence",
+    "phase", "coherence", "window_decay",
 )  # fmt: skip
 """Fields that speak of a hammer test, whatever other file a command reads."""
 OF_HAMMER_ALONE = tuple(name for name in OF_HAMMER if name != "frequency")
@@ -269,8 +284,12 @@ def _sections() -> dict[str, tuple[str, ...]]:
 
 
 _SECTIONS = _sections()
-PROFILE = frozenset({"rate", "units", *filter(None, _SECTIONS)})
-"""What stands in a profile: its tables, and the rate."""
+_HEAD: Mapping[str, tuple[Dimension, str]] = {
+    "rate": ("frequency", "Hz"), "window_decay": ("time", "s"),
+}  # fmt: skip
+"""Quantities at the head of a profile: their dimension and SI unit."""
+PROFILE = frozenset({*_HEAD, "units", *filter(None, _SECTIONS)})
+"""What stands in a profile: its tables, and the quantities at its head."""
 _ASKED = {one.name: one.metadata for one in offered(ReadOptions)}
 _ALSO = {"hammer": "force", "complex_modulus": "magnitude", "loss_angle": "phase"}
 """Roles whose unit may be given by another's name."""
@@ -349,7 +368,9 @@ def _lines(name: str, value: Any) -> list[str]:
     """The lines of a profile that state one field."""
     if name == "units":
         return [f"{_toml(word)} = {_toml(unit)}" for word, unit in dict(value).items()]
-    return [f'{name} = "{value!r} Hz"' if name == "rate" else f"{name} = {_toml(value)}"]
+    return [
+        f'{name} = "{value!r} {_HEAD[name][1]}"' if name in _HEAD else f"{name} = {_toml(value)}"
+    ]
 
 
 def load_profile(path: str | Path) -> ReadOptions:
@@ -376,9 +397,11 @@ def load_profile(path: str | Path) -> ReadOptions:
 def _from_toml(content: dict[str, Any]) -> ReadOptions:
     stated: dict[str, Any] = {}
     for section, entries in content.items():
-        if section == "rate":
+        if section in _HEAD:
             given = isinstance(entries, str)
-            stated["rate"] = parse_quantity(entries, "frequency") if given else float(entries)
+            stated[section] = (
+                parse_quantity(entries, _HEAD[section][0]) if given else float(entries)
+            )
         elif section == "units":
             stated["units"] = {str(name): str(unit) for name, unit in entries.items()}
         elif section in _SECTIONS:

@@ -144,6 +144,7 @@ def write_frf(frf: FRF, path: str | Path | None = None, *, comments: Sequence[st
         *_stamped(frf.source, comments),
         f"kind: {frf.quantity.value}",
         f"shift [1/s]: {float(frf.shift)!r}",
+        *([f"shift sd [1/s]: {float(frf.shift_sd)!r}"] if frf.shift_sd else []),
         *([] if frf.record is None else [f"record [s]: {float(frf.record)!r}"]),
         f"averages: {frf.averages}",
     ]

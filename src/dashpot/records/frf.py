@@ -126,6 +126,8 @@ class FRF(ByValue, Pictured, Documented):
     shift : float
         The exponential window's decay a, 1/s, on force and response alike: the FRF is
         :math:`H(s)` at :math:`s = j\omega + a`. 0 without a window.
+    shift_sd : float
+        Its standard deviation, 1/s, where the record itself told it.
     record : float or None
         Length of the record after the hit, s, where the response may be cut short; None for
         a prediction or an untruncated one.
@@ -151,8 +153,8 @@ class FRF(ByValue, Pictured, Documented):
 
     schema = "dashpot/frf@1"
     keys = (
-        "frequency", "value", "kind=quantity", "coherence", "sd", "shift", "record", "pulse",
-        "averages", "hits", "checks", "source", "steps",
+        "frequency", "value", "kind=quantity", "coherence", "sd", "shift", "shift_sd", "record",
+        "pulse", "averages", "hits", "checks", "source", "steps",
     )  # fmt: skip
 
     frequency: FloatArray
@@ -161,6 +163,7 @@ class FRF(ByValue, Pictured, Documented):
     coherence: FloatArray | None = None
     sd: FloatArray | None = None
     shift: float = 0.0
+    shift_sd: float = 0.0
     record: float | None = None
     pulse: float = 0.0
     averages: int = 0
@@ -443,7 +446,14 @@ class FRF(ByValue, Pictured, Documented):
         measured = self.to(Kind.ACCELERANCE)  # what was recorded, and cut at its end
         find_modes = verb("vibration.modal.modes", "find_modes")
         found: tuple[Mode, ...] = find_modes(measured, method=method, band=band, count=count)
-        return found
+        if self.shift_sd == 0:
+            return found
+        # a window that decays faster leaves less to the structure
+        errors = [np.hypot(one.damping_ratio_se, self.shift_sd / abs(one.pole)) for one in found]
+        return tuple(
+            replace(one, damping_ratio_se=float(error))
+            for one, error in zip(found, errors, strict=True)
+        )
 
 
 def _as_kind(receptance: ComplexArray, s: ComplexArray, kind: Kind) -> ComplexArray:

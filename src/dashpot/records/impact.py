@@ -47,6 +47,9 @@ class ImpactTest(ByValue, Described, Documented):
         Signed distance of each accelerometer from the hammer's line of action, m.
     source : tuple of Source
         One per file read.
+    window_rate : float or None
+        Decay a of an exponential window :math:`e^{-at}` that the records were multiplied by, 1/s; 0
+        if there was none, nan if one is stated and not its decay, None if nothing is said.
     units : str
         Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
@@ -68,6 +71,7 @@ class ImpactTest(ByValue, Described, Documented):
     channels: tuple[str, ...] = ()
     positions: tuple[float, ...] | None = None
     source: tuple[Source, ...] = ()
+    window_rate: float | None = None
     units: str = said_units()
 
     def __post_init__(self) -> None:
@@ -84,6 +88,8 @@ class ImpactTest(ByValue, Described, Documented):
             raise DataError(
                 f"{len(self.positions)} positions for {len(acceleration)} accelerometers"
             )
+        if self.window_rate is not None and self.window_rate < 0:
+            raise DataError(f"window_rate = {self.window_rate!r} 1/s; expected a decay >= 0")
         starts = tuple(self.starts)
         if starts[:1] != (0,) or any(b <= a for a, b in itertools.pairwise(starts)):
             raise DataError(f"record starts must rise from 0, found {starts}")

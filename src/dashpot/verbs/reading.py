@@ -64,6 +64,7 @@ class How(TypedDict, total=False):
     text: Mapping[str, Any]
     part: Mapping[str, Any]
     rate: Quantity
+    window_decay: Quantity
     calibration: Place
     axis: str
     profile: Place
@@ -79,6 +80,7 @@ _INDENTER = ("mass", "radius", "drop_height", "impact_velocity")
 _TEXT = {"skip": "skip_rows"}
 _TAKEN: Mapping[str, Callable[[Any], Any]] = {
     "units": dict, "axis": str, "calibration": str, "rate": lambda rate: si(rate, "frequency"),
+    "window_decay": lambda decay: si(decay, "time"),
 }  # fmt: skip
 """What is said under the names that the reading options have, and what they take of it."""
 

@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import FitError
@@ -56,6 +57,8 @@ ELEMENT_STARTS = 4
 ROUGH, FINISHED = 25, 2
 # relative fall of chi-square that ends a search, and the last descent
 LOOSE, TIGHT = 1e-9, 1e-13
+# relative fall of chi-square over a whole descent of a valley that is flat
+SETTLED = 1e-6
 # a larger number of arms that leaves so many times what the last one leaves
 ASTRAY = 1.01
 
@@ -145,7 +148,7 @@ def identify(
     problems = _reaching(problems, max(numbers))
     best, found, rival = _best(problems, numbers, before, family)
     scale = best.line_scale
-    final = descend(replace(best.problem, scale=scale), best.theta, tolerance=TIGHT)
+    final = _last_descent(replace(best.problem, scale=scale), best.theta)
     earlier = before.known
     own = before.element if isinstance(best.problem.sought, Element) else before.arms
     apart = disagreement(
@@ -175,6 +178,20 @@ def identify(
         # where two tests disagree, a dashpot only hides it
         dashpot=() if apart else (_dashpot_missed(best, own), *_arms_enough(best, arms, own)),
     )
+
+
+def _last_descent(problem: IdentificationProblem, theta: FloatArray) -> Candidate:
+    """The optimum from near it, to the last digit; or where a whole descent lowers nothing more.
+
+    A slow arm and k_inf may trade along a valley without an end, which vibration cannot tell apart.
+    """
+    final = descend(problem, theta, tolerance=TIGHT)
+    if final.optimum.stationary:
+        return final
+    further = descend(problem, final.theta, tolerance=TIGHT)
+    settled = final.cost - further.cost <= SETTLED * final.cost
+    stationary = further.optimum.stationary or bool(settled)
+    return replace(further, optimum=replace(further.optimum, stationary=stationary))
 
 
 # -- the best solid of either family ----------------------------------------------------------

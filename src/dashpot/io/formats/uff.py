@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
+from math import exp, log
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -12,7 +17,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.units import in_unit
-from dashpot.io.options import ReadOptions
+from dashpot.io.options import ReadOptions, flag
 from dashpot.io.source import Raw, extra
 from dashpot.io.table import Column, FileTable, Question, in_memory
 
@@ -29,6 +34,15 @@ _BLANK = {"", "NONE", "NULL"}
 _AXES = ("", "X", "Y", "Z", "RX", "RY", "RZ")
 SEGMENT = "--part segment=NUMBER"
 """What answers which of several FRFs is meant."""
+_REAL = (2, 4)
+"""Ordinate data types without an imaginary part."""
+_EXPONENTIAL = (4, 6)
+"""Window types of dataset 1858: exponential alone, and beside the impact window."""
+_LEFT = (3e-4, 0.2)
+"""What exponential windows of analysers leave at the end of a record, as a part."""
+_DOUBLE_EXPONENT = re.compile(rb"(?<=\d)[dD](?=[+-]\d\d)")
+"""Fortran's D of a double: ``1.0D+01``."""
+_BINARY_DATASET = re.compile(rb"^ {4}58b", re.MULTILINE)
 _Set: TypeAlias = dict[str, Any]
 
 
@@ -47,12 +61,12 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
         If there is no dataset 58 of either type nor one of shapes, or several FRFs and no choice.
     """
     pyuff = extra("pyuff", "pyuff", "UFF files")
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), _readable_path(raw) as path:
         warnings.simplefilter("ignore")
-        found = pyuff.UFF(str(raw.on_disk())).read_sets()
-    sets = found if isinstance(found, list) else [found]
+        found = pyuff.UFF(str(path)).read_sets()
+    sets = _with_windows(found if isinstance(found, list) else [found])
     units = _dataset(sets, 164)
-    curves = [entry for entry in sets if entry.get("type") == 58 and np.size(entry.get("data"))]
+    curves = [entry for entry in sets if entry.get("type") == 58 and np.size(entry.get("data", ()))]
     if not curves:
         return _modes(sets, units)
     notes = _notes(sets, units)
@@ -61,6 +75,79 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
         return _frf(frfs, _of_type(curves, COHERENCE), units, segment=options.segment, notes=notes)
     # a spectrum or the like is shown, and refused where a test is asked for
     return _timed(_of_type(curves, 0, TIME) or curves[:1], units, notes)
+
+
+@contextmanager
+def _readable_path(raw: Raw) -> Iterator[Path]:
+    """Yield the path of a file whose exponents pyuff reads: E where a text writes Fortran's D."""
+    with raw.open() as stream:
+        data = stream.read()
+    if _BINARY_DATASET.search(data) or not _DOUBLE_EXPONENT.search(data):
+        yield raw.on_disk()
+        return
+    with TemporaryDirectory() as folder:
+        path = Path(folder, "exponents.uff")
+        path.write_bytes(_DOUBLE_EXPONENT.sub(b"E", data))
+        yield path
+
+
+def _with_windows(sets: Sequence[_Set]) -> list[_Set]:
+    """The datasets; each 58 with the 1858 that follows it under ``qualifiers``."""
+    found: list[_Set] = []
+    for entry in sets:
+        if entry.get("type") == 1858 and found and found[-1].get("type") == 58:
+            found[-1] = {**found[-1], "qualifiers": entry}
+        else:
+            found.append(entry)
+    return found
+
+
+def _direction_sign(*directions: int) -> float:
+    """-1 where an odd number of direction fields, -1 to -6, are against their axes; else 1."""
+    return -1.0 if sum(direction < 0 for direction in directions) % 2 else 1.0
+
+
+def _window_lines(
+    entry: _Set, record: float | None
+) -> tuple[tuple[str, ...], tuple[Question, ...]]:
+    r"""Header lines and questions for the exponential window that dataset 1858 states.
+
+    Its damping factor has no stated unit: it may be the rate a in :math:`e^{-at}`, 1/s, the time
+    constant 1/a, s, or what the window leaves at the end of the `record`, s. One reading is taken
+    if it alone leaves what analysers leave, else the user is asked.
+    """
+    qualifiers = entry.get("qualifiers") or {}
+    if int(qualifiers.get("window_type") or 0) not in _EXPONENTIAL:
+        return (), ()
+    factor = float(qualifiers.get("exponential_window_damping_factor") or 0.0)
+    rates: list[float] = []
+    if record is not None and factor > 0:
+        readings = [factor, 1 / factor]
+        if factor < _LEFT[1]:
+            readings.append(-log(factor) / record)
+        rates = [rate for rate in readings if _LEFT[0] <= exp(-rate * record) <= _LEFT[1]]
+    if rates and max(rates) < 1.01 * min(rates):
+        return (f"exponential window, decay rate [1/s]: {rates[0]!r}",), ()
+    says = (
+        f"dataset 1858 states an exponential window with the factor {factor:g} and no unit that "
+        f"its record settles; give the time constant, for example {flag('window_decay')} 2s, or "
+        f"{flag('window_decay')} 0s if the values are free of the window"
+    )
+    return (), (Question(says, f"{flag('window_decay')} TIME"),)
+
+
+def _record_length(entry: _Set) -> float | None:
+    """Length of the record behind an FRF, s, by the spacing of its lines; of a time record its own.
+
+    None where neither is known.
+    """
+    x = np.asarray(entry["x"], dtype=float)
+    if len(x) < 2:
+        return None
+    step = float(np.median(np.diff(x)))
+    if step <= 0:
+        return None
+    return len(x) * step if entry["func_type"] in {0, TIME} else 1 / step
 
 
 def _of_type(curves: Sequence[_Set], *types: int) -> list[_Set]:
@@ -93,6 +180,7 @@ def _frf(
 ) -> FileTable:
     doubts = _which(frfs) if segment is None else ()
     number = segment or 1
+    _refuse_amplitude_alone(frfs if segment is None else frfs[number - 1 : number])
     if number > len(frfs):
         raise ReadError(f"--part segment={segment}, but the file has {len(frfs)} FRFs")
     one = frfs[number - 1]
@@ -103,13 +191,49 @@ def _frf(
     for entry, name in zip(shown, _points(shown), strict=True):
         unit = _per(_unit(entry, "ordinate", units), _unit(entry, "orddenom", units))
         value = np.asarray(entry["data"], dtype=complex)
+        value = value * _direction_sign(*_directions(entry))
         columns += [Column(f"real{name}", unit), Column(f"imaginary{name}", unit)]
         values += [value.real, value.imag]
         own = _coherence_of(entry, coherent)
         if own is not None:
             columns.append(Column(f"coherence{name}", "1"))
             values.append(np.real(own["data"]))
-    return _table(columns, values, one, notes, doubts)
+    notes = [*notes, *_turned_notes(shown)]
+    lines, asked = _window_lines(one, _record_length(one))
+    return _stating(_table(columns, values, one, notes, (*doubts, *asked)), lines)
+
+
+def _refuse_amplitude_alone(frfs: Sequence[_Set]) -> None:
+    """Refuse FRFs whose data type is real: amplitudes, which tell no damping.
+
+    Raises
+    ------
+    ReadError
+    """
+    real = [entry for entry in frfs if int(entry["ord_data_type"]) in _REAL]
+    if real:
+        raise ReadError(
+            f"the FRF {_title(real[0])} has real values alone (ordinate data type "
+            f"{int(real[0]['ord_data_type'])}), as an amplitude without its phase has; expected "
+            "complex values (type 5 or 6). Export the FRF as complex, or as real and imaginary part"
+        )
+
+
+def _directions(entry: _Set) -> tuple[int, int]:
+    """Direction fields of response and reference, 0 where a file does not say."""
+    return int(entry.get("rsp_dir") or 0), int(entry.get("ref_dir") or 0)
+
+
+def _turned_notes(shown: Sequence[_Set]) -> list[str]:
+    """Say which curves were turned to the positive direction of their axes."""
+    turned = [
+        f"{_title(entry)} ({_ends(entry)[0] or '?'} over {_ends(entry)[1] or '?'})"
+        for entry in shown
+        if _direction_sign(*_directions(entry)) < 0
+    ]
+    return [f"sign turned by the direction fields of dataset 58: {', '.join(turned[:4])}"] * bool(
+        turned
+    )
 
 
 def _which(frfs: Sequence[_Set]) -> tuple[Question, ...]:
@@ -143,7 +267,8 @@ def _points(frfs: Sequence[_Set]) -> list[str]:
     """What the columns of each FRF are called behind their role; of a single one nothing."""
     if len(frfs) == 1:
         return [""]
-    names = ["/".join(filter(None, _ends(entry))) for entry in frfs]
+    # values are along the axes: a direction against one was turned
+    names = ["/".join(end.replace("-", "+") for end in filter(None, _ends(e))) for e in frfs]
     alone = len(set(names)) == len(names) and all(names)
     return [f" {name}" if alone else f" {i + 1}" for i, name in enumerate(names)]
 
@@ -173,8 +298,15 @@ def _timed(timed: Sequence[_Set], units: _Set | None, notes: list[str]) -> FileT
         name = _title(entry) or f"channel {i + 1}"
         name += " (PSD)" if entry["func_type"] == _PSD else ""
         columns.append(Column(name, unit))
-        values.append(np.real(np.asarray(entry["data"])).astype(float))
-    return _table(columns, values, first, notes)
+        sign = _direction_sign(_directions(entry)[0])
+        values.append(sign * np.real(np.asarray(entry["data"])).astype(float))
+        if sign < 0:
+            notes = [*notes, f"'{name}': sign turned by its direction field, {_ends(entry)[0]}"]
+    windowed = next((entry for entry in timed if entry.get("qualifiers")), first)
+    lines, asked = _window_lines(windowed, _record_length(windowed))
+    # what it leaves open the record itself may show
+    open_ = ["exponential window"] * bool(asked)
+    return _stating(_table(columns, values, first, notes), [*lines, *open_])
 
 
 def _table(
@@ -194,6 +326,11 @@ def _table(
         header=comments,
         simulated=any("simulated" in comment.casefold() for comment in comments),
     )
+
+
+def _stating(table: FileTable, lines: Sequence[str]) -> FileTable:
+    """The table with more lines in its header."""
+    return replace(table, header=(*table.header, *(f"# {line}" for line in lines)))
 
 
 def _modes(sets: Sequence[_Set], units: _Set | None) -> FileTable:

@@ -117,8 +117,12 @@ def opened(path: str | Path, options: ReadOptions | None, *, sure: bool = True) 
 
 
 def open_table(raw: Raw, options: ReadOptions) -> Opened:
-    """Return a file with the table found in it."""
-    return Opened(raw, read_table(raw, options), options)
+    """Return a file with the table found in it, without the questions that options answer."""
+    table = read_table(raw, options)
+    if options.window_decay is not None and table.doubts:
+        left = [one for one in table.doubts if not one.option.startswith(flag("window_decay"))]
+        table = replace(table, doubts=tuple(left))
+    return Opened(raw, table, options)
 
 
 _LEFT_OPEN: dict[object, Opened] = {}

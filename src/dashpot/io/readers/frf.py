@@ -21,6 +21,7 @@ from dashpot.io.options import ReadOptions, flag
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Opened
 from dashpot.io.readers.pairs import as_a_ratio, refuse_angle
+from dashpot.io.readers.stated_window import refuse_unknown_rate, window_rate
 from dashpot.io.table import FileTable
 from dashpot.records.frf import FRF, Kind
 
@@ -71,7 +72,9 @@ def built(file: Opened, known: Settled) -> FRF:
     sd, several = _deviation(file.table)
     several += _lags(file.table, index)
     stated = _comments(file.table.header)
-    scale = _differentiated(factor, order, hertz * column["frequency"], stated.get("shift", 0.0))
+    shift, remarks = _shift(file, stated, hertz * column["frequency"])
+    several += remarks
+    scale = _differentiated(factor, order, hertz * column["frequency"], shift)
     names = [c.name for c in file.table.columns]
     return FRF(
         column["frequency"] * hertz, scale * value, kind,
@@ -79,11 +82,32 @@ def built(file: Opened, known: Settled) -> FRF:
         if "coherence" not in column
         else _in_parts(file, index["coherence"], column["coherence"]),
         sd=None if sd is None else loaded.values[:, sd] * np.abs(scale),
-        shift=stated.get("shift", 0.0), record=stated.get("record"),
+        shift=shift, shift_sd=stated.get("shift sd", 0.0), record=stated.get("record"),
         averages=int(stated.get("averages", 0)),
         source=(channels.source(file, names, (*file.table.notes, *several, *loaded.notes)),),
         units="SI",
     )  # fmt: skip
+
+
+def _shift(
+    file: Opened, stated: Mapping[str, float], frequency: FloatArray
+) -> tuple[float, list[str]]:
+    """The decay of the exponential window that the values carry, 1/s, and notes.
+
+    Raises
+    ------
+    ReadError
+        If the file states a window, and neither it nor the user says how fast it decays.
+    """
+    if file.options.window_decay is None and "shift" in stated:
+        return stated["shift"], []
+    steps = np.diff(frequency)
+    step = float(np.median(steps)) if steps.size else 0.0
+    record = stated.get("record") or (1 / step if step > 0 else None)
+    decay, windowed, notes = window_rate(file.table.header, file.options, record)
+    if windowed and decay is None:
+        refuse_unknown_rate(notes[0])
+    return decay or 0.0, list(notes)
 
 
 def _lags(table: FileTable, index: Mapping[Role, int]) -> list[str]:
@@ -179,7 +203,9 @@ def _comments(header: tuple[str, ...]) -> dict[str, float]:
     found = {}
     for line in header:
         match = re.match(
-            r"\A\W*+(shift|record|averages)\s*+(?:\[[^\]]*+\])?\s*+:\s*+([-+.\deE]++)\s*+\Z", line
+            r"\A\W*+(shift sd|shift|record|averages)\s*+(?:\[[^\]]*+\])?\s*+:"
+            r"\s*+([-+.\deE]++)\s*+\Z",
+            line,
         )
         if match:
             try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, checks, cleaning
 from dashpot.io.readers.channels import Channel, Opened
+from dashpot.io.readers.stated_window import window_rate
 from dashpot.io.table import Loaded
 from dashpot.records.impact import ImpactTest, same_rate
 
@@ -110,8 +112,33 @@ def _joined(tests: Sequence[ImpactTest]) -> ImpactTest:
         starts=joined_starts([(len(test.time), test.starts) for test in tests]),
         channels=tests[0].channels,
         source=tuple(source for test in tests for source in test.source),
+        window_rate=_joined_rate(tests),
         units="SI",
     )
+
+
+def _joined_rate(tests: Sequence[ImpactTest]) -> float | None:
+    """The window of tests of one set-up.
+
+    Raises
+    ------
+    ReadError
+        If their files state different ones.
+    """
+    rates = [test.window_rate for test in tests if test.window_rate is not None]
+    known = [rate for rate in rates if not math.isnan(rate)]
+    if known and max(known) > 1.01 * min(known):
+        raise ReadError(
+            f"the files state exponential windows of different decay, {min(known):.4g} and "
+            f"{max(known):.4g} 1/s; average them apart"
+        )
+    return known[0] if known else rates[0] if rates else None
+
+
+def _longest_record(time: FloatArray, starts: Sequence[int]) -> float:
+    """Length of the longest continuous record, s."""
+    ends = [*starts[1:], len(time)]
+    return max(float(time[end - 1] - time[start]) for start, end in zip(starts, ends, strict=True))
 
 
 def joined_starts(tests: Sequence[tuple[int, tuple[int, ...]]]) -> tuple[int, ...]:
@@ -138,11 +165,16 @@ def _one(path: str | Path, options: ReadOptions, want: str) -> ImpactTest:
                 [f"time counted from the rows at {rate:g} Hz, as given"],
             )
         notes += remarks
+        decay, windowed, said = window_rate(
+            file.table.header, file.options, _longest_record(time, starts)
+        )
+        notes += said
         source = channels.source(file, [c.says for c in chosen], notes)
         try:
             test = ImpactTest(
                 time, signals[0], np.array(signals[1:]), starts, _names(file, chosen),
-                source=(source,), units="SI",
+                source=(source,), window_rate=math.nan if windowed and decay is None else decay,
+                units="SI",
             )  # fmt: skip
         except DataError as error:
             advice = "; if the rows are evenly sampled, give the rate, for example --rate 2048Hz"

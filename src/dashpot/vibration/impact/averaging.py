@@ -20,6 +20,7 @@ from dashpot.vibration.impact.estimators import (
     estimate,
     random_error,
 )
+from dashpot.vibration.impact.exponential_window import NO_WINDOW, ExponentialWindow
 from dashpot.vibration.impact.hits import HitBlock
 from dashpot.vibration.impact.quality import HitQuality, judge, remaining
 from dashpot.vibration.impact.rocking import Combination, null_rocking
@@ -108,6 +109,8 @@ class Choices:
     accept: tuple[str, ...]
     channels: tuple[str, ...]
     reach: float | None
+    recorded: ExponentialWindow = NO_WINDOW
+    """The window that the record carries."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,6 +125,7 @@ class Average:
     rocking: Combination | None
     spectra: Spectra
     estimator: Estimator
+    shift_sd: float = 0.0
 
     @cached_property
     def frf(self) -> FRF:
@@ -133,6 +137,7 @@ class Average:
             coherence=coherence(self.spectra),
             sd=random_error(self.spectra, value),
             shift=transforms.shift,
+            shift_sd=self.shift_sd,
             record=transforms.record,
             pulse=transforms.pulse,
             averages=self.spectra.averages,
@@ -142,7 +147,8 @@ class Average:
 
 def average_hits(hits: Sequence[HitBlock], taken: BoolArray, choices: Choices) -> Average:
     """Transform, turn, weight and average the hits taken, and judge them all."""
-    qualities = [judge(hit, windowed=choices.window.exponential) for hit in hits]
+    windowed = choices.window.exponential or choices.recorded.rate > 0
+    qualities = [judge(hit, windowed=windowed) for hit in hits]
     good = [hit for hit, t in zip(hits, taken, strict=True) if t]
     transforms = _transform(hits, choices, choices.window.decay(good)).band(
         *(choices.band or _excited(good))
@@ -160,13 +166,19 @@ def average_hits(hits: Sequence[HitBlock], taken: BoolArray, choices: Choices) -
         rocking=rocking,
         spectra=transforms.weighted(weights),
         estimator=choices.estimator,
+        shift_sd=choices.recorded.sd,
     )
 
 
 def _transform(hits: Sequence[HitBlock], choices: Choices, decay: float) -> ChannelSpectra:
     rate = hits[0].rate
-    fade = np.exp(-decay * np.arange(len(hits[0].force)) / rate)
-    force = [b.force * fade * (_force_window(b) if choices.window.force else 1.0) for b in hits]
+    recorded, time = choices.recorded, np.arange(len(hits[0].force)) / rate
+    fade = np.exp(-decay * time)
+    # of the response alone: the force is given the same, which is 1 at the pulse
+    lacks = 0.0 if recorded.on_force else recorded.rate
+    faded = [fade * np.exp(-lacks * (time - b.onset / rate)) for b in hits]
+    force = [f * b.force * (_force_window(b) if choices.window.force else 1.0)
+             for f, b in zip(faded, hits, strict=True)]  # fmt: skip
     response = np.array([b.acceleration * fade for b in hits]).swapaxes(0, 1)
     return ChannelSpectra(
         frequency=np.asarray(np.fft.rfftfreq(len(fade), 1 / rate), dtype=np.float64),
@@ -175,7 +187,7 @@ def _transform(hits: Sequence[HitBlock], choices: Choices, decay: float) -> Chan
         hits=tuple(hits),
         channels=choices.channels,
         signs=np.ones(len(choices.channels)),
-        shift=decay,
+        shift=decay + recorded.rate,
     )
 
 

@@ -18,6 +18,7 @@ from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.records.shaken import ShakenTest
 from dashpot.vibration.impact.amplitude import Trend, trend_of_hits
 from dashpot.vibration.impact.estimators import Estimator, Spectra, estimate, leave_one_out
+from dashpot.vibration.impact.exponential_window import ExponentialWindow
 from dashpot.vibration.impact.quality import HitQuality
 from dashpot.vibration.impact.rocking import Combination
 
@@ -310,6 +311,53 @@ def record_long_enough(frf: FRF, main: Mode) -> Finding:
         "modes allow for that",
         Remedy("Record longer after each hit.", "hit-length", f"{need:.3g}s"),
         limit=need,
+    )
+
+
+@criterion(
+    "error of the window / decay of the mode",
+    "<=",
+    0.1,
+    "our choice; a damping ratio is then known to 10 %",
+)
+def window_known(window: ExponentialWindow, main: Mode | None) -> Finding:
+    """The decay of an exponential window that the record carries is known."""
+    if not (window.stated or window.evident):
+        return Finding(
+            "The noise before the pulse is not seen, so that an exponential window would not be"
+        )
+    if not window.known and not window.evident:
+        return Finding(
+            "The file states an exponential window and not its decay, and the noise shows none",
+            because="Its decay would count as damping",
+            remedy=Remedy("Give its time constant, or 0s if there is none.", "window-decay"),
+            faulted=True,
+        )
+    if not window.known and not np.isfinite(window.seen_rate):
+        return Finding(
+            "The noise decays as under an exponential window, too fast to tell how fast",
+            because="The decay of the window counts as damping",
+            remedy=Remedy("Give its time constant.", "window-decay"),
+            faulted=True,
+        )
+    if not window.known:
+        stated = f"of {1 / window.rate:.3g} s" if window.rate > 0 else "that is none"
+        return Finding(
+            f"The noise decays as under an exponential window of {1 / window.seen_rate:.3g} s, and "
+            f"a window {stated} was stated",
+            because="One of them is wrong, and the damping with it",
+            remedy=Remedy("Check the setting of the analyser.", "window-decay"),
+            faulted=True,
+        )
+    origin = "as stated" if window.stated and window.sd == 0 else "by the decay of its noise"
+    says = f"The record carries an exponential window of {1 / window.rate:.3g} s, {origin}"
+    if main is None:
+        return Finding(f"{says}. No mode was found to judge it by")
+    return Finding(
+        f"{says}, known to {100 * window.sd / main.decay:.2g} % of the decay of the mode",
+        window.sd / main.decay if main.decay > 0 else np.inf,
+        "The damping is known no better",
+        Remedy("Give the time constant of the window.", "window-decay"),
     )
 
 

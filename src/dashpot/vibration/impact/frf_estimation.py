@@ -16,8 +16,13 @@ from dashpot.records.frf import FRF, Hit
 from dashpot.records.impact import ImpactTest
 from dashpot.vibration.impact.amplitude import with_resonances
 from dashpot.vibration.impact.averaging import Average, Choices, Window, average_hits
-from dashpot.vibration.impact.checks import checks_of
+from dashpot.vibration.impact.checks import checks_of, window_known
 from dashpot.vibration.impact.estimators import Estimator
+from dashpot.vibration.impact.exponential_window import (
+    ExponentialWindow,
+    find_window,
+    without_offset,
+)
 from dashpot.vibration.impact.hits import HitBlock, calm, cut_hits
 from dashpot.vibration.impact.quality import judge, moving_before
 
@@ -99,6 +104,8 @@ def estimate_frf(
     asked = Window.parse(window)
     hits = cut_hits(tests, record=record, pretrigger=pretrigger)
     taken = _taken(hits, accept, reject)
+    recorded = find_window(tests, [hit for hit, t in zip(hits, taken, strict=True) if t])
+    hits = tuple(without_offset(hit, recorded) for hit in hits)
     choices = Choices(
         estimator=_estimator(estimator),
         window=asked,
@@ -108,6 +115,7 @@ def estimate_frf(
         accept=tuple(accept),
         channels=tests[0].channels,
         reach=_reach(tests),
+        recorded=recorded,
     )
     average = _calmed(average_hits(hits, taken, choices), hits, taken, choices)
     frf = replace(
@@ -128,6 +136,9 @@ def estimate_frf(
         mass=mass,
         band=resonance_band,
     )
+    unseen = not np.isfinite(recorded.ratio) and not recorded.stated
+    if recorded.rate > 0 or not recorded.known or recorded.evident or unseen:
+        checks = (*checks, window_known(recorded, main))
     return replace(frf, checks=checks)
 
 
@@ -215,7 +226,8 @@ def _steps(average: Average, choices: Choices) -> tuple[Step, ...]:
     return (
         _cut_step(average.hits),
         *_calm_steps(average.hits),
-        *_window_steps(average.transforms.shift, choices.window),
+        *_recorded_steps(choices.recorded),
+        *_window_steps(average.transforms.shift - choices.recorded.rate, choices.window),
         *_sign_steps(average),
         *_combine_steps(average, choices),
         Step("estimate", (("estimator", name),), f"{name}, linear averages"),
@@ -241,6 +253,19 @@ def _calm_steps(hits: Sequence[HitBlock]) -> Iterator[Step]:
     if names:
         says = f"what still rang from the hit before was taken off hits {names}"
         yield Step("ringing", (("hits", names),), says)
+
+
+def _recorded_steps(recorded: ExponentialWindow) -> Iterator[Step]:
+    if recorded.rate <= 0:
+        return
+    origin = "its file or user states" if recorded.stated else "the decay of its noise shows"
+    says = (
+        f"the record carries an exponential window of {1 / recorded.rate:.4g} s, as {origin}: the "
+        f"FRF is H at s = j omega + {recorded.rate:.4g} 1/s"
+    )
+    if not recorded.on_force:
+        says += "; the force, which lacks it, was multiplied by the same"
+    yield Step("recorded_window", (("decay", f"{recorded.rate:.9g} 1/s"),), says)
 
 
 def _window_steps(decay: float, window: Window) -> Iterator[Step]:

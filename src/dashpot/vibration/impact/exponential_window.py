@@ -1,0 +1,364 @@
+r"""The exponential window that a hammer record was multiplied by before it was written.
+
+Analysers multiply a block by :math:`w = e^{-at}`, so that a response that rings on dies within it.
+Read as it stands, such a record decays by a more than its structure does. On force and response
+alike the window is exact for a linear structure: the ratio of their transforms is
+:math:`H(j\omega + a)`. All that is needed is a.
+
+A header or a user may state it. Else the record itself shows it: the noise of an honest channel
+does not decay, that of a windowed one falls as the window does, to the floor of its number format,
+
+.. math:: v(t) = n^2 e^{-2at} + q^2
+
+where v is the variance of what a high-pass leaves, above all that is struck. The three are found by
+the likelihood of variances in stretches of the block, each chi-square with as many degrees of
+freedom as its samples hold.
+
+Source: W. G. Halvorsen and D. L. Brown, Sound and Vibration 11(11), 1977, for the window.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.records.impact import ImpactTest
+from dashpot.vibration.impact.hits import GUARD, HitBlock
+
+EVIDENT = 0.5
+"""Scatter at the end over that before the pulse, below which a channel was windowed."""
+_FEWEST_QUIET = 8
+"""Samples of a quarter of the quiet that is judged by itself."""
+_HEARD = 3.0
+"""Times the usual mean square beyond which a quarter of the quiet heard something."""
+_STRETCHES = 40
+_FEWEST_STRETCHES = 5
+_TAPS = 65
+_FEWEST_TAPS = 9
+_PASSED = 0.3
+"""Of the sampling rate: above it a channel is noise."""
+_BETA = 8.0
+_STEPS = 3.0
+"""Times the variance of rounding that noise must have to be seen: below that it rounds to none."""
+_LINEAR = 15.0
+"""The same below which rounding distorts a variance: noise of a step and more only adds to it."""
+_DEEPEST = 1e-5
+"""Part of the variance before the pulse down to which its decay is followed."""
+_DECIDED = 30.0
+"""Fall of the deviance by which a slower decay is evident, too."""
+_SLOW = 0.8
+"""Ratio of the scatters that it then must have."""
+_SPAN = (0.02, 60.0)
+"""Decays that are sought, times the length of the block."""
+_CONTRADICTED = 4.0
+"""Standard errors between what is stated and what the scatter shows."""
+
+
+class ExponentialWindow(NamedTuple):
+    """An exponential window: how fast a window decays, and how that is known.
+
+    Attributes
+    ----------
+    rate, sd : float
+        a and its standard error, 1/s; 0 without a window.
+    stated : bool
+        A file or a user gives a.
+    evident : bool
+        The scatter of the responses decays.
+    on_force : bool
+        The hammer's channel carries it, too.
+    ratio : float
+        Scatter of the responses at the end over that before the pulse; nan where it is not seen.
+    seen_rate : float
+        a by the scatter, 1/s; nan where it shows none.
+    known : bool
+        a is known: stated and not contradicted, or seen.
+    """
+
+    rate: float = 0.0
+    sd: float = 0.0
+    stated: bool = False
+    evident: bool = False
+    on_force: bool = True
+    ratio: float = float("nan")
+    seen_rate: float = float("nan")
+    known: bool = True
+
+
+NO_WINDOW = ExponentialWindow()
+
+
+@dataclass(frozen=True, eq=False)
+class ScatterDecay:
+    """Variance of one channel's noise in stretches of a block, averaged over hits.
+
+    Attributes
+    ----------
+    time : array, shape (m,)
+        Middle of each stretch, s from the onset; the first is before it.
+    variance : array, shape (m,)
+    freedom : array, shape (m,)
+        Degrees of freedom of each.
+    width : array, shape (m,)
+        Length of each, s.
+    rounding : float
+        Variance that the step of the number format adds.
+    """
+
+    time: FloatArray
+    variance: FloatArray
+    freedom: FloatArray
+    width: FloatArray
+    rounding: float = 0.0
+
+    def only(self, keep: BoolArray) -> ScatterDecay:
+        """Return some of the stretches."""
+        return ScatterDecay(
+            self.time[keep], self.variance[keep], self.freedom[keep], self.width[keep],
+            self.rounding,
+        )  # fmt: skip
+
+    @property
+    def ratio(self) -> float:
+        """Scatter at the end over that before the pulse."""
+        last = self.variance[-max(len(self.variance) // 6, 1) :]
+        return float(np.sqrt(np.median(last) / self.variance[0]))
+
+    def deviance(self, rate: float) -> float:
+        r"""Deviance of the variances under a window of this decay, 1/s, at best noise and floor.
+
+        .. math:: \sum_i \nu_i \left[\ln v_i + \hat v_i / v_i\right]
+        """
+        half = np.maximum(rate * self.width, 1e-9)
+        # the mean over a stretch, not the value in its middle
+        mean = np.exp(-2 * rate * self.time) * np.sinh(half) / half
+        shape = np.column_stack((mean, np.ones(len(self.time))))
+        model = self.variance
+        for _ in range(12):
+            weights = np.sqrt(self.freedom) / model
+            found = _nonnegative_pair(shape * weights[:, None], self.variance * weights)
+            model = np.maximum(shape @ found, 1e-12 * self.variance.max())
+        return float(self.freedom @ (np.log(model) + self.variance / model))
+
+
+def _nonnegative_pair(columns: FloatArray, target: FloatArray) -> FloatArray:
+    """Least squares of two columns with coefficients >= 0."""
+    best, *_ = np.linalg.lstsq(columns, target, rcond=None)
+    if (best >= 0).all():
+        return np.asarray(best)
+    alone = np.maximum(columns.T @ target / np.maximum((columns**2).sum(axis=0), 1e-300), 0.0)
+    left = [float(np.sum((target - columns[:, i] * alone[i]) ** 2)) for i in (0, 1)]
+    first = int(np.argmin(left))
+    return np.where(np.arange(2) == first, alone, 0.0)
+
+
+def find_window(tests: Sequence[ImpactTest], hits: Sequence[HitBlock]) -> ExponentialWindow:
+    """Return the exponential window of hits: as their tests state it, else as their noise shows it.
+
+    Parameters
+    ----------
+    tests : sequence of ImpactTest
+        With what their files state.
+    hits : sequence of HitBlock
+        Of all of them, of one length.
+    """
+    rates = {test.window_rate for test in tests if test.window_rate is not None}
+    stated = next((rate for rate in rates if np.isfinite(rate)), None)
+    every = _scatter_of_responses(hits)
+    # a window is one of all responses: a channel alone may have heard something before the pulse
+    seen = every if every and all(map(_is_windowed, every)) else []
+    ratio = max((one.ratio for one in every), default=float("nan"))
+    if stated is None and not seen:
+        # one is stated, and neither its decay nor a trace of it
+        return ExponentialWindow(stated=bool(rates), ratio=ratio, known=not rates)
+    if not seen:
+        return ExponentialWindow(stated or 0.0, stated=True, ratio=ratio)
+    rate, sd = _fitted_rate(seen)
+    if not np.isfinite(sd):
+        return ExponentialWindow(
+            stated or 0.0, 0.0, bool(rates), True, True, ratio, rate, bool(stated)
+        )
+    on_force = _on_force(hits, rate)
+    if stated is None:
+        return ExponentialWindow(rate, sd, bool(rates), True, on_force, ratio, rate)
+    apart = abs(stated - rate) > _CONTRADICTED * sd + 0.1 * rate
+    return ExponentialWindow(stated, 0.0, True, True, on_force, ratio, rate, not apart)
+
+
+def without_offset(hit: HitBlock, window: ExponentialWindow) -> HitBlock:
+    """Return a block whose offsets were windowed with it, freed of them as they decay.
+
+    What was taken off before is their mean in the quiet before the pulse.
+    """
+    if window.rate <= 0:
+        return hit
+    count = max(hit.onset - GUARD, 0)
+    since = (np.arange(len(hit.force)) - (count - 1) / 2) / hit.rate
+    more = 1 - np.exp(-window.rate * since)
+    length = len(hit.force) - hit.missing
+    more[length:] = 0.0
+    return replace(
+        hit,
+        force=hit.force + hit.offset[0] * more * window.on_force,
+        acceleration=hit.acceleration + hit.offset[1:, None] * more,
+    )
+
+
+# -- what noise shows ------------------------------------------------------------------------------
+
+
+def _scatter_of_responses(hits: Sequence[HitBlock]) -> list[ScatterDecay]:
+    """The scatter of every response whose noise can be seen before the pulse."""
+    channels = range(len(hits[0].acceleration))
+    found = [scatter_decay([hit.acceleration[i] for hit in hits], hits) for i in channels]
+    return [one for one in found if one is not None]
+
+
+def scatter_decay(rows: Sequence[FloatArray], hits: Sequence[HitBlock]) -> ScatterDecay | None:
+    """Return the decay of one channel's noise, from its rows in all hits; None if it is not seen.
+
+    Parameters
+    ----------
+    rows : sequence of array, shape (n,)
+        Of one channel, one for each hit.
+    hits : sequence of HitBlock
+    """
+    quiet = min(hit.onset for hit in hits)
+    quiet -= max(GUARD, quiet // 8)
+    taps = min(_TAPS, 2 * (quiet // 4) - 1)
+    size = min(len(hit.force) - hit.missing for hit in hits)
+    if taps < _FEWEST_TAPS or size < 4 * _STRETCHES + taps:
+        return None
+    filters = _high_pass(taps)
+    squares = np.array([np.convolve(row[:size], filters, "valid") ** 2 for row in rows])
+    before = _usual(squares[:, : quiet - taps + 1])
+    rounding = float(np.sum(filters**2)) / 12 * _number_step(rows) ** 2
+    if not before > _STEPS * rounding:
+        return None
+    start = max(hit.pulse(0.01).stop for hit in hits)
+    parts = np.array_split(np.arange(start, squares.shape[1]), _STRETCHES)
+    if min(map(len, parts)) < 2:
+        return None
+    rate, onset = hits[0].rate, hits[0].onset
+    middle = [(part.mean() + (taps - 1) / 2 - onset) / rate for part in parts]
+    variance = [float(squares[:, part].mean()) for part in parts]
+    spread = 2 * (0.5 - _PASSED) * len(rows)
+    time = np.array([(quiet / 2 - onset) / rate, *middle])
+    each = np.array([before, *variance])
+    freedom = spread * np.array([quiet, *map(len, parts)], dtype=float)
+    width = np.array([quiet, *map(len, parts)]) / rate
+    found = ScatterDecay(time, np.maximum(each, 1e-300), freedom, width, rounding)
+    return _own_block(found)
+
+
+def _usual(squares: FloatArray) -> float:
+    """The mean square before the pulse: the median over hits and quarters, for what is heard there.
+
+    Of few numbers their mean.
+    """
+    parts = [part for part in np.array_split(squares, 4, axis=1) if part.shape[1] >= _FEWEST_QUIET]
+    means = np.array([part.mean(axis=1) for part in parts]).ravel()
+    usual = float(np.median(means)) if len(means) else 0.0
+    kept = means[means <= _HEARD * usual]
+    return float(kept.mean()) if len(kept) else float(squares.mean())
+
+
+def _high_pass(taps: int) -> FloatArray:
+    """A linear-phase high-pass with its edge at .3 of the sampling rate: windowed sinc."""
+    at = np.arange(taps) - (taps - 1) / 2
+    low = 2 * _PASSED * np.sinc(2 * _PASSED * at) * np.kaiser(taps, _BETA)
+    low /= low.sum()
+    return np.asarray((at == 0) - low)
+
+
+def _number_step(rows: Sequence[FloatArray]) -> float:
+    """Step of the number format of a channel: the least distance of two values of a block."""
+    steps = []
+    for row in rows:  # each is less an offset of its own
+        apart = np.diff(np.unique(np.round(row[: len(row) // 8], 12)))
+        steps.append(float(np.quantile(apart, 0.05)) if len(apart) > 1 else np.inf)
+    return float(np.median(steps))
+
+
+def _own_block(found: ScatterDecay) -> ScatterDecay:
+    """The stretches up to where the noise starts anew, as at the block of the next hit."""
+    quietest = int(np.argmin(found.variance))
+    rises = found.variance[quietest:] > 4 * found.variance[quietest] * (
+        1 + 4 * np.sqrt(2 / found.freedom[quietest:])
+    )
+    # the last stretches alone: the quiet before the next hit
+    late = np.flatnonzero(rises)
+    end = quietest + int(late[0]) if late.size and late[-1] == len(rises) - 1 else len(rises)
+    end = end if late.size else len(found.variance)
+    keep = np.arange(len(found.variance)) < max(end, 8)
+    return found.only(keep)
+
+
+def _fitted_rate(seen: Sequence[ScatterDecay]) -> tuple[float, float]:
+    """The decay that all channels share, 1/s, and its standard error."""
+    used = [_noise_alone(one) for one in seen]
+    if not used or max(len(one.time) for one in used) < _FEWEST_STRETCHES:
+        return float("nan"), np.inf
+    length = max(one.time[-1] for one in used)
+
+    def total(rate: float) -> float:
+        return sum(one.deviance(rate) for one in used)
+
+    grid = np.geomspace(*_SPAN, 60) / length
+    values = [total(rate) for rate in grid]
+    best = int(np.argmin(values))
+    low, high = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
+    for _ in range(40):
+        third = (high - low) / 3
+        left, right = low + third, high - third
+        if total(left) < total(right):
+            high = right
+        else:
+            low = left
+    rate = float((low + high) / 2)
+    least, step = total(rate), 0.01 * rate
+    bend = (total(rate + step) - 2 * least + total(rate - step)) / step**2
+    # chi-square of what the model leaves, against what chance would
+    freedom = sum(len(one.time) for one in used) - 3 * len(used)
+    chance = sum(float(one.freedom @ (np.log(one.variance) + 1)) for one in used)
+    excess = max((least - chance) / max(freedom, 1), 1.0)
+    sd = float(np.sqrt(2 * excess / bend)) if bend > 0 else np.inf
+    return rate, sd
+
+
+def _noise_alone(found: ScatterDecay) -> ScatterDecay:
+    """The stretches that neither a high mode nor rounding drowns."""
+    low = max(_LINEAR * found.rounding, _DEEPEST * found.variance[0])
+    above = np.flatnonzero(found.variance[1:] > found.variance[0])
+    below = np.flatnonzero(found.variance[1:] < low)
+    first = 1 + (int(above[-1]) + 1 if above.size else 0)
+    end = 1 + int(below[0]) if below.size else len(found.variance)
+    at = np.arange(len(found.variance))
+    return found.only((at == 0) | ((at >= first) & (at < end)))
+
+
+def _is_windowed(found: ScatterDecay) -> bool:
+    """Whether the noise of a channel decays: by half, or by less beyond any chance."""
+    if found.ratio < EVIDENT:
+        return True
+    if found.ratio > _SLOW:
+        return False
+    used = _noise_alone(found)
+    if len(used.time) < _FEWEST_STRETCHES:
+        return False
+    rates = np.geomspace(0.1, 3.0, 12) / used.time[-1]
+    least = min(used.deviance(float(rate)) for rate in rates)
+    return bool(used.deviance(0.0) - least > _DECIDED)
+
+
+def _on_force(hits: Sequence[HitBlock], rate: float) -> bool:
+    """Whether the noise of the hammer decays with the window; True where it is not seen."""
+    found = scatter_decay([hit.force for hit in hits], hits)
+    if found is None:
+        return True
+    at = int(np.argmin(np.abs(found.time - 1 / rate)))
+    return bool(np.sqrt(found.variance[at] / found.variance[0]) < (1 + np.exp(-1)) / 2)
