@@ -320,7 +320,7 @@ def test_intervals_of_a_joint_fit_hold_what_a_rig_did_unseen(rig: str) -> None:
     draw, sd = np.random.default_rng(0), 0.01 * np.abs(clean.value)
     noise = draw.standard_normal(len(sd)) + 1j * draw.standard_normal(len(sd))
     frf = replace(clean, value=clean.value + sd * noise / np.sqrt(2), sd=sd)
-    found = identify(frf, tests=held, mass=mass, seals=2, arms=2)
+    found = identify(frf, tests=held, mass=mass, seals=2, arms=2, rig=HammerRig(cable=0.0))
     truth = {"k_1": solid.k[0], "tau_1": solid.tau[0], "k_2": solid.k[1], "tau_2": solid.tau[1]}
     known, quiet = (e.ends(found.solid, 0.95) for e in (found.estimate, found.estimate.noise_alone))
     assert all(known[name][0] < value < known[name][1] for name, value in truth.items())

@@ -303,6 +303,8 @@ def parse_quantity(text: str, dimension: Dimension) -> float:
     match = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s].*?)?\s*", text)
     if match is None:
         raise DataError(f"'{text}' is not a quantity; expected a number and a unit of {dimension}")
+    if match[2] is None and dimension == "strain" and float(match[1]) == 0:
+        return 0.0  # no part is none in any unit
     if match[2] is None:
         known = [one.word for one in _of(dimension)]
         raise DataError(

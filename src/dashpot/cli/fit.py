@@ -25,6 +25,7 @@ from dashpot.kinds import KINDS, takers
 from dashpot.kinds.hyperelastic.asked import MODES, Measures
 from dashpot.kinds.indentation.indenter import Indenter
 from dashpot.kinds.slam.asked import SlamAsked
+from dashpot.records.machine import Machine
 from dashpot.workflow.job import Job, LevelJob, RodChoices
 from dashpot.workflow.shifting import ShiftChoices
 
@@ -86,7 +87,7 @@ _OPTIONS = (
             _word("--method", words(Method), default="full", kinds="relaxation",
                   help="Whole record (full), or equation (5) of the paper."),
             options.cuts("relaxation"),
-            options.machine(f"relaxation {takers('machine')}"),
+            options.machine(f"relaxation {VIBRATION} {takers('machine')}"),
             of(Job, "filter", kinds="relaxation"),
             opt("--thorough", kinds=_BENCH, help="Try more starting points."),
         ),
@@ -178,6 +179,11 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
         raise ReadError(f"{error}{options.said_of_all(files)}") from None
     if meant in {"hits", "modes"}:
         _refuse_what_needs_a_mass(context)
+    if meant in {"hits", "modes", "masses", "rod", "level"} and said["machine"] != Machine():
+        raise click.UsageError(
+            "--machine is of a relaxation test, or of the solid under one mass. "
+            "Leave it out."
+        )
     module, _, name = _RUN.get(meant, "of_kind").partition(":")
     run: Callable[[Given], Outcome] = getattr(
         import_module(f"dashpot.cli.fits.{module}"), name or "run"

@@ -195,8 +195,7 @@ class ReadOptions:
         decay = self.window_decay
         if decay is not None and not (decay == 0 or _SHORTEST <= decay < inf):
             raise DataError(
-                f"window_decay = {self.window_decay!r} s; expected a time constant of 1 us or more, "
-                "or 0 for none"
+                f"window_decay = {self.window_decay!r} s; expected 1 us or more, or 0 for none"
             )
         if self.skip_rows < 0:
             raise DataError(f"skip_rows = {self.skip_rows}; expected a number of lines >= 0")

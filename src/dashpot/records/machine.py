@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -77,6 +77,17 @@ USUAL: Mapping[str, Usual] = MappingProxyType({
     "faster by warmth": Usual(
         0.19, "of ln a_T in a kelvin", "WLF's universal constants 75 K above a glass transition"
     ),
+    "cable": Usual(
+        0.02, "of the stiffness of the seals at the resonance",
+        "trials: cables of accelerometers add 1 to 3 %",
+    ),
+    "loss of the cable": Usual(0.5, "its loss factor", "plasticised PVC and silicone jackets"),
+    "table": Usual(
+        5e-3, "of the give of the seals", "a bench whose own modes lie ten times higher"
+    ),
+    "mass that moves along": Usual(
+        3e-3, "of the mass", "half of a cable of 1 g, wax and a stud, on 100 to 200 g"
+    ),
 })  # fmt: skip
 """One standard deviation each of what limits take into account, and no fitted value does.
 
@@ -109,6 +120,9 @@ class Machine:
         Time for which the seal was left alone before its record began, s.
     oven : float or None
         Standard deviation of the temperature of an oven from what it says, K.
+    cable : float or None
+        Of a hammer's rig: standard deviation of the stiffness that the cables add beside the seals,
+        over that of the seals at the resonance; 0 if they hang free.
 
     Examples
     --------
@@ -143,6 +157,16 @@ class Machine:
     oven: float | None = option(
         None, "Error of an oven's temperature, e.g. 1K.", unit="temperature", under="machine"
     )
+
+    cable: float | None = option(
+        None, "Cable stiffness over the seals', e.g. 1%; 0: it hangs.", unit="strain",
+        under="machine",
+    )  # fmt: skip
+
+    @property
+    def on_bench(self) -> Machine:
+        """What is known of the machine of a relaxation test, and nothing of a hammer's rig."""
+        return self if self.cable is None else replace(self, cable=None)
 
     def heeds(self, *names: str, of: str) -> None:
         """Refuse what is said of the machine and a test of another kind does not heed.
@@ -248,6 +272,6 @@ class Machine:
 
     def __post_init__(self) -> None:
         si_fields(self)
-        known = picked(self, "sync", "drift", "compliance", "creep", "rest", "oven")
+        known = picked(self, "sync", "drift", "compliance", "creep", "rest", "oven", "cable")
         not_negative("machine ", **known, expected="a number >= 0 in SI units", optional=True)
         positive("machine ", force_filter=self.force_filter, unit=" Hz", optional=True)

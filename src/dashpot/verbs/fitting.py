@@ -376,7 +376,8 @@ def _joint(
 ) -> Fit:
     (block,) = mass if isinstance(mass, list | tuple) else (mass,)
     kilograms, hertz = si(block, "mass"), si_range(band, "frequency")
-    tests = [prepared(one, machine) for one in records if kind_of(one) in BENCH]
+    bench = machine and machine.on_bench
+    tests = [prepared(one, bench) for one in records if kind_of(one) in BENCH]
     struck = [one for one in records if isinstance(one, _VIBRATION)]
     frf = frf_of(struck, mass=kilograms, band=hertz, hammer=hammer)
     found = identified(
@@ -393,7 +394,7 @@ def _joint(
         arms=arms,
         family=model,
         known=known or KnownSolid(),
-        rig=rig or HammerRig(),
+        rig=(rig or HammerRig()).on(machine),
     )
     return replace(found.fit, evidence=replace(found.fit.evidence, checks=found.checks))
 

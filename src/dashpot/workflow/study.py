@@ -18,6 +18,7 @@ from dashpot.base.offered import Pictured
 from dashpot.base.progress import doing
 from dashpot.base.sentences import paragraph
 from dashpot.base.units import Quantity, Range, si, si_range, written
+from dashpot.fitting.identification.asked import HammerRig
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
@@ -277,7 +278,10 @@ def characterise(
     mass, band = si(mass, "mass"), si_range(band, "frequency")
     compression = si(compression, "length")
     doing("fitting the relaxation test")
-    every = prepared_tests((test, *further), filter=filter, machine=machine, cuts=cuts, cycle=cycle)
+    every = prepared_tests(
+        (test, *further), filter=filter, machine=_on_bench(machine, measured), cuts=cuts,
+        cycle=cycle,
+    )  # fmt: skip
     chosen = fit(every, arms=arms, method=method, law=law, family=family)
     if impact_temperature is not None:
         chosen = chosen.at_temperature(impact_temperature)
@@ -295,7 +299,7 @@ def characterise(
             doing("fitting relaxation and hammer together")
             both = identify(
                 measured, tests=every, fit=chosen, mass=given, seals=seals, band=band,
-                compression=felt.compression, family=family,
+                compression=felt.compression, family=family, rig=HammerRig().on(machine),
             )  # fmt: skip
             on = on._replace(mass=both.mass_found or mass, seals=seals * both.under_hammer)
             mended = _Mended(both, *_predicted(both, measured, on))
@@ -323,6 +327,11 @@ def characterise(
         direct=felt.direct,
         **mended._asdict(),
     )
+
+
+def _on_bench(machine: Machine | None, measured: FRF | None) -> Machine | None:
+    """What is known of the machine of the tests; of a hammer's rig only where there is one."""
+    return machine if machine is None or measured is None else machine.on_bench
 
 
 class _Carried(NamedTuple):

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Literal
 
 from dashpot.base.errors import DataError
 from dashpot.base.options import option
 from dashpot.base.units import Dimension, Quantity, si_fields, si_range
+from dashpot.records.machine import USUAL, Machine
 
 _DIMENSIONS: dict[str, Dimension] = {
     "static_stiffness": "stiffness",
@@ -28,6 +29,9 @@ class HammerRig:
     gain_sd, delay_sd : float
         What acceleration over force may be off by, relative, and late by, s. Of a transmissibility,
         the upper sensor over the lower.
+    cable : float, optional
+        Standard deviation of the stiffness of its cables over that of the seals; 0 if they hang
+        free, 2 % by default (:data:`~dashpot.records.machine.USUAL`).
 
     Raises
     ------
@@ -38,10 +42,22 @@ class HammerRig:
     mass_sd: float | None = option(None, "Standard deviation of the mass.", unit="mass")
     gain_sd: float = option(0.01, "Of acceleration over force, relative.")
     delay_sd: float = option(1e-4, "Of acceleration behind force.", unit="time")
+    cable: float | None = option(None, "Of its cables over the seals.", unit="strain")
+
+    @property
+    def cable_sd(self) -> float:
+        """What cables may add, over the stiffness of the seals."""
+        return USUAL["cable"].size if self.cable is None else self.cable
+
+    def on(self, machine: Machine | None) -> HammerRig:
+        """The rig, and what a user says of its cable among what is known of the machines."""
+        if machine is None or machine.cable is None:
+            return self
+        return replace(self, cable=machine.cable)
 
     def __post_init__(self) -> None:
         si_fields(self)
-        for name in ("mass_sd", "gain_sd", "delay_sd"):
+        for name in ("mass_sd", "gain_sd", "delay_sd", "cable"):
             _standard_deviation(name, getattr(self, name) or 0.0)
 
 

@@ -13,10 +13,12 @@ from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.fitting.assembly import FoundSolid, assembled
 from dashpot.fitting.checks.solid import optimum_found
 from dashpot.fitting.identification import checks
+from dashpot.fitting.identification.asked import HammerRig
 from dashpot.fitting.identification.explanations import Disagreement, agreement
 from dashpot.fitting.identification.families import Rival, edged, family_checks
 from dashpot.fitting.identification.likelihood import DELAY_UNIT, UNCHANGED, Candidate
 from dashpot.fitting.identification.parametrisation import Arms
+from dashpot.fitting.identification.unseen_rig import moved_by_hammer_rig
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual
 from dashpot.records.evidence import Evidence, Moved, OrderScore, Provenance
@@ -46,6 +48,7 @@ def identified(
     apart: Disagreement | None,
     rival: Rival | None,
     dashpot: tuple[Check, ...],
+    rig: HammerRig,
 ) -> Fit:
     """The fit of one seal, with everything needed to judge it.
 
@@ -54,7 +57,7 @@ def identified(
     """
     point, covariance = best.point, best.covariance
     names, values, physical = _physical(best)
-    unseen = _moved_by_rig(best, physical, doubtful)
+    unseen = _moved_by_rig(best, physical, doubtful, rig)
     if apart is not None:
         # which of the two solids is right is a doubt of its own
         physical = physical + np.outer(*[values - _physical(best, apart.other)[1]] * 2)
@@ -77,8 +80,7 @@ def identified(
         *family_checks(best, rival, other),
         *dashpot,
     )
-    if unseen is not None:
-        estimate = estimate.with_rig(unseen)
+    estimate = estimate.with_rig(unseen)
     law = None if before is None else before.elastic_law
     return assembled(
         FoundSolid(
@@ -140,9 +142,12 @@ def _physical(
 
 
 def _moved_by_rig(
-    best: Candidate, covariance: FloatArray, doubtful: Sequence[RelaxationData]
-) -> FloatArray | None:
-    r"""What each doubt of a relaxation test adds to the solid's parameters, shape (p, d).
+    best: Candidate,
+    covariance: FloatArray,
+    doubtful: Sequence[RelaxationData],
+    rig: HammerRig,
+) -> FloatArray:
+    r"""What each doubt of a relaxation test and of the hammer's rig adds to the solid: (p, d).
 
     It pulls at the solid by J'c, and C J'c is how far the solid follows, C being the covariance of
     all that was fitted. An earlier fit without its tests pulls by :math:`C_0^{-1}` times what it
@@ -150,14 +155,24 @@ def _moved_by_rig(
     """
     size = len(covariance)
     pulls = [data.pulled(best.point.model)[:size] for data in doubtful]
-    known = best.problem.constraints.before
-    if known is not None and best.problem.earlier is not None:
+    before = best.problem.constraints.before
+    if before is not None and best.problem.earlier is not None:
         places, _, root = best.problem.earlier
         pulls.append(np.zeros((size, len(places))))
-        pulls[-1][places] = np.linalg.solve(root @ root.T, _unseen_root(known, best))
-    if not pulls:
-        return None
-    return np.where(np.isfinite(covariance), covariance, 0.0) @ np.hstack(pulls)
+        pulls[-1][places] = np.linalg.solve(root @ root.T, _unseen_root(before, best))
+    of_hammer = _slope_of_physical(best) @ moved_by_hammer_rig(best, rig)
+    known = np.where(np.isfinite(covariance), covariance, 0.0)
+    return np.hstack([*(known @ pull for pull in pulls), of_hammer])
+
+
+def _slope_of_physical(best: Candidate) -> FloatArray:
+    """Derivative of the solid's parameters by the flat vector."""
+    problem, sought = best.problem, best.problem.sought
+    slope = np.zeros((sought.size + problem.dashpot, len(best.theta)))
+    slope[: sought.size, : sought.size] = sought.physical(best.theta[: sought.size])[2]
+    if problem.dashpot:
+        slope[-1, problem.at["b"]] = np.exp(best.theta[problem.at["b"]])
+    return slope
 
 
 def _unseen_root(before: Fit, best: Candidate) -> FloatArray:

@@ -57,8 +57,8 @@ ELEMENT_STARTS = 4
 ROUGH, FINISHED = 25, 2
 # relative fall of chi-square that ends a search, and the last descent
 LOOSE, TIGHT = 1e-9, 1e-13
-# relative fall of chi-square over a whole descent of a valley that is flat
-SETTLED = 1e-6
+# fall of chi-square over a whole descent: along a valley so flat the optimum is no better known
+SETTLED = 0.05
 # a larger number of arms that leaves so many times what the last one leaves
 ASTRAY = 1.01
 
@@ -177,6 +177,7 @@ def identify(
         rival=rival,
         # where two tests disagree, a dashpot only hides it
         dashpot=() if apart else (_dashpot_missed(best, own), *_arms_enough(best, arms, own)),
+        rig=rig,
     )
 
 
@@ -189,7 +190,7 @@ def _last_descent(problem: IdentificationProblem, theta: FloatArray) -> Candidat
     if final.optimum.stationary:
         return final
     further = descend(problem, final.theta, tolerance=TIGHT)
-    settled = final.cost - further.cost <= SETTLED * final.cost
+    settled = final.cost - further.cost <= SETTLED
     stationary = further.optimum.stationary or bool(settled)
     return replace(further, optimum=replace(further.optimum, stationary=stationary))
 

@@ -17,6 +17,7 @@ from dashpot.base.facts import Fact
 from dashpot.base.offered import Judged, Series
 from dashpot.base.units import written
 from dashpot.base.version import byline
+from dashpot.fitting.identification.asked import HammerRig
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.impact import read_impact
 from dashpot.io.readers.shaken import read_shaken
@@ -539,7 +540,8 @@ def identify_files(
     hammer, mass, band, specimen, asked
         As of :func:`identified`.
     """
-    known_of_a_test(machine, tests=len(tests), add="a relaxation test")
+    bench = machine and machine.on_bench
+    known_of_a_test(bench, tests=len(tests), add="a relaxation test")
     _refuse_both(asked.get("fits", ()), tests)
     if not tests and len(temperatures) > 1:
         raise ReadError(
@@ -547,11 +549,10 @@ def identify_files(
             "of the seals under the hammer"
         )
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
-    prepared = prepared_files(
-        tests, machine=machine, options=options_with, temperatures=temperatures
-    )
+    prepared = prepared_files(tests, machine=bench, options=options_with, temperatures=temperatures)
     if not tests and temperatures:
         specimen = replace(specimen or Specimen(), temperature=temperatures[0])
+    asked["rig"] = (asked.get("rig") or HammerRig()).on(machine)
     return identified(
         frf, tests=prepared, mass=mass, band=band,
         temperature=impact_temperature, specimen=specimen, hammer=hammer, **asked,
