@@ -269,7 +269,7 @@ SUITS = (
     ("--between 4:8mm", "seal.csv", "--between is for a compression load deflection"),
     ("--memory fit.json", "seal.csv", "--memory is for"),
     ("--cuts onset=1s", "hammer.csv", "--cuts is for a relaxation test. hammer.csv is a hammer"),
-    ("--machine sync=1ms", "dma.csv", "(CSR) or a relaxation test. dma.csv is a dynamic"),
+    ("--machine sync=1ms", "dma.csv", "or a transmissibility. dma.csv is a dynamic"),
     ("--reference 23degC", "hammer.csv", "--reference is for"),
     ("--window none", "frf.csv", "--window is for"),
     ("--level 1N", "strain.csv", "--level is for"),

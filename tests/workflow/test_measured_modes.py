@@ -244,11 +244,12 @@ def test_columns_files_and_a_uff_tell_the_same(tmp_path):
     assert [one.points for one in every] == [
         ("p0", "p1", "p2", "p3"),
         ("a", "b", "c", "d"),
-        ("1+Z/1+Z", "2-Z/1+Z", "3+Z/1+Z", "4-Z/1+Z"),
+        ("1+Z/1+Z", "2+Z/1+Z", "3+Z/1+Z", "4+Z/1+Z"),
     ]
-    for one in every:
-        for mine, its in zip(one.frfs, frfs, strict=True):
-            np.testing.assert_allclose(mine.value, its.value, rtol=1e-5)
+    # accelerometers 2 and 4 stand against the axis in the UFF, whose values are then turned
+    for one, against in zip(every, (1, 1, -1), strict=True):
+        for mine, its, sign in zip(one.frfs, frfs, (1, against, 1, against), strict=True):
+            np.testing.assert_allclose(mine.value, sign * its.value, rtol=1e-5)
     with pytest.raises(dp.ReadError, match=r"4 FRFs in the file: .*; choose one, for example"):
         read_frf(tmp_path / "points.uff")
 

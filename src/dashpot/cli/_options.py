@@ -118,6 +118,9 @@ def under_mass(*, kinds: str = "", known: str = "", required: bool = False) -> l
 def hammer(*, kinds: str = "", leave: Sequence[str] = ()) -> list[Opt]:
     """Return the options of hits, and of a mass over a base that moves."""
     hits = of(HammerChoices, into="hammer", leave=("motion", *leave), kinds=kinds)
+    for one in hits:
+        if one.flag == "--polarity" and one.kinds:
+            one.kinds |= {"frf"}
     return rest(group(HITS, hits))
 
 

@@ -181,8 +181,7 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
         _refuse_what_needs_a_mass(context)
     if meant in {"hits", "modes", "masses", "rod", "level"} and said["machine"] != Machine():
         raise click.UsageError(
-            "--machine is of a relaxation test, or of the solid under one mass. "
-            "Leave it out."
+            "--machine is of a relaxation test, or of the solid under one mass. Leave it out."
         )
     module, _, name = _RUN.get(meant, "of_kind").partition(":")
     run: Callable[[Given], Outcome] = getattr(

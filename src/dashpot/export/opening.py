@@ -281,7 +281,8 @@ def _doubt(fit: Fit | LevelFit) -> str | None:
         return fit.verdict.says if fit.verdict.use == "do not use" else None
     if fit.status not in (Status.CONVERGED, Status.FEWER_ARMS):
         return str(fit.status.value)
-    model, error = fit.model, fit.standard_error
+    # what a rig adds to all arms alike is no reason to fit fewer: that is told in errors and limits
+    model, error = fit.model, replace(fit, estimate=fit.estimate.noise_alone).standard_error
     if not model.k_inf > 0:
         return "k_inf = 0, so the relaxation had not ended when the test did"
     # a stiffness is known to three standard errors, a relaxation time to two

@@ -11,6 +11,8 @@ from dashpot.told.text import fit, impact
 if TYPE_CHECKING:
     from dashpot.workflow.vibration.impacts import Identified
 
+_ASSUMED = "seals_counted"
+"""The check whose answer changes every stiffness that is shown."""
 _ROWS = 3
 """Lines of a transmissibility that are shown: both ends of its band, and between."""
 
@@ -21,7 +23,8 @@ def identified(found: Identified) -> Text:
     first, lines = list(solid.lines[:1]), solid.lines[1:]
     if straight.over_base:
         first += sensitive(straight, errors=("phase", "mass"), unit="N/m", shown=_ROWS)
+    assumed = [f"{one.says}." for one in found.noted if one.failed and one.name == _ASSUMED]
     rests = [str(found.at_rest)] if str(found.at_rest) else []
     modes = impact(found.vibration) if found.vibration else Text()
-    shown = [*first, *lines, *rests, *modes.lines]
+    shown = [*first, *lines, *assumed, *rests, *modes.lines]
     return Text(shown, [*solid.details, *modes.details], solid.asked)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from dashpot.base.checks import Finding, Remedy, criterion
+from dashpot.base.numbers import seals as numbered
 from dashpot.base.sentences import sentence
 from dashpot.records.frf import Mode
 
@@ -53,6 +54,17 @@ def fit_is_tested(fitted: int) -> Finding:
         instead=f"The fit was made from this measurement ({fitted} files)",
         because="Its agreement tests nothing",
         remedy="Compare it with other hits, or leave a hit out.",
+    )
+
+
+@criterion(source="the stiffness of one seal is that of all over their number", grade="note")
+def seals_counted(seals: float) -> Finding:
+    """The number of seals under the block was given."""
+    return Finding(
+        f"The number of seals is not given, so {numbered(seals)} is assumed",
+        because="The stiffness of one seal goes with it",
+        remedy=Remedy("Count the seals under the block.", "seals"),
+        faulted=True,
     )
 
 

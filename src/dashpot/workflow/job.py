@@ -343,10 +343,11 @@ class RodChoices:
     lubricated: bool = option(False, "The ends slide.", is_flag=True)
     gain_error: float = option(0.01, "Gain error between the sensors, e.g. 1%.", unit="strain")
     phase_error: float = option("1deg", "Phase error between the sensors.", unit="angle")
+    glue_error: float = option(0.065, "Give of the glue over the rod's; 0: none.", unit="strain")
 
     def __post_init__(self) -> None:
         si_fields(self)
-        for name in ("gain_error", "phase_error"):
+        for name in ("gain_error", "phase_error", "glue_error"):
             value = getattr(self, name)
             if not 0 <= value < 1:
                 raise DataError(

@@ -104,6 +104,18 @@ class Given:
         said: Specimen = self.said["specimen"]
         return replace(said, temperature=warmth[0]) if warmth else said
 
+    def refuse_polarity(self) -> None:
+        """Refuse a sign of FRFs where none is heeded: a mass or a level does not depend on it.
+
+        Raises
+        ------
+        click.UsageError
+        """
+        if self.hammer.polarity is not None:
+            raise click.UsageError(
+                "--polarity is for hits, or for FRFs whose modes or solid are sought. Leave it out."
+            )
+
     def kept_as(self, *suffixes: str, what: str) -> str | None:
         """Return the suffix of the file that keeps the result or its page; None where none is.
 

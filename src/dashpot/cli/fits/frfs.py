@@ -15,7 +15,11 @@ def run(given: Given) -> Outcome:
     """Find the modes that the FRFs share."""
     given.kept_as(".json", what="the modes of FRFs")
     found, chart = workflow.modes_files(
-        given.files, options=given.reading, band=given["band"], motion=given.hammer.motion
+        given.files,
+        options=given.reading,
+        band=given["band"],
+        motion=given.hammer.motion,
+        polarity=given.hammer.polarity,
     )
     return given.told(
         found,
@@ -33,6 +37,7 @@ def under_masses(given: Given) -> Outcome:
             f"--mass was given {len(masses)} times for {counted(len(files), 'file')}. Give the "
             "mass of each file, in their order."
         )
+    given.refuse_polarity()
     given.kept_as(".json", what="the modes under several masses")
     seals = given["seals"]
     found = workflow.modes_by_mass(

@@ -38,6 +38,7 @@ def run(given: Given) -> Outcome:
         options_with=reading.only(("units", *reading.of_bench)),
         mass=given.mass,
         family=given.model(FamilyAsked, "maxwell"),
+        seals_assumed="--seals" not in given.again(),
         **given.some("rig", "seal_mass", "seals", "compression", "impact_temperature", "arms",
                      "known", "band", "machine", "temperatures", "specimen", "hammer"),
     )  # fmt: skip

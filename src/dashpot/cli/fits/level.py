@@ -10,6 +10,7 @@ from dashpot.cli.fits._given import Given
 
 def run(given: Given) -> Outcome:
     """Find how far stiffness and damping depend on how far the seal is moved."""
+    given.refuse_polarity()
     given.kept_as(".json", what="a fit over amplitude")
     found = workflow.level_files(
         given.files,

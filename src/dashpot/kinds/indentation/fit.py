@@ -53,6 +53,8 @@ _CLIPPED = 3
 _ROUNDING = 1e-5
 """Part of the record that integration and interpolation leave."""
 _LOSSES = frozenset({"c", "viscous_time", "g"})
+_OF_RADIUS = frozenset({"modulus", "glassy_modulus"})
+"""What goes with the root of the radius of the tip."""
 _TIME = 2
 """Place of the law's time among the parameters."""
 _SAME = 0.05
@@ -376,9 +378,20 @@ def _found(window: _NearHit, one: _LawOptimum) -> tuple[Fact, ...]:
             low = np.where(losses, 1 - part, 1 / spread)
             high = np.where(losses, 1 + part, spread)
             each.append((what.values * low, what.values * high))
-        return np.min([low for low, _ in each], axis=0), np.max([high for _, high in each], axis=0)
+        low = np.min([low for low, _ in each], axis=0)
+        high = np.max([high for _, high in each], axis=0)
+        more = reach * of_radius
+        with np.errstate(divide="ignore", invalid="ignore"):
+            wide = [values * np.exp(way * np.hypot(np.log(end / values), more))
+                    for way, end in ((-1, low), (1, high))]  # fmt: skip
+        return np.where(more > 0, wide[0], low), np.where(more > 0, wide[1], high)
 
     losses = np.array([name in _LOSSES for name in named])
+    # a modulus is that of a stiffness over the root of the radius
+    of_radius = np.array([
+        0.5 * window.test.indenter.radius_error * (name in _OF_RADIUS) for name in named
+    ])  # fmt: skip
+    values = np.array([value for value, _ in named.values()])
     (low, high), (_, once) = ends(_LEVEL), ends(0.90)
     bounded = losses & (low <= 0)
     rows = zip(

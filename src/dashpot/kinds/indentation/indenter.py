@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from dashpot.base.demands import positive
+from dashpot.base.errors import DataError
 from dashpot.base.options import option
 from dashpot.base.plausible import SIZES
 from dashpot.base.units import GRAVITY, si_fields
@@ -21,6 +22,8 @@ class Indenter:
         kg; all that moves with the indenter.
     radius : float or None
         Of its spherical tip, m.
+    radius_error : float
+        Its standard deviation, relative; a tip that is worn, or a radius that is nominal.
     drop_height : float or None
         From rest to the surface, m: it falls, and gravity pulls on.
     impact_velocity : float or None
@@ -31,6 +34,7 @@ class Indenter:
         None, "Mass of all that moves with the indenter, e.g. 5g.", unit="mass"
     )
     radius: float | None = option(None, "Radius of the spherical tip, e.g. 5mm.", unit="length")
+    radius_error: float = option(0.025, "Error of the radius, e.g. 1%.", unit="strain")
     drop_height: float | None = option(
         None, "Height from rest to the surface, e.g. 50mm.", unit="length"
     )
@@ -40,7 +44,12 @@ class Indenter:
 
     def __post_init__(self) -> None:
         si_fields(self)
-        positive(**vars(self), expected="a number > 0 in SI units", optional=True)
+        known = {name: value for name, value in vars(self).items() if name != "radius_error"}
+        positive(**known, expected="a number > 0 in SI units", optional=True)
+        if not 0 <= self.radius_error < 1:
+            raise DataError(
+                f"radius_error = {self.radius_error:g}; expected a part from 0 to below 1"
+            )
         SIZES["mass"].refuse(self.mass or 0.0)
         SIZES["radius"].refuse(self.radius or 0.0)
 

@@ -193,6 +193,8 @@ def _inverted(
         "by_area": steep / 2 - heavy + own,
         "by_density": 1 - heavy + own,
         "by_poisson": np.full_like(y, -by_poisson),
+        # springs in a row: 1/E = 1/E_seen - glue/E'
+        "by_glue": E / np.abs(E.real),
     }
     spread = [getattr(errors, name.removeprefix("by_")) * d for name, d in sensitivity.items()]
     random = measured.random_sd

@@ -25,6 +25,8 @@ class RodErrors:
         Of the mass on top, and of the rod, relative.
     poisson : float
         Of Poisson's ratio, absolute: what is not known of a rubber's, 0.4985 to 0.4999.
+    glue : float
+        Of what the glue between rod, base and mass gives, over what the rod gives: trials had 12 %.
     """
 
     gain: float = 0.01
@@ -34,6 +36,7 @@ class RodErrors:
     area: float = 0.005
     density: float = 0.005
     poisson: float = 0.0007
+    glue: float = 0.065
 
 
 _PER_LINE = ("frequency", "modulus", "wave", "by_", "storage_sd", "loss_factor_sd")
@@ -51,9 +54,10 @@ class RodModulus(ByValue):
         E*, Pa.
     wave : complex array, shape (n,)
         Square of the wave number times the length, :math:`z^2`.
-    by_gain, by_phase, by_mass, by_length, by_area, by_density, by_poisson : complex array, (n,)
+    by_gain, by_phase, by_mass, by_length, by_area, by_density, by_poisson, by_glue : complex array
         :math:`d\ln E^*` for each relative change of these, for each rad of phase, for 1 of
-        Poisson's ratio; what that does to storage and loss factor is :meth:`changes`.
+        Poisson's ratio, for a glue that gives as much as the rod; shape (n,). What that does to
+        storage and loss factor is :meth:`changes`.
     storage_sd, loss_factor_sd : array, shape (n,)
         All errors together, random ones too: Pa, and absolute.
     band : (float, float)
@@ -73,6 +77,7 @@ class RodModulus(ByValue):
     by_area: ComplexArray
     by_density: ComplexArray
     by_poisson: ComplexArray
+    by_glue: ComplexArray
     storage_sd: FloatArray
     loss_factor_sd: FloatArray
     band: tuple[float, float]

@@ -349,12 +349,12 @@ def window_known(window: ExponentialWindow, main: Mode | None) -> Finding:
             remedy=Remedy("Check the setting of the analyser.", "window-decay"),
             faulted=True,
         )
-    origin = "as stated" if window.stated and window.sd == 0 else "by the decay of its noise"
-    says = f"The record carries an exponential window of {1 / window.rate:.3g} s, {origin}"
+    origin = "as stated" if window.stated and window.sd == 0 else "by its noise"
+    says = f"The record carries a window of {1 / window.rate:.3g} s {origin}"
     if main is None:
         return Finding(f"{says}. No mode was found to judge it by")
     return Finding(
-        f"{says}, known to {100 * window.sd / main.decay:.2g} % of the decay of the mode",
+        f"{says}, known to {100 * window.sd / main.decay:.2g} % of the mode's decay",
         window.sd / main.decay if main.decay > 0 else np.inf,
         "The damping is known no better",
         Remedy("Give the time constant of the window.", "window-decay"),

@@ -38,7 +38,7 @@ from dashpot.vibration.modal.dynamic_stiffness import (
 )
 from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.vibration.systems.prediction import predict_frf
-from dashpot.workflow.checks import fit_is_tested
+from dashpot.workflow.checks import fit_is_tested, seals_counted
 from dashpot.workflow.job import HammerChoices, known_of_a_test
 from dashpot.workflow.prepared import prepared_files, refuse_others
 from dashpot.workflow.response.resting import (
@@ -572,6 +572,7 @@ def identified(
     temperature: float | None = None,
     specimen: Specimen | None = None,
     hammer: HammerChoices | None = None,
+    seals_assumed: bool = False,
     **choices: Any,
 ) -> Identified:
     """Identify the solid under a mass from an FRF, alone or with prepared tests or their fit.
@@ -595,6 +596,8 @@ def identified(
         What is known of the seals; it wins over what the tests say.
     hammer : HammerChoices, optional
         How hits were averaged.
+    seals_assumed : bool
+        Nobody counted the seals: `seals` is what is usual, and this is said.
     choices
         As in :func:`~dashpot.fitting.identification.identify.identify`.
     """
@@ -605,6 +608,8 @@ def identified(
     if not tests and not fits:
         vibration = _vibration(frf, _modes(frf, band)[0], hammer or HammerChoices())
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
+    if seals_assumed:
+        noted = (*noted, seals_counted(seals))
     frf = relieved(frf, total, seal_mass, seals)
     mass = total or mass
     straight = dynamic_stiffness(frf, mass, seals=seals, band=band)

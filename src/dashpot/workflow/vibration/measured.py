@@ -10,7 +10,10 @@ import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError, ReadError
+from dashpot.base.numbers import counted
+from dashpot.base.options import flag_of, offered
 from dashpot.base.plausible import SIZES
+from dashpot.base.provenance import Step
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import HITS, hits_in
@@ -25,6 +28,7 @@ from dashpot.vibration.impact.checks import (
     coherence,
     frf_dissipates,
     mass_over_base,
+    resonance,
     scatter_known,
     segments_resolve,
 )
@@ -39,6 +43,8 @@ _NO_MASS = (
     "the file holds a transmissibility, which tells the stiffness over the mass and neither alone: "
     "give the mass (--mass)"
 )
+_UNIT = 1.0
+"""kg; the mass that a transmissibility leaves open."""
 _NO_BASE = "--relative is of a mass over a base that moves, and here a force moves it: leave out"
 
 
@@ -84,11 +90,44 @@ def measured_frf(
             raise ReadError(_NO_MASS)
         return judged_base(record, choices=choices, mass=mass, band=band)[0]
     if isinstance(record, FRF):
-        frf = as_measured(record, choices.motion)
+        frf = _turned(as_measured(record, choices.motion), choices)
         if frf.quantity.over_base and mass is None:
             raise ReadError(_NO_MASS)
         return judged(frf, band, mass=mass)
     return average(record, choices=choices, mass=mass, band=band)
+
+
+def _turned(frf: FRF, choices: HammerChoices) -> FRF:
+    """The FRF with the sign that the user gives it; refuse what else is of hits.
+
+    Raises
+    ------
+    ReadError
+    """
+    refuse_choices_of_hits(choices, "an FRF was averaged already", but=("polarity", "motion"))
+    return with_polarity([frf], choices.polarity)[0]
+
+
+def with_polarity(frfs: Sequence[FRF], polarity: Sequence[int] | None) -> tuple[FRF, ...]:
+    """Return FRFs with the sign that is given to each, +1 or -1; without any as they are.
+
+    Raises
+    ------
+    ReadError
+        If there is not one sign for each.
+    """
+    if polarity is None:
+        return tuple(frfs)
+    if len(polarity) != len(frfs):
+        raise ReadError(
+            f"--polarity was given {len(polarity)} times for {counted(len(frfs), 'FRF')}; give +1 "
+            "or -1 for each, in their order"
+        )
+    step = Step("polarity", (("turned", "FRF"),), "the sign of the FRF was turned, as given")
+    return tuple(
+        replace(one, value=-one.value, steps=(*one.steps, step)) if sign < 0 else one
+        for one, sign in zip(frfs, polarity, strict=True)
+    )
 
 
 def judged_base(
@@ -100,23 +139,27 @@ def judged_base(
 ) -> tuple[FRF, tuple[Mode, ...], str]:
     """Return the transmissibility of a shaken base, judged, its modes, and why there are none.
 
-    Without the mass, kg, it has none, and nothing at its resonance is judged.
+    Frequency and damping do not depend on the mass, kg: where it is not given, 1 kg stands for it.
     """
-    _no_hammer(choices)
+    refuse_choices_of_hits(
+        choices, "the base was shaken (--column base-acceleration)",
+        but=("estimator", "record", "motion"),
+    )  # fmt: skip
     frf = estimate_transmissibility(test, estimator=choices.estimator, segment=choices.record)
     frf = as_measured(frf, choices.motion)
     whole = channels_not_clipped(test)
-    if mass is None:
-        return replace(frf, checks=(mass_over_base(frf), whole)), (), _NO_MASS
+    mass = _UNIT if mass is None else mass
     modes: tuple[Mode, ...] = ()
     reason = ""
     try:
         modes = frf.to("accelerance", mass=mass).modes(band=band)
     except (DataError, FitError) as error:
         reason = str(error)
-    resolved = segments_resolve(frf, next(iter(modes), None))
+    main = next(iter(modes), None)
+    found = [] if main is not None else [resonance(frf, None)]
+    resolved = segments_resolve(frf, main)
     frf = judged(frf, band, mass=mass)
-    return replace(frf, checks=(*frf.checks, whole, resolved)), modes, reason
+    return replace(frf, checks=(*frf.checks, whole, *found, resolved)), modes, reason
 
 
 def as_measured(frf: FRF, motion: str) -> FRF:
@@ -128,19 +171,21 @@ def as_measured(frf: FRF, motion: str) -> FRF:
     return as_relative(frf)
 
 
-def _no_hammer(choices: HammerChoices) -> None:
-    """Refuse choices that a base that is shaken has no use for."""
+def refuse_choices_of_hits(choices: HammerChoices, why: str, *, but: Sequence[str] = ()) -> None:
+    """Refuse choices that only hits have a use for, all `but` some.
+
+    Raises
+    ------
+    ReadError
+    """
     default = HammerChoices()
     odd = [
-        f"--{name}"
-        for name in ("window", "combine", "accept", "reject", "pretrigger", "polarity")
-        if getattr(choices, name) != getattr(default, name)
+        flag_of(one)
+        for one in offered(choices)
+        if one.name not in but and getattr(choices, one.name) != getattr(default, one.name)
     ]
     if odd:
-        raise ReadError(
-            f"{', '.join(odd)}: of hits, and the base was shaken (--column base-acceleration); "
-            "leave out"
-        )
+        raise ReadError(f"{', '.join(odd)}: of hits, and {why}; leave out")
 
 
 def judged(

@@ -26,7 +26,7 @@ from dashpot.vibration.modal.several_points import shapes_of, within
 from dashpot.vibration.modal.shapes import mac, phase_collinearity, phase_deviation
 from dashpot.vibration.modal.stabilisation import Stabilisation, stabilisation
 from dashpot.workflow.vibration.impacts import finite
-from dashpot.workflow.vibration.measured import as_measured, judged
+from dashpot.workflow.vibration.measured import as_measured, judged, with_polarity
 from dashpot.workflow.vibration.modes import ImpactMode, Modes
 
 _UNIT = 1.0
@@ -143,6 +143,7 @@ def modes_files(
     options: ReadOptions | None = None,
     band: tuple[float, float] | None = None,
     motion: OverBase = "absolute",
+    polarity: Sequence[int] | None = None,
     against: Sequence[str | Path] = (),
 ) -> tuple[MeasuredModes, Stabilisation]:
     """Find the modes that the FRFs in files share, and their stabilisation chart.
@@ -159,6 +160,8 @@ def modes_files(
         mounts moves most.
     motion : str
         Of the mass in transmissibilities: ``"absolute"``, or ``"relative"`` to the base.
+    polarity : sequence of +1 and -1, optional
+        Sign of each FRF.
     against : sequence of path
         The same points, tested once more, whose modes are held against these.
 
@@ -171,7 +174,7 @@ def modes_files(
     """
     other = read_frfs(against, options=options) if against else None
     measured = read_frfs(files, options=options)
-    frfs = tuple(as_measured(one, motion) for one in measured.frfs)
+    frfs = with_polarity([as_measured(one, motion) for one in measured.frfs], polarity)
     return modes_of(FRFSet(frfs, measured.points), band=band, against=other)
 
 

@@ -33,7 +33,7 @@ from dashpot.workflow.vibration.measured import read_measured
 
 _LIGHTEST, _HEAVIEST = 5.0, 2e4
 """Of a foam and of a metal, kg/m^3."""
-_ERRORS = ("gain", "phase", "mass", "length", "area", "density", "poisson")
+_ERRORS = ("gain", "phase", "mass", "length", "area", "density", "poisson", "glue")
 _OF_THE_PLATEAU = frozenset({plateau_told.name, end_level.name})
 """Checks of what lies below the band of a rod, whose answer is its modulus within."""
 
@@ -186,7 +186,7 @@ def rod_under(
     """
     part, errors, bonded = (
         _part(rod),
-        RodErrors(rod.gain_error, rod.phase_error),
+        RodErrors(rod.gain_error, rod.phase_error, glue=rod.glue_error),
         not rod.lubricated,
     )
     if mass_sd is not None:
