@@ -97,6 +97,16 @@ def test_chance_is_the_tail_of_chi_square(value: float, dof: int) -> None:
     assert chance_beyond(value, dof) == pytest.approx(chi2.sf(value, dof), rel=1e-10, abs=1e-300)
 
 
+@pytest.mark.parametrize("dof", [1, 2, 3, 10, 99, 170, 171, 300, 301, 343, 1000, 5001])
+@pytest.mark.parametrize("ratio", [0.0, 1e-12, 0.05, 0.5, 0.9, 1.0, 1.1, 1.5, 3.0, 30.0])
+def test_chance_is_the_tail_of_chi_square_for_any_degrees_of_freedom(
+    dof: int, ratio: float
+) -> None:
+    """Powers and gamma functions of some hundreds overflow; the tail does not."""
+    expected = chi2.sf(ratio * dof, dof)
+    assert chance_beyond(ratio * dof, dof) == pytest.approx(expected, rel=1e-10, abs=1e-300)
+
+
 @pytest.mark.parametrize("parameters", [1, 2, 3, 5])
 def test_an_arm_is_needed_beyond_three_standard_errors_of_chance(parameters: int) -> None:
     limit = chi2.isf(MAX_CHANCE, parameters)

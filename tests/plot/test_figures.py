@@ -36,11 +36,14 @@ from dashpot.plot.picture import (
     Scale,
     Span,
     Tag,
+    around,
     unit_of,
 )
 from dashpot.plot.relaxation import fits_to_show, fitted_force
+from dashpot.plot.svg import strip as svg_strip
 from dashpot.plot.ticks import numbers
 from dashpot.preparation.prepare import prepare
+from dashpot.records.bounds import StiffnessBounds
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.evidence import AtDepth
 from dashpot.records.modulus import RelaxationModulus
@@ -274,6 +277,26 @@ def test_stiffness_is_solid_where_identified_and_dashed_elsewhere(drawn):
         assert not solid.pen.dashes
         assert dashed.pen.dashes
         assert (np.isfinite(solid.y) | np.isfinite(dashed.y)).all()
+
+
+@pytest.mark.parametrize("endless", ["some", "all"])
+def test_a_bound_that_no_test_sets_runs_out_at_the_top_of_a_finite_axis(endless):
+    found = a_fit(PAPER)
+    f = np.geomspace(1e-3, 100, 61)
+    tops = np.where((f > 1) | (endless == "all"), np.inf, 2 * found.solid.k_0)
+    edges = np.array([0 * f, tops])
+    bounds = StiffnessBounds(f, edges, edges, edges)
+    picture = plot.stiffness(found, unseen=bounds)
+    for strip in picture.strips:
+        for panel in strip:
+            assert np.isfinite(panel.y.limits).all()
+            assert len(numbers(panel.y, panel.height, 30)) > 1
+            assert "inf" not in svg_strip((panel,), name="a", width=400.0, kind="screen").lower()
+
+
+def test_axes_hold_what_is_finite():
+    assert around(np.array([1.0, np.inf]), np.array([3.0, np.nan, -np.inf]), margin=0.0) == (1, 3)
+    assert np.isfinite(around(np.array([np.inf, np.nan]))).all()
 
 
 def test_stiffness_shows_newtons_per_millimetre(drawn):

@@ -15,6 +15,7 @@ import pytest
 from kit.shell import ran
 
 import dashpot as dp
+from dashpot.base.atomic import write_whole
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.version import is_ours
 from dashpot.fitting.relaxation import fit
@@ -252,6 +253,50 @@ def test_a_device_that_says_nothing_is_not_waited_for(tmp_path):
     with pytest.raises(ReadError, match="nothing came from a card; its cable is off: is it on"):
         record(card, tmp_path / "a.csv", seconds=1e-3)
     assert card.stopped
+
+
+@pytest.mark.once
+def test_two_recorders_never_write_one_file(tmp_path):
+    """The second is refused while the first runs, and not after it was killed."""
+    file = tmp_path / "a.csv"
+    words = f"record --driver simulated --speed 0.5 -o {file}".split()
+    with subprocess.Popen(
+        [sys.executable, "-m", "dashpot", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as child:
+        try:
+            while not file.exists() or file.read_bytes().count(b"\n") < 20:
+                assert child.poll() is None
+            second = ran(*f"record --driver simulated --seconds 1s --overwrite -o {file}".split())
+            assert second.exit_code == 2
+            assert "another dashpot records to this file" in " ".join(second.output.split())
+            with pytest.raises(DataError, match="is being written by another dashpot"):
+                write_whole(file, b"another result")
+            assert b"another" not in file.read_bytes()
+        finally:
+            child.kill()
+            child.communicate(timeout=60)
+    text = file.read_text()
+    assert "\0" not in text
+    # rows of the one recorder alone: its clock never goes back
+    times = [float(row.split(",")[0]) for row in text.splitlines()[2:-1]]
+    assert times == sorted(times)
+    # what was killed holds no lock
+    rows, _ = record(Paced(TEST, "a card", speed=np.inf), file, replace=True)
+    assert rows == len(TEST.time)
+    write_whole(file, b"another result")
+    assert file.read_bytes() == b"another result"
+
+
+def test_an_earlier_record_stays_until_rows_come(tmp_path):
+    file = tmp_path / "a.csv"
+    file.write_text("an earlier record, longer than what follows\n" * 20_000)
+    before = file.read_bytes()
+    with pytest.raises(ReadError, match="nothing came"):
+        record(Silent(), file, seconds=1e-3, replace=True)
+    assert file.read_bytes() == before
+    record(Paced(TEST, "a card", speed=np.inf), file, replace=True)
+    assert "earlier" not in file.read_text()
+    assert len(read_relaxation(file).time) == len(TEST.time)
 
 
 class Broken(Paced):

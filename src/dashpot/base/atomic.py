@@ -10,6 +10,7 @@ from pathlib import Path
 
 from dashpot.base.errors import DataError
 from dashpot.base.escapes import escaped
+from dashpot.base.lock import is_locked
 
 PART = ".part"
 """How the name of a file ends that is not yet whole."""
@@ -59,7 +60,7 @@ def write_whole(path: str | Path, content: bytes) -> None:
     Raises
     ------
     DataError
-        If no file can have that name.
+        If no file can have that name, or another process holds the lock on the file.
     OSError
         If the folder is missing or cannot be written to, or the disk is full; what stood at
         `path` then stands there still.
@@ -69,6 +70,11 @@ def write_whole(path: str | Path, content: bytes) -> None:
     if mode is not None and not stat.S_ISREG(mode):
         place.write_bytes(content)
         return
+    if mode is not None and is_locked(place):
+        raise DataError(
+            f"{escaped(str(path))} is being written by another dashpot; wait until it ends, or "
+            "give another name"
+        )
     beside = place.with_name(f".{os.urandom(8).hex()}{PART}")
     try:
         with beside.open("xb") as file:

@@ -317,9 +317,10 @@ def read_as(unit: str) -> tuple[str, float]:
 
 
 def around(*arrays: FloatArray, margin: float = 0.06) -> tuple[float, float]:
-    """Limits that hold every array with a margin, gaps left out."""
-    low = min(float(np.nanmin(a)) for a in arrays)
-    high = max(float(np.nanmax(a)) for a in arrays)
+    """Limits that hold every finite value with a margin; 0 and 1 if there is none."""
+    values = np.concatenate([np.asarray(a, dtype=float).ravel() for a in arrays])
+    values = values[np.isfinite(values)]
+    low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
     pad = margin * ((high - low) or abs(high) or 1.0)
     return low - pad, high + pad
 

@@ -23,6 +23,7 @@ from dashpot.plot.picture import (
     Rule,
     Scale,
     Span,
+    around,
     around_log,
     inside,
     joint_pen,
@@ -104,7 +105,7 @@ def elastic_law(fit: Fit, *, compression: float | None = None, stamp: str = "") 
     )
     below = Scale("compression, mm", (0.0, float(at[-1])))
     highest = float(np.max([law.force(x), law.stiffness * x]))
-    steepest = float(np.max(tangent + error))
+    steepest = around(tangent, tangent + error, margin=0.0)[1]
     panels = (
         Panel(below, Scale("relaxed force, N", (0.0, 1.08 * highest)), force),
         Panel(below, Scale("tangent stiffness k∞, N/mm", (0.0, 1.08 * steepest)), stiffness),
@@ -185,7 +186,8 @@ def _scale(name: str, label: str, curve: FloatArray, marks: list[Mark]) -> Scale
     """The upright axis: logarithmic for a loss, unless it is a spring's, which has none."""
     points = [m.y for m in marks if isinstance(m, (Line, Dots))]
     tops = [m.high for m in marks if isinstance(m, Area)]
-    highest = max(float(np.nanmax(top)) for top in (*points, *tops))
+    # a bound that no test sets runs out at the top of the axis
+    highest = around(*points, *tops, margin=0.0)[1]
     if name == "storage" or not curve.max() > 0:
         lowest = min(0.0, float(np.nanmin(curve)))
         return Scale(label, (lowest, 1.08 * highest if highest > 0 else 1.0))

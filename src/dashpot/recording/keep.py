@@ -12,6 +12,7 @@ from typing import Self
 
 from dashpot.base.errors import ReadError
 from dashpot.base.escapes import neutral, remark
+from dashpot.base.lock import lock
 from dashpot.base.numbers import counted
 from dashpot.base.version import __version__
 from dashpot.recording.recorder import Block, Description, Recorder
@@ -31,7 +32,8 @@ def record(
     """Write what a recorder reads to a file, until it ends, is stopped, or `seconds` are over.
 
     The file grows at its own place, and is on the disk within a second: what kills the process
-    leaves what was read until then.
+    leaves what was read until then. Meanwhile the operating system's lock on it is held, which
+    ends with the process. What stood there is replaced when the first rows come.
 
     Parameters
     ----------
@@ -54,8 +56,8 @@ def record(
     Raises
     ------
     ReadError
-        If the file exists, nothing came, or it cannot be written any further; what was written
-        before stands there.
+        If the file exists, another process records to it, nothing came, or it cannot be written
+        any further; what was written before stands there.
     OSError
         If it cannot be made.
     """
@@ -91,15 +93,43 @@ class _Log:
     """A file that grows by whole rows."""
 
     def __init__(self, path: str | Path, device: Description, *, replace: bool) -> None:
-        flags = os.O_WRONLY | os.O_CREAT | (os.O_TRUNC if replace else os.O_EXCL)
+        flags = os.O_WRONLY | os.O_CREAT | (0 if replace else os.O_EXCL)
         try:
             self._handle = os.open(path, flags, 0o666)
         except FileExistsError:
             raise ReadError(f"{path} is there already; a record is written to a new file") from None
         self._path, self._synced = path, time.monotonic()
+        self._head = device
+        try:
+            if self._is_taken():
+                raise ReadError(
+                    f"{path}: another dashpot records to this file; stop that one, or give another "
+                    "name"
+                )
+            # an earlier record is replaced when there is something to replace it with
+            self._begun = False
+            if not os.fstat(self._handle).st_size:
+                self._begin()
+        except BaseException:
+            os.close(self._handle)
+            raise
+
+    def _is_taken(self) -> bool:
+        try:
+            return not lock(self._handle)
+        except OSError:  # a file system without locks keeps no record from being made
+            return False
+
+    def _begin(self) -> None:
+        """Take off what an earlier record left, and write the head."""
+        if self._begun:
+            return
+        self._begun = True
+        if os.fstat(self._handle).st_size:
+            os.ftruncate(self._handle, 0)
         when = datetime.now().astimezone().isoformat(timespec="seconds")
-        self._say(f"{device.device}; recorded {when} with dashpot {__version__}")
-        self._write(",".join(("time [s]", *map(neutral, device.channels))) + "\n")
+        self._say(f"{self._head.device}; recorded {when} with dashpot {__version__}")
+        self._write(",".join(("time [s]", *map(neutral, self._head.channels))) + "\n")
 
     def __enter__(self) -> Self:
         return self
@@ -109,6 +139,9 @@ class _Log:
 
     def add(self, block: Block) -> None:
         """Write the rows of a block."""
+        if not len(block[0]):
+            return
+        self._begin()
         rows = zip(block[0].tolist(), block[1].tolist(), strict=True)
         self._write("".join(f"{t!r},{','.join(map(repr, row))}\n" for t, row in rows))
         if time.monotonic() - self._synced >= SYNCED:
@@ -117,7 +150,7 @@ class _Log:
 
     def close(self, notes: tuple[str, ...]) -> None:
         """Say at the end what was lost, and see everything on the disk."""
-        for note in notes:
+        for note in notes if self._begun else ():
             self._say(note)
         os.fsync(self._handle)
 

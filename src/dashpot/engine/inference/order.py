@@ -29,7 +29,7 @@ for the Wald ratio; R. B. Davies, Biometrika 74 (1987) 33, for a parameter witho
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import erfc, exp, gamma, sqrt
+from math import erfc, exp, lgamma, log, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -140,14 +140,18 @@ def chance_beyond(value: float, dof: int) -> float:
     .. math:: Q_{\nu+2} = Q_\nu + \frac{(x/2)^{\nu/2} e^{-x/2}}{\Gamma(\nu/2 + 1)}, \qquad
         Q_1 = \mathrm{erfc}\sqrt{x/2}, \quad Q_2 = e^{-x/2}
 
+    Every term is the exponential of its logarithm: power and gamma function alone overflow.
+
     >>> round(chance_beyond(11.829, 2), 5)
     0.0027
     """
     half = max(value, 0.0) / 2.0
+    if half == 0.0:
+        return 1.0
     chance = erfc(sqrt(half)) if dof % 2 else exp(-half)
     for nu in range(2 - dof % 2, dof, 2):
-        chance += half ** (nu / 2.0) * exp(-half) / gamma(nu / 2.0 + 1.0)
-    return chance
+        chance += exp(nu / 2.0 * log(half) - half - lgamma(nu / 2.0 + 1.0))
+    return min(chance, 1.0)
 
 
 def choose(
