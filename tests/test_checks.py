@@ -52,6 +52,7 @@ from dashpot.preparation import checks as preparation
 from dashpot.preparation.contact import Baseline, Touch
 from dashpot.preparation.filters import parse_filter
 from dashpot.preparation.history import Followed
+from dashpot.records import checks as records
 from dashpot.records.alternative import Alternative
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.creep import LoadHold
@@ -1525,8 +1526,17 @@ EXPORT = [
     Case("nominal_informed", lambda x: export.nominal_informed(x, 12.0), 0, 1),
 ]
 
+RECORDS = [
+    Case(
+        "numbers_unambiguous",
+        whole(lambda n: records.numbers_unambiguous(("a gain of 10 is stated",)[:n])),
+        0,
+        1,
+    ),
+]
 STAGES = {
     "export": EXPORT,
+    "records": RECORDS,
     "io/readers": READING,
     "preparation": PREPARATION,
     "kinds/cld": CLD,
@@ -1668,6 +1678,7 @@ LIMITS = {
         "closing_informed": 1.0, "line_holds_sideways": 0,
         "shear_usual": 1.5,
     },
+    "records": {"numbers_unambiguous": 0},
     "vibration": {
         "seal_mass_negligible": 0.02, "mass_of_a_block": 1e-3, "compression_tested": 1,
     },

@@ -102,8 +102,9 @@ def test_one_that_takes_too_long_is_ended(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 HEAD = {
-    "format": "f", "rows": 1, "starts": [0], "segments": [""], "columns": [["a", None, "number"]],
-    "doubts": [], "simulated": False, "notes": [], "header": [], "hints": [],
+    "format": "f", "rows": 1, "starts": [0], "segments": [""], "doubts": [],
+    "columns": [["a", None, "number", ""]],
+    "simulated": False, "notes": [], "header": [], "hints": [], "cautions": [],
 }  # fmt: skip
 
 
@@ -128,8 +129,10 @@ def answer(head: object, more: bytes = b"") -> bytes:
         answer(HEAD | {"rows": True}, bytes(8)),
         answer(HEAD | {"starts": [0, 2], "segments": ["", ""]}, bytes(8)),
         answer(HEAD | {"starts": [], "segments": []}, bytes(8)),
-        answer(HEAD | {"columns": [["a", None, "code"]]}, bytes(8)),
-        answer(HEAD | {"columns": [["a", 1, "number"]]}, bytes(8)),
+        answer(HEAD | {"columns": [["a", None, "code", ""]]}, bytes(8)),
+        answer(HEAD | {"columns": [["a", 1, "number", ""]]}, bytes(8)),
+        answer(HEAD | {"columns": [["a", None, "number", 1]]}, bytes(8)),
+        answer(HEAD | {"cautions": ["a"]}, bytes(8)),
         answer(HEAD | {"columns": [["a"]]}, bytes(8)),
         answer(HEAD | {"notes": "abc"}, bytes(8)),
         answer(HEAD | {"doubts": [[1, 2]]}, bytes(8)),

@@ -3,11 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, field
+from typing import Protocol, Self
+
+from dashpot.base.documents import EDGE
 
 SIMULATED = "simulated"
 """What a table says of a file that the virtual rig or hammer made."""
+
+
+class Caution(str):
+    """A note of a reader that can change a number: what was read may not be what was measured.
+
+    `told` is the same without the options of a command line, as checks say it.
+
+    >>> cautions_in(["200 rows", Caution("the header states a gain")])
+    ('the header states a gain',)
+    """
+
+    told: str
+
+    def __new__(cls, note: str, told: str = "") -> Self:
+        """Return the note; by default it is told as it stands."""
+        made = super().__new__(cls, note)
+        made.told = told or str(note)
+        return made
+
+
+def cautions_in(notes: Iterable[str]) -> tuple[str, ...]:
+    """Return those of some notes that can change a number, each once, as plain text."""
+    return tuple(dict.fromkeys(note.told for note in notes if isinstance(note, Caution)))
 
 
 @dataclass(frozen=True)
@@ -28,6 +53,9 @@ class Source:
         What the reader noticed or changed, one sentence each.
     simulated : bool
         True if the file says that it was made by the virtual rig or hammer.
+    cautions : tuple of str
+        Those of the notes that can change a number. No document holds them: the checks of what is
+        made of the record do.
 
     Examples
     --------
@@ -42,6 +70,7 @@ class Source:
     columns: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     simulated: bool = False
+    cautions: tuple[str, ...] = field(default=(), metadata={EDGE: ()})
 
 
 def of_file(source: Source | None, samples: int) -> str:

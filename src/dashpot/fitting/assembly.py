@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.checks import status_of
+from dashpot.base.checks import Check, status_of
 from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.base.status import Status
 from dashpot.fitting.checks.solid import uncertainty_estimated
+from dashpot.records.checks import numbers_unambiguous, of_sources
 from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual, parameter_names
 from dashpot.records.evidence import Evidence, Provenance
 from dashpot.records.fit import Fit
@@ -63,6 +65,7 @@ def assembled(
     unit, elastic_law, temperatures
         As `Fit` holds them.
     """
+    evidence = replace(evidence, checks=_with_cautions(evidence.checks, provenance))
     shown = {Status.FEWER_ARMS: found.fewer, Status.TAU_AT_BOUND: found.at_bound}
     return Fit(
         solid=found.solid,
@@ -74,6 +77,13 @@ def assembled(
         elastic_law=elastic_law,
         temperatures=temperatures,
     )
+
+
+def _with_cautions(checks: tuple[Check, ...], provenance: Provenance) -> tuple[Check, ...]:
+    """The checks, and what the files cast doubt on unless preparation has told it."""
+    if any(one.name == numbers_unambiguous.name for one in checks):
+        return checks
+    return (*checks, *of_sources(provenance.source))
 
 
 def point_estimate(

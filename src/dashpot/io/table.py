@@ -37,11 +37,16 @@ class Question:
 
 @dataclass(frozen=True)
 class Column:
-    """One column: its name as found ("" if none), its unit as found (None if none)."""
+    """One column: its name as found ("" if none), its unit as found (None if none).
+
+    `factor` is what the file states of it besides, such as "gain = 10": whether its numbers are
+    multiplied by it already nobody can know.
+    """
 
     name: str
     unit: str | None = None
     content: Content = "number"
+    factor: str = ""
 
     def label(self, number: int) -> str:
         """How to speak of it to a user: its name, else its number counted from 1."""

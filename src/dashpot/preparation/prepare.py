@@ -11,7 +11,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, median, noted, sealed
 from dashpot.base.errors import DataError
 from dashpot.base.plausible import SIZES, short
-from dashpot.base.provenance import Step
+from dashpot.base.provenance import Step, sources_of
 from dashpot.base.units import Quantity, si, written
 from dashpot.preparation import checks
 from dashpot.preparation.averaging import averaged
@@ -36,6 +36,7 @@ from dashpot.preparation.motion import (
     given_motion,
     presses_before,
 )
+from dashpot.records.checks import of_sources
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.signals.noise import evenly_sampled, median_of_three, scatter, without_spikes
@@ -186,6 +187,7 @@ def prepare(
             checks.motion_resolved(last),
             checks.motion_measured(last),
             *checks.of_temperature(test.specimen),
+            *of_sources(sources_of([test])),
         ]
     )
     if judged and past is not None and earlier is not None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
+from inspect import signature
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -12,11 +13,12 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DashpotError
 from dashpot.base.provenance import Step
 from dashpot.io.options import ReadOptions
-from dashpot.io.readers.channels import Opened, read_once
+from dashpot.io.readers.channels import Opened, leave_open, left_open, read_once
 from dashpot.io.readers.inspect import Inspection, inspect_opened, inspected
 from dashpot.io.readers.recognise import Recognised, look
 from dashpot.io.readers.relaxation import relaxation_in
 from dashpot.io.source import about
+from dashpot.kinds import KINDS, load
 from dashpot.preparation.prepare import prepare
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen
@@ -114,16 +116,51 @@ def _inspected(
     file = read_once(bare)
     with about(file.raw.name):
         found = inspect_opened(file)
-    if found.kind != "relaxation" or found.questions:
+    if found.questions:
         return _plain(found)
+    if found.kind != "relaxation":
+        return _plain(_with_cautions(found, _read_by_kind(path, file, found.kind)))
     try:
         with about(file.raw.name):
             record = read(file)
+        found = _with_cautions(found, record)
         test = prepared(record, options)
     except DashpotError as error:
         return _plain(found, refusal=str(error))
     ready = Preparation(**{one.name: getattr(test, one.name) for one in fields(Preparation)})
     return _plain(found, preparation=ready)
+
+
+def _read_by_kind(path: str | Path, file: Opened, kind: str) -> object:
+    """The record of an open file by the reader of its kind; None of what cannot be read so."""
+    row = KINDS.get(kind)
+    if row is None or not row.reader or str(path) == "-":
+        return None
+    reader = load(row.reader)
+    asked = signature(reader).parameters
+    if "options" not in asked or sum(one.default is one.empty for one in asked.values()) > 1:
+        return None  # it must be told more
+    leave_open(path, file)
+    try:
+        return reader(path, options=file.options)
+    except DashpotError:
+        return None
+    finally:
+        left_open(path, file.options)
+
+
+def _with_cautions(found: Inspection, record: object) -> Inspection:
+    """The inspection, with what the reader of its kind noticed that can change a number."""
+    source = getattr(record, "source", None)
+    sources = source if isinstance(source, tuple) else () if source is None else (source,)
+    noted = dict.fromkeys(note for one in sources for note in one.cautions)
+    known = "\n".join(found.warnings)
+    more = tuple(note for note in noted if note not in known)
+    if not more:
+        return found
+    told = replace(found, warnings=(*found.warnings, *more))
+    vars(told).update({name: each for name, each in vars(found).items() if name not in vars(told)})
+    return told
 
 
 def _plain(found: Inspection, **more: Any) -> InspectedFile:

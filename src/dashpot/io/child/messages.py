@@ -11,6 +11,7 @@ import struct
 from collections.abc import Iterable, Iterator
 from typing import Any, BinaryIO, TypeAlias, get_args
 
+from dashpot.base.provenance import Caution
 from dashpot.io.child.limits import LARGEST, within
 from dashpot.io.table import Column, Content, FileTable, Question, in_memory
 
@@ -84,9 +85,10 @@ def send_answer(stream: BinaryIO, answer: Answer) -> None:
     within(rows * width, "the file holds")
     head = {
         "format": answer.format, "rows": rows, "starts": first.starts, "segments": first.segments,
-        "columns": [[c.name, c.unit, c.content] for c in answer.columns],
+        "columns": [[c.name, c.unit, c.content, c.factor] for c in answer.columns],
         "doubts": [[d.says, d.option] for d in answer.doubts], "simulated": answer.simulated,
         "notes": answer.notes, "header": answer.header, "hints": answer.hints,
+        "cautions": [i for i, note in enumerate(answer.notes) if isinstance(note, Caution)],
     }  # fmt: skip
     blocks = (answer.load(range(*of)).values.T for of in _blocks(rows, width))
     send(stream, head, (np.ascontiguousarray(each, float).data.cast("B") for each in blocks))
@@ -115,8 +117,13 @@ def _table(stream: BinaryIO, head: dict[str, Any]) -> FileTable:
 
     rows, starts = _count(head["rows"]), tuple(_count(start) for start in head["starts"])
     columns = tuple(
-        Column(_typed(name, str), unit if unit is None else _typed(unit, str), _content(content))
-        for name, unit, content in head["columns"]
+        Column(
+            _typed(name, str),
+            unit if unit is None else _typed(unit, str),
+            _content(content),
+            _typed(factor, str),
+        )
+        for name, unit, content, factor in head["columns"]
     )
     segments = _strings(head["segments"])
     if len(segments) != len(starts) or starts[:1] != (0,) or max(starts) > rows:
@@ -132,7 +139,7 @@ def _table(stream: BinaryIO, head: dict[str, Any]) -> FileTable:
         load=in_memory(values, starts, segments),
         simulated=_typed(head["simulated"], bool),
         doubts=tuple(Question(_typed(a, str), _typed(b, str)) for a, b in head["doubts"]),
-        notes=_strings(head["notes"]),
+        notes=_notes(_strings(head["notes"]), head["cautions"]),
         header=_strings(head["header"]),
         hints=_strings(head["hints"]),
     )
@@ -152,6 +159,12 @@ def _typed(value: Any, kind: type) -> Any:
 
 def _strings(values: Any) -> tuple[str, ...]:
     return tuple(_typed(value, str) for value in _typed(values, list))
+
+
+def _notes(notes: tuple[str, ...], cautions: Any) -> tuple[str, ...]:
+    """The notes, those at the places given as cautions."""
+    places = {_count(place) for place in _typed(cautions, list)}
+    return tuple(Caution(note) if i in places else note for i, note in enumerate(notes))
 
 
 def _count(value: Any) -> int:

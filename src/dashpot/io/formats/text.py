@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from itertools import islice, takewhile
+from itertools import islice, pairwise, takewhile
 from operator import eq
 
 from dashpot.base import units
 from dashpot.base.errors import ReadError
+from dashpot.base.provenance import Caution
 from dashpot.io.columns.vocabulary import clock_order
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
@@ -114,7 +115,11 @@ def _table(
     found = read_header(above, dialect)
     notes = list(filter(None, (found.misfit, found.uneven)))
     remarks, doubts = _rows_above(above, dialect)
-    notes += [*remarks, *_factors(header), *_odd_first_row(lines[dialect.first :], dialect)]
+    notes += [
+        *remarks,
+        *_factors(header, units_given=bool(options.units)),
+        *_odd_first_row(lines[dialect.first :], dialect),
+    ]
     if dialect.mark == ".,":
         notes.append("decimal points and decimal commas are mixed; both are read as decimal marks")
     if raw.size > _LARGE:
@@ -159,13 +164,17 @@ def _lies(lines: Sequence[str], dialect: Dialect) -> bool:
     return words and filled < _FEW <= len(dialect.numbers) // _FEW
 
 
-def _factors(header: Sequence[str]) -> list[str]:
-    """Note a line of the header that states a factor: none is applied."""
+def _factors(header: Sequence[str], *, units_given: bool) -> list[str]:
+    """Note a line of the header that states a factor: none is applied.
+
+    It casts doubt on the numbers unless the user has stated their units.
+    """
     for line in header:
         stated = _FACTOR.search(line[:500])
         numbers = _NUMBER.findall(stated.string[stated.end() : 500]) if stated else []
         if any(float(number.replace(",", ".")) != 1.0 for number in numbers):
-            return [f"the header says '{line.strip()[:60]}'; no factor is applied to the numbers"]
+            says = f"the header says '{line.strip()[:60]}'; no factor is applied to the numbers"
+            return [says if units_given else Caution(says)]
     return []
 
 
@@ -183,7 +192,7 @@ def _odd_first_row(lines: Sequence[str], dialect: Dialect) -> list[str]:
     if len(others) < _STEADY - 2 or any(row != like for row in others):
         return []
     says = f"line {dialect.first + 1}, the first row, is printed otherwise than those below it"
-    return [f"{says}: '{lines[0].strip()[:60]}'; if it is none, take it out"]
+    return [Caution(f"{says}: '{lines[0].strip()[:60]}'; if it is none, take it out")]
 
 
 def _rows_above(above: Sequence[str], dialect: Dialect) -> tuple[list[str], list[Question]]:
@@ -194,7 +203,8 @@ def _rows_above(above: Sequence[str], dialect: Dialect) -> tuple[list[str], list
         return [], []
     number, line = odd[-1]
     if len(odd) == 1:  # it may well count the rows or columns
-        return [f"line {number} above the table is no row of it: '{line.strip()[:60]}'"], []
+        says = f"line {number} above the table is no row of it: '{line.strip()[:60]}'"
+        return [Caution(says) if _multiplies(line, dialect) else says], []
     cells_above, width = len(cells.split(line, dialect.delimiter)), dialect.cells
     says = (
         f"line {number} has {cells_above} cells where the table has {width} from line "
@@ -202,6 +212,16 @@ def _rows_above(above: Sequence[str], dialect: Dialect) -> tuple[list[str], list
         f"below with --text skip={dialect.first}"
     )
     return [], [Question(says, "--text skip=N")]
+
+
+def _multiplies(line: str, dialect: Dialect) -> bool:
+    """Whether a row has a number for each column that counts neither columns nor rows."""
+    found = [cells.number(one, dialect.mark) for one in cells.split(line, dialect.delimiter)]
+    values = [one for one in found if one is not None]
+    if len(values) < len(dialect.numbers) or not all(values):
+        return False
+    steps = {round(after - before, 9) for before, after in pairwise(values)}
+    return steps != {1.0} and set(values) != {1.0}
 
 
 def _clock_orders(found: Header, options: ReadOptions) -> tuple[str, ...]:

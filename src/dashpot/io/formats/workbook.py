@@ -6,6 +6,7 @@ from contextlib import suppress
 from dataclasses import replace
 
 from dashpot.base.errors import ReadError
+from dashpot.base.provenance import Caution
 from dashpot.io.child.process import in_child
 from dashpot.io.columns.kinds import kind_of
 from dashpot.io.formats import text
@@ -54,7 +55,9 @@ def _sheet(name: str, told: dict[str, bytes], raw: Raw, options: ReadOptions) ->
     shown = replace(options, delimiter="\t", encoding="utf-8", sheet=None)
     table = text.read(Raw(raw.name, None, content), shown)
     unseen = told.get(HIDDEN + name, b"").decode()
-    notes = [f"hidden in sheet '{name}' and read: {unseen}"] if unseen else []
+    says = f"hidden in sheet '{name}' and read: {unseen}"
+    note = Caution(says) if unseen.startswith("row") else says
+    notes = [note] if unseen else []
     return replace(
         table, format="workbook", encoding="", delimiter="", decimal="",
         notes=(*table.notes, *notes),

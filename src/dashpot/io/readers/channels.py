@@ -15,7 +15,7 @@ from dashpot.base import units
 from dashpot.base.arrays import BoolArray, FloatArray, median, slices
 from dashpot.base.checks import Check
 from dashpot.base.errors import ReadError
-from dashpot.base.provenance import Source
+from dashpot.base.provenance import Caution, Source, cautions_in
 from dashpot.base.units import Unit
 from dashpot.io.columns.kinds import FileKind, cycle_peaks, kind_of, refuse_kind
 from dashpot.io.columns.roles import (
@@ -280,12 +280,12 @@ def refuse_sizes(file: Opened, answers: Sequence[tuple[Channel, Sequence[Check]]
     ------
     ReadError
     """
-    notes = []
+    notes: list[str] = []
     for one, checks in answers:
         failed = [check for check in checks if check.failed and not is_stated(file, one)]
         if asked := [check.typed for check in failed if check.grade == "stop"]:
             raise ReadError(asked[0])
-        notes += [check.typed for check in failed]
+        notes += [Caution(check.typed, check.told) for check in failed]
     return notes
 
 
@@ -328,7 +328,7 @@ def refuse_all_sizes(file: Opened, chosen: Sequence[Channel], judged: Judged) ->
         meant[role] = units.find(likelier, meant[role].dimension) or meant[role]
     if questions:
         raise ReadError(" ".join(questions))
-    return [check.typed for _, check in failed]
+    return [Caution(check.typed, check.told) for _, check in failed]
 
 
 def is_stated(file: Opened, one: Channel) -> bool:
@@ -406,7 +406,10 @@ def beside(file: Opened, role: Role) -> tuple[Assigned | None, list[str]]:
 def source(file: Opened, columns: Sequence[str], notes: Sequence[str]) -> Source:
     """Return where the numbers came from."""
     raw, table = file.raw, file.table
-    return Source(raw.name, raw.sha256, table.format, tuple(columns), tuple(notes), table.simulated)
+    return Source(
+        raw.name, raw.sha256, table.format, tuple(columns), tuple(notes), table.simulated,
+        cautions_in(notes),
+    )  # fmt: skip
 
 
 def si(values: FloatArray, unit: Unit) -> FloatArray:

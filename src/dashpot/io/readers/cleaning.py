@@ -9,6 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, median
 from dashpot.base.errors import ReadError
+from dashpot.base.provenance import Caution
 from dashpot.io.table import Loaded
 from dashpot.signals.clock import BESIDE, LEAP, leaps
 
@@ -174,8 +175,11 @@ def _mean_rate(time: FloatArray) -> str:
     return f"{(ticks[-1] - ticks[0]) / (time[ticks[-1]] - time[ticks[0]]):.6g}"
 
 
-def clock_notes(time: FloatArray) -> list[str]:
-    """Say where the clock leaps, and if the unit of time may be wrong, so fast or slow it is."""
+def clock_notes(time: FloatArray, *, stated: bool = False) -> list[str]:
+    """Say where the clock leaps, and if the unit of time may be wrong, so fast or slow it is.
+
+    A unit that is `stated` by the user, or by every cell, is not doubted.
+    """
     steps = np.diff(time)
     step = median(steps) if len(time) > 1 else 0.0
     if step <= 0:
@@ -186,15 +190,13 @@ def clock_notes(time: FloatArray) -> list[str]:
             f"the last row stands {steps[-1]:.6g} s behind the one before it, further than any "
             f"other (up to {steps[:-1].max():.6g} s): does it belong to the record?"
         )
-        return [*leaps, says]
+        return [*leaps, Caution(says)]
     if leaps or 1 <= rate <= 1e6:
         return leaps
-    unit = "milliseconds or minutes read as seconds" if rate > 1e6 else "these milliseconds"
-    says = (
-        f"sampled at {rate:.3g} Hz, if the unit of time is right: are {unit}? "
-        'Say it with --units "time=ms"'
-    )
-    return [says]
+    read = "milliseconds or minutes read as seconds" if rate > 1e6 else "these milliseconds"
+    told = f"sampled at {rate:.3g} Hz, if the unit of time is right: are {read}?"
+    says = f'{told} Say it with --units "time=ms"'
+    return [says if stated else Caution(says, told)]
 
 
 def _late_start(steps: FloatArray) -> list[str]:
@@ -206,7 +208,7 @@ def _late_start(steps: FloatArray) -> list[str]:
         f"the first row stands {steps[0]:.6g} s before the one after it, further than any other "
         f"(up to {rest:.6g} s): does it belong to the record?"
     )
-    return [says]
+    return [Caution(says)]
 
 
 def _leaps(time: FloatArray) -> list[str]:

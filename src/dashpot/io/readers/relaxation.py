@@ -115,7 +115,8 @@ def recorded(
     notes += dropped
     if not keep.all():
         values = {role: column[keep] for role, column in values.items()}
-    return values, [*notes, *cleaning.clock_notes(values["time"])]
+    stated = rate is not None or channels.is_stated(file, chosen[0])
+    return values, [*notes, *cleaning.clock_notes(values["time"], stated=stated)]
 
 
 def signals(

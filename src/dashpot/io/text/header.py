@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from itertools import zip_longest
 
 from dashpot.base import units
+from dashpot.base.provenance import Caution
 from dashpot.io.columns import vocabulary
 from dashpot.io.columns.names import is_unit_of, part_unit, scaled
 from dashpot.io.table import Column, Content
@@ -86,7 +87,8 @@ def _from_the_left(
     pairs = list(zip(names[:width], map(_strip, odd), strict=False))
     if any(_denies(part_unit(name)[0], word) for name, word in pairs):
         return [], f"{says}; none was taken, for under the names from the left they do not fit"
-    return list(odd[:width]), f"{says}; they were taken for those of the columns from the left"
+    taken = f"{says}; they were taken for those of the columns from the left"
+    return list(odd[:width]), Caution(taken)
 
 
 def _denies(name: str, word: str) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.base.provenance import Caution
 from dashpot.io.budget import Patience
 from dashpot.io.table import Column, Loaded, Question
 from dashpot.io.text import cells as cell
@@ -90,7 +91,9 @@ class _Gathered:
         for token, (count, *places) in self.words.items():
             at = ", ".join(f"line {line}" for line in places)
             many = f" and {count - len(places)} more" if count > len(places) else ""
-            notes.append(f"'{token}' stands for a missing number at {at}{many}")
+            says = f"'{token}' stands for a missing number at {at}{many}"
+            misread = any(map(str.isdigit, token)) and not cell.is_missing(token)
+            notes.append(Caution(says) if misread else says)
         if self.remarks:
             number, words = self.remarks[0]
             more = f" ({len(self.remarks)} such lines)" if len(self.remarks) > 1 else ""

@@ -16,6 +16,7 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import ReadError
 from dashpot.base.facts import Fact
 from dashpot.base.offered import Judged, Series, columns
+from dashpot.base.provenance import sources_of
 from dashpot.base.student_t import t_quantile
 from dashpot.base.units import Quantity, Range, written
 from dashpot.io.options import ReadOptions
@@ -34,6 +35,7 @@ from dashpot.kinds.cld.record import (
 )
 from dashpot.kinds.cld.relaxed import nearest, relaxed_law
 from dashpot.kinds.cld.speeds import fit_speeds
+from dashpot.records.checks import of_sources
 from dashpot.records.fit import Fit
 from dashpot.records.specimen import Specimen
 
@@ -221,7 +223,7 @@ def cld_of(
     if limits is not None and len(tests) < 2:
         raise ReadError("--force-limits are of several pieces: name a file for each, or leave out")
     pieces = _figures(tests, names or [""] * len(tests), cycle, at=at, between=between)
-    found = Pieces(pieces, (), None, _worst(pieces))
+    found = Pieces(pieces, (), None, (*_worst(pieces), *of_sources(sources_of(pieces))))
     if not memory and limits is None and _several_speeds(pieces):
         return _of_speeds(found)
     if len(pieces) > 1:

@@ -26,6 +26,7 @@ from dashpot.kinds.hyperelastic.solving import (
     power_law,
     weighed,
 )
+from dashpot.records.checks import of_sources
 from dashpot.solids.hyperelastic import POWERS, SHEARING, Hyperelastic, Mode, direction
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -112,7 +113,8 @@ def fit_hyperelastic(
         temperature,
     )
     judged = checks.judge(kept, chosen, tried, derived, known.quantile(), asked=stretches)
-    judged = (*judged, checks.sideways_agrees(chosen.law.poisson, told, foam=foam))
+    sideways = checks.sideways_agrees(chosen.law.poisson, told, foam=foam)
+    judged = (*judged, sideways, *of_sources(kept.sources))
     return replace(kept, checks=judged)
 
 

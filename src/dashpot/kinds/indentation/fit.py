@@ -24,6 +24,7 @@ from dashpot.base.choices import ImpactLawAsked, refuse_other
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.facts import Fact
 from dashpot.base.plausible import SIZES
+from dashpot.base.provenance import sources_of
 from dashpot.base.units import read_in
 from dashpot.engine.inference.covariance import noise_of
 from dashpot.engine.inference.estimate import Estimate, Slice, estimate, score
@@ -39,6 +40,7 @@ from dashpot.kinds.indentation.contact_law import (
 from dashpot.kinds.indentation.laws import LAWS, STEP, Law, Recorded, recorded
 from dashpot.kinds.indentation.prepare import ContactInterval, largest_contact
 from dashpot.kinds.indentation.record import IndentationFit, IndentationTest
+from dashpot.records.checks import of_sources
 
 _ABOUT = 1.0
 """How much of the flights is taken to either side, in times of the contact."""
@@ -214,7 +216,7 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
     judged = checks.judge(
         fitted, best.hit, test, contact=window.contact, clipped=window.clipped, others=others
     )
-    return replace(fitted, checks=judged)
+    return replace(fitted, checks=(*judged, *of_sources(sources_of([test]))))
 
 
 def _refuse_absurd(found: Sequence[Fact], radius: float | None) -> None:

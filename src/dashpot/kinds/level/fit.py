@@ -8,6 +8,7 @@ from dashpot.base.arrays import BoolArray, ComplexArray, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
 from dashpot.base.facts import NORMAL
+from dashpot.base.provenance import sources_of
 from dashpot.kinds.level.checks import (
     FAR_ENOUGH,
     MATTERS,
@@ -22,6 +23,7 @@ from dashpot.kinds.level.checks import (
 )
 from dashpot.kinds.level.laws import LAWS, SET, Fitted, fitted
 from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
+from dashpot.records.checks import of_sources
 
 _LEAST = 6
 """Samples: two numbers of a level, three of the law, one to spare."""
@@ -122,7 +124,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         int(np.count_nonzero(stray)),
         sweep.unit,
         sweep.of,
-        tuple(checks),
+        (*checks, *of_sources(sources_of([sweep]))),
         sweep.source,
         best.numbers.get("k3", 0.0),
         unseen,

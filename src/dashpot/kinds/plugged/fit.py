@@ -13,6 +13,7 @@ from dashpot.base.facts import NORMAL, Fact
 from dashpot.base.plugins import Plugin
 from dashpot.base.provenance import sources_of
 from dashpot.kinds.plugged.record import PluggedFit, PluggedTest
+from dashpot.records.checks import of_sources
 
 _EXPECTED = (
     "{'numbers': [{'name': ..., 'value': ..., 'unit': ...}, ...], 'checks': [...]}, SI units"
@@ -54,7 +55,8 @@ def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
     facts = tuple(_fact(plugin, one) for one in plugins.items(plugin, found, "numbers"))
     if not facts:
         plugin.wrong("no numbers", _EXPECTED)
-    checks = tuple(_check(plugin, one) for one in plugins.items(plugin, found, "checks"))
+    own = tuple(_check(plugin, one) for one in plugins.items(plugin, found, "checks"))
+    checks = (*own, *of_sources(sources_of(records)))
     notes = plugins.texts(plugin, found, "notes")
     return PluggedFit(plugin.name, plugin.by, facts, checks, notes, sources_of(records))
 

@@ -1,0 +1,88 @@
+"""A note that can change a number caps the verdict, and is printed; any other is not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from kit.foreign.files import press_and_hold, written
+from kit.shell import did, told
+
+import dashpot as dp
+from dashpot.base.provenance import Caution, cautions_in
+
+TIME, MOVED, FORCE = press_and_hold(20.0)
+PLAIN = "time [s];displacement [mm];force [N]"
+
+DOUBTFUL = {
+    "newtons under kN": (PLAIN.replace("[N]", "[kN]"), "kN"),
+    "seconds under min": (PLAIN.replace("[s]", "[min]"), "unit of time"),
+    "a row of factors": (f"factor;1;1;0.1\n{PLAIN}", "factor;1;1;0.1"),
+    "a gain": (f"Gain: 10\n{PLAIN}", "Gain: 10"),
+    "a scale in a comment": (f"# scaling 0.5 applied by the amplifier\n{PLAIN}", "scaling 0.5"),
+}
+HARMLESS = {
+    "nothing": PLAIN,
+    "a gain of one": f"Gain: 1\n{PLAIN}",
+    "a count of columns": f"1;2;3\n{PLAIN}",
+    "an operator": f"# operator: nobody\n{PLAIN}",
+}
+
+
+def test_the_type_of_a_note_tells_whether_it_can_change_a_number() -> None:
+    gain = Caution('a gain; say it with --units "force=N"', "a gain")
+    assert cautions_in(["200 rows", gain, gain]) == ("a gain",)
+    assert gain.endswith('"force=N"')
+
+
+@pytest.mark.parametrize(("head", "words"), DOUBTFUL.values(), ids=DOUBTFUL.keys())
+def test_what_can_change_a_number_caps_the_verdict_and_is_printed(
+    tmp_path: Path, head: str, words: str
+) -> None:
+    path = tmp_path / "seal.csv"
+    path.write_text(written(head, (TIME, MOVED, FORCE)))
+    fitted = dp.fit(dp.read(path))
+    assert fitted.verdict.use == "use with care"
+    assert "numbers_unambiguous" in fitted.verdict.reasons
+    for command in ("fit", "inspect"):
+        assert words in " ".join(did(command, path).output.split())
+    document = told("fit", path)
+    check = next(one for one in document["checks"] if one["name"] == "numbers_unambiguous")
+    assert check["passed"] is False
+    assert words in check["says"]
+    assert "--" not in check["says"]
+
+
+@pytest.mark.parametrize("head", HARMLESS.values(), ids=HARMLESS.keys())
+def test_what_changes_no_number_costs_nothing(tmp_path: Path, head: str) -> None:
+    path = tmp_path / "seal.csv"
+    path.write_text(written(head, (TIME, MOVED, FORCE)))
+    fitted = dp.fit(dp.read(path))
+    assert fitted.verdict.use == "use"
+    assert not any(one.name == "numbers_unambiguous" for one in fitted.checks)
+
+
+def test_who_states_the_units_is_not_doubted(tmp_path: Path) -> None:
+    path = tmp_path / "seal.csv"
+    path.write_text(written(f"Gain: 10\n{PLAIN}", (TIME, MOVED, FORCE)))
+    fitted = dp.fit(dp.read(path, units={"force": "N"}))
+    assert fitted.verdict.use == "use"
+
+
+def test_every_kind_of_result_is_capped(tmp_path: Path) -> None:
+    """A hammer file, a modulus and a sweep: the note is a check of each."""
+    time = np.geomspace(1e-2, 1e3, 60)
+    modulus = 1 + 0.4 * np.exp(-time / 0.3) + 0.3 * np.exp(-time / 30)
+    path = tmp_path / "modulus.csv"
+    path.write_text(written("Gain: 10\ntime [s];relaxation modulus [MPa]", (time, modulus)))
+    assert "numbers_unambiguous" in [one.name for one in dp.fit(dp.read(path)).checks]
+    hits = np.arange(0, 1, 1e-3)
+    ring = np.exp(-10 * hits) * np.sin(80 * hits)
+    pulse = 20 * np.exp(-(((hits - 0.05) / 0.002) ** 2))
+    path = tmp_path / "hammer.csv"
+    path.write_text(
+        written("Gain: 10\ntime [s];force [N];acceleration [m/s^2]", (hits, pulse, ring))
+    )
+    assert "numbers_unambiguous" in [one.name for one in dp.fit(dp.read(path)).checks]
+    assert "Gain: 10" in did("inspect", path).output
