@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 
 from dashpot.base import units
 from dashpot.base.units import Dimension, Unit
@@ -75,3 +76,86 @@ def times(unit: Unit, factor: float) -> str:
         if one.dimension == unit.dimension and abs(one.factor / size - 1) < 1e-9 and not one.offset:
             return one.word
     return f"{factor:g}{unit.word}"
+
+
+_FACTORS = {
+    "scale", "scaling", "slope", "gain", "factor", "multiplier", "calibration", "sensitivity",
+    "amplification", "attenuation", "conversion", "coefficient", "coefficients", "faktor",
+    "skalierung", "verstärkung", "empfindlichkeit", "kalibrierfaktor", "skalierungsfaktor", "cal",
+    "coeff", "coeffs", "coef", "multiplication", "calib",
+}  # fmt: skip
+"""Words of a factor: 1 changes nothing."""
+_SHIFTS = {"offset", "intercept", "bias", "zero", "tare", "nullpunkt"}
+"""Words of a summand: 0 changes nothing."""
+_BESIDES = {"full", "range", "unit", "units", "date", "name", "type", "status", "id", "number"}
+"""Words beside which no factor of the numbers is meant."""
+_WORDS = re.compile(r"[a-zà-ÿ]+")
+_STATED = re.compile(r"\A\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*([^\d\s].{0,20})?\Z")
+
+
+def words_of_name(name: str) -> list[str]:
+    """Return the words of an attribute's name in lower case.
+
+    >>> words_of_name("ForceScale"), words_of_name("cal_factor 2")
+    (['force', 'scale'], ['cal', 'factor'])
+    """
+    return _WORDS.findall(re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name).casefold())
+
+
+def changes_numbers(name: str, value: object) -> bool:
+    """Whether an attribute of this name and value states what would change the numbers beside it.
+
+    >>> changes_numbers("gain", 10.0), changes_numbers("gain", 1), changes_numbers("full_scale", 5)
+    (True, False, False)
+    """
+    words = set(words_of_name(name))
+    if words & _BESIDES:
+        return False
+    neutral = 1.0 if words & _FACTORS else 0.0 if words & _SHIFTS else None
+    if neutral is None:
+        return False
+    if words & _FACTORS and words & _SHIFTS:  # an offset of the scale
+        neutral = 0.0
+    stated = stated_numbers(value)
+    return bool(stated) and any(one != neutral for one in stated)
+
+
+def stated_numbers(value: object) -> tuple[float, ...]:
+    """Return the numbers that an attribute holds, be it as text with a unit; none of other text."""
+    if isinstance(value, bytes):
+        value = value.decode("utf-8", "replace")
+    if isinstance(value, str):
+        match = _STATED.match(value.replace(",", "."))
+        return (float(match[1]),) if match else ()
+    if isinstance(value, bool):
+        return ()
+    if isinstance(value, int | float):
+        return (float(value),)
+    if hasattr(value, "tolist"):
+        return stated_numbers(value.tolist())
+    if isinstance(value, list | tuple) and len(value) <= 64:
+        return tuple(number for one in value for number in stated_numbers(one))
+    return ()
+
+
+def factors_among(attributes: Mapping[str, object]) -> str:
+    """Return what attributes state that would change the numbers beside them, "" if nothing.
+
+    >>> factors_among({"gain": 10.0, "offset": 0.0, "serial": 17})
+    'gain = 10'
+    """
+    found = [
+        f"{name} = {_written(value)}"
+        for name, value in attributes.items()
+        if changes_numbers(name, value)
+    ]
+    return " and ".join(found[:4])
+
+
+def _written(value: object) -> str:
+    if isinstance(value, bytes):
+        value = value.decode("utf-8", "replace")
+    if isinstance(value, str):
+        return value.strip()[:40]
+    numbers = [f"{one:g}" for one in stated_numbers(value)]
+    return numbers[0] if len(numbers) == 1 else f"[{', '.join(numbers[:8])}]"

@@ -458,10 +458,13 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
     if column.content == "clock" and role == "time":
         return _clock_unit(label, stated)
     if word is None:
+        besides = f" and, stated beside its numbers, {column.factor}" if column.factor else ""
         raise ReadError(
-            f"{label} has no unit; {advice}, or write the unit into the header as '{header}'"
+            f"{label} has no unit{besides}; {advice}, or write the unit into the header as "
+            f"'{header}'"
         )
     if stated is None:
+        _refuse_stated_factor(column, word, role, label)
         _refuse_factor(word, dimension, role, label)
         word = _of_an_angle(word, column, label) if role == "frequency" else word
     try:
@@ -504,6 +507,18 @@ def _refuse_factor(word: str, dimension: Dimension, role: Role, label: str) -> N
         f"{label} stands under '{word}', a factor and a unit: if its numbers are {plain} as they "
         f'stand, add --units "{role}={plain}"; if {factor:g} times each is, --units '
         f'"{role}={more}"; if they are {factor:g} times too large already, --units "{role}={less}"'
+    )
+
+
+def _refuse_stated_factor(column: Column, word: str, role: Role, label: str) -> None:
+    """Ask what a factor stated beside the numbers does: nobody knows if it is applied to them."""
+    if not column.factor:
+        return
+    raise ReadError(
+        f"{label} has the unit {word} and, stated beside its numbers, {column.factor}, which no "
+        f"rule of this format applies: if its numbers are {word} as they stand, add --units "
+        f'"{role}={word}"; if not, give the unit in which they stand, such as --units '
+        f'"{role}=10{word}", or apply it in the file'
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -12,7 +12,9 @@ import numpy as np
 from dashpot.base import units
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.base.provenance import Caution
 from dashpot.io.child import limits
+from dashpot.io.columns.factors import factors_among
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw, extra
 from dashpot.io.table import Column, FileTable, in_memory
@@ -20,6 +22,14 @@ from dashpot.io.table import Column, FileTable, in_memory
 _UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit", "Units")
 _SCALED = ("NI_Scal", "NI_Number_Of_Scales")
 """How the properties begin by which a channel, its group or its file says that it is scaled."""
+_SCALE_TYPE = re.compile(r"NI_Scale\[\d+\]_Scale_Type")
+_KNOWN_SCALES = {
+    "Polynomial", "Linear", "RTD", "Strain", "Table", "Thermistor", "Thermocouple", "Add",
+    "Subtract", "AdvancedAPI",
+}  # fmt: skip
+"""The scales that npTDMS applies."""
+_UNSET = -2 * 10**18
+"""Nanoseconds since 1970: LabVIEW counts from 1904, and a start that was never set is its zero."""
 _NUMBERS = "iuf"
 """The kinds of arrays that hold numbers."""
 _PATH = re.compile(r"/'((?:[^']|'')*)'/'((?:[^']|'')*)'")
@@ -36,6 +46,9 @@ class _TdmsChannel:
     values: FloatArray
     step: float | None
     offset: float
+    start: int | None = None
+    """Its stated start, ns since 1970; None without."""
+    factor: str = ""
 
 
 _Groups: TypeAlias = dict[str, list[_TdmsChannel]]
@@ -51,18 +64,21 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
         differ in rate or length.
     """
     extra("nptdms", "npTDMS", "TDMS files")
-    from nptdms.reader import TdmsReader
+    from dashpot.io.formats.tdms_segments import SegmentReader
 
     with raw.open() as stream:
-        file = TdmsReader(stream)
+        file = SegmentReader(stream)
         file.read_metadata()
         objects = file.object_metadata
         limits.within(sum(one.num_values for one in objects.values()), "the channels hold")
-        groups = _chosen(_scaled(stream) if _is_scaled(objects) else _bare(file), options.sheet)
+        _refuse_unknown_scales(objects)
+        told = _is_scaled(objects) or any(map(_is_stamped, objects.values()))
+        groups = _chosen(_scaled(stream, objects) if told else _bare(file), options.sheet)
     notes: list[str] = []
     blocks = [_block(channels, notes) for channels in groups.values()]
     first = next(iter(groups.values()))
-    columns = [Column(c.name, c.unit) for c in first]
+    columns = [Column(c.name, c.unit, factor=c.factor) for c in first]
+    notes += _stated_of_all(objects)
     if blocks[0].shape[1] > len(first):
         columns.insert(0, Column("time", "s"))
     starts = np.cumsum([0, *(len(block) for block in blocks[:-1])])
@@ -99,6 +115,41 @@ def _is_scaled(objects: Mapping[str, Any]) -> bool:
     )
 
 
+def _refuse_unknown_scales(objects: Mapping[str, Any]) -> None:
+    """Refuse a scale that npTDMS does not know: it would hand over what is stored, unscaled."""
+    for path, one in objects.items():
+        if one.properties.get("NI_Scaling_Status", "unscaled") == "scaled":
+            continue  # applied already
+        for key, kind in one.properties.items():
+            if _SCALE_TYPE.fullmatch(key) and str(kind) not in _KNOWN_SCALES:
+                raise ReadError(
+                    f"'{path}' is scaled by '{kind}' ({key}), a scale that is not known here: its "
+                    "numbers would be counts; let the program that recorded it write scaled "
+                    "values, or export the file as text"
+                )
+
+
+def _is_stamped(one: Any) -> bool:
+    """Whether a channel holds instants."""
+    return getattr(one.data_type, "__name__", "") == "TimeStamp"
+
+
+def _stated_of_all(objects: Mapping[str, Any]) -> list[str]:
+    """Note what a group or the file states beside its numbers."""
+    notes: list[str] = []
+    for path, one in objects.items():
+        stated = "" if _PATH.fullmatch(path) else _factors(one.properties)
+        if stated:
+            notes.append(Caution(f"'{path}' states {stated}; no factor is applied to the numbers"))
+    return notes
+
+
+def _factors(properties: Mapping[str, Any]) -> str:
+    """What properties state of a factor, without those that the format itself defines."""
+    own = {key: value for key, value in properties.items() if not key.startswith(("NI_", "wf_"))}
+    return factors_among(own)
+
+
 def _bare(file: Any) -> _Groups:
     """The channels of a file as they are stored.
 
@@ -133,19 +184,30 @@ def _names(path: str) -> list[str]:
     return [one.replace("''", "'") for one in found.groups()]
 
 
-def _scaled(stream: Any) -> _Groups:
-    """The channels of a file as npTDMS scales them."""
+def _scaled(stream: Any, objects: Mapping[str, Any]) -> _Groups:
+    """The channels of a file as npTDMS scales them, instants as seconds since the first."""
     from nptdms import TdmsFile
 
     stream.seek(0)
     groups: _Groups = {}
-    for group in TdmsFile.read(stream).groups():
+    for group in TdmsFile.read(stream, raw_timestamps=True).groups():
+        instants: list[tuple[int, Any]] = []
+        channels = groups.setdefault(group.name, [])
         for channel in group.channels():
-            values = np.asarray(channel[:])
+            values = channel[:]
+            properties = objects[channel.path].properties  # as the first segment states them
+            if hasattr(values, "as_datetime64"):
+                instants.append((len(channels), values.as_datetime64("ns")))
+                values = np.zeros(len(values))
+                properties = {"unit_string": "s"}
+            values = np.asarray(values)
             if values.size and values.dtype.kind in _NUMBERS:
-                groups.setdefault(group.name, []).append(
-                    _channel(channel.name, channel.properties, values)
-                )
+                channels.append(_channel(channel.name, properties, values))
+        whole = [(place, one) for place, one in instants if len(one)]
+        first = min((one[0] for _, one in whole), default=None)
+        for place, one in whole:
+            since = (one - first) / np.timedelta64(1, "s")
+            channels[place] = replace(channels[place], values=since)
     return groups
 
 
@@ -155,13 +217,46 @@ def _channel(name: str, properties: Mapping[str, Any], values: FloatArray) -> _T
     offset = float(properties.get("wf_start_offset", 0.0))
     values = values.astype(float, copy=False)
     along = units.find(str(properties.get("wf_xunit_string", "")).strip() or "s", "time")
+    factor, start = _factors(properties), _start(properties.get("wf_start_time"))
     if not step or along is None:  # over frequency it has no clock
-        return _TdmsChannel(name, unit, values, None, offset)
-    return _TdmsChannel(name, unit, values, along.factor * step, along.factor * offset)
+        return _TdmsChannel(name, unit, values, None, offset, start, factor)
+    clock = along.factor * step, along.factor * offset
+    return _TdmsChannel(name, unit, values, *clock, start, factor)
+
+
+def _start(stated: Any) -> int | None:
+    """A stated start, ns since 1970; None of none, and of the zero of LabVIEW's clock."""
+    if hasattr(stated, "as_datetime64"):
+        stated = stated.as_datetime64("ns")
+    if not isinstance(stated, np.datetime64) or np.isnat(stated):
+        return None
+    since = int(stated.astype("datetime64[ns]").astype(np.int64))
+    return since if since > _UNSET else None
+
+
+def _started(channels: list[_TdmsChannel]) -> list[_TdmsChannel]:
+    """The channels, each later by as much as its stated start is after the first one's.
+
+    One that states none began with the first.
+    """
+    starts = [channel.start for channel in channels if channel.start is not None]
+    first = min(starts, default=0)
+    late = [1e-9 * ((one.start or first) - first) for one in channels]
+    if not any(late):
+        return channels
+    if all(channel.step is None for channel in channels):
+        raise ReadError(
+            f"the channels start up to {max(late):.6g} s apart (wf_start_time) and have no clock: "
+            "when each sample was taken is not known; export them on one clock"
+        )
+    return [
+        replace(one, offset=one.offset + after) for one, after in zip(channels, late, strict=True)
+    ]
 
 
 def _block(channels: list[_TdmsChannel], notes: list[str]) -> FloatArray:
     """One group as rows: with its time in front if the channels carry it."""
+    channels = _started(channels)
     steps = {channel.step for channel in channels}
     if len(steps) > 1:
         listed = ", ".join(f"'{c.name}' {c.step} s" for c in channels[:6])
@@ -186,7 +281,7 @@ def _common(channels: list[_TdmsChannel], step: float) -> FloatArray:
     end = min(channel.offset + step * (channel.values.size - 1) for channel in channels)
     count = int(np.floor((end - start) / step + 1e-6)) + 1
     if count < 2:
-        raise ReadError("the channels do not overlap in time (wf_start_offset)")
+        raise ReadError("the channels do not overlap in time (wf_start_time, wf_start_offset)")
     return start + step * np.arange(count, dtype=float)
 
 

@@ -1,0 +1,118 @@
+"""The segments of a TDMS file, each with its own properties, which npTDMS merges: the last wins."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from nptdms.reader import TdmsReader
+
+from dashpot.base.errors import ReadError
+
+_CLOCK = ("wf_increment", "wf_xunit_string")
+_STARTS = ("wf_start_offset", "wf_start_time")
+_UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit", "Units")
+_SCALED = ("NI_Scal", "NI_Number_Of_Scales")
+_CONTIGUOUS = 0.5
+"""Of a step: by how much a later segment may start otherwise than where the last one ended."""
+
+
+class SegmentReader(TdmsReader):  # type: ignore[misc]
+    """Reads the metadata of a TDMS file, and refuses what holds of some of its segments alone.
+
+    A property that gives numbers their meaning (clock, start, unit, scale) is one of the object for
+    the whole file. Where it changes between samples, those before it were recorded under another.
+    """
+
+    def __init__(self, stream: Any) -> None:
+        super().__init__(stream)
+        self._values_before: dict[str, int] = {}
+        self._number = 0
+        self._changed: dict[str, tuple[str, Any, Any]] = {}
+
+    def _update_object_metadata(self, segment: Any) -> None:
+        self._number += 1
+        paths = [one.path for one in segment.ordered_objects]
+        before = {path: self._values(path) for path in paths}
+        super()._update_object_metadata(segment)
+        self._values_before = before
+        self._filled = {path for path in paths if self._values(path) > before[path]}
+
+    def _update_object_properties(self, segment_object_properties: Any) -> None:
+        for path, properties in (segment_object_properties or {}).items():
+            self._compare(path, list(properties))
+        super()._update_object_properties(self._without_starts(segment_object_properties))
+        for owner, (key, old, new) in self._changed.items():
+            if any(_owns(owner, path) for path in self._filled):
+                raise ReadError(
+                    f"segment {self._number} of the file says {key} = {new} of {owner}, where the "
+                    f"segments before it say {old}: samples of both were recorded under one name; "
+                    "export each part by itself"
+                )
+
+    def _compare(self, owner: str, properties: list[tuple[str, Any]]) -> None:
+        """Remember what a property that matters says otherwise than before samples were written."""
+        held = [path for path in self.object_metadata if _owns(owner, path)]
+        before = max((self._values_until_now(path) for path in held), default=0)
+        if not before:
+            return
+        known = self.object_metadata[owner].properties if owner in self.object_metadata else {}
+        for key, new in properties:
+            old = known.get(key)
+            if not _matters(key) or _same(old, new):
+                continue
+            if key in _STARTS and self._goes_on(known, key, old, new, before):
+                continue
+            self._changed[owner] = (key, "nothing" if old is None else old, new)
+
+    def _goes_on(self, known: Any, key: str, old: Any, new: Any, before: int) -> bool:
+        """Whether a segment says that it starts where the one before it ended."""
+        step = float(known.get("wf_increment") or 0.0)
+        if old is None or not step:
+            return False
+        apart = _seconds(new) - _seconds(old) if key == "wf_start_time" else float(new) - float(old)
+        return abs(apart - before * step) <= _CONTIGUOUS * step
+
+    def _without_starts(self, properties: Any) -> Any:
+        """The properties of a segment without a start that the first segment has stated."""
+        if properties is None:
+            return None
+        return {
+            path: [
+                (key, value)
+                for key, value in own
+                if not (
+                    key in _STARTS
+                    and self._values_until_now(path)
+                    and key in self.object_metadata[path].properties
+                )
+            ]
+            for path, own in properties.items()
+        }
+
+    def _values(self, path: str) -> int:
+        found = self.object_metadata.get(path)
+        return int(found.num_values) if found else 0
+
+    def _values_until_now(self, path: str) -> int:
+        """The values of a channel before the segment that is being read."""
+        return self._values_before.get(path, self._values(path))
+
+
+def _owns(owner: str, path: str) -> bool:
+    """Whether the properties of a channel, a group or the file are those of a channel."""
+    return owner in {path, "/"} or path.startswith(f"{owner}/")
+
+
+def _matters(key: str) -> bool:
+    return key in (*_CLOCK, *_STARTS, *_UNITS) or key.startswith(_SCALED)
+
+
+def _same(old: Any, new: Any) -> bool:
+    return bool(old == new) or str(old) == str(new)
+
+
+def _seconds(stamp: Any) -> float:
+    """Seconds of an instant, from any zero."""
+    if hasattr(stamp, "as_datetime64"):
+        stamp = stamp.as_datetime64("ns")
+    return float(stamp.astype("datetime64[ns]").astype(float)) * 1e-9
