@@ -258,7 +258,7 @@ class Deck:
         parallel = f", b = {text(self.b)} {damping}" if self.b > 0 else ""
         described = [
             f"UNITS: {units.name}: {words}; frequency in {units.frequency_word}",
-            f"model: k_inf = {text(self.k_inf)} {stiffness}{parallel}",
+            f"model: k_inf = {text(self.k_inf)} {stiffness}{self._at_most()}{parallel}",
         ]
         for j, (k, tau, b) in enumerate(self.arms, start=1):
             centre = 1 / (2 * math.pi * self.model.tau[j - 1])
@@ -282,8 +282,23 @@ class Deck:
             *self._pedigree(),
             self._identified(),
             *(f"OVERRIDE: {sentence}" for sentence in self.overrides),
-            *(f"CHECK FAILED: {check.says}" for check in self.checks if check.failed),
+            *(
+                f"{'NOTE' if check.grade == 'note' else 'CHECK FAILED'}: {check.says}"
+                for check in self.checks
+                if check.failed
+            ),
         ]
+
+    def _at_most(self) -> str:
+        """What k_inf is at most: no test bounds it from below."""
+        fit = self.linear_fit
+        if fit is None or fit.model.k_inf != self.model.k_inf:
+            return ""
+        fact = next(fact for fact in fit.arm_facts if fact.name == "k_inf")
+        if not fact.topped:
+            return ""
+        stiffness = self.units.words[4] if self.material else self.units.stiffness_word
+        return f" (at most {text(self._stiffness(fact.high))} {stiffness})"
 
     def _elastic_law(self) -> list[str]:
         """What the stiffnesses are where the elastic law is not straight."""

@@ -275,7 +275,13 @@ def _problems(deck: Deck) -> dict[str, str]:
 
 
 def _doubt(fit: Fit | LevelFit) -> str | None:
-    """Why not every parameter of a fit is identified, or None."""
+    """Why not every parameter of a fit is identified, or None: never of one whose verdict is "use".
+
+    What is called so may be used: an arm that single data cannot place still adds up to limits that
+    hold. k_inf is no question here; what it is at most stands in the header.
+    """
+    if fit.verdict.use == "use":
+        return None
     if isinstance(fit, LevelFit) or _dense(fit):
         # the parts are judged together, by what they leave unexplained
         return fit.verdict.says if fit.verdict.use == "do not use" else None
@@ -286,7 +292,7 @@ def _doubt(fit: Fit | LevelFit) -> str | None:
     if not model.k_inf > 0:
         return "k_inf = 0, so the relaxation had not ended when the test did"
     # a stiffness is known to three standard errors, a relaxation time to two
-    known = [("k_inf", model.k_inf, error["k_inf"], 3, fit.unit)]
+    known = []
     for j, (k, tau) in enumerate(zip(model.k, model.tau, strict=True)):
         known.append((f"arm {j + 1} has k", k, error["k"][j], 3, fit.unit))
         known.append((f"arm {j + 1} has tau", tau, error["tau"][j], 2, "s"))

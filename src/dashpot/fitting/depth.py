@@ -22,6 +22,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
+from dashpot.base.facts import NORMAL
 from dashpot.base.units import written
 from dashpot.engine.inference.estimate import Estimate
 from dashpot.fitting.checks.relaxation import separable
@@ -137,9 +138,8 @@ class _Each(NamedTuple):
         error = self.known.standard_error[len(self.known.optimum.theta) :]
         noise = error[: self.k.size].reshape(self.k.shape)[test]
         k, se = scale * self.k[test], scale * np.hypot(noise, rig)
-        return AtDepth(
-            depth, float(k[0]), float(se[0]), tuple(k[1:].tolist()), tuple(se[1:].tolist())
-        )
+        most = float(k[0] + NORMAL * se[0])
+        return AtDepth(depth, float(k[0]), most, tuple(k[1:].tolist()), tuple(se[1:].tolist()))
 
 
 def _by_rigs(

@@ -46,12 +46,13 @@ def naming(time: float, now: float, then: float) -> str:
 
 
 # what ended, and what would have told more of it
-Ended: TypeAlias = Literal["hold", "curve", "sweep", "creep"]
+Ended: TypeAlias = Literal["hold", "curve", "sweep", "creep", "frf"]
 _MORE: Mapping[str, str] = MappingProxyType({
     "hold": "Hold longer.",
     "curve": "Measure longer.",
     "sweep": "Sweep to lower frequencies, or fit a relaxation test beside it.",
     "creep": "Hold the load longer.",
+    "frf": "Fit a relaxation test beside it.",
 })  # fmt: skip
 _UNKNOWN = (math.nan, math.nan)
 
@@ -62,14 +63,14 @@ class EndOfHold(Documented):
 
     Limits over every non-negative spectrum that the test does not reject, N/m, or Pa of a material.
     Of a hold or a curve they are of the relaxation function
-    :math:`k(t) = k_\infty + \sum_j k_j e^{-t/\tau_j}`; of a sweep of the storage
+    :math:`k(t) = k_\infty + \sum_j k_j e^{-t/\tau_j}`; of a sweep or an FRF of the storage
     :math:`K'(1/t)`, of creep of force over displacement 1/J(t) after a step of force.
 
     Attributes
     ----------
     time : float
-        T, the time that the seal was held, s; the longest of several tests. Of a sweep 1/omega of
-        its lowest line.
+        T, the time that the seal was held, s; the longest of several tests. Of a sweep or an FRF
+        1/omega of its lowest line.
     k_end, k_3end : (float, float)
         k(T) and k(3 T).
     k_inf : (float, float)
@@ -85,7 +86,7 @@ class EndOfHold(Documented):
     k_10end : (float, float)
         k(10 T); nan of a hold, whose drift hides it.
     ended : str
-        ``"hold"``, ``"curve"``, ``"sweep"`` or ``"creep"``.
+        ``"hold"``, ``"curve"``, ``"sweep"``, ``"creep"`` or, of a hammer alone, ``"frf"``.
     """
 
     keys = ("k_inf", "k_end", "k_3end", "time", "falling", "named", "k_10end", "ended")
@@ -103,7 +104,7 @@ class EndOfHold(Documented):
     def of(self, solid: Solid, times: float = 1.0) -> float:
         """What the limits are of, of a solid, `times` as late as T."""
         t = times * self.time
-        if self.ended == "sweep":
+        if self.in_frequency:
             return float(solid.complex_stiffness(omega=1 / t).real)
         if self.ended == "creep":
             return 1 / float(solid.creep(t))
@@ -123,6 +124,26 @@ class EndOfHold(Documented):
         )
 
     @property
+    def in_frequency(self) -> bool:
+        """Whether it is the lowest frequency that the test ends at, and not a time."""
+        return self.ended in {"sweep", "frf"}
+
+    def widened(self, part: float) -> EndOfHold:
+        """Return the limits, each moved outwards by a part of itself."""
+
+        def wider(ends: tuple[float, float]) -> tuple[float, float]:
+            low, high = ends
+            return max(low * (1 - part), 0.0), high * (1 + part)
+
+        return replace(
+            self,
+            k_end=wider(self.k_end),
+            k_3end=wider(self.k_3end),
+            k_10end=_UNKNOWN if math.isnan(self.k_10end[0]) else wider(self.k_10end),
+            k_inf=wider(self.k_inf),
+        )
+
+    @property
     def levels(self) -> float:
         """Lowest k(10 T) over highest k(T): 1 of a plateau that is known."""
         return self.k_10end[0] / max(self.k_end[1], 1e-300)
@@ -130,7 +151,9 @@ class EndOfHold(Documented):
     def says(self, unit: str) -> str:
         """What is known at the end, what is not, and what would tell more; `unit` of stiffness."""
         subject = self._subject(unit)
-        after = {"hold": "after the hold", "sweep": "below the sweep"}.get(self.ended, "later on")
+        after = {
+            "hold": "after the hold", "sweep": "below the sweep", "frf": "below the band",
+        }.get(self.ended, "later on")  # fmt: skip
         return f"{subject} {after}. {self._limits(unit, 'it')}. {self.remedy}"
 
     def told(self, unit: str) -> str:
@@ -153,13 +176,12 @@ class EndOfHold(Documented):
     def _at(self, times: float) -> str:
         """When, or at which frequency, so many times as late as T."""
         t = times * self.time
-        swept = self.ended == "sweep"
-        return f"{rounded(1 / (2 * math.pi * t))} Hz" if swept else f"{rounded(t)} s"
+        return f"{rounded(1 / (2 * math.pi * t))} Hz" if self.in_frequency else f"{rounded(t)} s"
 
     def _subject(self, unit: str) -> str:
         of_material = unit == "Pa"
-        if self.ended == "sweep":
-            return "the storage"
+        if self.in_frequency:
+            return "the storage" if self.ended == "sweep" else "the storage stiffness"
         if self.ended == "creep":
             return "stress over strain" if of_material else "force over displacement"
         return "the modulus" if of_material else "the stiffness"
@@ -180,8 +202,8 @@ class EndOfHold(Documented):
 
     def fact(self, solid: Solid, unit: str) -> Fact:
         """The stiffness of a solid at the end of the test, between these limits."""
-        at = self._at(1) if self.ended == "sweep" else duration(self.time)
-        what = {"sweep": "K'", "creep": "1/J"}.get(self.ended, "k")
+        at = self._at(1) if self.in_frequency else duration(self.time)
+        what = "K'" if self.in_frequency else {"creep": "1/J"}.get(self.ended, "k")
         return Fact("k_end", self.of(solid), *self.k_end, unit, words=f"{what}({at})")
 
     def __mul__(self, count: float) -> EndOfHold:

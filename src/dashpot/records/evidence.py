@@ -79,26 +79,32 @@ class Moved:
     after, after_se : float
         With it.
     unit : str
+    before_most, after_most : float or None
+        What it is at most, of k_inf, which no test bounds from below and which has no error.
     """
 
     name: str
     before: float | None
     before_se: float | None
     after: float
-    after_se: float
+    after_se: float | None
     unit: str
+    before_most: float | None = None
+    after_most: float | None = None
 
     @property
     def was(self) -> Fact | None:
         """What it was, as a table has it; None for a new arm."""
         if self.before is None:
             return None
-        return Fact(self.name, self.before, unit=self.unit, error=self.before_se)
+        high = np.nan if self.before_most is None else self.before_most
+        return Fact(self.name, self.before, high=high, unit=self.unit, error=self.before_se)
 
     @property
     def now(self) -> Fact:
         """What it is, as a table has it."""
-        return Fact(self.name, self.after, unit=self.unit, error=self.after_se)
+        high = np.nan if self.after_most is None else self.after_most
+        return Fact(self.name, self.after, high=high, unit=self.unit, error=self.after_se)
 
     @property
     def shift(self) -> float | None:
@@ -149,23 +155,24 @@ class AtDepth:
     ----------
     depth : float
         Compression held, m.
-    k_inf, k_inf_se : float
-        Secant equilibrium stiffness at this depth, N/m, and its standard error.
+    k_inf, k_inf_most : float
+        Secant equilibrium stiffness at this depth, N/m, and what it is at most, at 95 %.
     k, k_se : tuple of float
         Arm stiffnesses at this depth, N/m, in the order of the model's arms.
     """
 
     depth: float
     k_inf: float
-    k_inf_se: float
+    k_inf_most: float
     k: tuple[float, ...]
     k_se: tuple[float, ...]
 
     def facts(self, unit: str) -> tuple[Fact, ...]:
         """Each stiffness with its error; an arm that is nothing here is one of other depths."""
-        names = ("k_inf", *(f"k_{j}" for j in range(1, len(self.k) + 1)))
-        each = zip(names, (self.k_inf, *self.k), (self.k_inf_se, *self.k_se), strict=True)
-        return tuple(Fact(name, value, unit=unit, error=error) for name, value, error in each)
+        rest = Fact("k_inf", self.k_inf, high=self.k_inf_most, unit=unit)
+        names = (f"k_{j}" for j in range(1, len(self.k) + 1))
+        each = zip(names, self.k, self.k_se, strict=True)
+        return rest, *(Fact(name, value, unit=unit, error=error) for name, value, error in each)
 
 
 @dataclass(frozen=True)

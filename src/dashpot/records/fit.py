@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, TypeVar
 
@@ -313,7 +313,7 @@ class Fit(ByValue, Pictured, Documented):
             evidence=replace(
                 scaled.evidence,
                 band=(low / a_t, high / a_t),
-                end_of_hold=None,
+                end_of_hold=self._end_at(kelvin, scaled.end_of_hold, a_t),
                 band_error=known and known.shifted(a_t),
             ),
             provenance=replace(
@@ -321,6 +321,33 @@ class Fit(ByValue, Pictured, Documented):
             ),
             temperatures=moved.referred(kelvin),
         )
+
+    def _end_at(self, kelvin: float, end: EndOfHold | None, a_t: float) -> EndOfHold | None:
+        """Limits at the end of the test as they are at another temperature, K.
+
+        They are of a time that is a_T as long. What shifts and their law add to the errors of the
+        stiffness there widens them.
+        """
+        if end is None or self.temperatures is None:
+            return None
+        s = np.array([1j / end.time], dtype=complex)
+        here = self._of_arms
+        there = replace(
+            here,
+            covariance=self.temperatures.covariance_at(
+                kelvin, here.parameters, here.covariance, self.model
+            ),
+        )
+        before, after = (
+            one.errors_of_vibration(model, at)[0]
+            for one, model, at in (
+                (here, self.model, s), (there, self.at(kelvin), np.asarray(s / a_t, dtype=complex))
+            )
+        )  # fmt: skip
+        if not np.isfinite(after):
+            return None
+        more = NORMAL * float(np.sqrt(max(after**2 - before**2, 0.0)))
+        return replace(end.widened(more), time=a_t * end.time)
 
     # -- how well it is known -----------------------------------------------------------------
 
@@ -371,21 +398,29 @@ class Fit(ByValue, Pictured, Documented):
         return tuple(tau for tau, sure in zip(self.model.tau, known, strict=True) if not sure)
 
     @property
+    def k_inf_given(self) -> bool:
+        """Whether k_inf was given and not fitted: then it is known as it was given."""
+        return bool(self.parameters) and "k_inf" not in self.parameters
+
+    @property
     def standard_error(self) -> StandardErrors:
         """Standard errors of k_inf, and of k, tau and b = k tau of each arm, SI units.
 
-        Of a fractional solid, those of the arms that stand for it follow from its own four. Of
-        relaxation tests they hold what their rigs may have done unseen; without it they are those
-        of `estimate.noise_alone`.
+        No test bounds k_inf from below, so it has no standard error (nan) but where it was given:
+        :meth:`intervals` has what it is at most. Of a fractional solid, those of the arms that
+        stand for it follow from its own four. Of relaxation tests they hold what their rigs may
+        have done unseen; without it they are those of `estimate.noise_alone`.
         """
-        return self._of_arms.standard_errors(self.model)
+        found = self._of_arms.standard_errors(self.model)
+        return found if self.k_inf_given else {**found, "k_inf": np.nan}
 
     def intervals(self, level: float = 0.95) -> Intervals:
         """Confidence intervals at `level`, SI units: Student's, or the profile's where stored.
 
-        An end that the data leave open is 0 or infinite. Of a test that ends k_inf is at most the
-        upper end of `left_open`, and no record bounds it from below; that end is computed at 95 %,
-        and at another level its distance from the fit is in the ratio of Student's quantiles.
+        An end that the data leave open is 0 or infinite. No test bounds k_inf from below: it is at
+        most the upper end of `left_open`, or of its own interval where nothing was left open. The
+        end of `left_open` is computed at 95 %, and at another level its distance from the fit is
+        in the ratio of Student's quantiles.
 
         Raises
         ------
@@ -396,10 +431,12 @@ class Fit(ByValue, Pictured, Documented):
         return {**found, "k_inf": self._k_inf_between(found["k_inf"], level)}
 
     def _k_inf_between(self, formal: Interval, level: float) -> Interval:
-        """The interval of k_inf: what a test leaves of it, else that of the estimate."""
+        """The interval of k_inf: from 0 to what a test leaves of it, or to its own upper end."""
+        if self.k_inf_given:
+            return formal
         end = self.end_of_hold
         if end is None:
-            return formal
+            return 0.0, formal[1]
         most = replace(self.estimate, dof=max(self.dof, 1.0))
         reach = most.quantile(level) / most.quantile(0.95)
         return 0.0, self.model.k_inf + reach * (end.k_inf[1] - self.model.k_inf)
@@ -409,9 +446,10 @@ class Fit(ByValue, Pictured, Documented):
         """Standard errors of the solid's own parameters by their names, SI units.
 
         ``k_inf``, ``k_0``, ``tau`` and ``alpha`` of a fractional solid; ``k_inf``, ``k_1``,
-        ``tau_1``... of one with arms.
+        ``tau_1``... of one with arms. That of k_inf is nan, as in :attr:`standard_error`.
         """
-        return _own(self.estimate.errors(self.solid))
+        found = _own(self.estimate.errors(self.solid))
+        return found if self.k_inf_given else {**found, "k_inf": np.nan}
 
     def solid_intervals(self, level: float = 0.95) -> dict[str, Interval]:
         """Confidence intervals at `level` of the solid's own parameters by their names, SI units.
@@ -430,7 +468,7 @@ class Fit(ByValue, Pictured, Documented):
     def facts(self) -> tuple[Fact, ...]:
         """Every parameter of the solid with its standard error and 95 % interval.
 
-        Of a test that ends k_inf is at most so much, and has no error.
+        No test bounds k_inf from below: it is at most so much, and has no error.
         """
         return self._at_most(self.estimate.facts(self.solid, self.unit))
 
@@ -440,15 +478,17 @@ class Fit(ByValue, Pictured, Documented):
         return self._at_most(self._of_arms.facts(self.model, self.unit))
 
     def _at_most(self, found: tuple[Fact, ...]) -> tuple[Fact, ...]:
-        """Facts with what a test that ends leaves of k_inf: a bound."""
+        """Facts with what a test leaves of k_inf: what it is at most."""
+        return tuple(self._k_inf_at_most(one) if one.name == "k_inf" else one for one in found)
+
+    def _k_inf_at_most(self, formal: Fact) -> Fact:
+        """k_inf as every table has it, from its formal interval: what it is at most."""
         end = self.end_of_hold
-        if end is None:
-            return found
-        high = end.k_inf[1]
-        return tuple(
-            replace(one, low=np.nan, high=high, error=None) if one.name == "k_inf" else one
-            for one in found
-        )
+        high = formal.high if end is None else end.k_inf[1]
+        if self.k_inf_given or not np.isfinite(high):
+            return formal
+        below = "" if end is None or end.ended != "frf" else "stiffness below the band"
+        return replace(formal, low=np.nan, high=high, error=None, words=below)
 
     @property
     def known(self) -> tuple[Fact, ...]:
@@ -462,7 +502,9 @@ class Fit(ByValue, Pictured, Documented):
             ends = [("k_inf", model.k_inf, self.unit), ("k_0", model.k_0, self.unit)]
             if model.arms:
                 ends += [("tau from", model.tau[0], "s"), ("tau to", model.tau[-1], "s")]
-            found = tuple(Fact(name, value, unit=of, error=np.inf) for name, value, of in ends)
+            found = self._at_most(
+                tuple(Fact(name, value, unit=of, error=np.inf) for name, value, of in ends)
+            )
         return found if end is None else (end.fact(model, self.unit), *found)
 
     @property
@@ -608,8 +650,12 @@ class Fit(ByValue, Pictured, Documented):
         """Return the fit with what a verdict holds against it, where its own checks are calmer."""
         if not self.verdict.calmer_than(judged):
             return self
-        checks = dict.fromkeys((*self.checks, *judged.because))
-        return replace(self, evidence=replace(self.evidence, checks=tuple(checks)))
+        return self.with_checks(judged.because)
+
+    def with_checks(self, checks: Iterable[Check]) -> Fit:
+        """Return the fit with these checks beside its own, each once."""
+        every = tuple(dict.fromkeys((*self.checks, *checks)))
+        return replace(self, evidence=replace(self.evidence, checks=every))
 
     @property
     def identity(self) -> str:

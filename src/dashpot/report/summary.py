@@ -47,9 +47,15 @@ def _solid(found: Recommendation) -> str:
         arms = f"a springpot of slope {rounded(fit.solid.alpha)} beside it"
     tests = "both tests" if found.joint else "the relaxation test"
     return (
-        f"One seal behaves as a spring of {shown(fit.model.k_inf, 'N/mm')} with {arms}. At once it "
+        f"One seal behaves as a spring of {_at_most(fit)} with {arms}. At once it "
         f"has {shown(fit.model.k_0, 'N/mm')}. The valid band of {tests} is {hertz(fit.band)}."
     )
+
+
+def _at_most(fit: Fit) -> str:
+    """k_inf with what it is at most."""
+    cells = next(fact for fact in fit.facts if fact.name == "k_inf").cells
+    return ", ".join(filter(None, (cells.with_unit, cells.interval)))
 
 
 def _end(found: Recommendation) -> str:

@@ -81,10 +81,12 @@ def cable_arms(stiffness: float, loss: float, omega: float):
     return stiffness - k * unit.real, np.full(len(_CABLE_TAU), k)
 
 
-def struck(seed: int, rig: Rig = Rig(), *, damping: float | None = None) -> HammerRecord:
-    """Hits of a block on two seals."""
+def struck(
+    seed: int, rig: Rig = Rig(), *, damping: float | None = None, seal: Seal | None = None
+) -> HammerRecord:
+    """Hits of a block on two seals: of those given, or of ones drawn by the seed."""
     random = np.random.default_rng([seed, *b"hammer rig"])
-    seal = Seal(drawn(FAMILIES[1 + seed % 5], seed))
+    seal = seal or Seal(drawn(FAMILIES[1 + seed % 5], seed))
     mass = seal.mass_at(random.uniform(8, 25), 2)
     there = 2 * pi * seal.peak(mass, 2)[0]
     spring, dashpot, k, tau = seal.solid.within(1e-6, 1e7)

@@ -139,8 +139,8 @@ def hold_long_enough(end: EndOfHold | None) -> Finding:
 def k_inf_positive(model: GeneralizedMaxwell, se: float, end: EndOfHold | None = None) -> Finding:
     """There is an equilibrium stiffness left."""
     return Finding(
-        f"k_inf is {written(model.k_inf, 'N/mm')} with a standard error of "
-        f"{in_unit(se, 'N/mm'):.2g}",
+        f"k_inf is {written(model.k_inf, 'N/mm')}; noise alone would hide "
+        f"{written(3.0 * se, 'N/mm', '.2g')}",
         model.k_inf,
         "It may be zero: the hold ended before the force levelled off, or the seal flows",
         "Hold longer.",
@@ -173,7 +173,7 @@ def k_inf_known(
     else:
         low, high, most, what = max(model.k_inf - 2 * se, 0.0), model.k_inf + 2 * se, left, "k_inf"
         says = (
-            f"k_inf is {in_unit(low, 'N/mm'):.3g} to {written(high, 'N/mm', '.3g')}; "
+            f"The limits of k_inf by noise are {written(high - low, 'N/mm', '.3g')} apart; "
             f"the stiffness at the end of the hold is {written(left, 'N/mm', '.3g')}"
         )
     if not (np.isfinite(high) and most > 0):

@@ -20,7 +20,8 @@ from dashpot.fitting.identification.likelihood import DELAY_UNIT, UNCHANGED, Can
 from dashpot.fitting.identification.parametrisation import Arms
 from dashpot.fitting.identification.unseen_rig import moved_by_hammer_rig
 from dashpot.fitting.relaxation_data import RelaxationData
-from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual
+from dashpot.records.bounds import EndOfHold
+from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual, parameter_names
 from dashpot.records.evidence import Evidence, Moved, OrderScore, Provenance
 from dashpot.records.fit import LINES_IN_BAND, Fit
 from dashpot.records.frf import FRF
@@ -81,6 +82,7 @@ def identified(
         *dashpot,
     )
     estimate = estimate.with_rig(unseen)
+    end = end_of_data(best, before, estimate)
     law = None if before is None else before.elastic_law
     return assembled(
         FoundSolid(
@@ -93,9 +95,10 @@ def identified(
             band,
             orders=tuple(_score(candidate) for candidate in orders),
             checks=answers,
-            moved=() if own is None else _moved(own, point.model, names, physical),
+            moved=() if own is None else _moved(own, point.model, names, physical, end),
             explanations=() if apart is None else apart.explanations,
             alternative=other,
+            end_of_hold=end,
         ),
         Provenance(
             "joint" if tests or before is not None else "frf",
@@ -106,6 +109,34 @@ def identified(
         elastic_law=None if law is None else replace(law, stiffness=point.model.k_inf),
         temperatures=None if before is None else _shifts(before),
     )
+
+
+def end_of_data(
+    best: Candidate, before: Fit | None, estimate: ParameterEstimate
+) -> EndOfHold | None:
+    r"""Return what the tests leave open of the stiffness at rest; None where nothing bounds it.
+
+    A hammer says nothing of it: with a hold it is what the hold leaves. Of vibration alone it is at
+    most the storage at the lowest line, :math:`k_\infty \le K'(\omega_1)`, for
+    :math:`K' - k_\infty = \sum_j k_j \omega^2\tau_j^2/(1 + \omega^2\tau_j^2) \ge 0`.
+    """
+    solid = best.point.model
+    if before is not None and before.end_of_hold is not None:
+        return before.end_of_hold.holding(solid)
+    of_arms = estimate.of_arms(solid) if isinstance(solid, FractionalZener) else estimate
+    model = solid.maxwell
+    rows = [of_arms.parameters.index(name) for name in parameter_names(model.arms)]
+    covariance = of_arms.covariance[np.ix_(rows, rows)]
+    if not np.isfinite(covariance).all():
+        return None
+    omega = 2 * np.pi * float(best.problem.frf_data.lines.frequency[0])
+    slope = model.arm_slopes(np.array([1j * omega]))[0][0].real
+    reach = of_arms.quantile(0.95) * float(np.sqrt(max(slope @ covariance @ slope, 0.0)))
+    storage = float(solid.complex_stiffness(omega=omega).real)
+    low, high = max(storage - reach, 0.0), storage + reach
+    return EndOfHold(
+        time=1 / omega, k_end=(low, high), k_3end=(0.0, high), k_inf=(0.0, high), ended="frf"
+    ).holding(solid)
 
 
 def _shifts(before: Fit) -> TemperatureShifts | None:
@@ -245,7 +276,11 @@ def _step(best: Candidate) -> Step:
 
 
 def _moved(
-    before: Fit, solid: Solid, names: tuple[str, ...], covariance: FloatArray
+    before: Fit,
+    solid: Solid,
+    names: tuple[str, ...],
+    covariance: FloatArray,
+    end: EndOfHold | None,
 ) -> tuple[Moved, ...]:
     """Each parameter before and after; arms are matched by their relaxation times."""
     # as the fit of both weighed it
@@ -281,6 +316,12 @@ def _moved(
 
     found = []
     for title, unit, was, there, now, here in rows:
+        if title == "k_inf":
+            most = None if end is None else end.k_inf[1]
+            found.append(
+                Moved(title, was, None, now, None, unit, before.intervals()["k_inf"][1], most)
+            )
+            continue
         known = None if was is None or there not in old else error(old, there, was)
         found.append(Moved(title, was, known, now, error(new, here, now), unit))
     return tuple(found)

@@ -150,8 +150,8 @@ class SlamFit(ByValue, Numbered, Judged, Documented):
 
     @property
     def kept(self) -> Fit:
-        """The fit, no calmer than the verdict."""
-        return self.fit.weighed_by(self.verdict)
+        """The fit with every check that decided the verdict."""
+        return self.fit.with_checks(self.checks)
 
     @property
     def source(self) -> Source | None:

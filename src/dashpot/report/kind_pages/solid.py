@@ -157,7 +157,7 @@ def _called(fit: Fit) -> str:
 
 def _pressed(fit: Fit) -> Iterator[tuple[str, str]]:
     """Facts of a fit beside its specimen: the hold, the temperatures."""
-    if fit.end_of_hold is not None and fit.method != "dynamic":
+    if fit.end_of_hold is not None and not fit.end_of_hold.in_frequency:
         yield "Held", duration(fit.end_of_hold.time)
     if fit.temperatures is not None:
         every = [one.temperature for one in fit.temperatures.shifts]
@@ -178,7 +178,8 @@ def of_solid(fit: Fit) -> Iterator[Group]:
         first.append(row(fact, f"After {seconds}") if fit.residual.unit == "N" else row(fact))
         known.pop(fact.name, None)
     if "k_inf" in known:
-        first.append(row(known.pop("k_inf"), "At rest, k∞"))
+        rest = known.pop("k_inf")
+        first.append(row(rest, "Below the band" if rest.words else "At rest, k∞"))
     yield Group("Stiffness" if fit.unit != "Pa" else "Modulus", tuple(first))
     yield Group("Inside the valid band", tuple(_in_band(fit)))
     others = [one for name, one in known.items() if not name.startswith("b_")]

@@ -13,11 +13,13 @@ import numpy as np
 
 from dashpot.base.documents import NOT_FINITE, Documented, fields_of
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.facts import NORMAL
 from dashpot.base.status import Status
 from dashpot.kinds import KINDS, load
 from dashpot.kinds.level.levels import LevelFit
 from dashpot.planning.plan import Plan
 from dashpot.records.bounds import EndOfHold
+from dashpot.records.evidence import AtDepth
 from dashpot.records.fit import Fit
 from dashpot.records.temperature import TemperatureShifts
 from dashpot.solids.elastic import ElasticLaw
@@ -294,6 +296,14 @@ def _elastic(found: dict[str, Any]) -> dict[str, Any]:
     return found | {"stiffness": stiffness, "ratio": (tangent / stiffness).tolist()}
 
 
+def _at_depth(found: dict[str, Any]) -> dict[str, Any]:
+    """The stiffnesses of one depth; an older document holds the standard error of k_inf."""
+    error = found.get("k_inf_se")
+    if error is None:
+        return found
+    return {"k_inf_most": found["k_inf"] + NORMAL * error} | found
+
+
 def _shifts(found: dict[str, Any]) -> dict[str, Any]:
     """Shifts whose law has their reference; the bare contract holds the errors alone."""
     count = 2 * len(found["shifts"])
@@ -321,6 +331,7 @@ _FILLED: dict[type, Callable[[dict[str, Any]], dict[str, Any]]] = {
     Fit: _fit,
     ElasticLaw: _elastic,
     TemperatureShifts: _shifts,
+    AtDepth: _at_depth,
     # the bare contract does not say how long the seal was held
     EndOfHold: lambda found: {"time": np.nan} | found,
     InspectedFile: _inspected,

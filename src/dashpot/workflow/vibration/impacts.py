@@ -488,8 +488,8 @@ class Identified(Judged, Documented):
 
     @property
     def kept(self) -> Fit:
-        """The fit, no calmer than the verdict."""
-        return self.fit.weighed_by(self.verdict)
+        """The fit with every check that decided the verdict."""
+        return self.fit.with_checks(self.checks)
 
     @property
     def facts(self) -> tuple[Fact, ...]:
