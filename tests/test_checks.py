@@ -51,7 +51,7 @@ from dashpot.planning.expected import Pulse, RecordNeed
 from dashpot.preparation import checks as preparation
 from dashpot.preparation.contact import Baseline, Touch
 from dashpot.preparation.filters import parse_filter
-from dashpot.preparation.history import Followed
+from dashpot.preparation.history import EarlierLoadings
 from dashpot.records import checks as records
 from dashpot.records.alternative import Alternative
 from dashpot.records.bounds import EndOfHold
@@ -455,7 +455,9 @@ PREPARATION = [
     ),
     Case(
         "history_explained",
-        lambda x: preparation.history_explained(Followed(x, 2, converged=True), broken=False),
+        lambda x: preparation.history_explained(
+            EarlierLoadings(x, 2, converged=True), broken=False
+        ),
         0.0299,
         0.0301,
     ),

@@ -128,8 +128,8 @@ def test_the_sentence_says_what_is_known_and_what_is_not() -> None:
         .says("N/m")
         .endswith(
             "or below. Record a baseline of 10 s, and give the drift, compliance and creep of the "
-            "machine and the rest of the seal: k(40.0 s) is then known to about 0.8 % instead of "
-            "4.0 %."
+            "machine and the rest of the seal: k(40.0 s) is then known to about 0.8 % instead "
+            "of 4.0 %."
         )
     )
 

@@ -179,7 +179,7 @@ class RelaxationData:
 
     @property
     def on_a_named_rig(self) -> RelaxationData:
-        """The data if machine, crosshead and rest were known, and the drift to a fifth."""
+        """The data if machine, crosshead and rest were known, the drift to a fifth of its doubt."""
         mean, sd = self.terms.known["drift"]
         terms = self.terms.beside(drift=Prior(mean, NAMED_DRIFT * sd))
         known = self.unseen and self.unseen.but("give", "settling", "memory")

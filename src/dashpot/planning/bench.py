@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, sample_count
 from dashpot.planning.asked import PlannedRamp
 from dashpot.records.machine import USUAL, Machine
-from dashpot.signals.unseen import machine_terms, warming
+from dashpot.signals.unseen import earlier_press, machine_terms, warming
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a doubt is smooth: instants of ramp and hold, each, at which it is laid out
@@ -134,7 +134,8 @@ class Bench(PlannedRamp):
     def rows(self, model: GeneralizedMaxwell, *, several: bool = False) -> PlannedRows:
         """What the test tells its fit, and what its rig may add to that unseen.
 
-        A fit of `several` temperatures looks for a seal that warms, and finds it.
+        A fit of `several` temperatures looks for a seal that warms, and finds it; it is a point,
+        and bears nothing of earlier presses.
         """
         columns, known = self.sensitivity(model), np.zeros((0, 0))
         unseen = self.unseen(model, columns[:, 1 : 1 + model.arms])
@@ -142,7 +143,7 @@ class Bench(PlannedRamp):
             sd = self.prior_sd(model)
             if several:
                 columns, sd = np.hstack((columns, unseen[:, :1])), np.append(sd, _IN_A_CHAMBER)
-                unseen = unseen[:, 1:]
+                unseen = unseen[:, 2:]
             known = np.diag(1 / np.maximum(sd, 1e-300))
         own = columns.shape[1]
         both = np.asarray(np.linalg.qr(np.hstack((columns, unseen)), mode="r")) / self.noise
@@ -154,7 +155,8 @@ class Bench(PlannedRamp):
     def unseen(self, model: GeneralizedMaxwell, by_arms: FloatArray) -> FloatArray:
         """What room and machine may add that the fit does not look for, in N, shape (n, d).
 
-        One standard deviation a column, first that of a seal that warms. `by_arms` are the
+        One standard deviation a column, first that of a seal that warms, then that of one that was
+        pressed before. `by_arms` are the
         sensitivities to k. The crosshead is thought to settle by less than its encoder reads.
         """
         time = self.time()
@@ -169,6 +171,10 @@ class Bench(PlannedRamp):
         x = self.depth * np.minimum(at / self.ramp_time, 1.0)
         warms = warming(at, x, model, since=-min(self.baseline, self.ramp_time))
         terms = {"warming": (warms, USUAL["warming"].size)}
+        # of a seal that was pressed before; what it carries in the middle of the rest is offset
+        began = np.append(at + self.baseline, self.baseline / 2)
+        memory, sd = earlier_press(machine, model, began, depth=self.depth)
+        terms["memory"] = memory[:-1] - memory[-1], sd
         terms |= machine_terms(
             machine, model, at, x, since=since, ramp_time=self.ramp_time, depth=self.depth
         )

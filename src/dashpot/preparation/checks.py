@@ -16,7 +16,7 @@ from dashpot.base.status import Status
 from dashpot.base.units import celsius, written
 from dashpot.preparation.contact import MIN_BASELINE, Baseline, Touch
 from dashpot.preparation.denoising import CORNERS, LOST, bends, but_corners, true_motion
-from dashpot.preparation.history import Followed
+from dashpot.preparation.history import EarlierLoadings
 from dashpot.records.relaxation import MAX_CREEP, RampHold, quantum
 from dashpot.records.specimen import Specimen
 from dashpot.signals.clock import BESIDE, leaps, ticks_evenly
@@ -221,7 +221,7 @@ def single_loading(
 @criterion(
     "their misfit / their force", "<=", MAX_PAST_MISFIT, "simulation: conditioned seals that soften"
 )
-def history_explained(past: Followed, *, broken: bool) -> Finding:
+def history_explained(past: EarlierLoadings, *, broken: bool) -> Finding:
     """What came before the loading that is fitted is explained by the same solid."""
     says = (
         f"The solid of the last loading gives the force of the earlier ones to "
@@ -256,7 +256,7 @@ def face_recovered(seen: float, expected: float, *, error: float, depth: float) 
     )
 
 
-def of_history(record: RampHold, past: Followed, met: Touch) -> list[Check]:
+def of_history(record: RampHold, past: EarlierLoadings, met: Touch) -> list[Check]:
     """Return the checks of what came before the loading that is fitted."""
     stop, corner = record.start, int(np.searchsorted(record.time, record.ramp_end))
     pauses, moved = np.diff(record.time[: stop + 1]), np.diff(record.displacement[: stop + 1])

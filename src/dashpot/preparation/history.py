@@ -41,7 +41,7 @@ PULLED_PART, PULLED = 0.01, 8.0
 BACK = 0.1
 
 
-class Followed(NamedTuple):
+class EarlierLoadings(NamedTuple):
     """What was followed of the loadings before the one that is fitted.
 
     Attributes
@@ -71,7 +71,7 @@ def pulls(
     return bool(np.any((median_of_three(force) < -least) & (compression < BACK * depth)))
 
 
-def followed(record: RampHold) -> tuple[RampHold, Followed]:
+def followed(record: RampHold) -> tuple[RampHold, EarlierLoadings]:
     """Return the record with the face of its seal, and how well its earlier loadings agree.
 
     Parameters
@@ -82,9 +82,9 @@ def followed(record: RampHold) -> tuple[RampHold, Followed]:
     plate = record.plate
     if plate is None:
         solid, _ = _solid_of(record, MOST_ARMS[0])
-        return record, Followed(_misfit(record, solid), solid.arms, converged=True)
+        return record, EarlierLoadings(_misfit(record, solid), solid.arms, converged=True)
     first = replace(record, displacement=_first_face(record, plate))
-    tried: list[tuple[float, RampHold, Followed]] = []
+    tried: list[tuple[float, RampHold, EarlierLoadings]] = []
     for arms in MOST_ARMS:
         # a fast arm can stand for a wrong face: fewer arms then leave less
         left, found, past = _by_turns(first, plate, arms)
@@ -97,7 +97,9 @@ def followed(record: RampHold) -> tuple[RampHold, Followed]:
     return record, past
 
 
-def _by_turns(record: RampHold, plate: FloatArray, arms: int) -> tuple[float, RampHold, Followed]:
+def _by_turns(
+    record: RampHold, plate: FloatArray, arms: int
+) -> tuple[float, RampHold, EarlierLoadings]:
     """Solid and face, each found with the other: what is left of the force, N, and the record."""
     (solid, left), moved = _solid_of(record, arms), np.inf
     for _ in range(ROUNDS):
@@ -108,7 +110,7 @@ def _by_turns(record: RampHold, plate: FloatArray, arms: int) -> tuple[float, Ra
         if moved < SETTLED_FACE:
             break
     converged = moved < 10 * SETTLED_FACE
-    return left, record, Followed(_misfit(record, solid), solid.arms, converged=converged)
+    return left, record, EarlierLoadings(_misfit(record, solid), solid.arms, converged=converged)
 
 
 def _first_face(record: RampHold, plate: FloatArray) -> FloatArray:

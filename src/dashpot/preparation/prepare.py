@@ -25,7 +25,7 @@ from dashpot.preparation.contact import (
 )
 from dashpot.preparation.denoising import denoised
 from dashpot.preparation.filters import filtered, parse_filter
-from dashpot.preparation.history import Followed, followed, pulls
+from dashpot.preparation.history import EarlierLoadings, followed, pulls
 from dashpot.preparation.hum import hum_lines, hum_step
 from dashpot.preparation.late_touch import AFTER, MOST, Lateness, lateness
 from dashpot.preparation.motion import (
@@ -570,7 +570,7 @@ def _on_the_machine(record: RampHold, preload: float, machine: Machine) -> RampH
     )
 
 
-def _followed_step(record: RampHold, past: Followed, many: int) -> Step:
+def _followed_step(record: RampHold, past: EarlierLoadings, many: int) -> Step:
     face = (
         "the seal is bonded, or the plate never left it: it moves as the plate does"
         if record.plate is None

@@ -226,3 +226,15 @@ def conditioned(
         says, np.round(time, 6), seen, force, truth, hold, depth, sound=not mullins,
         facts={"kind": kind, "bonded": bonded, "rest": rest, "ramp": ramp},
     )  # fmt: skip
+
+
+def limits_of(
+    one: Conditioned, stated: Mapping[str, tuple[float, float]], hold: float
+) -> dict[str, tuple[float, float, float]]:
+    """Lower limit, truth and upper limit of k(T), k(3T) and the most that k_inf may be."""
+    found = {}
+    for name, at in (("k_end", hold), ("k_3end", 3 * hold), ("k_inf", np.inf)):
+        low, high = stated.get(name, (np.nan, np.nan))
+        truth = one.truth.k_inf if name == "k_inf" else one.truth.relaxation(at)
+        found[name] = (0.0 if name == "k_inf" else low, truth, high)
+    return found
