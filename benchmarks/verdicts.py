@@ -1,14 +1,15 @@
 """How often a verdict is right, judged on truths and rigs that share no line with dashpot.
 
     python benchmarks/verdicts.py OUT.jsonl [--per 10] [--several 84] [--kinds 20] [--curves 300]
-        [--only REGEX]
+        [--conditioned 84] [--only REGEX]
     python benchmarks/verdicts.py --table OUT.jsonl
 
 The relaxation records of `tests/kit/foreign`: its 42 truths on its 40 rigs, `--per` truths of each,
 and by turns on `--several` rigs that have several faults at once; its other kinds of test, sound
-and spoilt by turns; and its curves: `--curves` moduli and a third as many compliances and sweeps,
-which end before their plateau or after, each whole and cut. Each record is one line of OUT.jsonl;
-those that stand there are not run again, and the same seed gives the same records.
+and spoilt by turns; `--conditioned` seals that were pressed before their test, of which limits of
+k(T), k(3T) and k_inf are asked; and its curves: `--curves` moduli and a third as many compliances
+and sweeps, which end before their plateau or after, each whole and cut. Each record is one line of
+OUT.jsonl; those that stand there are not run again, and the same seed gives the same records.
 
 A relaxation record misses if one of its 95 % limits does: of the accelerance of two seals under
 the mass that they bring to resonance at 12.7 Hz (there, its peak's height and frequency), of k(T)
@@ -60,7 +61,7 @@ from dashpot.vibration.impact.frf_estimation import estimate_frf
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from kit import curve_ends
-from kit.foreign import curves
+from kit.foreign import conditioning, curves
 from kit.foreign.catalogue import protocol_of, verdict_records
 from kit.foreign.kinds import Sheet, nominal, sheets
 from kit.foreign.rigs import RIGS, Record, read, several
@@ -118,6 +119,23 @@ def judged(one: Record) -> dict[str, object]:
     return {**said, "cpu": round(time.process_time() - start, 3)}
 
 
+def judged_conditioned(one: conditioning.Conditioned) -> dict[str, object]:
+    """One line of a seal that was pressed before its test."""
+    start = time.process_time()
+    try:
+        record = prepare(dp.RelaxationTest(one.time, one.displacement, one.force, units="SI"))
+        found = fit(record)
+    except dp.DashpotError as error:
+        said: dict[str, object] = {"use": "refused", "because": [str(error)]}
+    else:
+        limits = conditioning.limits_of(one, found.left_open or {}, record.hold_time)
+        said = {
+            **_said(found.verdict),
+            "limits": {name: [float(v) for v in three] for name, three in limits.items()},
+        }
+    return {**said, "cpu": round(time.process_time() - start, 3)}
+
+
 def held(line: Mapping) -> bool:
     """Whether every limit holds its truth; one that is not stated holds nothing."""
     if "limits" in line:
@@ -168,7 +186,7 @@ class Row:
         answered = [line for line in lines if line["use"] != "refused"]
         right = [line for line in answered if held(line)]
         widths = {}
-        if answered and "limits" in answered[0]:
+        if answered and "frf" in answered[0].get("limits", ()):
             widths = {w: float(np.median([half_width(o, w) for o in answered])) for w in WIDTHS}
         return cls(
             name, len(lines) - len(answered), len(answered), len(right),
@@ -505,6 +523,13 @@ def work(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]
                 read(Seal(truth), protocol_of(truth, seed), several(seed), seed=seed)
             ),
         )
+    for number in range(options.conditioned):
+        kind = conditioning.HISTORIES[number % len(conditioning.HISTORIES)]
+        if wanted.search(f"conditioned, {kind}"):
+            one = conditioning.conditioned(number, options.seed)
+            group = f"conditioned, {'sound' if one.sound else 'softens'}"
+            name = {"group": group, "rig": False, "name": one.name, "seed": options.seed}
+            yield name, lambda one=one: judged_conditioned(one)
     for kind in SHEETS:
         for one in sheets(kind, options.kinds, options.seed) if wanted.search(kind) else ():
             group = f"{kind}, {one.spoilt or 'sound'}"
@@ -549,6 +574,7 @@ def main() -> None:
     parser.add_argument("--per", type=int, default=10, help="truths to a disturbance, up to 42")
     parser.add_argument("--several", type=int, default=84, help="rigs with several faults at once")
     parser.add_argument("--kinds", type=int, default=20, help="sheets of each other kind")
+    parser.add_argument("--conditioned", type=int, default=84, help="seals pressed before")
     parser.add_argument("--curves", type=int, default=300, help="moduli, and thrice the others")
     parser.add_argument("--only", default="", help="disturbances and kinds, a regular expression")
     parser.add_argument("--seed", type=int, default=0)

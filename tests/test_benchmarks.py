@@ -46,7 +46,11 @@ RUNS = [
         r"^  95 % of them, and sum +[\d.]+ +[\d.]+ +[\d.]+$",
     ),
     ("two_thousand", "64", r"^  repeat +[\d.]+ % \(.*\), drawn from 1 %: "),
-    ("verdicts", "OUT --per 0 --several 1 --kinds 2 --curves 6", r'^of \d+ called "use" \d+ miss'),
+    (
+        "verdicts",
+        "OUT --per 0 --several 1 --kinds 2 --conditioned 2 --curves 6",
+        r'^of \d+ called "use" \d+ miss',
+    ),
 ]
 
 NAMES = [getattr(run, "values", run)[0] for run in RUNS]

@@ -29,6 +29,8 @@ from dashpot.signals.segments import (
     resolution_of,
 )
 
+# samples of a stand before given times
+_FEWEST_AT_REST = 5
 _BEGINS_LATE = (
     "yet the force relaxes: the record begins after its ramp. Start recording a second before the "
     "ramp, because its speed and the force before it are needed"
@@ -225,14 +227,19 @@ def given_motion(
     if turn * rise <= 0:
         raise DataError("the displacement does not rise between the onset and the hold given")
     level = median(x[corner : last + 1])
-    rest = None
+    rest, segments = None, find_segments(time, x, _resolution(test))
     if first >= 1:
-        before = median(x[: first + 1])
-        rest = MotionSegment("hold", 0, first, float(time[0]), onset, before, before)
+        # where it stood last, if it was moved before
+        moved = [part.last for part in segments if part.kind != "hold" and part.last < first]
+        stood = moved[-1] if moved and first - moved[-1] >= _FEWEST_AT_REST else 0
+        before = median(x[stood : first + 1])
+        rest = MotionSegment(
+            "hold", stood, first, float(time[stood]), onset, before, before
+        )  # fmt: skip
     ramp = MotionSegment("load", first, corner, onset, ramp_end, float(x[first]), level)
     hold = MotionSegment("hold", corner, last, ramp_end, hold_end, level, level)
     motion = _of_cycle(test, turn, (RampHoldCycle(rest, (ramp, hold)),), 0)
-    return replace(motion, stop=last)
+    return replace(motion, stop=last, segments=segments)
 
 
 def from_contact(
