@@ -182,6 +182,7 @@ def fit(
     here = len(temperatures) == 1 and reference in {None, *temperatures.tolist()}
     refuse_shifts("the tests are", vertical, shift_law, None if here else reference)
     if law == "nonlinear":
+        _refuse_history(records)
         return _by_ramp(records, _law_of(records, law, asked.count), asked.count)
     try:
         return _of_one_temperature(records, design, asked)
@@ -191,6 +192,16 @@ def fit(
         if not cause:
             raise
         raise FitError(f"{cause} As it is, {error}") from None
+
+
+def _refuse_history(records: Sequence[RampHold]) -> None:
+    """Raise FitError where a bent law is asked of a ramp that earlier loadings went before."""
+    if any(record.loading_start is not None for record in records):
+        raise FitError(
+            "an elastic law from the ramp was asked for, and a record has earlier loadings, which "
+            "its ramp answers to as well: ask for a linear law, or cut the record to the test of a "
+            "seal that has rested"
+        )
 
 
 def followed(test: RampHold, found: Fit) -> Fit:
@@ -244,7 +255,9 @@ def _of_one_temperature(records: Sequence[RampHold], design: Design, asked: Aske
     if design == Design("full"):
         late, gate = soundest(late, asked)
         first, one = gate.first, gate.element
-        bent = None if gate.sound else _law_of(records, asked.law, asked.count)
+        # no law is bent by a ramp that answers to earlier loadings as well
+        straight = gate.sound or any(record.loading_start is not None for record in records)
+        bent = None if straight else _law_of(records, asked.law, asked.count)
         if bent is not None and not bent.sound:
             found = _by_ramp(records, bent, asked.count)
             return found if one is None else beside_bent(found, bent.residuals, one)
@@ -273,7 +286,7 @@ def _own(record: RampHold, law: RampLawAsked, *, thorough: bool) -> Own:
     data = data_of([record], Design("full"))
     asked = Asked("auto", _OWN_ARMS, thorough=thorough)
     gate = gated(Holds([record]), data, asked)
-    if gate.sound or law == "linear":
+    if gate.sound or law == "linear" or record.loading_start is not None:
         return Own.of(record, kelvin, gate.first, None)
     bent = _law_of([record], law)
     if bent.sound:

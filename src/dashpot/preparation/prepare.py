@@ -247,10 +247,9 @@ def _earlier(
     first = first_press(test, motion, force, least=least)
     if first is None:
         return None
-    gap = _least_gap(test.displacement_quantum, first)
-    zero, met = _touch(
-        test.time, x, force, first, given=given, least_gap=gap, delay_sd=late
-    )  # fmt: skip
+    # of the depth that is fitted: what is too small for it is none of a shallow press
+    gap = _least_gap(test.displacement_quantum, motion)
+    zero, met = _touch(test.time, x, force, first, given=given, least_gap=gap, delay_sd=late)
     moves = first.departure + 1 + int(np.argmax(x[first.departure + 1 :] > met.displacement))
     tare = zero.level if zero.long_enough else before.level if before.long_enough else 0.0
     past = slice(moves, motion.departure + 1)
