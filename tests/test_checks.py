@@ -461,6 +461,7 @@ PREPARATION = [
         0.0299,
         0.0301,
     ),
+    Case("history_forgotten", preparation.history_forgotten, 0.00499, 0.00501),
     Case(
         "face_recovered",
         lambda x: preparation.face_recovered(1e-3 + DEPTH * x, 1e-3, error=0.0, depth=DEPTH),
@@ -1578,7 +1579,7 @@ LIMITS = {
         "load_begins_at_rest": 5, "load_held": 0.02,
         "baseline_recorded": 5, "contact_found": 0.01, "preload_absent": 0.05, "single_loading": 1,
         "ramp_recorded": 1.1,
-        "history_explained": 0.03, "face_recovered": 0.01,
+        "history_explained": 0.03, "face_recovered": 0.01, "history_forgotten": 0.005,
         "overshoot_small": 0.05, "samples_unbroken": 0.2, "spikes_absent": 0,
         "clock_steady": 0.25,
         "temperature_as_stated": 1, "temperature_held": 1,

@@ -13,6 +13,7 @@ from kit.foreign.conditioning import (
     Conditioned,
     conditioned,
     limits_of,
+    pressed,
 )
 
 import dashpot as dp
@@ -138,3 +139,18 @@ def test_what_is_called_use_holds_and_sound_ones_are_called_so() -> None:
     assert used >= 50
     assert held >= 0.94 * used
     assert sound_used >= 0.7 * sound
+
+
+@pytest.mark.parametrize("rest", [30.0, 400.0])
+def test_a_second_depth_of_one_record_is_a_depth_of_its_own(rest: float) -> None:
+    corners = np.cumsum([0.0, 2.0, 0.5, 40.0, 0.5, rest, 1.0, 40.0])
+    levels = 4e-3 * np.array([0, 0, 1, 1, 0, 0, 2, 2])
+    time = np.arange(0.0, corners[-1], 0.02)
+    plate = np.interp(time, corners, levels)
+    _, force = pressed(THREE, 0.02, plate, bonded=False)
+    force += np.random.default_rng(3).normal(0.0, 2e-3, len(time))
+    found = dp.fit(dp.RelaxationTest(time, plate, force, units="SI"), elastic="by-depth")
+    assert [at.depth for at in found.by_depth] == pytest.approx([4e-3, 8e-3], rel=2e-3)
+    assert [at.k_inf for at in found.by_depth] == pytest.approx([200.0, 200.0], rel=0.05)
+    # what the second still remembers of the first is said
+    assert ("history_forgotten" in found.verdict.reasons) == (rest < 100)

@@ -86,7 +86,10 @@ def fit_depths(
     """
     records = ramp_holds(tests)
     if len(records) < 2:
-        raise FitError(f"found {len(records)} test; a depth law needs at least two depths")
+        raise FitError(
+            f"found {len(records)} test of one depth; a depth law needs at least two depths, in "
+            "files of their own, or in one record that comes back and rests between them"
+        )
     ordered = sorted(records, key=lambda test: test.depth)
     depths = [test.depth for test in ordered]
     if len(set(depths)) < len(depths):

@@ -256,6 +256,22 @@ def face_recovered(seen: float, expected: float, *, error: float, depth: float) 
     )
 
 
+@criterion(
+    "of the depth, or of the force", "|x| <=", 0.005, "our choice: half of what a ramp shows"
+)
+def history_forgotten(left: float) -> Finding:
+    """What a loading remembers of those before it is too little to matter.
+
+    `left` is what the seal has not recovered when its ramp begins, of its depth or of its force.
+    """
+    return Finding(
+        f"When its ramp begins the seal has not recovered by {100 * left:.2g} %",
+        left,
+        "A law of the depth takes each loading of a record as one of a seal that has rested",
+        "Rest longer between two depths.",
+    )
+
+
 def of_history(record: RampHold, past: EarlierLoadings, met: Touch) -> list[Check]:
     """Return the checks of what came before the loading that is fitted."""
     stop, corner = record.start, int(np.searchsorted(record.time, record.ramp_end))

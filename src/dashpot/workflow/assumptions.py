@@ -123,6 +123,7 @@ ASSUMPTIONS = (
             "contact_found",
             "history_explained",
             "face_recovered",
+            "history_forgotten",
         ),
         ("--machine rest=",),
         "Rest ten times the longest hold before, and record a second or more of that rest.",

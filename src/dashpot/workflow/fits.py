@@ -182,6 +182,7 @@ def fit_records(
     prepared = prepared_tests(
         pressed, filter=asked.filter, machine=asked.machine, cuts=asked.cuts, cycle=asked.cycle,
         judged=asked.intervals or len(pressed) < len(tests),
+        each_depth=asked.depth_law and len(pressed) == len(tests),
     )  # fmt: skip
     known_of_a_test(asked.machine, tests=len(prepared), add="a ramp and hold")
     if len(pressed) == len(tests):

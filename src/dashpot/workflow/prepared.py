@@ -10,6 +10,7 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.preparation.prepare import prepare
+from dashpot.preparation.ramp_holds import depths_of
 from dashpot.records.fit import Fit
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold, RelaxationTest
@@ -25,6 +26,7 @@ def prepared_tests(
     cuts: Cuts | None = None,
     cycle: int | None = None,
     judged: bool = True,
+    each_depth: bool = False,
 ) -> tuple[RampHold, ...]:
     """Prepare ramps and holds; what is prepared already stays as it is.
 
@@ -35,6 +37,8 @@ def prepared_tests(
         As :func:`~dashpot.preparation.prepare.prepare` takes them.
     cuts : Cuts, optional
         Of one test, by hand.
+    each_depth : bool
+        Of one record every depth that it holds, as a test of its own.
 
     Raises
     ------
@@ -52,6 +56,10 @@ def prepared_tests(
             "in test.prepare(...)"
         )
     how = {"filter": filter, "machine": machine, "cycle": cycle, "judged": judged, **asdict(cuts)}
+    if each_depth and len(tests) == 1 and cycle is None and cuts == Cuts():
+        (test,) = tests
+        if isinstance(test, RelaxationTest):
+            return depths_of(test, filter=filter, machine=machine, judged=judged)
     return tuple(one if isinstance(one, RampHold) else prepare(one, **how) for one in tests)
 
 
