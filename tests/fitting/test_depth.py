@@ -161,7 +161,7 @@ def test_what_cannot_be_asked_is_refused(paper_seal: GeneralizedMaxwell) -> None
         fit_depths([warm, chilled])
     with pytest.raises(FitError, match=r"a nonlinear law has .* Leave out --thorough"):
         fit(warm, law="nonlinear", thorough=True)
-    with pytest.raises(FitError, match="found 1 test of one depth; a depth law needs at least two depths"):
+    with pytest.raises(FitError, match="found 1 test of one depth; a depth law needs at"):
         fit_depths([one])
     with pytest.raises(FitError, match="fit equal depths together without depth_law"):
         fit_depths([one, replace(one, force=1.01 * one.force)], arms=1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -154,3 +155,27 @@ def test_a_second_depth_of_one_record_is_a_depth_of_its_own(rest: float) -> None
     assert [at.k_inf for at in found.by_depth] == pytest.approx([200.0, 200.0], rel=0.05)
     # what the second still remembers of the first is said
     assert ("history_forgotten" in found.verdict.reasons) == (rest < 100)
+
+
+@pytest.mark.parametrize(
+    ("line", "seconds"),
+    [
+        ("# rest before test: 10 min", 600.0),
+        ("Rest before the record [s];90", 90.0),
+        ("Ruhezeit vor Versuch: 5 min", 300.0),
+        ("rest time: 3 s", None),
+        ("rest before test: long", None),
+    ],
+)
+def test_a_header_may_state_the_rest(line: str, seconds: float | None, tmp_path: Path) -> None:
+    one = conditioned(0, 7, kind="cycles", mullins=0.0, truth=THREE, shown=False, rate=50.0)
+    rows = np.column_stack((one.time, 1e3 * one.displacement, one.force))
+    text = "\n".join(",".join(f"{value:.7g}" for value in row) for row in rows)
+    path = tmp_path / "seal.csv"
+    path.write_text(f"{line}\ntime [s],displacement [mm],force [N]\n{text}\n", encoding="utf-8")
+    test = dp.read(path)
+    assert isinstance(test, dp.RelaxationTest)
+    assert test.specimen.rested == seconds
+    assert prepare(test).machine.rest == seconds
+    # what is said with the machine stands
+    assert prepare(test, machine=dp.Machine(rest=60.0)).machine.rest == 60.0

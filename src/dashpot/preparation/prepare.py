@@ -125,6 +125,8 @@ def prepare(
     count = test.displacement_quantum
     gap = _least_gap(count, motion)
     machine = machine or Machine()
+    if machine.rest is None:
+        machine = replace(machine, rest=test.specimen.rested)
     step = median(np.diff(test.time))
     late = machine.delay_sd(step)
     before, touch = _touch(

@@ -42,6 +42,8 @@ class Specimen:
         What the file itself says where `temperature` was given otherwise, K.
     warmed : float or None
         By how much the file's own column of temperature rises over the record, K.
+    rested : float or None
+        For how long it was left alone before its record began, as the file says, s.
 
     Examples
     --------
@@ -60,6 +62,7 @@ class Specimen:
     date: str = option("", "Date of the test, e.g. 2026-11-21.", under="label")
     stated_temperature: float | None = None
     warmed: float | None = None
+    rested: float | None = None
 
     def over(self, other: Specimen) -> Specimen:
         """What is said here, and what the other says wherever nothing is said here."""

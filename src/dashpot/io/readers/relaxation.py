@@ -18,7 +18,7 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, checks, cleaning
 from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.readers.clocks import on_one_clock, own_clocks
-from dashpot.io.readers.stated import stated_specimen
+from dashpot.io.readers.stated import stated_rest, stated_specimen
 from dashpot.io.table import Loaded
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.specimen import Specimen
@@ -68,7 +68,8 @@ def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
     _refuse_swapped(file, chosen, moved, force)
     notes += _refuse_sizes(file, chosen, time, moved, force)
     specimen, said = stated_specimen(file, specimen, chosen)
-    source = channels.source(file, [c.says for c in chosen], [*notes, *said])
+    specimen, rested = stated_rest(file, specimen)
+    source = channels.source(file, [c.says for c in chosen], [*notes, *said, *rested])
     return RelaxationTest(time, moved, force, specimen, source, units="SI")
 
 

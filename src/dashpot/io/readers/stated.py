@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import accumulate
 
@@ -28,6 +28,9 @@ _BESIDES = {
     "prüf", "proben", "prüfraum", "kammer", "raum",
 }  # fmt: skip
 """Words beside which a temperature is that of the test; a set-point or a limit has others."""
+_RESTS = {"rest", "rested", "resting", "ruhezeit", "ruhe", "repos", "recovery", "erholung"}
+_BEFORE = {"before", "prior", "vor", "avant"}
+"""Words of a line that says how long a specimen was left alone before its record."""
 _AT = (["at"], ["bei"], ["@"], ["à"])
 """Words of a title before the temperature of the block under it."""
 
@@ -45,6 +48,31 @@ def stated_specimen(
     recorded, several_columns = (None, []) if test is None else _recorded(file, test)
     said_of, notes = _said(file, specimen, recorded)
     return said_of, [*several_columns, *notes]
+
+
+def stated_rest(file: Opened, specimen: Specimen) -> tuple[Specimen, list[str]]:
+    """Return the specimen with the rest before its record that the header says, and notes.
+
+    A line such as ``# rest before test: 10 min`` or ``Ruhezeit vor Versuch [s]; 600``; two that
+    differ say nothing.
+    """
+    found = {
+        value: text
+        for value, text in _quantities(file.table.header, "time", _rest_before)
+        if value >= 0
+    }
+    if not found:
+        return specimen, []
+    said = f"the header says {' and '.join(repr(line) for line in list(found.values())[:2])}"
+    if len(found) > 1:
+        return specimen, [f"{said}; no rest before the record is taken from it"]
+    rest = next(iter(found))
+    return replace(specimen, rested=rest), [f"rest of {rest:g} s before the record: {said}"]
+
+
+def _rest_before(name: str) -> bool:
+    words = set(vocabulary.tokens(name))
+    return bool(words & _RESTS and words & _BEFORE)
 
 
 def _said(
@@ -135,6 +163,17 @@ def _or_before(before: float, stated: float) -> float:
 
 def _temperatures(header: tuple[str, ...], *, titles: bool = False) -> Iterator[tuple[float, str]]:
     """Each temperature of a line of its own or at the end of a title, K, and the line."""
+    return _quantities(header, "temperature", _of_the_test, titles=titles)
+
+
+def _quantities(
+    header: tuple[str, ...],
+    dimension: units.Dimension,
+    named: Callable[[str], bool],
+    *,
+    titles: bool = False,
+) -> Iterator[tuple[float, str]]:
+    """Each quantity so `named` in a line of its own or at the end of a title, SI, and the line."""
     for line in header:
         text = " ".join(line[:_LONGEST].replace('"', " ").strip(" \t#%$!/*;'").split())
         number = _NUMBER.search(text)
@@ -143,9 +182,9 @@ def _temperatures(header: tuple[str, ...], *, titles: bool = False) -> Iterator[
         name, inner = part_unit(text[: number.start()].rstrip(" :=;,|"))
         behind = text[number.end() :].lstrip(" ;,|[(").split()
         word = inner or (behind[0].rstrip(";,|])") if behind else "")
-        unit = units.find(word, "temperature")
+        unit = units.find(word, dimension)
         titled = titles and len(behind) == 1 and name.split()[-1:] in _AT
-        if unit is not None and (titled or (_of_the_test(name) and (not inner or not behind))):
+        if unit is not None and (titled or (named(name) and (not inner or not behind))):
             yield float(number[0].replace(",", ".")) * unit.factor + unit.offset, text
 
 
