@@ -221,7 +221,7 @@ def single_loading(
 @criterion(
     "their misfit / their force", "<=", MAX_PAST_MISFIT, "simulation: conditioned seals that soften"
 )
-def history_explained(past: EarlierLoadings, *, broken: bool) -> Finding:
+def history_explained(past: EarlierLoadings, *, broken: bool, pressed: bool = False) -> Finding:
     """What came before the loading that is fitted is explained by the same solid."""
     says = (
         f"The solid of the last loading gives the force of the earlier ones to "
@@ -231,12 +231,14 @@ def history_explained(past: EarlierLoadings, *, broken: bool) -> Finding:
         says += ". How its face recovers was not found"
     if broken:
         says += ". Rows are missing while the plate moved"
+    if pressed:
+        says = "The record begins with the seal pressed, before the loading that is fitted"
     return Finding(
         says,
         past.misfit,
         "The seal softened, was set, or moved otherwise, so what it remembers is not known",
         "Let it rest before the test, or condition it more often.",
-        faulted=broken or not past.converged,
+        faulted=broken or pressed or not past.converged,
     )
 
 
@@ -268,17 +270,19 @@ def history_forgotten(left: float) -> Finding:
         f"When its ramp begins the seal has not recovered by {100 * left:.2g} %",
         left,
         "A law of the depth takes each loading of a record as one of a seal that has rested",
-        "Rest longer between two depths.",
+        "Let it rest longer between two depths.",
     )
 
 
-def of_history(record: RampHold, past: EarlierLoadings, met: Touch) -> list[Check]:
+def of_history(
+    record: RampHold, past: EarlierLoadings, met: Touch, *, pressed: bool
+) -> list[Check]:
     """Return the checks of what came before the loading that is fitted."""
     stop, corner = record.start, int(np.searchsorted(record.time, record.ramp_end))
     pauses, moved = np.diff(record.time[: stop + 1]), np.diff(record.displacement[: stop + 1])
     jumped = np.abs(moved) > MAX_PAST_JUMP * record.depth
     broken = bool(np.any(jumped & (pauses > 5 * median(np.diff(record.time)))))
-    answers = [history_explained(past, broken=broken)]
+    answers = [history_explained(past, broken=broken, pressed=pressed)]
     plate, face = record.plate, record.displacement[stop:corner]
     if plate is not None and met.gap > 0:
         away = np.flatnonzero(plate[stop:corner] < face)

@@ -296,6 +296,13 @@ def presses_before(motion: PlateMotion) -> tuple[MotionSegment, ...]:
     )
 
 
+def released_first(motion: PlateMotion) -> bool:
+    """Whether the record begins with a plate that goes back: the seal was pressed before."""
+    moves = [part for part in motion.segments if part.kind != "hold"]
+    first = moves[0] if moves else None
+    return first is not None and first.kind == "unload" and first.last <= motion.start
+
+
 def _rises(force: FloatArray, least: float) -> bool:
     smooth = median_of_three(force)
     return bool(smooth.max() - smooth[: max(len(smooth) // 20, 1)].mean() > least)

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, median, noted, sealed
+from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.plausible import SIZES, short
 from dashpot.base.provenance import Step, sources_of
@@ -35,6 +36,7 @@ from dashpot.preparation.motion import (
     from_contact,
     given_motion,
     presses_before,
+    released_first,
 )
 from dashpot.records.checks import of_sources
 from dashpot.records.machine import Machine
@@ -192,8 +194,8 @@ def prepare(
             *of_sources(sources_of([test])),
         ]
     )
-    if judged and past is not None and earlier is not None:
-        answers += checks.of_history(record, past, earlier.met_again)
+    if judged:
+        answers += _of_the_past(record, motion, earlier, past)
     if judged and force_range is not None:
         answers.append(checks.range_used(rise, force_range))
     steps = [_turned(motion.sign, turn), _kept(motion, record), _met(touch), tared]
@@ -202,6 +204,20 @@ def prepare(
         steps.append(_followed_step(record, past, len(presses_before(motion))))
     record = averaged(noted(record, steps=tuple(steps), checks=tuple(answers)))
     return record if by is None else filtered(record, by)
+
+
+def _of_the_past(
+    record: RampHold,
+    motion: PlateMotion,
+    earlier: _Earlier | None,
+    past: EarlierLoadings | None,
+) -> list[Check]:
+    """The checks of what came before the loading that is fitted, if anything did."""
+    pressed = released_first(motion)
+    if past is not None and earlier is not None:
+        return checks.of_history(record, past, earlier.met_again, pressed=pressed)
+    nothing = EarlierLoadings(0.0, 0, converged=True)
+    return [checks.history_explained(nothing, broken=False, pressed=True)] if pressed else []
 
 
 class _Earlier(NamedTuple):
