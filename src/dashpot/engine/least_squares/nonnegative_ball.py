@@ -98,12 +98,14 @@ class NonnegativeBall:
         A, of unit columns.
     target : array, shape (n,)
         y.
+    least_gain : float
+        A walk ends where no column gains more, in the unit of y: 0 walks to the optimum.
     """
 
-    def __init__(self, columns: FloatArray, target: FloatArray) -> None:
+    def __init__(self, columns: FloatArray, target: FloatArray, least_gain: float = 0.0) -> None:
         # a column is a row: so they are picked and factored
         self._rows, self._target = np.ascontiguousarray(columns.T), target
-        self._nothing = NOTHING * sqrt(target @ target)
+        self._nothing = max(NOTHING * sqrt(target @ target), least_gain)
         self._met: OrderedDict[bytes, ActiveSet] = OrderedDict()
 
     def least(self, start: FloatArray | None = None) -> FloatArray:

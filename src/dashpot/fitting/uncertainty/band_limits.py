@@ -188,11 +188,19 @@ def band_of_hold(
     lines = dict(zip(band, ends, strict=True))
     at = np.geomspace(*band, OF_A_HOLD)
     K = solid.complex_stiffness(omega=2 * np.pi * at)
-    lowest = int(np.argmin(K.imag / K.real))
-    # what is known in part is known worst where there is least of it: at an end, as a rule
-    if 0 < lowest < len(at) - 1 or all(error > WELL_KNOWN for _, error in ends):
-        middle = float(at[lowest if 0 < lowest < len(at) - 1 else len(at) // 2])
-        lines = {band[0]: ends[0], middle: between(middle), band[1]: ends[1]}
+    eta = K.imag / K.real
+    if all(error > WELL_KNOWN for _, error in ends):
+        # best known where there is most of it
+        inner = [1 + int(np.argmax(eta[1:-1])), len(at) // 2]
+    else:
+        # and worst where there is least: at an end, as a rule
+        inner = [int(np.argmin(eta))]
+    for place in inner:
+        if 0 < place < len(at) - 1:
+            lines[float(at[place])] = between(float(at[place]))
+            if lines[float(at[place])][1] <= WELL_KNOWN:
+                break
+    lines = dict(sorted(lines.items()))
     return known_band(between, band, lines)
 
 
@@ -211,7 +219,7 @@ def band_of_curve(
         return band, None
     count = int(np.ceil(PER_DECADE * np.log10(band[1] / band[0]))) + 1
     lines = np.geomspace(*band, max(count, FEWEST)).tolist()
-    errors = ErrorsAbout(spectra, solid, creep)
+    errors = ErrorsAbout(spectra.thinned(0.0), solid, creep)
     return known_band(errors, band, {line: errors(line) for line in lines})
 
 
