@@ -48,8 +48,10 @@ EARLIER = 0.1
 LITTLE = 0.01
 #: a dashpot beside a curve counts so many times as much as an arm of its first time
 UNSHOWN = 100.0
-#: lines that are sought between one that is known and one that is not
-BETWEEN = 2
+#: lines that are sought between one that is known and one that is not, at most
+BETWEEN = 5
+#: a band ends where the error is so much of the largest that is known, or within this of ln f
+AT_END, PLACED = 0.85, 0.05
 
 Errors: TypeAlias = Callable[[float], tuple[float, float]]
 
@@ -280,19 +282,20 @@ def _end(
     errors: Errors, every: dict[float, tuple[float, float]], inside: float, outside: float
 ) -> float:
     """Return the last frequency found from one that is known towards one that is not."""
-    for _ in range(BETWEEN):
+    for turn in range(BETWEEN):
         near, far = every[inside][1], every[outside][1]
         share = 0.5
         if 0 < near < WELL_KNOWN < far < np.inf:
-            share = float(np.clip(np.log(WELL_KNOWN / near) / np.log(far / near), 0.1, 0.98))
-        # a little nearer than where a straight line crosses
-        middle = inside * (outside / inside) ** (0.97 * share)
+            share = float(np.log(WELL_KNOWN / near) / np.log(far / near))
+        # an error rises ever faster towards the end of a band: a straight line crosses too early
+        share = min(max(share, 0.5 if turn else 0.1), 0.98)
+        middle = inside * (outside / inside) ** share
         every[middle] = errors(middle)
         if every[middle][1] <= WELL_KNOWN:
             inside = middle
         else:
             outside = middle
-        if every[inside][1] > 0.8 * WELL_KNOWN:
+        if every[inside][1] > AT_END * WELL_KNOWN or abs(np.log(outside / inside)) < PLACED:
             break
     return inside
 
