@@ -24,7 +24,7 @@ from dashpot.base.facts import Fact
 from dashpot.base.status import Status
 from dashpot.door import checks as seals
 from dashpot.engine.inference.covariance import Noise, nearly_white, noise_of
-from dashpot.engine.inference.order import DECISIVE, Choice, choose
+from dashpot.engine.inference.order import DECISIVE, Choice, Shortage, choose
 from dashpot.export import checks as export
 from dashpot.fitting.checks import creep, curves, relaxation, solid, temperature
 from dashpot.fitting.fractional import checks as fractional
@@ -54,6 +54,7 @@ from dashpot.preparation.filters import parse_filter
 from dashpot.preparation.history import EarlierLoadings
 from dashpot.records import checks as records
 from dashpot.records.alternative import Alternative
+from dashpot.records.band_error import BandError
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.creep import LoadHold
 from dashpot.records.dynamic import DynamicTest
@@ -714,6 +715,28 @@ FITTING = [
         0.1001,
     ),
     Case("frequencies_informed", lambda x: solid.frequencies_informed((1.0, x)), 1.001, 1.0),
+    Case(
+        "loss_factor_known",
+        lambda x: solid.loss_factor_known(BandError((1.0, 2.0), (0.1, 0.1), (0.1, x))),
+        0.299,
+        0.301,
+    ),
+    Case(
+        "loss_factor_known",
+        lambda x: solid.loss_factor_known(BandError((1.0,), (0.1,), (0.1,), (0.1, x))),
+        0.299,
+        0.301,
+    ),
+    Case(
+        "arms_enough",
+        whole(
+            lambda n: solid.arms_enough(None if n < 2 else Shortage(1, n, 9e-3, 4e-3), 1, unit="N")
+        ),
+        1,
+        2,
+    ),
+    Case("samples_independent", lambda x: solid.samples_independent(x, 0, 20.0), 5.01, 4.99),
+    Case("samples_independent", lambda x: solid.samples_independent(7.0, 6, x), 9.99, 10.01),
     Case("filter_bias", biased, 0.00999, 0.01001),
     Case("filter_bias", cut_off, 5.0, 4.99),
     Case("separable", lambda x: relaxation.separable(x, 0.5), 0.0101, 0.0099),
@@ -1603,7 +1626,7 @@ LIMITS = {
         "fast_arm_visible": 0.1, "drift_told_from_arm": 0.1, "residuals_steady": 4,
         "hold_and_full_agree": 0.1, "filter_bias": 0.01, "separable": 0.01,
         "few_arms_suffice": 0.05, "kramers_kronig": 0.05, "loss_positive": 0, "storage_rises": 0.05,
-        "instrument_stiff": 0.01,
+        "instrument_stiff": 0.01, "loss_factor_known": 0.3, "samples_independent": 5,
         "compliance_rises": 0.8, "compliance_followed": 0.05, "creep_finished": 0.05,
         "flow_told": 10, "flow_prevails": 0.5, "displacement_followed": 2, "drift_is_no_flow": 2,
         "plateau_told": 0.8, "end_level": 0.03,
@@ -2103,6 +2126,7 @@ def test_what_cannot_be_judged_neither_passes_nor_fails() -> None:
         ramp.clocks_agree([]),
         ramp.ramp_explained(None),
         solid.arms_distinct(arm()),
+        solid.loss_factor_known(None),
         solid.arms_supported(spring, np.zeros(1)),
         relaxation.step_bias(spring, [RECORD]),
         relaxation.fast_arm_visible(spring, [RECORD]),

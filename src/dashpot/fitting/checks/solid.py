@@ -18,8 +18,8 @@ MIN_TAU_RATIO = 1.5
 ROUNDING = 1e-12
 # an error of a loss factor beyond which its size says nothing
 FAR_OFF = 1.0
-# so many independent samples beyond the parameters show the size of a noise to a fourth
-FREEDOM = 10.0
+# so many independent samples beyond the parameters show the size of a noise to a third
+FREEDOM = 5.0
 # residuals of which no more say the same are as good as white
 ALIKE = 10.0
 

@@ -193,7 +193,7 @@ def band_of_hold(
     eta = K.imag / K.real
     if all(error > WELL_KNOWN for _, error in ends):
         # best known where there is most of it
-        inner = [1 + int(np.argmax(eta[1:-1])), len(at) // 2]
+        inner = [*np.argsort(-eta).tolist()]
     else:
         # and worst where there is least: at an end, as a rule
         inner = [int(np.argmin(eta))]

@@ -1,0 +1,59 @@
+"""A number of arms that is asked for: doubted below the truth, kept where it is enough."""
+
+from __future__ import annotations
+
+import pytest
+from kit.foreign.curves import Curve
+from kit.foreign.forced_orders import KINDS, Forced, forced
+
+import dashpot as dp
+from dashpot.fitting.creep import fit_creep
+from dashpot.fitting.dynamic import fit_dynamic
+from dashpot.fitting.modulus import fit_modulus
+
+
+def fitted(one: Forced, arms: int) -> dp.Fit:
+    """The fit of a test by so many arms."""
+    test = one.test
+    if not isinstance(test, Curve):
+        record = dp.RelaxationTest(test.time, test.displacement, test.force, units="SI")
+        return dp.fit(record, arms=arms)
+    if test.kind == "curve":
+        return fit_modulus(test.at, test.values, arms=arms)
+    if test.kind == "creep":
+        compliance = dp.CreepCompliance(test.at, test.values, unit="1/Pa", units="SI")
+        return fit_creep(compliance, arms=arms)
+    return fit_dynamic(dp.DynamicTest(test.at, *test.values, unit="Pa", units="SI"), arms=arms)
+
+
+def failed(found: dp.Fit) -> set[str]:
+    return {check.name for check in found.checks if check.failed}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_fewer_arms_than_the_truth_are_no_use_and_as_many_are(kind: str) -> None:
+    for one in forced(kind, 3, seed=5):
+        for arms in range(1, one.arms):
+            found = fitted(one, arms)
+            assert found.verdict.use != "use", (one.arms, arms)
+            assert "arms_enough" in failed(found)
+        enough = fitted(one, one.arms)
+        assert enough.verdict.use == "use", enough.verdict
+        assert "arms_enough" not in failed(enough)
+
+
+def test_the_check_says_what_either_number_leaves_and_which_to_take() -> None:
+    one = next(forced("ramp and hold", 1, seed=6))
+    check = next(check for check in fitted(one, 1).checks if check.name == "arms_enough")
+    assert check.says.startswith("1 arm leaves ")
+    assert "2 arms leave " in check.says
+    assert check.remedy is not None
+    assert check.remedy.words == "Use 2 arms."
+
+
+def test_a_misfit_that_leaves_few_independent_samples_is_no_noise() -> None:
+    """Of one arm for two without any noise the residuals are equal to a handful of samples."""
+    test = dp.simulate("relaxation", hold="40s", noise_free=True)
+    found = dp.fit(test, arms=1)
+    assert {"arms_enough", "samples_independent"} <= failed(found)
+    assert found.verdict.use != "use"
