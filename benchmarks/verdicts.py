@@ -1,22 +1,25 @@
 """How often a verdict is right, judged on truths and rigs that share no line with dashpot.
 
     python benchmarks/verdicts.py OUT.jsonl [--per 10] [--several 84] [--kinds 20] [--curves 300]
-        [--conditioned 84] [--only REGEX]
+        [--conditioned 84] [--claims 20] [--only REGEX]
     python benchmarks/verdicts.py --table OUT.jsonl
 
 The relaxation records of `tests/kit/foreign`: its 42 truths on its 40 rigs, `--per` truths of each,
 and by turns on `--several` rigs that have several faults at once; its other kinds of test, sound
 and spoilt by turns; `--conditioned` seals that were pressed before their test, of which limits of
 k(T), k(3T) and k_inf are asked; and its curves: `--curves` moduli and a third as many compliances
-and sweeps, which end before their plateau or after, each whole and cut. Each record is one line of
-OUT.jsonl; those that stand there are not run again, and the same seed gives the same records.
+and sweeps, which end before their plateau or after, each whole and cut. Of `--claims` records each:
+curves with gaps, tests of which too few arms or as many as the truth has are asked for, and the
+first sentence of relaxation records on five rigs. Each record is one line of OUT.jsonl; those that
+stand there are not run again, and the same seed gives the same records.
 
 A relaxation record misses if one of its 95 % limits does: of the accelerance of two seals under
 the mass that they bring to resonance at 12.7 Hz (there, its peak's height and frequency), of k(T)
 and k(3T), T the hold as the record was understood, or the most that k_inf may be. A sheet of
 another kind misses if what is asked of it (`SHEETS`) errs by more than 5 %; a curve if a limit of
-its end does, or its plateau is off by more than 10 %. A refusal gives no limits and no "use", and
-counts as neither held nor missed.
+its end does, or its plateau is off by more than 10 %. A claim misses where stiffness or loss factor
+lie off by more than the result says, anywhere in its band. A refusal gives no limits and no "use",
+and counts as neither held nor missed.
 """
 
 from __future__ import annotations
@@ -61,11 +64,11 @@ from dashpot.vibration.impact.frf_estimation import estimate_frf
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from kit import curve_ends
-from kit.foreign import conditioning, curves
+from kit.foreign import conditioning, curves, forced_orders, gaps
 from kit.foreign.catalogue import protocol_of, verdict_records
 from kit.foreign.kinds import Sheet, nominal, sheets
 from kit.foreign.rigs import RIGS, Record, read, several
-from kit.foreign.truths import TRUTHS, Seal
+from kit.foreign.truths import TRUTHS, Seal, Solid
 
 HERTZ, SEALS = 12.7, 2
 MISSED, HELD, SURE = 0.06, 0.93, 0.15
@@ -536,6 +539,88 @@ def work(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]
             name = {"group": group, "rig": False, "name": one.name, "seed": options.seed}
             yield name, lambda one=one: judged_sheet(one)
     yield from work_of_curves(options)
+    yield from work_of_claims(options)
+
+
+# -- what a first sentence claims ------------------------------------------------------------------
+
+HEADLINES = ("none", "white 10 mN", "skew 2 ms", "drift .5 mN/s", "hum 50 Hz")
+
+
+def claimed(found: dp.Fit, solid: dp.GeneralizedMaxwell, truth: Solid | Seal) -> dict[str, object]:
+    """The verdict, and the largest error over the band, over what is said of it."""
+    lines = np.geomspace(*found.band, 60)
+    errors = gaps.off(truth, lines, solid.complex_stiffness(omega=2 * np.pi * lines))
+    error = max(e / c for e, c in zip(errors, found.error_in_band, strict=True))
+    return {**_said(found.verdict), "error": float(error), "allowed": 1.0}
+
+
+def _curve(one: curves.Curve, arms: int | str = "auto") -> dp.Fit:
+    if one.kind == "curve":
+        return fit_modulus(one.at, one.values, arms=arms)
+    if one.kind == "creep":
+        return fit_creep(dp.CreepCompliance(one.at, one.values, unit="1/Pa", units="SI"), arms=arms)
+    return fit_dynamic(dp.DynamicTest(one.at, *one.values, unit="Pa", units="SI"), arms=arms)
+
+
+def _claim_of_curve(one: curves.Curve, arms: int | str = "auto") -> dict[str, object]:
+    found = _curve(one, arms)
+    return claimed(found, found.model, one.solid)
+
+
+def _claim_of_record(one: Record, arms: int | str = "auto") -> dict[str, object]:
+    test = dp.RelaxationTest(one.time, one.displacement, one.force, units="SI")
+    found = fit(prepare(test, machine=dp.Machine(**one.told)), arms=arms)
+    return claimed(found, found.model_at(one.seal.depth), one.seal)
+
+
+def judged_claim(claim: Callable[[], dict[str, object]]) -> dict[str, object]:
+    """One line of a claim; a refusal claims nothing."""
+    start = time.process_time()
+    try:
+        said = claim()
+    except dp.DashpotError as error:
+        said = {"use": "refused", "because": [str(error)]}
+    return {**said, "cpu": round(time.process_time() - start, 3)}
+
+
+def work_of_claims(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]]]:
+    """Curves with gaps; orders that are forced, too few and enough; headlines of five rigs."""
+    count, seed = options.claims, options.seed
+
+    def named(group: str, name: str) -> dict:
+        return {"group": group, "rig": False, "name": name, "seed": seed}
+
+    def wanted(group: str) -> bool:
+        return bool(re.search(options.only, group))
+
+    for kind in gaps.KINDS if count else ():
+        for group, whole in ((f"gaps, {kind}", False), (f"gaps, {kind}, none", True)):
+            for one in gaps.gapped(kind, count, seed, whole=whole) if wanted(group) else ():
+                yield (
+                    named(group, one.name),
+                    lambda one=one: judged_claim(lambda: _claim_of_curve(one)),
+                )
+    for kind in forced_orders.KINDS if count else ():
+        claim = _claim_of_record if kind == "ramp and hold" else _claim_of_curve
+        for one in forced_orders.forced(kind, count, seed):
+            for arms in range(1, one.arms + 1):
+                few = "enough" if arms == one.arms else "too few"
+                if wanted(group := f"forced, {kind}, {few}"):
+                    yield (
+                        named(group, f"{one.test.name}, {arms} asked"),
+                        lambda one=one, arms=arms, claim=claim: judged_claim(
+                            lambda: claim(one.test, arms)
+                        ),
+                    )
+    for rig in HEADLINES:
+        order = np.random.default_rng([seed, 46, crc32(rig.encode())]).permutation(len(TRUTHS))
+        for number in order[:count].tolist() if wanted(group := f"headline, {rig}") else ():
+            record = next(verdict_records([TRUTHS[number]], [rig], seed + 46))
+            yield (
+                named(group, TRUTHS[number].name),
+                lambda record=record: judged_claim(lambda: _claim_of_record(record)),
+            )
 
 
 CURVES = {
@@ -576,6 +661,7 @@ def main() -> None:
     parser.add_argument("--kinds", type=int, default=20, help="sheets of each other kind")
     parser.add_argument("--conditioned", type=int, default=84, help="seals pressed before")
     parser.add_argument("--curves", type=int, default=300, help="moduli, and thrice the others")
+    parser.add_argument("--claims", type=int, default=20, help="of each kind of claim")
     parser.add_argument("--only", default="", help="disturbances and kinds, a regular expression")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--table", type=Path, help="print a kept file and run nothing")
