@@ -1500,6 +1500,7 @@ WORKFLOW = [
         0,
         1,
     ),
+    Case("seals_counted", lambda _: workflow.seals_counted(1.0), None, 0),
     Case("fit_is_tested", lambda x: workflow.fit_is_tested(int(x)), 0, 1),
     Case("inputs_listed", lambda _: workflow.inputs_listed(["raw.csv"], 1), None, 0),
     Case("files_listed", lambda x: workflow.files_listed(["raw.csv"] * int(x)), 0, 1),
@@ -1757,7 +1758,7 @@ GRADES = {
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},
         "workflow": {
             "hold_fit_possible", "history_complete", "files_listed", "base_band_informed",
-            "fit_is_tested", "nothing_half_written",
+            "fit_is_tested", "nothing_half_written", "seals_counted",
         },
     },
     "stop": {

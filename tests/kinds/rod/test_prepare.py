@@ -136,7 +136,7 @@ def test_the_scatter_of_lines_that_come_without_it_is_counted():
     hz = np.arange(20.0, 300.0, 1.0)
     draw = np.random.default_rng(3).standard_normal
     noisy = base(hz) * (1 + 0.02 * (draw(len(hz)) + 1j * draw(len(hz))))
-    sure = RodErrors(*[0.0] * 7)
+    sure = RodErrors(*[0.0] * 8)
     one, clean = found(noisy, hz, errors=sure), found(base(hz), hz, errors=sure)
     off = (one.storage - 1e6) / one.storage_sd
     assert 0.9 < np.sqrt(np.mean(off[one.usable] ** 2)) < 1.1

@@ -58,7 +58,7 @@ ROUGH, FINISHED = 25, 2
 # relative fall of chi-square that ends a search, and the last descent
 LOOSE, TIGHT = 1e-9, 1e-13
 # fall of chi-square over a whole descent: along a valley so flat the optimum is no better known
-SETTLED = 0.05
+SETTLED = 0.5
 # a larger number of arms that leaves so many times what the last one leaves
 ASTRAY = 1.01
 

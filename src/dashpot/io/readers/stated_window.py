@@ -107,7 +107,8 @@ def refuse_unknown_rate(says: str) -> None:
 
 def _plain(line: str) -> str:
     """A line without its marks."""
-    return " ".join(line[:_LONGEST].replace('"', " ").strip(" \t#%$!/*;'").split())
+    marks = " \t#%$!/*;'"
+    return " ".join(line[:_LONGEST].replace('"', " ").lstrip(marks).rstrip(" \t;'").split())
 
 
 def _decaying_window(line: str) -> bool:

@@ -212,7 +212,9 @@ def _inverted(
     found = _judged(found, spread, response, np.abs(w) / part.height**2 * _across(part))
     usable = found.usable
     scatter = np.hypot(np.abs(part_of), _EXACT * np.abs(relative))
-    left = misfit_of_one_solid(found.only(usable), scatter[usable])
+    # a solid in a row with a spring is one solid again
+    solid = replace(found.only(usable), errors=replace(errors, glue=0.0))
+    left = misfit_of_one_solid(solid, scatter[usable])
     return replace(found, checks=(*found.checks, lines_of_one_solid(left)))
 
 

@@ -174,9 +174,8 @@ def _transform(hits: Sequence[HitBlock], choices: Choices, decay: float) -> Chan
     rate = hits[0].rate
     recorded, time = choices.recorded, np.arange(len(hits[0].force)) / rate
     fade = np.exp(-decay * time)
-    # of the response alone: the force is given the same, which is 1 at the pulse
-    lacks = 0.0 if recorded.on_force else recorded.rate
-    faded = [fade * np.exp(-lacks * (time - b.onset / rate)) for b in hits]
+    # of the response alone: the force is given the same
+    faded = [fade * recorded.on_response_alone(b) for b in hits]
     force = [f * b.force * (_force_window(b) if choices.window.force else 1.0)
              for f, b in zip(faded, hits, strict=True)]  # fmt: skip
     response = np.array([b.acceleration * fade for b in hits]).swapaxes(0, 1)

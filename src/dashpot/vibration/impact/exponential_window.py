@@ -42,8 +42,10 @@ _FEWEST_TAPS = 9
 _PASSED = 0.3
 """Of the sampling rate: above it a channel is noise."""
 _BETA = 8.0
-_STEPS = 3.0
+_STEPS = 1.5
 """Times the variance of rounding that noise must have to be seen: below that it rounds to none."""
+_CLEAR = 4.0
+"""Fall of the deviance by which a window begins with the pulse."""
 _LINEAR = 15.0
 """The same below which rounding distorts a variance: noise of a step and more only adds to it."""
 _DEEPEST = 1e-5
@@ -77,6 +79,8 @@ class ExponentialWindow(NamedTuple):
         a by the scatter, 1/s; nan where it shows none.
     known : bool
         a is known: stated and not contradicted, or seen.
+    from_start : bool
+        It begins with the record, not with the pulse: of a window that the force lacks.
     """
 
     rate: float = 0.0
@@ -87,6 +91,16 @@ class ExponentialWindow(NamedTuple):
     ratio: float = float("nan")
     seen_rate: float = float("nan")
     known: bool = True
+    from_start: bool = False
+
+    def on_response_alone(self, hit: HitBlock) -> FloatArray:
+        """What the force of a hit lacks of the window, shape (n,); ones where it carries it."""
+        count = len(hit.force)
+        if self.on_force or self.rate <= 0:
+            return np.ones(count)
+        since = (np.arange(count) - hit.onset) / hit.rate
+        start = hit.since_start if self.from_start and np.isfinite(hit.since_start) else 0.0
+        return np.asarray(np.exp(-self.rate * (since + start)))
 
 
 NO_WINDOW = ExponentialWindow()
@@ -128,14 +142,17 @@ class ScatterDecay:
         last = self.variance[-max(len(self.variance) // 6, 1) :]
         return float(np.sqrt(np.median(last) / self.variance[0]))
 
-    def deviance(self, rate: float) -> float:
+    def deviance(self, rate: float, *, from_start: bool = True) -> float:
         r"""Deviance of the variances under a window of this decay, 1/s, at best noise and floor.
 
         .. math:: \sum_i \nu_i \left[\ln v_i + \hat v_i / v_i\right]
+
+        Not `from_start` it begins with the pulse: what lies before is 1.
         """
         half = np.maximum(rate * self.width, 1e-9)
         # the mean over a stretch, not the value in its middle
         mean = np.exp(-2 * rate * self.time) * np.sinh(half) / half
+        mean[0] = mean[0] if from_start else 1.0
         shape = np.column_stack((mean, np.ones(len(self.time))))
         model = self.variance
         for _ in range(12):
@@ -182,11 +199,14 @@ def find_window(tests: Sequence[ImpactTest], hits: Sequence[HitBlock]) -> Expone
         return ExponentialWindow(
             stated or 0.0, 0.0, bool(rates), True, True, ratio, rate, bool(stated)
         )
-    on_force = _on_force(hits, rate)
+    found = ExponentialWindow(
+        rate, sd, bool(rates), True, _on_force(hits, rate), ratio, rate,
+        from_start=_begins_with_record(seen, rate),
+    )  # fmt: skip
     if stated is None:
-        return ExponentialWindow(rate, sd, bool(rates), True, on_force, ratio, rate)
+        return found
     apart = abs(stated - rate) > _CONTRADICTED * sd + 0.1 * rate
-    return ExponentialWindow(stated, 0.0, True, True, on_force, ratio, rate, not apart)
+    return found._replace(rate=stated, sd=0.0, stated=True, known=not apart)
 
 
 def without_offset(hit: HitBlock, window: ExponentialWindow) -> HitBlock:
@@ -353,6 +373,13 @@ def _is_windowed(found: ScatterDecay) -> bool:
     rates = np.geomspace(0.1, 3.0, 12) / used.time[-1]
     least = min(used.deviance(float(rate)) for rate in rates)
     return bool(used.deviance(0.0) - least > _DECIDED)
+
+
+def _begins_with_record(seen: Sequence[ScatterDecay], rate: float) -> bool:
+    """Whether the noise before the pulse decays, too, unless it clearly does not."""
+    used = [_noise_alone(one) for one in seen]
+    flat = sum(one.deviance(rate, from_start=False) for one in used)
+    return flat > sum(one.deviance(rate) for one in used) - _CLEAR
 
 
 def _on_force(hits: Sequence[HitBlock], rate: float) -> bool:

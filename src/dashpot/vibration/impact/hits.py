@@ -54,6 +54,9 @@ class HitBlock:
         Accelerations in the last second before the onset, as far as recorded after an earlier hit.
     calmed : bool
         True if what still rang from an earlier hit has been taken off.
+    since_start : float
+        When the pulse begins, s from the start of its continuous record; nan where other hits
+        are in it, too.
     """
 
     name: str
@@ -69,6 +72,7 @@ class HitBlock:
     turned: bool = False
     past: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
     calmed: bool = False
+    since_start: float = float("nan")
 
     @property
     def length(self) -> float:
@@ -271,6 +275,9 @@ def _cut(hit: _PulseOnset, name: str, before: int, length: int) -> HitBlock:
         missing=missing,
         turned=hit.sign < 0,
         past=_past(hit) - offset[1:, None],
+        since_start=hit.onset / test.rate
+        if hit.previous is None and hit.next is None
+        else float("nan"),
     )
 
 

@@ -1,0 +1,261 @@
+"""Hammer tests as analysers and cables leave them: what is undone, bounded, and said."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from kit.foreign.hammer_rigs import Rig, cable_arms, struck, uff_58, windowed_lines
+
+import dashpot as dp
+
+NORMAL = 1.96
+
+
+def written(record, folder: Path, head: str = "") -> Path:
+    path = folder / "hits.csv"
+    path.write_text(record.text(head))
+    return path
+
+
+def damping(record) -> float:
+    pole = record.truth["pole"]
+    return -pole.real / abs(pole)
+
+
+def solid_of(hits, record, **how):
+    return dp.fit(hits, mass=record.truth["mass"], seals=2, **how)
+
+
+def errors(fit, record):
+    """Errors of the size of K and of the loss factor at the resonance, relative, and their SE."""
+    omega, truth = record.truth["omega"], record.truth["stiffness"]
+    found = fit.solid.complex_stiffness(omega=omega)
+    se = fit.estimate.errors_of_vibration(fit.model, np.array([1j * omega]))
+    loss = (found.imag / found.real) / (truth.imag / truth.real) - 1
+    return (abs(found) / abs(truth) - 1, loss), se
+
+
+def test_the_generator_imports_nothing_of_dashpot():
+    code = (
+        "import sys; from kit.foreign import hammer_rigs;"
+        "print([name for name in sys.modules if name.partition('.')[0] == 'dashpot'])"
+    )
+    tests = Path(__file__).resolve().parents[1]
+    shown = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=tests
+    )
+    assert shown.stdout.strip() == "[]"
+
+
+def test_a_cable_is_as_stiff_and_lossy_as_it_says():
+    omega = 80.0
+    k_inf, arms = cable_arms(2.0, 0.5, omega)
+    x = 1j * omega * np.geomspace(1e-4, 1.0, 9)
+    assert k_inf + (arms * x / (1 + x)).sum() == pytest.approx(2.0 + 1.0j)
+
+
+# -- windows that nobody states -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("seed", "rig"),
+    [
+        (0, Rig(window=0.2)),
+        (2, Rig(window=0.8)),
+        (3, Rig(window=2.0)),
+        (0, Rig(window=0.8, offset=0.3)),
+        (2, Rig(window=0.8, rate=256.0)),
+        (3, Rig(window=0.8, force_window=0.05)),
+    ],
+    ids=["0.2 s", "0.8 s", "2 s", "offset", "256 Hz", "force window too"],
+)
+def test_the_noise_shows_an_exponential_window(seed, rig, tmp_path):
+    record = struck(seed, rig)
+    hits = dp.read(written(record, tmp_path))
+    frf = hits.frf()
+    assert frf.shift_sd < 0.06 / rig.window
+    assert frf.shift == pytest.approx(1 / rig.window, abs=4 * frf.shift_sd)
+    (step,) = [one for one in frf.steps if one.name == "recorded_window"]
+    assert "noise" in step.says
+    mode = frf.modes()[0]
+    assert abs(mode.damping_ratio - damping(record)) < 4 * mode.damping_ratio_se + 5e-5
+    found = solid_of(hits, record, machine=dp.Machine(cable=0))
+    (size, loss), se = errors(found, record)
+    assert abs(size) < NORMAL * se[0]
+    assert abs(loss) < 3 * se[1]
+
+
+@pytest.mark.parametrize(
+    "rig",
+    [Rig(), Rig(rate=512.0), Rig(force_window=0.05), Rig(step=1.0), Rig(length=2.0)],
+    ids=["2048 Hz", "512 Hz", "force window", "coarse", "short"],
+)
+@pytest.mark.parametrize("seed", range(2))
+def test_honest_channels_have_none(seed, rig, tmp_path):
+    frf = dp.read(written(struck(seed, rig), tmp_path)).frf()
+    assert frf.shift == 0
+    assert "window_known" not in {check.name for check in frf.checks if check.failed}
+
+
+@pytest.mark.parametrize("step", [0.5, 1.0])
+def test_a_window_whose_noise_rounds_to_nothing_is_no_use(step, tmp_path):
+    record = struck(3, Rig(window=0.8, step=step))
+    hits = dp.read(written(record, tmp_path))
+    found = solid_of(hits, record)
+    assert found.verdict.use != "use"
+    assert dp.fit(hits).verdict.use != "use"
+    (check,) = [one for one in found.checks if one.name == "window_known"]
+    assert check.failed
+    assert "window" in check.says
+
+
+def test_a_window_of_the_responses_alone_is_given_to_the_force(tmp_path):
+    record = struck(3, Rig(window=0.8, on_force=False, pretrigger=0.02))
+    frf = dp.read(written(record, tmp_path)).frf()
+    mode = frf.modes()[0]
+    assert mode.damping_ratio == pytest.approx(damping(record), rel=0.02)
+
+
+# -- windows that are stated ----------------------------------------------------------------------
+
+
+def test_what_is_stated_is_taken_and_what_the_noise_contradicts_is_no_use(tmp_path):
+    record = struck(3, Rig(window=0.8))
+    stated = dp.read(written(record, tmp_path, "# Exponential window: 0.8 s\n")).frf()
+    assert (stated.shift, stated.shift_sd) == (1.25, 0.0)
+    path = written(record, tmp_path)
+    assert dp.read(path, window_decay="0.8s").frf().shift == 1.25
+    for wrong in ("2s", "0s"):
+        found = dp.fit(dp.read(path, window_decay=wrong))
+        assert found.verdict.use == "use with care"
+        assert "window" in found.verdict.says
+
+
+def test_a_window_that_is_stated_without_its_decay_is_told_by_the_noise(tmp_path):
+    head = "# Window: Exponential\n"
+    frf = dp.read(written(struck(3, Rig(window=0.8)), tmp_path, head)).frf()
+    assert frf.shift == pytest.approx(1.25, rel=0.03)
+    honest = dp.fit(dp.read(written(struck(3), tmp_path, head)))
+    assert honest.verdict.use != "use"
+
+
+def as_uff(record, folder: Path, **how) -> Path:
+    frequency, value, _ = windowed_lines(record)
+    path = folder / "point.uff"
+    path.write_text(uff_58(frequency, value, **how))
+    return path
+
+
+def first_mode(path, **how):
+    return dp.read(path, **how).modes()[0]
+
+
+@pytest.mark.parametrize("factor", ["1/s", "s", "end"])
+def test_dataset_1858_is_read_where_its_record_settles_the_unit(factor, tmp_path):
+    window = {"1/s": 2.6, "s": 1.6, "end": 6 / np.log(100)}[factor]
+    record = struck(3, Rig(window=window))
+    value = {"1/s": 1 / window, "s": window, "end": 0.01}[factor]
+    path = as_uff(record, tmp_path, factor=value)
+    assert dp.read(path).shift == pytest.approx(1 / window, rel=1e-5)
+    assert first_mode(path).damping_ratio == pytest.approx(damping(record), rel=0.03)
+
+
+def test_dataset_1858_is_asked_about_where_it_does_not(tmp_path):
+    record = struck(3, Rig(window=2.0))
+    path = as_uff(record, tmp_path, factor=0.9)
+    with pytest.raises(dp.ReadError, match=r"dataset 1858 .* --window-decay 2s"):
+        dp.read(path)
+    assert first_mode(path, window_decay="2s").damping_ratio == pytest.approx(
+        damping(record), rel=0.03
+    )
+    # no exponential window: a Hanning, or the impact window of the force
+    for window in (1, 5):
+        assert dp.read(as_uff(record, tmp_path, factor=0.9, window=window)).shift == 0
+
+
+def test_a_text_frf_with_a_window_of_unknown_decay_is_asked_about(tmp_path):
+    record = struck(3, Rig(window=0.8))
+    frequency, value, coherence = windowed_lines(record)
+    rows = zip(frequency, value.real, value.imag, coherence, strict=True)
+    table = "frequency [Hz],real [(m/s^2)/N],imaginary [(m/s^2)/N],coherence\n" + "".join(
+        f"{f!r},{re!r},{im!r},{c!r}\n" for f, re, im, c in (map(float, row) for row in rows)
+    )
+    path = tmp_path / "frf.csv"
+    path.write_text("# Window: exponential\n" + table)
+    with pytest.raises(dp.ReadError, match=r"exponential window.*--window-decay"):
+        dp.read(path)
+    assert dp.read(path, window_decay="0.8s").shift == 1.25
+    path.write_text("# Exponential window, time constant: 0.8 s\n" + table)
+    assert first_mode(path).damping_ratio == pytest.approx(damping(record), rel=0.03)
+
+
+# -- signs, exponents, amplitudes -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("directions", [(-3, 3), (3, -3), (-3, -3), (3, 3), (-1, 4), (2, -6)])
+def test_directions_of_dataset_58_are_applied(directions, tmp_path):
+    record = struck(1)
+    frequency, value, _ = windowed_lines(record)
+    sign = np.sign(directions[0]) * np.sign(directions[1])
+    path = tmp_path / "point.uff"
+    path.write_text(uff_58(frequency, sign * value, directions=directions))
+    np.testing.assert_allclose(dp.read(path).value, value, rtol=1e-4, atol=1e-4)
+    assert dp.fit(dp.read(path)).verdict.use != "do not use"
+
+
+def test_d_exponents_are_legal(tmp_path):
+    record = struck(1)
+    plain, other = as_uff(record, tmp_path), tmp_path / "d.uff"
+    other.write_text(uff_58(*windowed_lines(record)[:2], exponent="D"))
+    np.testing.assert_array_equal(dp.read(other).value, dp.read(plain).value)
+
+
+def test_an_amplitude_is_not_read_as_a_real_part(tmp_path):
+    path = as_uff(struck(1), tmp_path, amplitude=True)
+    with pytest.raises(dp.ReadError, match=r"real values alone.*Export the FRF as complex"):
+        dp.read(path)
+
+
+# -- cables ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_intervals_hold_a_seal_beside_a_cable(seed, tmp_path):
+    record = struck(seed, Rig(cable=(0.01, 0.02, 0.03, 0.03)[seed]))
+    hits = dp.read(written(record, tmp_path))
+    found = solid_of(hits, record)
+    (size, loss), se = errors(found, record)
+    assert abs(size) < NORMAL * se[0]
+    assert abs(loss) < NORMAL * se[1]
+    # hung free, a cable adds nothing: what is then claimed does not hold it
+    free = solid_of(hits, record, machine=dp.Machine(cable=0))
+    again, narrow = errors(free, record)
+    assert abs(again[1]) > NORMAL * narrow[1]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_sound_rig_keeps_its_use_and_its_numbers(seed, tmp_path):
+    record = struck(seed)
+    found = solid_of(dp.read(written(record, tmp_path)), record)
+    (size, loss), se = errors(found, record)
+    assert found.verdict.use == "use"
+    assert abs(size) < 0.005
+    assert abs(loss) < 0.01
+    assert se[0] < 0.025
+
+
+# -- what is said ---------------------------------------------------------------------------------
+
+
+def test_seals_that_nobody_counted_are_said(tmp_path):
+    record = struck(3)
+    hits = dp.read(written(record, tmp_path))
+    alone = dp.fit(hits, mass=record.truth["mass"])
+    (check,) = [one for one in alone.checks if one.name == "seals_counted"]
+    assert "1 seal is assumed" in check.says
+    told = dp.fit(hits, mass=record.truth["mass"], seals=1)
+    assert "seals_counted" not in {one.name for one in told.checks}
