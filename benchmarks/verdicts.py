@@ -1,25 +1,27 @@
 """How often a verdict is right, judged on truths and rigs that share no line with dashpot.
 
     python benchmarks/verdicts.py OUT.jsonl [--per 10] [--several 84] [--kinds 20] [--curves 300]
-        [--conditioned 84] [--claims 20] [--only REGEX]
+        [--conditioned 84] [--claims 20] [--hammers 20] [--only REGEX]
     python benchmarks/verdicts.py --table OUT.jsonl
 
 The relaxation records of `tests/kit/foreign`: its 42 truths on its 40 rigs, `--per` truths of each,
 and by turns on `--several` rigs that have several faults at once; its other kinds of test, sound
 and spoilt by turns; `--conditioned` seals that were pressed before their test, of which limits of
-k(T), k(3T) and k_inf are asked; and its curves: `--curves` moduli and a third as many compliances
-and sweeps, which end before their plateau or after, each whole and cut. Of `--claims` records each:
-curves with gaps, tests of which too few arms or as many as the truth has are asked for, and the
-first sentence of relaxation records on five rigs. Each record is one line of OUT.jsonl; those that
-stand there are not run again, and the same seed gives the same records.
+k(T), k(3T) and k_inf are asked; `--hammers` hammer tests of each kind of rig (`hammer_rigs`:
+windows, cables); and its curves: `--curves` moduli and a third as many compliances and sweeps,
+which end before their plateau or after, each whole and cut. Of `--claims` records each: curves with
+gaps, tests of which too few arms or as many as the truth has are asked for, and the first sentence
+of relaxation records on five rigs. Each record is one line of OUT.jsonl; those that stand there are
+not run again, and the same seed gives the same records.
 
 A relaxation record misses if one of its 95 % limits does: of the accelerance of two seals under
 the mass that they bring to resonance at 12.7 Hz (there, its peak's height and frequency), of k(T)
 and k(3T), T the hold as the record was understood, or the most that k_inf may be. A sheet of
-another kind misses if what is asked of it (`SHEETS`) errs by more than 5 %; a curve if a limit of
-its end does, or its plateau is off by more than 10 %. A claim misses where stiffness or loss factor
-lie off by more than the result says, anywhere in its band. A refusal gives no limits and no "use",
-and counts as neither held nor missed.
+another kind misses if what is asked of it (`SHEETS`) errs by more than 5 %; a hammer test if the
+95 % limits of |K*| or of the loss factor at its resonance do; a curve if a limit of its end does,
+or its plateau is off by more than 10 %. A claim misses where stiffness or loss factor lie off by
+more than the result says, anywhere in its band. A refusal gives no limits and no "use", and counts
+as neither held nor missed.
 """
 
 from __future__ import annotations
@@ -66,6 +68,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from kit import curve_ends
 from kit.foreign import conditioning, curves, forced_orders, gaps
 from kit.foreign.catalogue import protocol_of, verdict_records
+from kit.foreign.hammer_rigs import KINDS as HAMMERS
+from kit.foreign.hammer_rigs import HammerRecord, struck_rig
 from kit.foreign.kinds import Sheet, nominal, sheets
 from kit.foreign.rigs import RIGS, Record, read, several
 from kit.foreign.truths import TRUTHS, Seal, Solid
@@ -487,6 +491,45 @@ def judged_sheet(one: Sheet) -> dict[str, object]:
     return {**said, "cpu": round(time.process_time() - start, 3)}
 
 
+# -- hammers ---------------------------------------------------------------------------------------
+NORMAL = 1.96
+"""Standard errors of a 95 % limit."""
+
+
+def judged_hammer(one: HammerRecord, head: str) -> dict[str, object]:
+    """One line of a hammer test: how far its solid is off at the resonance, over its limits."""
+    start = time.process_time()
+    omega, truth = one.truth["omega"], one.truth["stiffness"]
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "hits.csv"
+        path.write_text(one.text(head), "utf-8")
+        try:
+            found = dp.fit(dp.read(path), mass=one.truth["mass"], seals=one.truth["seals"])
+        except dp.DashpotError as refusal:
+            said: dict[str, object] = {"use": "refused", "because": [str(refusal)]}
+        else:
+            K = found.solid.complex_stiffness(omega=omega)
+            size, loss = found.estimate.errors_of_vibration(found.model, np.array([1j * omega]))
+            off = (
+                _error(abs(truth), abs(K)) / (NORMAL * size),
+                _error(truth.imag / truth.real, K.imag / K.real) / (NORMAL * loss),
+            )
+            said = {**_said(found.verdict), "error": max(off), "allowed": 1.0}
+    return {**said, "cpu": round(time.process_time() - start, 3)}
+
+
+def work_of_hammers(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]]]:
+    """Hammer tests of every kind of rig, by turns."""
+    for kind in HAMMERS:
+        group = f"hammer, {kind}"
+        if not re.search(options.only, group):
+            continue
+        for turn in range(options.hammers):
+            seed = 1000 * options.seed + turn
+            name = {"group": group, "rig": False, "name": f"{turn}", "seed": options.seed}
+            yield name, lambda kind=kind, seed=seed: judged_hammer(*struck_rig(kind, seed))
+
+
 # -- all of them -----------------------------------------------------------------------------------
 
 
@@ -538,6 +581,7 @@ def work(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]
             group = f"{kind}, {one.spoilt or 'sound'}"
             name = {"group": group, "rig": False, "name": one.name, "seed": options.seed}
             yield name, lambda one=one: judged_sheet(one)
+    yield from work_of_hammers(options)
     yield from work_of_curves(options)
     yield from work_of_claims(options)
 
@@ -662,6 +706,7 @@ def main() -> None:
     parser.add_argument("--conditioned", type=int, default=84, help="seals pressed before")
     parser.add_argument("--curves", type=int, default=300, help="moduli, and thrice the others")
     parser.add_argument("--claims", type=int, default=20, help="of each kind of claim")
+    parser.add_argument("--hammers", type=int, default=20, help="hammer tests of each rig")
     parser.add_argument("--only", default="", help="disturbances and kinds, a regular expression")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--table", type=Path, help="print a kept file and run nothing")

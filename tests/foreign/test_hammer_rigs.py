@@ -143,6 +143,31 @@ def test_a_window_that_is_stated_without_its_decay_is_told_by_the_noise(tmp_path
     assert honest.verdict.use != "use"
 
 
+def test_a_tdms_file_and_a_mat_file_state_a_window(tmp_path):
+    nptdms, io = pytest.importorskip("nptdms"), pytest.importorskip("scipy.io")
+    record = struck(3, Rig(window=0.8))
+    first = record.time < 5.9
+    columns = {
+        "time": (record.time, "s"), "hammer": (record.hammer, "N"),
+        "acceleration": (record.acceleration, "m/s^2"),
+    }  # fmt: skip
+    tdms, mat = tmp_path / "hits.tdms", tmp_path / "hits.mat"
+    with nptdms.TdmsWriter(tdms) as writer:
+        writer.write_segment([
+            nptdms.RootObject({"Exponential window": "0.8 s"}),
+            *(nptdms.ChannelObject("hits", name, values[first], {"unit_string": unit})
+              for name, (values, unit) in columns.items()),
+        ])  # fmt: skip
+    assert dp.read(tdms).window_rate == 1.25
+    io.savemat(mat, {name: values[first] for name, (values, _) in columns.items()}
+               | {"exponential_window_tau": 0.8})  # fmt: skip
+    units = {name: unit for name, (_, unit) in columns.items()}
+    hits = dp.read(mat, units=units)
+    # without a unit it is stated, and its noise tells how fast
+    assert np.isnan(hits.window_rate)
+    assert hits.frf().shift == pytest.approx(1.25, rel=0.05)
+
+
 def as_uff(record, folder: Path, **how) -> Path:
     frequency, value, _ = windowed_lines(record)
     path = folder / "point.uff"

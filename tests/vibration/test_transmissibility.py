@@ -253,7 +253,9 @@ def test_lines_that_nobody_measured_tell_an_arm_a_hundred_times_slower(kind, tol
     # its stiffness in the band is known all the same
     assert found.verdict.use == "use"
     assert found.model.tau == pytest.approx(tau, rel=1e-4)
-    error = dict(zip(found.parameters, np.sqrt(np.diag(found.covariance)), strict=True))
+    # of the lines: what a rig may add unseen moves arms that so few of them tell apart
+    covariance = found.estimate.noise_alone.covariance
+    error = dict(zip(found.parameters, np.sqrt(np.diag(covariance)), strict=True))
     assert error["ln_tau_1"] < 0.01
     assert error["ln_tau_2"] < 0.02 if told_apart else error["ln_tau_2"] > 1
 

@@ -170,6 +170,44 @@ def _analysed(random, rig: Rig, rows, clock):
     return tuple(map(np.concatenate, (times, hammers, accelerations)))
 
 
+# -- rigs by name ----------------------------------------------------------------------------------
+
+KINDS: Mapping[str, str] = {
+    "sound": "nothing is wrong",
+    "window": "an exponential window of .2 to 2 s that nobody states",
+    "window of the responses": "the same, and the force lacks it",
+    "window stated": "the same, and the header says so",
+    "window, coarse channels": "the same, rounded to .05 to 4 times the noise",
+    "force window": "the force is zero .03 to .3 s after the trigger",
+    "cable": "1 to 3 % of the stiffness of the seals, loss factor .5",
+}
+"""What is done to a hammer test, by name."""
+
+
+def struck_rig(kind: str, seed: int) -> tuple[HammerRecord, str]:
+    """A hammer test on a rig of a kind, drawn by a seed, and the header of its file."""
+    random = np.random.default_rng([seed, *kind.encode()])
+    changes: dict[str, object] = {
+        "rate": float(random.choice([512, 1024, 2048])), "length": float(random.uniform(4, 8)),
+        "noise": float(np.exp(random.uniform(np.log(0.1), np.log(3)))),
+        "hits": int(random.integers(3, 8)), "pretrigger": float(random.uniform(0.05, 0.2)),
+        "offset": float(random.choice([0.0, 0.2])),
+    }  # fmt: skip
+    if "window" in kind and kind != "force window":
+        changes["window"] = float(np.exp(random.uniform(np.log(0.2), np.log(2.0))))
+        changes["on_force"] = "responses" not in kind
+    if "coarse" in kind:
+        changes["step"] = float(np.exp(random.uniform(np.log(0.05), np.log(4.0))))
+        changes["noise"] = 1.0
+    if kind == "force window":
+        changes["force_window"] = float(random.uniform(0.03, 0.3))
+    if kind == "cable":
+        changes["cable"] = float(random.uniform(0.01, 0.03))
+    record = struck(seed, Rig(**changes))
+    stated = kind == "window stated"
+    return record, f"# Exponential window: {changes['window']!r} s\n" if stated else ""
+
+
 # -- FRFs as universal files -----------------------------------------------------------------------
 
 

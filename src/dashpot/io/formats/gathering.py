@@ -15,6 +15,7 @@ from dashpot.io.columns.names import part_unit
 from dashpot.io.table import Column, FileTable, in_memory
 
 _RATES = {"fs", "rate", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency", "sr"}
+_WINDOWS = ("window", "fenster", "exp_decay", "expdecay")
 _STEPS = {"dt", "ts", "deltat", "timestep", "sampletime", "deltax", "increment"}
 
 
@@ -53,7 +54,23 @@ def gather(arrays: Sequence[Named], *, format_: str, notes: Sequence[str] = ()) 
         load=in_memory(np.column_stack([array.values for array in kept])),
         notes=(*notes, passed) if left else tuple(notes),
         hints=tuple(_hints(arrays)),
+        header=tuple(_window_lines(arrays)),
     )
+
+
+def window_line(name: str, value: object) -> str:
+    """Return a line of a header for what a file states of a window; empty of anything else."""
+    return f"{name}: {value}" if any(word in name.casefold() for word in _WINDOWS) else ""
+
+
+def _window_lines(arrays: Sequence[Named]) -> list[str]:
+    """What single numbers say of a window."""
+    single = [one for one in arrays if np.size(one.values) == 1 and not np.iscomplexobj(one.values)]
+    lines = [
+        window_line(one.name, f"{float(np.squeeze(one.values)):g} {one.unit or ''}".strip())
+        for one in single
+    ]
+    return [line for line in lines if line]
 
 
 def _column(array: Named) -> Column:

@@ -15,6 +15,7 @@ from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.io.child import limits
 from dashpot.io.columns.factors import factors_among
+from dashpot.io.formats.gathering import window_line
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw, extra
 from dashpot.io.table import Column, FileTable, in_memory
@@ -74,6 +75,12 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
         _refuse_unknown_scales(objects)
         told = _is_scaled(objects) or any(map(_is_stamped, objects.values()))
         groups = _chosen(_scaled(stream, objects) if told else _bare(file), options.sheet)
+        stated = [
+            line
+            for one in objects.values()
+            for key, value in one.properties.items()
+            if (line := window_line(str(key), value))
+        ]
     notes: list[str] = []
     blocks = [_block(channels, notes) for channels in groups.values()]
     first = next(iter(groups.values()))
@@ -87,6 +94,7 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
         columns=tuple(columns),
         load=in_memory(np.concatenate(blocks), tuple(map(int, starts)), tuple(groups)),
         notes=tuple(dict.fromkeys(notes)),
+        header=tuple(dict.fromkeys(stated)),
     )
 
 
