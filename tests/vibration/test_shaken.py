@@ -14,6 +14,7 @@ from dashpot.records.shaken import ShakenTest
 from dashpot.solids.table_1 import BROAD, BROAD_MASS
 from dashpot.vibration.impact.checks import channels_not_clipped
 from dashpot.vibration.impact.shaken import estimate_transmissibility
+from dashpot.workflow.vibration.impacts import modes_of_hits
 
 pytestmark = pytest.mark.once
 
@@ -187,3 +188,19 @@ def test_columns_that_leave_it_open_are_asked_for(tmp_path):
     np.savetxt(three, rows, delimiter=",", comments="", header=header)
     with pytest.raises(DashpotError, match="hold the same numbers"):
         read_shaken([three], ReadOptions(base_acceleration="a", acceleration=("c",)))
+
+
+def test_without_a_mass_the_mode_is_found_all_the_same():
+    """Frequency and damping do not depend on the mass, and where nothing rings it is no use."""
+    test = shaken(400.0, noise=(3e-3, 3e-3))
+    (bare, reason), (weighed, _) = modes_of_hits(test), modes_of_hits(test, mass=BROAD_MASS)
+    assert not reason
+    assert len(bare) == len(weighed) >= 1
+    assert bare[0].frequency == pytest.approx(weighed[0].frequency)
+    assert bare[0].damping_ratio == pytest.approx(weighed[0].damping_ratio)
+    assert bare[0].frequency == pytest.approx(12.7, rel=0.01)
+    rng = np.random.default_rng(0)
+    stiff = rng.normal(size=int(100 * RATE))
+    nothing, _ = modes_of_hits(ShakenTest(RATE, stiff, stiff + 1e-3 * rng.normal(size=len(stiff))))
+    assert not len(nothing)
+    assert nothing.verdict.use != "use"

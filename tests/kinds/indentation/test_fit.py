@@ -312,3 +312,16 @@ def test_bounds_of_a_slight_loss_hold(A):
     found = [slight(A, seed)["viscous_time"] for seed in range(40)]
     assert sum(one.low <= A <= one.high for one in found) >= 36
     assert np.median([one.high for one in found]) < A + 1e-5
+
+
+@pytest.mark.parametrize("blunt", [-0.04, 0.0, 0.04])
+def test_the_error_of_the_radius_is_in_the_modulus_alone(blunt):
+    """A tip that is 4 % blunter than its radius says makes the modulus 2 % too large."""
+    said = replace(BALL, radius=RADIUS / (1 + blunt))
+    found = fitted(ball_of=said)
+    modulus = found["modulus"]
+    assert modulus.value == pytest.approx(MODULUS * (1 + blunt) ** 0.5, rel=0.01)
+    assert modulus.low < MODULUS < modulus.high
+    exact = fitted(ball_of=replace(said, radius_error=0.0))
+    assert (found["k"].low, found["k"].high) == (exact["k"].low, exact["k"].high)
+    assert exact["modulus"].high - exact["modulus"].low < 0.3 * (modulus.high - modulus.low)

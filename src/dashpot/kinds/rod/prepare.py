@@ -193,8 +193,7 @@ def _inverted(
         "by_area": steep / 2 - heavy + own,
         "by_density": 1 - heavy + own,
         "by_poisson": np.full_like(y, -by_poisson),
-        # springs in a row: 1/E = 1/E_seen - glue/E'
-        "by_glue": E / np.abs(E.real),
+        "by_glue": _by_glue(w, by_w, ratio, over_base=over_base) * E / np.abs(E.real),
     }
     spread = [getattr(errors, name.removeprefix("by_")) * d for name, d in sensitivity.items()]
     random = measured.random_sd
@@ -216,6 +215,22 @@ def _inverted(
     solid = replace(found.only(usable), errors=replace(errors, glue=0.0))
     left = misfit_of_one_solid(solid, scatter[usable])
     return replace(found, checks=(*found.checks, lines_of_one_solid(left)))
+
+
+def _by_glue(w: ComplexArray, by_w: ComplexArray, ratio: float, *, over_base: bool) -> ComplexArray:
+    r"""Return d ln E* for a glue that gives as much as the rod's storage modulus lets it.
+
+    Between base and rod it gives under the force there, so that
+
+    .. math:: \frac1T = \cos z - \frac Mm z \sin z
+              - g\,\frac{E^*}{E'}\,z\Bigl(\sin z + \frac Mm z \cos z\Bigr)
+
+    Under a mass that is struck it is a spring in a row with the rod.
+    """
+    if not over_base:
+        return np.ones_like(w)
+    z: ComplexArray = np.sqrt(np.asarray(w, dtype=complex))
+    return np.asarray(-z * (np.sin(z) + ratio * z * np.cos(z)) / (by_w * w))
 
 
 def _judged(
