@@ -23,7 +23,7 @@ def identified(found: Identified) -> Text:
     first, lines = list(solid.lines[:1]), solid.lines[1:]
     if straight.over_base:
         first += sensitive(straight, errors=("phase", "mass"), unit="N/m", shown=_ROWS)
-    assumed = [f"{one.says}." for one in found.noted if one.failed and one.name == _ASSUMED]
+    assumed = [one.says for one in found.noted if one.failed and one.name == _ASSUMED]
     rests = [str(found.at_rest)] if str(found.at_rest) else []
     modes = impact(found.vibration) if found.vibration else Text()
     shown = [*first, *lines, *assumed, *rests, *modes.lines]

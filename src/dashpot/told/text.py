@@ -406,6 +406,9 @@ def prediction(found: Prediction) -> Text:
     does = "largest value" if found.at_edge else "peak"
     kind = found.frf.quantity.replace("_", " ")
     lines = [f"{on}: {does} of the {kind} {height:.5g} {found.frf.read} at {hz:.5g} Hz"]
+    if found.height_between is not None:
+        between = numbers.interval(*found.height_between)
+        lines.append(f"  by the errors of the fit {between} {found.frf.read} there")
     if found.isolation is not None:
         lines.append(f"  the mass moves less than its base above {found.isolation:.5g} Hz")
     if found.shaken is not None:

@@ -230,6 +230,18 @@ class Prediction(Judged, Documented):
         return self.limited.frequency, self.limited.parameter
 
     @property
+    def height_between(self) -> tuple[float, float] | None:
+        """Limits of the magnitude at the peak by the errors of a fit to vibration; None of others.
+
+        The errors hold what the rig of the hammer may have added unseen.
+        """
+        frequency, limits = self.interval
+        if self.fit.method not in {"frf", "joint"} or self.at_edge or len(frequency) < 2:
+            return None
+        low, high = (float(np.interp(self.peak[0], frequency, row)) for row in limits)
+        return (low, high) if np.isfinite(high) and low < high else None
+
+    @property
     def largest(self) -> dict[str, float | bool]:
         """The largest magnitude by the names of its numbers."""
         return {"frequency_hz": self.peak[0], "value": self.peak[1], "at_edge": self.at_edge}
