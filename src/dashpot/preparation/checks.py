@@ -17,9 +17,10 @@ from dashpot.base.units import celsius, written
 from dashpot.preparation.contact import MIN_BASELINE, Baseline, Touch
 from dashpot.preparation.denoising import CORNERS, LOST, bends, but_corners, true_motion
 from dashpot.preparation.history import EarlierLoadings
-from dashpot.records.relaxation import MAX_CREEP, RampHold, quantum
+from dashpot.records.relaxation import MAX_CREEP, SETTLING, RampHold, quantum
 from dashpot.records.specimen import Specimen
 from dashpot.signals.clock import BESIDE, leaps, ticks_evenly
+from dashpot.signals.frozen import BEFORE, FEWEST, frozen_runs
 from dashpot.signals.noise import median_of_three, spikes, usual_scatter
 from dashpot.signals.segments import MotionSegment, RampHoldCycle
 
@@ -46,6 +47,10 @@ MAX_MISREAD, MAX_WARMED = 1.0, 1.0
 # a loss, in noises, that the weights of the ramp's rows may not count: behind plates that step by
 # 10 to 100 ms, limits held in 24 of 24 records of less, and in 15 of 16 of more
 GROSSLY = 2.0
+# of a hold: a channel that stood still, and a force that did so for too long
+MAX_FROZEN, GROSSLY_FROZEN = 0.005, 0.1
+# of the depth: a plate that moved
+MOVED = 1e-3
 # bends of a motion that steps, at least
 TO_AND_FRO = 8
 # of the time from onset; of a leap of an even clock, which is then wrong by as much or lost it
@@ -402,6 +407,60 @@ def spikes_absent(test: RampHold) -> Finding:
         f"{len(force)} are of the force, {len(plate)} of the displacement",
         float(count),
         remedy=Remedy("Correct them in the file, or use a running median.", "filter", "median:3"),
+    )
+
+
+@criterion(
+    "part of the hold",
+    "<=",
+    MAX_FROZEN,
+    "our choice: a shorter stretch moves no stiffness",
+    otherwise=f"stop if the force stands for more than {GROSSLY_FROZEN}",
+)
+def readings_renewed(test: RampHold, force: FloatArray, displacement: FloatArray) -> Finding:
+    """Both channels are read anew from sample to sample of the hold.
+
+    Parameters
+    ----------
+    test : RampHold
+    force, displacement : array, shape (n,)
+        Of the same samples, as they stand in the file: a tare or a line of hum taken off would
+        leave no two readings equal bit for bit.
+    """
+    held, time = test.hold, test.time[test.hold]
+    f, x = force[held], displacement[held]
+    if len(f) < FEWEST:
+        return Finding("The hold has too few samples to show whether a channel stands still")
+    step = np.abs(x[BEFORE:] - x[:-BEFORE])
+    moves = step > max(MOVED * test.depth, 6 * test.displacement_noise)
+    resting = ~np.concatenate((moves, np.zeros(BEFORE, dtype=bool)))
+    resting[BEFORE:] &= ~moves
+    resting &= time > test.ramp_end + SETTLING * test.ramp_time
+    before, ramp = np.searchsorted(test.time, (test.onset, test.ramp_end)).tolist()
+    # a part that is pressed falls, on either side of zero; a plate that moves on loads it again
+    turn = 1.0 if (f - f.mean()) @ test.force[held] >= 0 else -1.0
+    since = time - test.ramp_end if not moves[resting.argmax() :].any() else None
+    besides = force[:before], force[before:ramp]
+    stuck = frozen_runs(turn * f, resting=resting, since=since, besides=besides)
+    # a plate that rests for good may well show no more noise
+    still = frozen_runs(x, resting=np.zeros(len(x), dtype=bool))
+    still = still[still[:, 1] < len(x) - 1]
+    of_force, of_plate = (float(np.sum(np.diff(one) + 1)) / len(f) for one in (stuck, still))
+    channel, runs_of_it = ("force", stuck) if of_force >= of_plate else ("displacement", still)
+    share = max(of_force, of_plate)
+    if not len(runs_of_it):
+        return Finding("No channel stands at one value while it should scatter or change", 0.0)
+    first, last = runs_of_it[np.argmax(np.diff(runs_of_it)[:, 0])]
+    count = len(runs_of_it)
+    others = f", and {count - 1} more times" if count > 1 else ""
+    return Finding(
+        f"The {channel} has one and the same value for {last - first + 1} samples, from "
+        f"{time[first]:.4g} to {time[last]:.4g} s{others}",
+        share,
+        f"Its other samples rule that out: the channel was not read for "
+        f"{100 * share:.2g} % of the hold",
+        Remedy("Cut the record before that, or repeat the test.", "cuts", "hold-end=..."),
+        grade="stop" if of_force > GROSSLY_FROZEN else None,
     )
 
 

@@ -7,6 +7,9 @@ spectrum of the windowed force shows each as a peak far above its neighbourhood,
 
 follows from the windowed transform at its frequency; the frequency from the turn of its phase
 between the two halves.
+
+A line that the plate has, too, is the answer of the seal to a servo that hunts: it stays, where a
+stiffness explains its size. The mains that both channels pick up are larger than that.
 """
 
 from __future__ import annotations
@@ -26,12 +29,21 @@ _NEIGHBOURS = 40
 _FEWEST_CYCLES = 20.0
 _MOST_LINES = 8
 _FEWEST_SAMPLES = 400
+# a line of the plate, looked for at one frequency, stands out by so much: by chance once in 1e5
+_PLATE_STANDS_OUT = 12.0
+# a seal answers a vibration with at most so many times its stiffness in the hold
+_STIFFEST = 10.0
 # a line below this part of the scatter does nothing
 _TOO_SMALL = 0.02
 
 
 def hum_lines(
-    time: FloatArray, force: FloatArray, held: slice, *, noise: float
+    time: FloatArray,
+    force: FloatArray,
+    held: slice,
+    *,
+    noise: float,
+    displacement: FloatArray | None = None,
 ) -> tuple[tuple[Hum, ...], FloatArray]:
     """Return the lines of a force, the strongest first, and their sum at all times, N.
 
@@ -45,6 +57,8 @@ def hum_lines(
         The hold.
     noise : float
         Scatter of the force from sample to sample, N.
+    displacement : array, shape (n,), optional
+        m, of the same samples: lines of the force that are its response are no hum.
     """
     n, everywhere, time = len(force), time, time[held]
     if n < _FEWEST_SAMPLES or noise == 0:
@@ -53,8 +67,10 @@ def hum_lines(
     window = _hann(n)
     # a prime number of them takes ten times as long
     bins = fast_length(n)
-    # the straight line between the ends leaks most
-    rest = force - np.interp(time, time[[0, -1]], [force[:20].mean(), force[-20:].mean()])
+    rest = _detrended(time, force)
+    stiffest = 0.0
+    if displacement is not None:
+        stiffest = _STIFFEST * abs(force.mean() / (displacement.mean() or np.inf))
     del force  # of a long record each array weighs beside the transform
     found: list[Hum] = []
     for _ in range(_MOST_LINES):
@@ -67,12 +83,36 @@ def hum_lines(
         line = Hum(frequency, float(c.real), float(-c.imag), float(time[0]))
         if line.amplitude < _TOO_SMALL * noise:
             break
-        found.append(line)
+        if displacement is None or line.amplitude > stiffest * _plate_amplitude(
+            _detrended(time, displacement), window, step, frequency
+        ):
+            found.append(line)
         rest -= line.force(time)
     total = np.zeros(len(everywhere))
     for line in found:
         total += line.force(everywhere)
     return tuple(found), total
+
+
+def _detrended(time: FloatArray, values: FloatArray) -> FloatArray:
+    """A channel less the straight line between its ends, which leaks most."""
+    ends = [values[:20].mean(), values[-20:].mean()]
+    return np.asarray(values - np.interp(time, time[[0, -1]], ends))
+
+
+def _plate_amplitude(moved: FloatArray, window: FloatArray, step: float, frequency: float) -> float:
+    """The amplitude of a line of the plate's motion, m; 0 if it does not stand out."""
+    windowed = window * moved
+    bins = fast_length(len(moved))
+    power = np.abs(np.fft.rfft(windowed, bins)) ** 2
+    at = round(frequency * bins * step)
+    low, high = max(at - _NEIGHBOURS, 1), at + _NEIGHBOURS + 1
+    level = float(np.median(power[low:high])) / np.log(2)
+    size = abs(_transform(windowed, step, frequency))
+    # a motion without noise has lines of rounding alone
+    rounding = 1e-12 * float(np.abs(moved).max(initial=0.0)) * window.sum()
+    stands_out = size**2 > _PLATE_STANDS_OUT * level and size > rounding
+    return float(2 * size / window.sum()) if stands_out else 0.0
 
 
 def hum_step(lines: tuple[Hum, ...]) -> tuple[Step, ...]:

@@ -171,6 +171,7 @@ def prepare(
         remedy="Check the unit of time: --units time=ms (Python: units='ms, mm, N').",
     )
     last = record.last_loading
+    raw = slice(motion.stop + 1 - len(last.time), motion.stop + 1)
     answers = (
         []
         if not judged
@@ -187,6 +188,7 @@ def prepare(
             checks.samples_unbroken(last),
             checks.clock_steady(last, _clock(test.time, motion, hold_end)),
             checks.spikes_absent(last),
+            checks.readings_renewed(last, test.force[raw], test.displacement[raw]),
             checks.columns_plausible(last),
             checks.motion_resolved(last),
             checks.motion_measured(last),
@@ -512,7 +514,13 @@ def _without_hum(record: RampHold) -> RampHold:
     time, force = record.time[held], record.force[held]
     if not evenly_sampled(time):
         return record
-    lines, hum = hum_lines(record.time, without_spikes(time, force), held, noise=record.force_noise)
+    lines, hum = hum_lines(
+        record.time,
+        without_spikes(time, force),
+        held,
+        noise=record.force_noise,
+        displacement=record.displacement[held],
+    )
     if not lines:
         return record
     force = sealed(record.force - hum)

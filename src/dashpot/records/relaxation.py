@@ -410,6 +410,10 @@ class RampHold(ByValue, Pictured, Documented):
         return slice(min(hold.start + late, early.stop), hold.stop)
 
 
+# samples of one speed that are a stretch, and of those that move how many are in one
+STRETCH, MOSTLY = 4, 0.75
+
+
 def quantum(values: FloatArray) -> float:
     """The step of which all differences are whole multiples; 0 if there is none to be seen.
 
@@ -438,4 +442,24 @@ def _evenly_climbed(values: FloatArray, step: float) -> bool:
     # a converter that counts a ramp in single steps also pauses on it
     lone = moving[1:-1] & ~(moving[:-2] & moving[2:])
     single = np.mean(np.abs(moved[moving] / step - 1) < 0.02) > 0.9
-    return bool(single and np.count_nonzero(lone) < 0.1 * np.count_nonzero(moving) + 4)
+    if single and np.count_nonzero(lone) < 0.1 * np.count_nonzero(moving) + 4:
+        return True
+    return _keeps_its_speeds(np.diff(values) / step)
+
+
+def _keeps_its_speeds(counts: FloatArray) -> bool:
+    """True if a path, in counts from sample to sample, is of long stretches of one speed each.
+
+    That is a motion as it was sent, with as many ramps and rests as it may have. A converter slips:
+    between two stretches of one speed a few samples move otherwise, unless the speed is a whole
+    number of counts.
+    """
+    edges = np.flatnonzero(np.abs(np.diff(counts)) > 0.1) + 1
+    starts = np.concatenate(([0], edges))
+    lengths = np.diff(np.append(starts, len(counts)))
+    speeds = counts[starts]
+    moves, long = np.abs(speeds) > 0.5, lengths >= STRETCH
+    if lengths[moves & long].sum() < MOSTLY * lengths[moves].sum():
+        return False
+    slips = ~long[1:-1] & (np.abs(speeds[2:] - speeds[:-2]) < 0.1)
+    return not slips.any()
