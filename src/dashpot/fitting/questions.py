@@ -83,7 +83,7 @@ def solid_checks(
         record_window(records), "the record", (" (two samples)", " (the hold)")
     )
     answers = [
-        *of_records(records, method=method),
+        *of_records(records, method=method, solids=[model] * len(records)),
         hold_long_enough(end),
         *of_solid(records, model, error, left, window, end=end, needed=needed, in_arms=in_arms),
     ]

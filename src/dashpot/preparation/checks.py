@@ -23,6 +23,7 @@ from dashpot.signals.clock import BESIDE, leaps, ticks_evenly
 from dashpot.signals.frozen import BEFORE, FEWEST, frozen_runs
 from dashpot.signals.noise import median_of_three, spikes, usual_scatter
 from dashpot.signals.segments import MotionSegment, RampHoldCycle
+from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 
 if TYPE_CHECKING:
     from dashpot.records.creep import LoadHold
@@ -556,21 +557,33 @@ def range_used(peak: float, full_scale: float) -> Finding:
 # -- what a prepared record shows -----------------------------------------------------------------
 
 
-def of_records(tests: Sequence[RampHold], *, method: str) -> tuple[Check, ...]:
-    """Return the checks that need no fit, each at its worst over `tests`."""
+def of_records(
+    tests: Sequence[RampHold], *, method: str, solids: Sequence[GeneralizedMaxwell | None] = ()
+) -> tuple[Check, ...]:
+    """Return the checks of the records, each at its worst over `tests`.
+
+    `solids` are those that were fitted, one to a test: what such a solid explains is no fault.
+    """
     still = [hold_is_still(test, method=method) for test in tests]
-    before, after = zip(*map(_as_recorded, tests), strict=True)
-    columns = (*zip(*before, strict=True), still, *zip(*after, strict=True))
+    each = zip(tests, solids or [None] * len(tests), strict=True)
+    relaxes = [force_relaxes(test, solid) for test, solid in each]
+    before, after, last = zip(*map(_as_recorded, tests), strict=True)
+    columns = (
+        *zip(*before, strict=True), still, *zip(*after, strict=True), relaxes,
+        *zip(*last, strict=True),
+    )  # fmt: skip
     return tuple(map(worst, columns))
 
 
 @kept
-def _as_recorded(test: RampHold) -> tuple[tuple[Check, ...], tuple[Check, ...]]:
-    """The checks of one record whatever is fitted, before and behind that of its hold."""
+def _as_recorded(
+    test: RampHold,
+) -> tuple[tuple[Check, ...], tuple[Check, ...], tuple[Check, ...]]:
+    """The checks of one record whatever is fitted: before its hold, behind it, and of its depth."""
     last = test.last_loading
     before = force_not_clipped(last), force_resolved(last.reading), depth_resolved(test)
-    after = hold_outlasts_ramp(test), ramp_sampled(test), force_relaxes(test), strain_small(test)
-    return before, after
+    after = hold_outlasts_ramp(test), ramp_sampled(test)
+    return before, after, (strain_small(test),)
 
 
 @criterion(
@@ -728,9 +741,22 @@ def ramp_sampled(test: RampHold) -> Finding:
     grade="stop",
     ends=Status.FORCE_RISES,
 )
-def force_relaxes(test: RampHold) -> Finding:
-    """The force falls during the hold, as the force of every relaxing solid does."""
+def force_relaxes(test: RampHold, solid: GeneralizedMaxwell | None = None) -> Finding:
+    """The force rises in the hold by no more than the solid explains.
+
+    Under a plate that stands still the force of a relaxing solid falls; after an unloading it
+    recovers. `solid` is the one fitted, if there is one.
+    """
     rise, limit = force_rise(test)
+    if solid is not None and rise > limit:
+        unexplained = force_rise(test, solid)[0]
+        if unexplained <= limit:
+            return Finding(
+                f"The force rises by {written(rise, 'mN', '.3g')} after an unloading, as the "
+                "fitted model does",
+                unexplained,
+                limit=limit,
+            )
     return Finding(
         "The force does not rise during the hold",
         rise,
@@ -756,21 +782,31 @@ def strain_small(test: RampHold) -> Finding:
     )
 
 
-def force_rise(test: RampHold) -> tuple[float, float]:
+def force_rise(test: RampHold, solid: GeneralizedMaxwell | None = None) -> tuple[float, float]:
     """Return how far the force climbs from its lowest tenth to the last tenth of the hold, N.
 
     The second value is what noise, and a half per cent of the force, would explain. The part
-    that a creeping plate explains by the secant stiffness is taken off first.
+    that a creeping plate explains by the secant stiffness is taken off first, or with a `solid` its
+    whole answer to the recorded motion.
     """
     force, x = test.force[test.hold], test.displacement[test.hold]
     if len(force) < 20:
         return 0.0, np.inf
     secant = max(float(force[-len(force) // 10 :].mean()), 0.0) / test.depth
-    tenths = [part.mean() for part in np.array_split(force - secant * (x - x.mean()), 10)]
+    answer = secant * (x - x.mean()) if solid is None else _answer_of(solid, test)[test.hold]
+    tenths = [part.mean() for part in np.array_split(force - answer, 10)]
     rise = float(tenths[-1] - min(tenths))
     noise = max(test.force_noise, usual_scatter(test.time, test.force))
     scatter = noise / np.sqrt(len(force) / 10)
     return rise, float(max(7.0 * scatter, 0.005 * np.abs(force).max()))
+
+
+def _answer_of(solid: GeneralizedMaxwell, test: RampHold) -> FloatArray:
+    """The force of a solid that follows the recorded motion, N, shape (n,)."""
+    x = test.displacement
+    arms = zip(solid.k, solid.tau, strict=True)
+    answers = [k * arm_response(test.time, x, tau) for k, tau in arms]
+    return np.asarray(solid.k_inf * x + np.sum(answers, axis=0))
 
 
 # -- a creep test ---------------------------------------------------------------------------------

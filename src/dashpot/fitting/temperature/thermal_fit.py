@@ -242,17 +242,18 @@ def _checks(
     """Return every check of the records, of the solid and of its shifts."""
     point, knowledge = found.best.point, found.knowledge
     records, residual = [test.record for test in found.best.tests], knowledge.residual
+    solids = [point.solid_at(int(i)) for i in found.best.joint.at]
     low, high = zip(*(block.window for block in _reduced(found)), strict=True)
     answers = [
         optimum_found(stationary=True),
-        *of_records(records, method="full"),
+        *of_records(records, method="full", solids=solids),
         *of_solid(
             records,
             point.solid,
             np.sqrt(np.diag(knowledge.of_solid)),
             Residuals(knowledge.residuals, residual.rms, residual.kappa),
             RelaxationWindow((min(low), max(high)), "the tests together"),
-            solids=[point.solid_at(int(i)) for i in found.best.joint.at],
+            solids=solids,
             needed=found.best.choice is not None,
         ),
         *_of_shifts(found, shifts, laid),
