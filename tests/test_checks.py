@@ -214,6 +214,15 @@ def rising(share: float) -> RampHold:
     return replace(RECORD, force=np.where(TIME > 36.9, 2 / (1 - share), 2.0 * np.clip(TIME, 0, 1)))
 
 
+def stuck(share: float) -> Check:
+    """A force with noise that keeps one value for this share of the hold."""
+    force = RECORD.force + 0.01 * np.random.default_rng(0).standard_normal(len(TIME))
+    held = RECORD.hold
+    first, count = held.start + 2000, round(share * (held.stop - held.start))
+    force[first : first + count] = force[first]
+    return preparation.readings_renewed(replace(RECORD, force=force), force, PLATE)
+
+
 def quantised() -> np.ndarray:
     return np.random.default_rng(0).integers(0, 8, 500).astype(float)
 
@@ -478,6 +487,7 @@ PREPARATION = [
         0.0501,
     ),
     Case("samples_unbroken", lambda x: preparation.samples_unbroken(pause(x)), 0.1999, 0.2001),
+    Case("readings_renewed", stuck, 20 / 4001, 21 / 4001),
     Case("spikes_absent", whole(lambda n: preparation.spikes_absent(spiked(n))), 0, 1),
     Case(
         "temperature_as_stated",
@@ -1605,6 +1615,7 @@ LIMITS = {
         "ramp_recorded": 1.1,
         "history_explained": 0.03, "face_recovered": 0.01, "history_forgotten": 0.005,
         "overshoot_small": 0.05, "samples_unbroken": 0.2, "spikes_absent": 0,
+        "readings_renewed": 0.005,
         "clock_steady": 0.25,
         "temperature_as_stated": 1, "temperature_held": 1,
         "columns_plausible": 0.03, "motion_resolved": 0.125, "motion_measured": 0,

@@ -410,8 +410,10 @@ class RampHold(ByValue, Pictured, Documented):
         return slice(min(hold.start + late, early.stop), hold.stop)
 
 
-# samples of one speed that are a stretch, and of those that move how many are in one
-STRETCH, MOSTLY = 4, 0.75
+# samples of one speed that are a stretch, and of its ends those that a ramp does not fill
+STRETCH, PARTIAL = 4, 2
+# of the travel: a step that bears on the depth
+COARSE = 0.003
 
 
 def quantum(values: FloatArray) -> float:
@@ -444,7 +446,8 @@ def _evenly_climbed(values: FloatArray, step: float) -> bool:
     single = np.mean(np.abs(moved[moving] / step - 1) < 0.02) > 0.9
     if single and np.count_nonzero(lone) < 0.1 * np.count_nonzero(moving) + 4:
         return True
-    return _keeps_its_speeds(np.diff(values) / step)
+    # counts finer than that are told from a path that was sent by nothing, and cost nothing
+    return step > COARSE * float(np.ptp(values)) and _keeps_its_speeds(np.diff(values) / step)
 
 
 def _keeps_its_speeds(counts: FloatArray) -> bool:
@@ -459,7 +462,7 @@ def _keeps_its_speeds(counts: FloatArray) -> bool:
     lengths = np.diff(np.append(starts, len(counts)))
     speeds = counts[starts]
     moves, long = np.abs(speeds) > 0.5, lengths >= STRETCH
-    if lengths[moves & long].sum() < MOSTLY * lengths[moves].sum():
+    if lengths[moves & ~long].sum() > PARTIAL * np.count_nonzero(moves & long):
         return False
     slips = ~long[1:-1] & (np.abs(speeds[2:] - speeds[:-2]) < 0.1)
     return not slips.any()
