@@ -87,6 +87,22 @@ _FACTORS = {
 """Words of a factor: 1 changes nothing."""
 _SHIFTS = {"offset", "intercept", "bias", "zero", "tare", "nullpunkt"}
 """Words of a summand: 0 changes nothing."""
+_LINKS = {
+    "of",
+    "for",
+    "the",
+    "linear",
+    "sensor",
+    "channel",
+    "amplifier",
+    "amp",
+    "bridge",
+    "y",
+    "add",
+}
+"""Words beside a factor that say of no channel."""
+_OF_THE_CLOCK = {"start", "begin", "time", "trigger", "wf", "x"}
+"""Words beside which an offset is when a signal begins."""
 _BESIDES = {"full", "range", "unit", "units", "date", "name", "type", "status", "id", "number"}
 """Words beside which no factor of the numbers is meant."""
 _WORDS = re.compile(r"[a-zà-ÿ]+")
@@ -102,18 +118,43 @@ def words_of_name(name: str) -> list[str]:
     return _WORDS.findall(re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name).casefold())
 
 
+def names_factor(name: str) -> bool:
+    """Whether a name is that of a factor or a summand of numbers.
+
+    >>> names_factor("gain"), names_factor("full_scale"), names_factor("serial")
+    (True, False, False)
+    """
+    words = set(words_of_name(name))
+    begins = words & _SHIFTS and words & _OF_THE_CLOCK
+    return not words & _BESIDES and not begins and bool(words & (_FACTORS | _SHIFTS))
+
+
+def stated_unit(value: object) -> str | None:
+    """Return the unit behind the number of an attribute that is text, None of any other."""
+    text = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+    match = _STATED.match(text.replace(",", ".")) if isinstance(text, str) else None
+    return match[2].strip() if match and match[2] else None
+
+
+def words_beside_factor(name: str) -> list[str]:
+    """Return the words of a factor's name that say of what it is one.
+
+    >>> words_beside_factor("force_gain"), words_beside_factor("gain")
+    (['force'], [])
+    """
+    return [word for word in words_of_name(name) if word not in _FACTORS | _SHIFTS | _LINKS]
+
+
 def changes_numbers(name: str, value: object) -> bool:
     """Whether an attribute of this name and value states what would change the numbers beside it.
 
     >>> changes_numbers("gain", 10.0), changes_numbers("gain", 1), changes_numbers("full_scale", 5)
     (True, False, False)
     """
+    if not names_factor(name):
+        return False
     words = set(words_of_name(name))
-    if words & _BESIDES:
-        return False
-    neutral = 1.0 if words & _FACTORS else 0.0 if words & _SHIFTS else None
-    if neutral is None:
-        return False
+    neutral = 1.0 if words & _FACTORS else 0.0
     if words & _FACTORS and words & _SHIFTS:  # an offset of the scale
         neutral = 0.0
     stated = stated_numbers(value)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import re
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from typing import Any
 
@@ -11,7 +12,13 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.io.child import limits
-from dashpot.io.formats.gathering import Named, gather, numbers
+from dashpot.io.columns.factors import (
+    factors_among,
+    names_factor,
+    stated_numbers,
+    stated_unit,
+)
+from dashpot.io.formats.gathering import STARTS, Named, gather, numbers, stated_rate
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw, extra
 from dashpot.io.table import FileTable
@@ -21,6 +28,17 @@ _NAMES = ("columns", "names", "channels", "column_names", "fields")
 _INNER = {"data", "values"}
 _COMPLEX = ("real", "imag")
 """The fields that MATLAB writes a complex number in."""
+_CF = (
+    "scale_factor", "add_offset", "_FillValue", "missing_value", "valid_range", "valid_min",
+    "valid_max",
+)  # fmt: skip
+"""Attributes of the CF conventions that change numbers."""
+_PACKED = ("scale_factor", "add_offset")
+_INSTANTS = "MmSO"
+"""Kinds of NumPy types that may hold instants."""
+_LEAST = 8
+_SINCE = re.compile(r"\A\s*(\w+)\s+since\b", re.IGNORECASE)
+"""A unit of time with its zero, as the CF conventions write it."""
 _TEXT = 1000
 _NUMERIC = "iufbcV"
 """Kinds of NumPy types that may hold numbers, records among them."""
@@ -32,6 +50,8 @@ class _Walked:
     """What a walk has found, and the objects it has been to: links may lead in circles."""
 
     datasets: list[tuple[Any, str]] = field(default_factory=list)
+    stated: list[Named] = field(default_factory=list)
+    """What attributes say of the clock and of factors, as single numbers."""
     notes: list[str] = field(default_factory=list)
     visited: set[tuple[int, int]] = field(default_factory=set)
     numbers: int = 0
@@ -63,9 +83,10 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
             group = inner
         _walk(group, "", found)
         limits.within(found.numbers, "the datasets hold")
-        arrays = [array for node, name in found.datasets for array in _dataset(node, name)]
+        arrays = [array for node, name in found.datasets for array in _dataset(node, name, found)]
     matlab = raw.head(10) == b"MATLAB 7.3"
-    return gather(arrays, format_="MAT 7.3" if matlab else "HDF5", notes=found.notes)
+    form = "MAT 7.3" if matlab else "HDF5"
+    return gather([*arrays, *found.stated], format_=form, notes=found.notes)
 
 
 def _linked(group: Any, key: str) -> Any:
@@ -87,6 +108,7 @@ def _walk(node: Any, name: str, found: _Walked) -> None:
     if isinstance(node, Dataset):
         _take(node, name, found)
     elif isinstance(node, Group):
+        found.stated += _stated_numbers(node, name, also_factors=True)
         for key in node:
             if not key.startswith("#") and key not in _UNIT:
                 inner = _linked(node, key)
@@ -98,7 +120,7 @@ def _take(node: Any, name: str, found: _Walked) -> None:
     """Keep a dataset that holds numbers of its own, no more than may be read."""
     if node.is_virtual or node.external:
         raise ReadError(f"'{name}' is a virtual or external dataset: {_FOREIGN}")
-    if node.dtype.kind not in _NUMERIC or not node.size:
+    if node.dtype.kind not in _NUMERIC + _INSTANTS or not node.size:
         return
     size = max(node.size, node.size * node.dtype.itemsize // 8)
     if size > limits.VALUES:
@@ -110,8 +132,18 @@ def _take(node: Any, name: str, found: _Walked) -> None:
         found.datasets.append((node, name))
 
 
-def _dataset(node: Any, name: str) -> list[Named]:
+def _dataset(node: Any, name: str, found: _Walked) -> list[Named]:
     """The numbers of one dataset, parted where its columns or fields have names."""
+    if node.dtype.kind in _INSTANTS:
+        return _instants(node, name, found)
+    whole = _columns_of(node, name, found)
+    for array in whole:
+        found.stated += _stated_numbers(node, array.name, also_factors=False)
+    factor, start = _factors(node, len(whole)), _start(node)
+    return [replace(one, factor=said, start=start) for one, said in zip(whole, factor, strict=True)]
+
+
+def _columns_of(node: Any, name: str, found: _Walked) -> list[Named]:
     if node.dtype.names == _COMPLEX:
         whole = node[()]
         return [Named(name, whole["real"] + 1j * whole["imag"], _unit(node))]
@@ -123,13 +155,118 @@ def _dataset(node: Any, name: str) -> list[Named]:
             _units(node, len(fields)),
             strict=True,
         )
-        return [Named(field, found, unit) for field, found, unit in each if found is not None]
+        return [Named(field, value, unit) for field, value, unit in each if value is not None]
     text = _word(node.attrs.get("MATLAB_class")) == "char"
     values = None if text else numbers(node[()])
     if values is None:
         return []
+    values = _unpacked(node, name, values, found)
     unit = _unit(node)
     return _parted(node, name, values) or [Named(_stem(name) if unit else name, values, unit)]
+
+
+def _unpacked(
+    node: Any, name: str, values: FloatArray | ComplexArray, found: _Walked
+) -> FloatArray | ComplexArray:
+    """The numbers as the CF conventions unpack them: fill values out, scale and offset applied.
+
+    References
+    ----------
+    CF Metadata Conventions 1.11, sections 2.5.1 and 8.1.
+    """
+    packed = {key: _numbers_of(node.attrs[key]) for key in _CF if key in node.attrs}
+    if not packed or np.iscomplexobj(values):
+        return values
+    missing = np.zeros(values.shape, bool)
+    for key in ("_FillValue", "missing_value"):
+        for mark in packed.get(key, ()):
+            missing |= values == np.asarray(mark).astype(node.dtype).astype(float)
+    low, high = packed.get("valid_range", (-np.inf, np.inf))[:2] or (-np.inf, np.inf)
+    low = max([low, *packed.get("valid_min", ())])
+    high = min([high, *packed.get("valid_max", ())])
+    missing |= (values < low) | (values > high)
+    scale, offset = (packed.get(key, ()) for key in ("scale_factor", "add_offset"))
+    if len(scale) > 1 or len(offset) > 1:
+        raise ReadError(
+            f"'{name}' has a scale_factor or add_offset of several numbers, and the CF conventions "
+            "know one of each; write the numbers as they were measured"
+        )
+    unpacked = np.where(missing, np.nan, values * (scale or (1.0,))[0] + (offset or (0.0,))[0])
+    listed = [f"{key} = {one[0]:g}" for key, one in packed.items() if key in _PACKED and one]
+    if listed:
+        found.notes.append(f"{' and '.join(listed)} of '{name}' applied (CF conventions)")
+    if missing.any():
+        found.notes.append(
+            f"{np.count_nonzero(missing)} numbers of '{name}' are fill values, or outside the "
+            "valid range that the file states: they are no numbers"
+        )
+    return unpacked
+
+
+def _numbers_of(value: Any) -> tuple[float, ...]:
+    """The numbers of an attribute, in its own order."""
+    array = np.ravel(np.asarray(value))
+    return tuple(array.astype(float).tolist()) if array.dtype.kind in "iufb" else ()
+
+
+def _factors(node: Any, count: int) -> list[str]:
+    """What the attributes of a dataset state of factors that no convention applies, by column."""
+    stated = {
+        key: node.attrs[key]
+        for key in node.attrs
+        if key not in _CF and names_factor(key) and key not in _UNIT
+    }
+    said = []
+    for place in range(count):
+        own = {
+            key: value[place] if count > 1 and np.shape(value) == (count,) else value
+            for key, value in stated.items()
+        }
+        said.append(factors_among(own))
+    return said
+
+
+def _start(node: Any) -> str:
+    """When a dataset is said to begin, "" if nothing says so."""
+    for key in node.attrs:
+        if "".join(filter(str.isalnum, key.casefold())) in STARTS:
+            value = node.attrs[key]
+            word = _word(value)
+            said = word if word is not None else ", ".join(f"{one:g}" for one in _numbers_of(value))
+            return f"{key} = {said}" if said else ""
+    return ""
+
+
+def _stated_numbers(node: Any, name: str, *, also_factors: bool) -> list[Named]:
+    """The attributes of a node that state a rate, a step or a factor, as single numbers."""
+    said = []
+    for key in node.attrs:
+        names_rate = stated_rate(key, 1.0) > 0
+        if not names_rate and not (also_factors and names_factor(key)):
+            continue
+        value = stated_numbers(node.attrs[key])
+        if value:
+            unit = stated_unit(node.attrs[key]) if names_rate else None
+            said.append(Named(f"{name}.{key}".strip("."), np.array(value), unit))
+    return said
+
+
+def _instants(node: Any, name: str, found: _Walked) -> list[Named]:
+    """Instants as seconds since the first: numbers of NumPy's kind, or text by ISO 8601."""
+    if node.ndim != 1 or node.size < _LEAST:
+        return []
+    try:
+        cells = node[()]
+        if node.dtype.kind not in "Mm":
+            words = [_word(one) or "" for one in cells]
+            if not all(word[:1].isdigit() for word in words[:_LEAST]):
+                return []
+            cells = np.array([word.removesuffix("Z").strip() for word in words], "datetime64[ns]")
+        since = cells - cells[0]
+        return [Named(name, since / np.timedelta64(1, "s"), "s")]
+    except (ValueError, TypeError):
+        found.notes.append(f"'{name}' holds text that is no instant, and was passed over")
+        return []
 
 
 def _parted(node: Any, name: str, values: FloatArray | ComplexArray) -> list[Named]:
@@ -151,7 +288,9 @@ def _stem(name: str) -> str:
 def _unit(node: Any) -> str | None:
     for key in _UNIT:
         if key in node.attrs:
-            return _word(node.attrs[key])
+            word = _word(node.attrs[key])
+            match = _SINCE.match(word or "")
+            return match[1] if match else word
     for key in _UNIT:
         beside: Any = _linked(node.parent, key) if node.name.rsplit("/", 1)[-1] in _INNER else None
         if 0 < (getattr(beside, "size", None) or 0) < _TEXT and not beside.is_virtual:

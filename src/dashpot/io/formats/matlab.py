@@ -18,7 +18,8 @@ import numpy as np
 
 from dashpot.base.errors import ReadError
 from dashpot.io.child import limits
-from dashpot.io.formats.gathering import Named, gather, numbers
+from dashpot.io.columns.factors import factors_among, names_factor
+from dashpot.io.formats.gathering import STARTS, Named, gather, numbers, stated_rate
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
 from dashpot.io.table import FileTable
@@ -62,8 +63,13 @@ def _flatten(name: str, value: Any, arrays: list[Named], depth: int = 0) -> None
     """Append the arrays in a variable, a struct or a cell; a struct may hold data and unit."""
     if isinstance(value, dict | list) and depth < 8:
         measured = _measured(name, value) if isinstance(value, dict) else None
-        if measured is not None:
+        if isinstance(value, dict) and measured is not None:
             arrays.append(measured)
+            arrays += [
+                Named(f"{name}.{key}", np.array(float(one)))
+                for key, one in value.items()
+                if isinstance(one, int | float | np.number) and stated_rate(str(key), 1.0) > 0
+            ]
             return
         inner = value.items() if isinstance(value, dict) else enumerate(value, start=1)
         for key, entry in inner:
@@ -80,7 +86,15 @@ def _measured(name: str, fields: dict[str, Any]) -> Named | None:
     data = next((folded[key] for key in _DATA if key in folded), None)
     unit = next((folded[key] for key in _UNITS if key in folded), None)
     found = None if data is None else numbers(data)
-    return Named(name, found, unit) if found is not None and isinstance(unit, str) else None
+    if found is None or not isinstance(unit, str):
+        return None
+    beside = {key: value for key, value in fields.items() if names_factor(str(key))}
+    start = next((f"{key} = {value}" for key, value in fields.items() if _is_start(key)), "")
+    return Named(name, found, unit, factors_among(beside), start)
+
+
+def _is_start(key: object) -> bool:
+    return "".join(filter(str.isalnum, str(key).casefold())) in STARTS
 
 
 def check_elements(stream: BinaryIO) -> None:

@@ -15,7 +15,7 @@ from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.io.child import limits
 from dashpot.io.columns.factors import factors_among
-from dashpot.io.formats.gathering import window_line
+from dashpot.io.formats.gathering import Named, rate_hints, stated_rate, window_line
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw, extra
 from dashpot.io.table import Column, FileTable, in_memory
@@ -95,6 +95,7 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
         load=in_memory(np.concatenate(blocks), tuple(map(int, starts)), tuple(groups)),
         notes=tuple(dict.fromkeys(notes)),
         header=tuple(dict.fromkeys(stated)),
+        hints=rate_hints(_rates_stated(objects)),
     )
 
 
@@ -150,6 +151,16 @@ def _stated_of_all(objects: Mapping[str, Any]) -> list[str]:
         if stated:
             notes.append(Caution(f"'{path}' states {stated}; no factor is applied to the numbers"))
     return notes
+
+
+def _rates_stated(objects: Mapping[str, Any]) -> list[Named]:
+    """What properties beside the format's own state of the sampling rate."""
+    return [
+        Named(f"{path}.{key}", np.array(float(value)))
+        for path, one in objects.items()
+        for key, value in one.properties.items()
+        if isinstance(value, int | float) and stated_rate(key, 1.0) > 0
+    ]
 
 
 def _factors(properties: Mapping[str, Any]) -> str:

@@ -245,6 +245,28 @@ _RATE = re.compile(
 )
 
 
+_INTERVAL = re.compile(
+    r"(?:(?:sampl|abtast|scan|acquisition|recording|log|mess|data)\w{0,20}\W{0,5}"
+    r"(?:interval\w{0,4}|period\w{0,2}|time|step|zeit|schritt)|time\W{0,3}(?:step|increment)"
+    r"|zeitschritt|abtast(?:intervall|zeit)|delta\W?[xt]|(?<!\w)dt)(?!\w)"
+    r"[^\d\n]{0,12}?(\d{1,12}(?:[.,]\d{1,12})?(?:[eE][-+]?\d{1,2})?)\W{0,3}"
+    r"((?:[mµu]?s|sec(?:onds?)?|milliseconds?|min)?)(?!\w)",
+    re.IGNORECASE,
+)
+
+
+def _interval_hints(header: Sequence[str]) -> list[str]:
+    """What the header says about the time between two samples."""
+    for line in header:
+        match = _INTERVAL.search(line[:500])
+        unit = match and units.find(match[2] or "s", "time")
+        step = float(match[1].replace(",", ".")) * unit.factor if match and unit else 0.0
+        if step > 0:
+            says = f"the header says '{line.strip()[:60]}'; if that is the time between two rows"
+            return [f"{says}, add --rate {1 / step:.10g}Hz"]
+    return []
+
+
 def _hints(header: Sequence[str]) -> list[str]:
     """What the header says about the sampling rate, for a table without time."""
     found = []
@@ -256,7 +278,7 @@ def _hints(header: Sequence[str]) -> list[str]:
                 f"the header says '{line.strip()[:60]}'; if that is the rate, add "
                 f"--rate {rate:.10g}Hz"
             )
-    return found[:1]
+    return found[:1] or _interval_hints(header)
 
 
 def _with_units(line: str) -> bool:

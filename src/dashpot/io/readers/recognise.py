@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 
+import numpy as np
+
 from dashpot.base import units
 from dashpot.base.arrays import FloatArray, kept, measured
 from dashpot.base.errors import DataError, ReadError
@@ -29,6 +31,8 @@ _SHOWN: Mapping[str, str] = MappingProxyType({
     "cyclic": "it goes to and fro, and never rests",
     "creep": "its force is held while its displacement goes on",
 })  # fmt: skip
+_HELD: Mapping[str, str] = MappingProxyType({"relaxation": "relaxation", "creep": "creep"})
+"""What a record without a clock shows that nobody can use without one, and its kind."""
 _LEAST = 8
 """Samples in which a motion may be seen."""
 _MATERIAL: tuple[Role, ...] = ("strain", "stress")
@@ -186,11 +190,28 @@ def recognise_opened(file: Opened) -> tuple[str, str]:
         record = _record(file, _PART)
         shown = loading_in(*record) if record else ""
         return (shown, _SHOWN[shown]) if shown in _SHOWN else (kind, reason)
+    if kind == "cld":
+        rows = _by_rows(file)
+        shown = loading_in(*rows) if rows else ""
+        if shown in _HELD:
+            return _HELD[shown], "its displacement or force is held; it has no clock"
     if kind == "stress-strain":
         record = _record(file, _MATERIAL)
         if record and (held_throughout(record[2]) or loading_in(*record) == "creep"):
             return "creep", "its stress is held while its strain goes on"
     return kind, reason
+
+
+def _by_rows(file: Opened) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+    """Displacement and force over their rows; None of a file that leaves open which they are."""
+    try:
+        chosen = channels.choose(file, _PART)
+        values, _ = channels.whole_rows(channels.load_test(file, chosen, _LEAST))
+    except ReadError:
+        return None
+    signals = channels.by_role(values, chosen)
+    moved, force = (signals[role] for role in _PART)
+    return np.arange(len(moved), dtype=float), moved, force
 
 
 def _record(file: Opened, pair: tuple[Role, ...]) -> tuple[FloatArray, ...]:
