@@ -82,11 +82,14 @@ _FACTORS = {
     "scale", "scaling", "slope", "gain", "factor", "multiplier", "calibration", "sensitivity",
     "amplification", "attenuation", "conversion", "coefficient", "coefficients", "faktor",
     "skalierung", "verstärkung", "empfindlichkeit", "kalibrierfaktor", "skalierungsfaktor", "cal",
-    "coeff", "coeffs", "coef", "multiplication", "calib",
+    "coeff", "coeffs", "coef", "multiplication", "calib", "polynomial", "poly", "exponent", "ratio",
+    "divisor", "divider", "attenuator", "attn", "eichfaktor", "übersetzung", "teiler", "calfac",
+    "scl", "resolution", "lsb", "per", "power",
 }  # fmt: skip
 """Words of a factor: 1 changes nothing."""
 _SHIFTS = {"offset", "intercept", "bias", "zero", "tare", "nullpunkt"}
 """Words of a summand: 0 changes nothing."""
+_UNIT_WORDS = {"n", "v", "mv", "mm", "count", "counts", "volt", "volts", "newton", "unit", "units"}
 _LINKS = {
     "of",
     "for",
@@ -103,7 +106,11 @@ _LINKS = {
 """Words beside a factor that say of no channel."""
 _OF_THE_CLOCK = {"start", "begin", "time", "trigger", "wf", "x"}
 """Words beside which an offset is when a signal begins."""
-_BESIDES = {"full", "range", "unit", "units", "date", "name", "type", "status", "id", "number"}
+_BESIDES = {
+    "full", "range", "date", "name", "type", "status", "id", "number", "poisson", "second",
+    "seconds", "samples", "sample", "rate", "loss", "shape", "form", "safety", "quality", "crest",
+    "damping", "noise", "aspect", "compression", "chunk", "fill", "time",
+}  # fmt: skip
 """Words beside which no factor of the numbers is meant."""
 _WORDS = re.compile(r"[a-zà-ÿ]+")
 _STATED = re.compile(r"\A\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*([^\d\s].{0,20})?\Z")
@@ -125,6 +132,7 @@ def names_factor(name: str) -> bool:
     (True, False, False)
     """
     words = set(words_of_name(name))
+    words |= {"factor" for word in words if word.endswith(("factor", "faktor"))}
     begins = words & _SHIFTS and words & _OF_THE_CLOCK
     return not words & _BESIDES and not begins and bool(words & (_FACTORS | _SHIFTS))
 
@@ -142,7 +150,11 @@ def words_beside_factor(name: str) -> list[str]:
     >>> words_beside_factor("force_gain"), words_beside_factor("gain")
     (['force'], [])
     """
-    return [word for word in words_of_name(name) if word not in _FACTORS | _SHIFTS | _LINKS]
+    return [
+        word
+        for word in words_of_name(name)
+        if word not in _FACTORS | _SHIFTS | _LINKS | _UNIT_WORDS
+    ]
 
 
 def changes_numbers(name: str, value: object) -> bool:
@@ -153,10 +165,8 @@ def changes_numbers(name: str, value: object) -> bool:
     """
     if not names_factor(name):
         return False
-    words = set(words_of_name(name))
-    neutral = 1.0 if words & _FACTORS else 0.0
-    if words & _FACTORS and words & _SHIFTS:  # an offset of the scale
-        neutral = 0.0
+    # an offset of the scale is a summand, too
+    neutral = 0.0 if set(words_of_name(name)) & _SHIFTS else 1.0
     stated = stated_numbers(value)
     return bool(stated) and any(one != neutral for one in stated)
 

@@ -14,7 +14,12 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.io.columns import vocabulary
-from dashpot.io.columns.factors import factors_among, words_beside_factor, words_of_name
+from dashpot.io.columns.factors import (
+    factors_among,
+    names_factor,
+    words_beside_factor,
+    words_of_name,
+)
 from dashpot.io.columns.names import part_unit
 from dashpot.io.table import Column, FileTable, in_memory
 
@@ -28,9 +33,12 @@ _STEPS = {
     "sampleinterval", "sampleperiod", "samplingperiod", "samplingtime", "timeincrement",
     "abtastintervall", "abtastzeit", "timedelta", "tsample",
 }  # fmt: skip
-STARTS = {
+_STARTS = {
     "t0", "starttime", "startoffset", "tstart", "delay", "timeoffset", "wfstartoffset", "start",
-    "wfstarttime", "timestart", "begin", "xoffset", "x0", "timedelay",
+    "wfstarttime", "timestart", "begin", "xoffset", "x0", "timedelay", "triggeroffset", "xstart",
+    "triggerdelay", "timelag", "lag", "latency", "timeshift", "skew", "timestamp", "starttimestamp",
+    "acquisitionstart", "recordingstart", "begintime", "timezero", "timeorigin", "startx", "tzero",
+    "starttimeutc", "startdate", "startdatetime", "startzeit", "startvalue", "firsttime",
 }  # fmt: skip
 """Attributes that say when a signal begins, without signs."""
 _FEW = 64
@@ -119,6 +127,9 @@ def _stated_factors(
         stem, _, last = array.name.rpartition(".")
         if any(array.name == column.name for column in columns):
             continue
+        inside = stem.rpartition(".")[2]
+        if not names_factor(last) and names_factor(inside):  # a group "calibration" of numbers
+            stem, last = stem.rpartition(".")[0], f"{inside}_{last}"
         said = factors_among({last: array.values})
         if not said:
             continue
@@ -237,6 +248,18 @@ def stated_rate(name: str, value: float, unit: str | None = None) -> float:
         size = units.find(unit or inner or "s", "time")
         return 1 / (value * size.factor) if size else 0.0
     return 0.0
+
+
+def names_start(name: str) -> bool:
+    """Whether an attribute of this name says when a signal begins; its unit may stand behind it.
+
+    >>> names_start("t0"), names_start("delay_s"), names_start("start_of_test")
+    (True, True, False)
+    """
+    spelled = (
+        "".join(filter(str.isalnum, one.casefold())) for one in (name, _parted_name(name)[0])
+    )
+    return not _STARTS.isdisjoint(spelled)
 
 
 def _parted_name(name: str) -> tuple[str, str | None]:

@@ -18,7 +18,7 @@ from dashpot.io.columns.factors import (
     stated_numbers,
     stated_unit,
 )
-from dashpot.io.formats.gathering import STARTS, Named, gather, numbers, stated_rate
+from dashpot.io.formats.gathering import Named, gather, names_start, numbers, stated_rate
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw, extra
 from dashpot.io.table import FileTable
@@ -227,13 +227,14 @@ def _factors(node: Any, count: int) -> list[str]:
 
 
 def _start(node: Any) -> str:
-    """When a dataset is said to begin, "" if nothing says so."""
-    for key in node.attrs:
-        if "".join(filter(str.isalnum, key.casefold())) in STARTS:
-            value = node.attrs[key]
+    """When a dataset, or the group in which it stands, is said to begin, "" if nothing says so."""
+    for holder in (node, node.parent):
+        for key in filter(names_start, holder.attrs):
+            value = holder.attrs[key]
             word = _word(value)
             said = word if word is not None else ", ".join(f"{one:g}" for one in _numbers_of(value))
-            return f"{key} = {said}" if said else ""
+            if said:
+                return f"{key} = {said}"
     return ""
 
 

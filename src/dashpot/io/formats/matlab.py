@@ -19,7 +19,7 @@ import numpy as np
 from dashpot.base.errors import ReadError
 from dashpot.io.child import limits
 from dashpot.io.columns.factors import factors_among, names_factor
-from dashpot.io.formats.gathering import STARTS, Named, gather, numbers, stated_rate
+from dashpot.io.formats.gathering import Named, gather, names_start, numbers, stated_rate
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
 from dashpot.io.table import FileTable
@@ -89,12 +89,8 @@ def _measured(name: str, fields: dict[str, Any]) -> Named | None:
     if found is None or not isinstance(unit, str):
         return None
     beside = {key: value for key, value in fields.items() if names_factor(str(key))}
-    start = next((f"{key} = {value}" for key, value in fields.items() if _is_start(key)), "")
+    start = next((f"{key} = {value}" for key, value in fields.items() if names_start(str(key))), "")
     return Named(name, found, unit, factors_among(beside), start)
-
-
-def _is_start(key: object) -> bool:
-    return "".join(filter(str.isalnum, str(key).casefold())) in STARTS
 
 
 def check_elements(stream: BinaryIO) -> None:

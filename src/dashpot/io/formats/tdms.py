@@ -15,7 +15,13 @@ from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.io.child import limits
 from dashpot.io.columns.factors import factors_among
-from dashpot.io.formats.gathering import Named, rate_hints, stated_rate, window_line
+from dashpot.io.formats.gathering import (
+    Named,
+    names_start,
+    rate_hints,
+    stated_rate,
+    window_line,
+)
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw, extra
 from dashpot.io.table import Column, FileTable, in_memory
@@ -49,6 +55,8 @@ class _TdmsChannel:
     offset: float
     start: int | None = None
     """Its stated start, ns since 1970; None without."""
+    said_start: str = ""
+    """A start that another property than the format's own states."""
     factor: str = ""
 
 
@@ -237,10 +245,12 @@ def _channel(name: str, properties: Mapping[str, Any], values: FloatArray) -> _T
     values = values.astype(float, copy=False)
     along = units.find(str(properties.get("wf_xunit_string", "")).strip() or "s", "time")
     factor, start = _factors(properties), _start(properties.get("wf_start_time"))
+    own = (key for key in properties if names_start(key) and not key.startswith("wf_"))
+    said = ", ".join(f"{key} = {properties[key]}" for key in own)
     if not step or along is None:  # over frequency it has no clock
-        return _TdmsChannel(name, unit, values, None, offset, start, factor)
+        return _TdmsChannel(name, unit, values, None, offset, start, said, factor)
     clock = along.factor * step, along.factor * offset
-    return _TdmsChannel(name, unit, values, *clock, start, factor)
+    return _TdmsChannel(name, unit, values, *clock, start, said, factor)
 
 
 def _start(stated: Any) -> int | None:
@@ -258,6 +268,12 @@ def _started(channels: list[_TdmsChannel]) -> list[_TdmsChannel]:
 
     One that states none began with the first.
     """
+    if len({channel.said_start for channel in channels}) > 1:
+        listed = ", ".join(f"'{c.name}' {c.said_start or 'says nothing'}" for c in channels[:6])
+        raise ReadError(
+            f"the channels are said to start at different times ({listed}), and not by wf_start_"
+            "time, which would be applied: export them on one clock"
+        )
     starts = [channel.start for channel in channels if channel.start is not None]
     first = min(starts, default=0)
     late = [1e-9 * ((one.start or first) - first) for one in channels]

@@ -234,7 +234,10 @@ def _clock_orders(found: Header, options: ReadOptions) -> tuple[str, ...]:
 
 _MEASURED = re.compile(r"\A[+-]?\d[\d.,]{0,40}\s?([^\W\d_]\S{0,9})\Z")
 _FACTOR = re.compile(
-    r"\b(?:scal(?:e|ing)|gain|factor|faktor|skalier(?:ung|faktor)|multiplier)\b", re.IGNORECASE
+    r"\b(?<!loss )(?<!shape )(?<!form )(?<!safety )(?<!quality )(?<!power )(?<!crest )"
+    r"(?:scal(?:e|ing)|gain|factor|\w{1,20}f[ae][ck]tor|faktor|skalierung|verstärkung|multiplier"
+    r"|slope|conversion|attenuat(?:ion|or)|divi(?:sor|der)|amplification)\b",
+    re.IGNORECASE,
 )
 _NUMBER = re.compile(r"\d{1,9}(?:[.,]\d{1,9})?")
 _RATE = re.compile(
