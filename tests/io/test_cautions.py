@@ -20,12 +20,16 @@ DOUBTFUL = {
     "seconds under min": (PLAIN.replace("[s]", "[min]"), "unit of time"),
     "a row of factors": (f"factor;1;1;0.1\n{PLAIN}", "factor;1;1;0.1"),
     "a gain": (f"Gain: 10\n{PLAIN}", "Gain: 10"),
+    "a gain in German": (f"Verstärkung: 10\n{PLAIN}", "Verst"),
+    "a factor in German": (f"Skalierungsfaktor;0,1\n{PLAIN}", "Skalierungsfaktor;0,1"),
+    "a slope": (f"Force slope = 0.1\n{PLAIN}", "slope = 0.1"),
     "a scale in a comment": (f"# scaling 0.5 applied by the amplifier\n{PLAIN}", "scaling 0.5"),
 }
 HARMLESS = {
     "nothing": PLAIN,
     "a gain of one": f"Gain: 1\n{PLAIN}",
     "a count of columns": f"1;2;3\n{PLAIN}",
+    "a shape factor": f"Shape factor: 0.25\n{PLAIN}",
     "an operator": f"# operator: nobody\n{PLAIN}",
 }
 

@@ -90,7 +90,8 @@ def test_a_zero_of_the_clock_as_cf_writes_it(tmp_path: Path) -> None:
 FACTORS = {
     "scale": 0.1, "Gain": 10.0, "slope": 0.5, "calibration": 2.5, "sensitivity": "22.5 mV/N",
     "offset": 0.5, "Cal_Factor": "10", "calibration_coefficients": np.array([0.0, 0.1]),
-    "Faktor": "0,1", "force_scale": 3.0, "bias": -2.0, "amplification": np.array([200.0]),
+    "Faktor": "0,1", "force_scale": 3.0, "counts_per_N": 10.0, "scalefactor": 0.1,
+    "divisor": 10, "polynomial": [0.0, 0.1], "lever_ratio": 2.0, "bias": -2.0, "amplification": np.array([200.0]),
 }  # fmt: skip
 NEUTRAL = {
     "scale": 1.0, "gain": "1", "offset": 0.0, "calibration_date": "2026-01-07", "bias": 0,
@@ -200,7 +201,9 @@ def test_a_press_and_release_without_a_clock_is_a_cld(tmp_path: Path) -> None:
     assert recognise(path).kind == "cld"
 
 
-@pytest.mark.parametrize("name", ["t0", "start_time", "StartOffset", "wf_start_offset", "delay"])
+@pytest.mark.parametrize(
+    "name", ["t0", "start_time", "StartOffset", "wf_start_offset", "delay_s", "trigger_offset"]
+)
 def test_channels_that_start_apart_are_refused(tmp_path: Path, name: str) -> None:
     for said in ({"displacement": {name: 0.0}, "force": {name: 0.1}}, {"force": {name: 0.1}}):
         path = hdf5(tmp_path / "a.h5", leave=("time",), **said)
@@ -208,6 +211,27 @@ def test_channels_that_start_apart_are_refused(tmp_path: Path, name: str) -> Non
             read_relaxation(path, options=ReadOptions(rate=RATE))
     both = hdf5(tmp_path / "b.h5", displacement={name: 0.1}, force={name: 0.1})
     np.testing.assert_allclose(read_relaxation(both).force, FORCE)
+
+
+def test_groups_that_start_apart_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.h5"
+    with h5py.File(path, "w") as file:
+        for name in ("displacement", "force"):
+            group = file.create_group(name)
+            group.attrs["start_time"] = 0.1 * (name == "force")
+            data = group.create_dataset("values", data=COLUMNS[name])
+            data.attrs["units"] = UNITS[name]
+    with pytest.raises(ReadError, match="start at different times"):
+        read_relaxation(path, options=ReadOptions(rate=RATE))
+
+
+def test_a_group_of_calibrations_is_asked(tmp_path: Path) -> None:
+    path = hdf5(tmp_path / "a.h5")
+    with h5py.File(path, "r+") as file:
+        file["calibration/force"] = 0.1
+        file["calibration/displacement"] = 1.0
+    with pytest.raises(ReadError, match=r"calibration_force = 0\.1"):
+        read_relaxation(path)
 
 
 def test_channels_of_other_rates_are_refused(tmp_path: Path) -> None:
