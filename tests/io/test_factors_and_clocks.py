@@ -91,7 +91,8 @@ FACTORS = {
     "scale": 0.1, "Gain": 10.0, "slope": 0.5, "calibration": 2.5, "sensitivity": "22.5 mV/N",
     "offset": 0.5, "Cal_Factor": "10", "calibration_coefficients": np.array([0.0, 0.1]),
     "Faktor": "0,1", "force_scale": 3.0, "counts_per_N": 10.0, "scalefactor": 0.1,
-    "divisor": 10, "polynomial": [0.0, 0.1], "lever_ratio": 2.0, "bias": -2.0, "amplification": np.array([200.0]),
+    "divisor": 10, "polynomial": [0.0, 0.1], "lever_ratio": 2.0, "bias": -2.0,
+    "amplification": np.array([200.0]),
 }  # fmt: skip
 NEUTRAL = {
     "scale": 1.0, "gain": "1", "offset": 0.0, "calibration_date": "2026-01-07", "bias": 0,

@@ -15,6 +15,7 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
 from dashpot.io.table import FileTable, Loaded, Question
 from dashpot.io.text import cells
+from dashpot.io.text.complexes import holds_complex, parted_cells
 from dashpot.io.text.dialect import (
     COLUMNS,
     LONGEST,
@@ -30,6 +31,10 @@ from dashpot.io.text.rows import Heading, load_rows, title
 
 _HEADS = (1 << 16, 1 << 20, 1 << 24)
 _LARGE = 1 << 28
+_IMAGINARY = re.compile(rb"\d\s?\*?[ijIJ]\b|[+-]\s?[ijIJ]\*?\d")
+"""What no table of complex cells is without."""
+_MOST_COMPLEX = 1 << 26
+"""Bytes of a file whose complex cells are parted: it is held as a whole."""
 _MARKUP = re.compile(
     rb"\A(?:\xef\xbb\xbf)?\s{0,99}(<(?:!doctype\b|html\b|head\b|body\b|table\b|\?xml\b)|\{\\rtf)",
     re.I,
@@ -58,6 +63,7 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
             "the name of a workbook: open it in a spreadsheet program and save it as xlsx or csv"
         )
     encoding = options.encoding or find_encoding(raw.head(_HEADS[0]))
+    raw, encoding = _without_complex(raw, encoding)
     for size in _HEADS:
         lines, whole = _lines(raw, encoding, size, found=options.encoding is None)
         if not whole and len(lines) < _STEADY and size < _HEADS[-1]:
@@ -75,6 +81,19 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
             f"{len(dialect.numbers)} numbers. Transpose the table: a column for each channel"
         )
     return _table(raw, encoding, lines, dialect, options)
+
+
+def _without_complex(raw: Raw, encoding: str) -> tuple[Raw, str]:
+    """The file with two cells for each complex one, and its encoding; as it is without any."""
+    if raw.size > _MOST_COMPLEX or not _IMAGINARY.search(raw.head(_HEADS[0])):
+        return raw, encoding
+    try:
+        if not holds_complex(raw.head(_HEADS[0]).decode(encoding, "replace")):
+            return raw, encoding
+        text = parted_cells(raw.head(raw.size).decode(encoding).replace("\r\n", "\n"))
+    except UnicodeDecodeError:
+        return raw, encoding
+    return (raw, encoding) if text is None else (Raw(raw.name, None, text.encode()), "utf-8")
 
 
 def _lines(raw: Raw, encoding: str, size: int, *, found: bool) -> tuple[list[str], bool]:
