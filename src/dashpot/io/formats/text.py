@@ -15,7 +15,6 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
 from dashpot.io.table import FileTable, Loaded, Question
 from dashpot.io.text import cells
-from dashpot.io.text.complexes import holds_complex, parted_cells
 from dashpot.io.text.dialect import (
     COLUMNS,
     LONGEST,
@@ -87,6 +86,8 @@ def _without_complex(raw: Raw, encoding: str) -> tuple[Raw, str]:
     """The file with two cells for each complex one, and its encoding; as it is without any."""
     if raw.size > _MOST_COMPLEX or not _IMAGINARY.search(raw.head(_HEADS[0])):
         return raw, encoding
+    from dashpot.io.text.complexes import holds_complex, parted_cells  # few need them
+
     try:
         if not holds_complex(raw.head(_HEADS[0]).decode(encoding, "replace")):
             return raw, encoding
