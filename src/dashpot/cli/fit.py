@@ -87,7 +87,7 @@ _OPTIONS = (
             _word("--method", words(Method), default="full", kinds="relaxation",
                   help="Whole record (full), or equation (5) of the paper."),
             options.cuts("relaxation"),
-            options.machine(f"relaxation {VIBRATION} {takers('machine')}"),
+            options.machine(f"relaxation creep cyclic {_CLD} {VIBRATION} {takers('machine')}"),
             of(Job, "filter", kinds="relaxation"),
             opt("--thorough", kinds=_BENCH, help="Try more starting points."),
         ),

@@ -18,11 +18,12 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, median
+from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Step, sources_of
 from dashpot.base.sentences import lowered
+from dashpot.base.units import written
 from dashpot.engine.blocks.block import DataBlock, retarding
 from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.recorded import recorded_block
@@ -43,7 +44,7 @@ from dashpot.fitting.checks.solid import (
 )
 from dashpot.fitting.design import NUISANCE, evened
 from dashpot.fitting.fit_data import DOUBTED, FitData, determinable_arms
-from dashpot.fitting.nuisance import ROUNDING, Prior, Terms, at_rest
+from dashpot.fitting.nuisance import ROUNDING, Prior, Terms, at_rest, delay_prior
 from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
 from dashpot.fitting.retardation import FLOW, GLASS, Retarded, spectrum_of
 from dashpot.fitting.spectrum import shared_where_few_fall_short
@@ -60,6 +61,7 @@ from dashpot.preparation.creep import OF_A_COUNT, load_hold
 from dashpot.records.band_error import BandError
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.creep import Creep, CreepCompliance, CreepTest, LoadHold
+from dashpot.records.estimate import Nuisance
 from dashpot.records.evidence import Evidence, Provenance
 from dashpot.records.fit import Fit
 from dashpot.records.machine import Machine
@@ -74,6 +76,10 @@ _ROUGH = 2
 _FEWEST = 5
 # retardations faster than so many times what the load resolves are none
 _RESOLVED = 4.0
+# a load is in step to this part of a sample; it is moved so often, and so many sd of a delay at most
+_IN_STEP, _MOVES, _FARTHEST = 0.1, 4, 4.0
+# so many sd of a delay before the load the displacement is sure to rest
+_RESTS = 2.0
 # loads this far apart, in parts of the highest, are two levels
 _APART = 0.2
 
@@ -129,12 +135,42 @@ def fit_creep(
         origin = AsMeasured(sources_of([test]))
         return _of_curve(test, origin, arms, thorough=thorough, max_arms=max_arms)
     record = load_hold(test) if isinstance(test, CreepTest) else test
+    record, found = _in_step(record, arms, max_arms=max_arms, thorough=thorough)
+    return _fit_of_test(record, found, arms)
+
+
+def _in_step(
+    record: LoadHold, arms: int | Literal["auto"], *, max_arms: int, thorough: bool
+) -> tuple[LoadHold, Retarded]:
+    """The record with its load as early as the displacement answers it, and what is found there.
+
+    A delay is a tangent, :math:`\delta\dot x`: of a load that rises in a few samples that is off
+    by half of the next power, which looks like a fast retardation. So the load is moved by what
+    was found, until hardly any delay is left, by Gauss-Newton.
+    """
+    most = _FARTHEST * delay_prior(record).sd
+    found = _found_as_recorded(record, arms, max_arms=max_arms, thorough=thorough)
+    for _ in range(_MOVES):
+        delay = found.solution.coefficient("delay")
+        if abs(delay) <= _IN_STEP * record.step or abs(record.lead + delay) > most:
+            break
+        earlier = record.with_load_earlier(delay)
+        if earlier is record:
+            break
+        record = earlier
+        found = _found_as_recorded(record, arms, max_arms=max_arms, thorough=thorough)
+    return record, found
+
+
+def _found_as_recorded(
+    record: LoadHold, arms: int | Literal["auto"], *, max_arms: int, thorough: bool
+) -> Retarded:
+    """The kind of part, and its retardations, with the load where the record has it."""
     each = [
         chosen_arms(_data(record, flows=flows), one, max_arms=max_arms, thorough=thorough)
         for flows, one in _candidates(arms)
     ]
-    found = _better([_beyond_load_error(record, one) for one in each])
-    return _fit_of_test(record, found, arms)
+    return _better([_beyond_load_error(record, one) for one in each])
 
 
 def _candidates(arms: int | Literal["auto"]) -> list[tuple[bool, int | Literal["auto"]]]:
@@ -198,7 +234,9 @@ def known_before(record: LoadHold, *, claimed: bool = False) -> _BeforeLoad:
     `claimed` for limits, which bear all that a rig may drift unseen.
     """
     time, x = record.time - record.time[0], record.displacement
-    first = int(np.searchsorted(record.time, record.onset))
+    late = delay_prior(record)
+    # the displacement may have moved before the force shows it
+    first = int(np.searchsorted(record.time, record.onset - _RESTS * late.sd))
     travel = float(np.ptp(x))
     count = quantum(x)
     noise = max(record.displacement_noise, OF_A_COUNT * count)
@@ -217,7 +255,8 @@ def known_before(record: LoadHold, *, claimed: bool = False) -> _BeforeLoad:
         loaded = abs(record.load[0]) > 0.5 * record.level
         offset, at, first = Prior(0.0 if loaded else float(x[0]), noise), 0.0, 0
     *drift, told_drift = Machine().drift_told(slope, both, duration, unseen)
-    delay = Prior(0.0, median(np.diff(record.time)))
+    # of the load that was moved already, what is left
+    delay = Prior(-record.lead, late.sd)
     return _BeforeLoad(
         offset, at, Prior(*drift), delay, first, noise, ROUNDING * travel, usual, told_drift
     )
@@ -305,7 +344,7 @@ def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"])
         loss_factor_known(known),
     )
     return assembled(
-        found.outcome(replace(found.residual, unit=word), found.nuisances(of=word)),
+        found.outcome(replace(found.residual, unit=word), _nuisances(record, found, word)),
         Evidence(
             band,
             found.orders,
@@ -318,11 +357,34 @@ def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"])
         Provenance(
             "creep",
             sources_of([record]),
-            (*record.steps, _step(found, f"{len(residual)} samples of a creep test", arms)),
+            (
+                *record.steps,
+                *_moved(record),
+                _step(found, f"{len(residual)} samples of a creep test", arms),
+            ),
             record.specimen,
         ),
         unit=record.unit,
     )
+
+
+def _nuisances(record: LoadHold, found: Retarded, word: str) -> tuple[Nuisance, ...]:
+    """Offset, drift and delay, which is what the load was moved by and what was found beside it."""
+    lead = {"delay": record.lead}
+    return found.nuisances(
+        lambda name: found.solution.coefficient(name) + lead.get(name, 0.0),
+        of=word,
+        delays=[delay_prior(record).sd],
+    )
+
+
+def _moved(record: LoadHold) -> tuple[Step, ...]:
+    """What was done to the load."""
+    if not record.lead:
+        return ()
+    way = "earlier" if record.lead > 0 else "later"
+    says = f"took the load {written(abs(record.lead), 'ms', '.3g')} {way}, as it is answered"
+    return (Step("lead", (("lead_s", f"{record.lead:.6g}"),), says),)
 
 
 def _beyond_load_error(record: LoadHold, found: Chosen) -> Chosen:

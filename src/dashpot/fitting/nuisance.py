@@ -12,14 +12,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, block_means, kept
 from dashpot.engine.blocks.block import DataBlock, prior_block
 from dashpot.engine.inference.covariance import Noise, noise_of
-from dashpot.records.machine import USUAL
+from dashpot.records.machine import USUAL, Machine
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen
 from dashpot.signals.noise import scatter
@@ -300,7 +300,19 @@ def last_of_hold(record: RampHold) -> slice:
     return slice(end - max(1, (end - record.hold.start) // 20), end)
 
 
-def delay_prior(record: RampHold) -> Prior:
+class TwoChannels(Protocol):
+    """A record of two channels that one clock is said to time."""
+
+    @property
+    def machine(self) -> Machine:
+        """What is known of the machine that made it."""
+
+    @property
+    def step(self) -> float:
+        """Between two samples, s."""
+
+
+def delay_prior(record: TwoChannels) -> Prior:
     """Return the prior of the delay of the force behind the displacement, s."""
     return Prior(0.0, record.machine.delay_sd(record.step))
 

@@ -210,7 +210,8 @@ class Chosen:
 
         By their columns, or by the `value` of each.
         """
-        known = {f"delay@{i}": sd for i, sd in enumerate(delays)}
+        known = {"delay": sd for sd in delays[:1]}  # of one test that bears no number
+        known |= {f"delay@{i}": sd for i, sd in enumerate(delays)}
         value = value or self.solution.coefficient
         error = self.estimate.standard_error
         return nuisances(self.solution.fixed_names, value, error, of=of, known=known)

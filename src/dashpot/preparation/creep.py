@@ -14,6 +14,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 from dashpot.preparation import checks
 from dashpot.records.creep import STRAIGHT, CreepTest, LoadHold
+from dashpot.records.machine import Machine
 from dashpot.records.relaxation import quantum
 from dashpot.signals.noise import scatter, without_spikes
 from dashpot.signals.segments import cycles_of, find_segments
@@ -44,7 +45,7 @@ class _HeldLoad(NamedTuple):
     turn: int
 
 
-def load_hold(test: CreepTest) -> LoadHold:
+def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
     """Find the load and its hold, turn both signals so that they rise; change nothing else.
 
     The load is read from the force alone. A record that begins under load is a step at its first
@@ -54,20 +55,25 @@ def load_hold(test: CreepTest) -> LoadHold:
     Parameters
     ----------
     test : CreepTest
+    machine : Machine, optional
+        What is known of the machine: of a creep test its `sync`.
 
     Raises
     ------
     DataError
-        If no force is held, or the displacement does not follow it.
+        If no force is held, the displacement does not follow it, or something else is said of
+        the machine.
     """
+    machine = machine or Machine()
+    machine.heeds("sync", of="a creep test")
     where = test.source.file if test.source is not None else "the record"
     force = without_spikes(test.time, test.force)
     held = _held(test.time, force, where)
     pressed = held.turn * test.force - held.preload
     noise = _noise_held(test.time, test.force, held)
-    load, corners = _freed(test.time, held.turn * force - held.preload, noise)
+    load, corners, heights = _freed(test.time, held.turn * force - held.preload, noise)
     if held.ramp_end > test.time[0]:
-        load = load - load[0]
+        load, heights = load - load[0], heights - load[0]
     turn = _turn(test, held, where)
     record = LoadHold(
         time=test.time,
@@ -85,7 +91,9 @@ def load_hold(test: CreepTest) -> LoadHold:
         specimen=test.specimen,
         source=test.source,
         steps=(_step(held, turn, test.unit),),
-        corners=corners,
+        corners=tuple(corners.tolist()),
+        heights=tuple(heights.tolist()),
+        machine=machine,
     )
     answers = (
         checks.load_begins_at_rest(record),
@@ -188,8 +196,8 @@ def errors_of_load(record: LoadHold) -> Callable[[FloatArray], FloatArray]:
 
 def _freed(
     time: FloatArray, force: FloatArray, noise: float
-) -> tuple[FloatArray, tuple[float, ...]]:
-    """The load behind its readings, freed of noise (errors in variables), and its corners.
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The load behind its readings, freed of noise (errors in variables), its corners and heights.
 
     A load is straight between corners. Ramps and holds that are straight to their noise have the
     few that least squares puts there. Any other, one that overshoots or hunts, is halved until
@@ -198,13 +206,13 @@ def _freed(
     """
     floor = max(noise, quantum(force) * OF_A_COUNT)
     if floor <= _EXACT * float(np.ptp(force)):
-        return force, ()
+        return force, np.zeros(0), np.zeros(0)
     corners = _straightened(time, force)
-    load = _laid(time, corners, force)
-    if not _is_noise(force - load, floor, _SURELY):
+    heights = _laid(time, corners, force)
+    if not _is_noise(force - np.interp(time, corners, heights), floor, _SURELY):
         corners = _divided(time, force, corners, floor)
-        load = _laid(time, corners, force)
-    return load, tuple(corners.tolist())
+        heights = _laid(time, corners, force)
+    return np.interp(time, corners, heights), corners, heights
 
 
 def _straightened(time: FloatArray, force: FloatArray) -> FloatArray:
@@ -248,12 +256,12 @@ def _divided(time: FloatArray, force: FloatArray, corners: FloatArray, noise: fl
 
 
 def _laid(time: FloatArray, corners: FloatArray, force: FloatArray) -> FloatArray:
-    """The straight lines between corners that are nearest to a force."""
+    """The heights of corners whose straight lines are nearest to a force."""
     onto = _onto(time, corners, force[:, None])[:, 0]
     gram = _gram(time, corners)
     # a corner between which and its neighbours no reading lies has no height of its own
     gram[np.diag_indices_from(gram)] += _SINGULAR * float(np.diag(gram).max())
-    return np.asarray(np.interp(time, corners, np.linalg.solve(gram, onto)))
+    return np.asarray(np.linalg.solve(gram, onto))
 
 
 def _places(time: FloatArray, corners: FloatArray) -> tuple[IndexArray, FloatArray]:

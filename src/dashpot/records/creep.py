@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, hold_measured
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured, median
 from dashpot.base.checks import Check
 from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
@@ -19,6 +19,7 @@ from dashpot.base.provenance import Source, Step, of_file
 from dashpot.base.said import Dimensions, into_si, own_unit, said_units
 from dashpot.base.units import Dimension, Quantity, si, written
 from dashpot.records.after_step import curve_at, described_curve, since_a_step
+from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import several
 
@@ -211,6 +212,12 @@ class LoadHold(ByValue, Described, Documented):
     checks : tuple of Check
     corners : tuple of float
         Times, s, between which `load` is straight, both ends included; none if it is not.
+    heights : tuple of float
+        The load at the corners, N.
+    machine : Machine
+        What is known of the machine that made the test.
+    lead : float
+        By how much `load` comes before `force`, s: 0 as recorded.
     """
 
     schema = "dashpot/load-hold@1"
@@ -232,6 +239,9 @@ class LoadHold(ByValue, Described, Documented):
     steps: tuple[Step, ...] = ()
     checks: tuple[Check, ...] = ()
     corners: tuple[float, ...] = ()
+    heights: tuple[float, ...] = ()
+    machine: Machine = field(default_factory=Machine)
+    lead: float = 0.0
 
     def __post_init__(self) -> None:
         hold_measured(self, "time", "displacement", "force", "load", minimum=8)
@@ -248,6 +258,36 @@ class LoadHold(ByValue, Described, Documented):
         """Displacement and force over time, and the load without noise."""
         moved, pushed = _ARE[self.unit]
         return arrays(self, time="s", displacement=moved, force=pushed, load=pushed)
+
+    @property
+    def step(self) -> float:
+        """Between two samples, s: the median."""
+        return median(np.diff(self.time))
+
+    def with_load_earlier(self, by: float) -> LoadHold:
+        """The record with its load so much earlier, s, as of a force that was recorded late.
+
+        A record that begins under its load has no moment that a delay moves, and stays.
+        """
+        if self.onset <= self.time[0]:
+            return self
+        first = float(self.time[0])
+        times = (max(one - by, first) for one in (self.onset, self.ramp_end, self.hold_end))
+        onset, ramp_end, hold_end = times
+        # what a straight line has between readings stands at its corners
+        at, heights = np.array(self.corners), np.array(self.heights)
+        if not len(heights):
+            at, heights = self.time, self.load
+        corners = np.clip(np.array(self.corners) - by, first, self.time[-1])
+        return replace(
+            self,
+            load=np.interp(self.time + by, at, heights),
+            onset=onset,
+            ramp_end=ramp_end,
+            hold_end=hold_end,
+            corners=tuple(corners.tolist()),
+            lead=self.lead + by,
+        )
 
     @property
     def ramp_time(self) -> float:

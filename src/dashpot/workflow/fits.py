@@ -106,7 +106,7 @@ class BenchAsked:
 
     def refuse_beside_creep(self, *, others: int) -> None:
         """Refuse what is of ramps and holds, and tests that are none of creep."""
-        self.refuse_a_machine()
+        self.cuts.refuse_several(0)
         if others or self.filter or self.depth_law:
             raise FitError(
                 "a creep test is fitted alone, or with others at other temperatures, without "
@@ -230,8 +230,12 @@ def _crept(
     from dashpot.records.creep import CreepTest, LoadHold
     from dashpot.records.superposition import Superposition
 
+    raw = sum(isinstance(one, CreepTest) for one in tests)
+    known_of_a_test(asked.machine, tests=raw, add="a creep test as it was recorded")
     # a load that is not held says itself of which file it is
-    held = [load_hold(one) if isinstance(one, CreepTest) else one for one in tests]
+    held = [
+        load_hold(one, asked.machine) if isinstance(one, CreepTest) else one for one in tests
+    ]
     with _named(name):
         record: Any = held[0]
         if len(held) > 1 or not isinstance(record, LoadHold):

@@ -40,7 +40,7 @@ def _over_base(relative: bool) -> OverBase:
 
 
 def known_of_a_test(machine: Machine | None, *, tests: int, add: str) -> None:
-    """Refuse what is said of a machine where no relaxation test was made on it.
+    """Refuse what is said of a machine where no test was made on it.
 
     Raises
     ------
@@ -49,7 +49,7 @@ def known_of_a_test(machine: Machine | None, *, tests: int, add: str) -> None:
     """
     if machine is not None and machine != Machine() and not tests:
         raise DataError(
-            f"{flags_of(Machine)} describes the machine of a relaxation test, and there is none "
+            f"{flags_of(Machine)} describes the machine of a test, and there is none "
             f"here. Add {add}, or leave it out."
         )
 
