@@ -10,7 +10,7 @@ bound by what the record, or the data sheet, says of it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol
 
@@ -315,6 +315,24 @@ class TwoChannels(Protocol):
 def delay_prior(record: TwoChannels) -> Prior:
     """Return the prior of the delay of the force behind the displacement, s."""
     return Prior(0.0, record.machine.delay_sd(record.step))
+
+
+def taken_later(time: FloatArray, values: FloatArray, by: float) -> FloatArray:
+    """Return a channel as it reads if it comes so much later, s; its ends rest."""
+    return np.asarray(np.interp(time - by, time, values))
+
+
+def error_by_delay(numbers: Callable[[float], FloatArray], delay: Prior) -> FloatArray:
+    """Return the standard errors of numbers by a delay that their record does not determine.
+
+    `numbers` gives them for a force that comes so much later than it was recorded, s. The larger
+    change of either sign counts: a cosine has no first order.
+    """
+    if delay.sd == 0:
+        return np.zeros(len(numbers(0.0)))
+    own = numbers(delay.mean)
+    ways = [numbers(delay.mean + way * delay.sd) - own for way in (-1, 1)]
+    return np.asarray(np.abs(ways).max(axis=0))
 
 
 def _loaded(record: RampHold, rest: slice) -> bool:

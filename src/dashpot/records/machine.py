@@ -104,8 +104,8 @@ class Machine:
     Attributes
     ----------
     sync : float or None
-        Standard deviation of the delay between the clocks of force and displacement, s; one
-        sample at least.
+        Standard deviation of the delay between the clocks of force and displacement, s; where
+        nothing is said, one sample at least.
     drift : float or None
         Standard deviation of the drift of the load cell, N/s, as its data sheet gives it.
     compliance : float or None
@@ -185,8 +185,8 @@ class Machine:
     def delay_sd(self, sample: float) -> float:
         """Standard deviation of the delay of the force, s, for samples so far apart, s."""
         filtered = 1 / (2 * math.pi * self.force_filter) if self.force_filter else 0.0
-        known = USUAL["delay"].size if self.sync is None else self.sync
-        return max(sample, known, filtered)
+        usual = max(sample, USUAL["delay"].size)
+        return max(usual if self.sync is None else self.sync, filtered)
 
     def give_sd(self, depth: float, peak: float) -> float:
         """Standard deviation of what it gives, unsaid, under the `peak` of the force, N, in m."""

@@ -6,7 +6,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from dashpot import workflow
+from dashpot.base.numbers import ascii_only
 from dashpot.base.units import in_unit, read_in, written
+from dashpot.kinds.cld.record import said_hysteresis
 from dashpot.told import text as text_of
 from dashpot.told.layout import Text, table
 from dashpot.told.text import cell, rounded, with_error
@@ -143,7 +145,7 @@ def _piece(one: workflow.CLD) -> list[str]:
     cycle, said = one.cycle, []
     if cycle.hysteresis is not None and cycle.returned is not None:
         said.append(
-            f"hysteresis {written(cycle.hysteresis, '%', '.3g')} of "
+            f"hysteresis {ascii_only(said_hysteresis(cycle))} of "
             f"{written(per * cycle.energy, 'mJ')}{of}"
         )
     if len(one.cycles) > 1:
@@ -152,6 +154,9 @@ def _piece(one: workflow.CLD) -> list[str]:
         said.append(f"set {written(one.set, 'mm', '.3g')} at the next contact")
     if cycle.speed is not None:
         said.append(written(cycle.speed, "mm/s"))
+    if one.time is not None:
+        known = written(one.delay_sd, "ms", ".3g")
+        said.append(f"the errors include a delay of 0 ± {known} (--machine sync=0.1ms)")
     return [*table(rows), f"  {'; '.join(said)}"] if said else table(rows)
 
 

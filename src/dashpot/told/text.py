@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 from dashpot.base import numbers
 from dashpot.base.facts import UNKNOWN, Fact
 from dashpot.base.numbers import ascii_only
-from dashpot.base.units import celsius, in_unit, written
+from dashpot.base.units import celsius, in_unit, read_in, written
 from dashpot.told.layout import Text, facts, table
 
 if TYPE_CHECKING:
     from dashpot import Comparison
     from dashpot.base.provenance import Source
     from dashpot.kinds.indentation.record import IndentationFit
+    from dashpot.kinds.level.record import AmplitudeFit
     from dashpot.records.estimate import Residual
     from dashpot.records.evidence import Explanation
     from dashpot.records.fit import Fit
@@ -332,6 +333,7 @@ def levels(found: Levels) -> Text:
             f"the loss factor at {found.loss_per_lag / 2 / math.pi:.4g} Hz. Loops at one frequency "
             "cannot show such a delay."
         )
+        lines += _loops(found.fit)  # type: ignore[arg-type]  # a lag is of loops alone
     rows = [["level, N", "peak, Hz", "95 %", "motion, mm/N", "95 %", "seal, mm"]]
     for one in found.at:
         peak, motion = (fact.cells.ascii for fact in one.facts)
@@ -339,6 +341,22 @@ def levels(found: Levels) -> Text:
         seal = f"{in_unit(one.amplitude, 'mm'):.3g}"
         rows.append([f"{one.level:.4g}", *of_peak, *of_motion, seal])
     return Text([*lines, *(table(rows) if found.at else ()), *_read(found.source)])
+
+
+def _loops(found: AmplitudeFit) -> list[str]:
+    """Storage and loss of small loops, and the delay of the force that their errors include."""
+    read = read_in(found.unit)
+    listed = (
+        f"at {one.frequency_hz:.4g} Hz stiffness "
+        f"{with_error(one.storage, one.storage_se, found.unit)}, loss "
+        f"{with_error(one.loss, one.loss_se, found.unit)} {read}"
+        for one in found.lines
+    )
+    known = written(found.delay_sd, "ms", ".3g")
+    return [
+        f"  A small loop {ascii_only('; '.join(listed))}",
+        f"  These errors include a delay of 0 ± {known}. State what is known: --machine sync=0.1ms",
+    ]
 
 
 def indentation(found: IndentationFit) -> Text:

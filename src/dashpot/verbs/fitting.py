@@ -23,7 +23,7 @@ from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.shaken import ShakenTest
 from dashpot.workflow.fits import BenchAsked, fit_records
-from dashpot.workflow.job import Cuts, HammerChoices, RodChoices
+from dashpot.workflow.job import Cuts, HammerChoices, RodChoices, known_of_a_test
 from dashpot.workflow.routing import BENCH, Fitted, route
 from dashpot.workflow.shifting import ShiftChoices
 from dashpot.workflow.vibration.impacts import identified, modes_of_hits
@@ -409,11 +409,14 @@ def _level(
     band: Range | None = None,
     model: AmplitudeLawAsked = "auto",
     resonance_at: Sequence[Quantity] = (),
+    machine: Machine | None = None,
 ) -> Levels | AmplitudeFit:
     from dashpot.workflow.vibration.levels import frfs_at_levels, hits_at_levels, of_amplitude
 
     at = [si(one, "force") for one in resonance_at]
     kilograms, hertz = si(mass, "mass"), si_range(band, "frequency")
+    if any(isinstance(one, _VIBRATION) for one in records):
+        known_of_a_test(machine, tests=0, add="recorded loops")
     if all(isinstance(one, ImpactTest) for one in records):
         return hits_at_levels(records, levels, mass=kilograms, band=hertz, at=at)
     if all(isinstance(one, FRF) for one in records):
@@ -423,7 +426,7 @@ def _level(
             "one amplitude sweep is fitted at a time; only FRFs of several levels, or hits, go "
             "together"
         )
-    return of_amplitude(records[0], law=model).fit  # type: ignore[return-value]  # of a sweep
+    return of_amplitude(records[0], law=model, machine=machine).fit  # type: ignore[return-value]  # of a sweep
 
 
 def _rod(
@@ -475,6 +478,7 @@ def _cld(
     force_limits: Range | None = None,
     memory: Fit | Sequence[Fit] = (),
     cycle: int | None = None,
+    machine: Machine | None = None,
 ) -> Pieces:
     from dashpot.kinds.cld.from_files import cld_of
 
@@ -486,6 +490,7 @@ def _cld(
         memory=[memory] if isinstance(memory, Fit) else list(memory),
         cycle=cycle,
         names=list(kinds_of(records)),
+        machine=machine,
     )
 
 

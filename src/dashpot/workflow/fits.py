@@ -233,9 +233,7 @@ def _crept(
     raw = sum(isinstance(one, CreepTest) for one in tests)
     known_of_a_test(asked.machine, tests=raw, add="a creep test as it was recorded")
     # a load that is not held says itself of which file it is
-    held = [
-        load_hold(one, asked.machine) if isinstance(one, CreepTest) else one for one in tests
-    ]
+    held = [load_hold(one, asked.machine) if isinstance(one, CreepTest) else one for one in tests]
     with _named(name):
         record: Any = held[0]
         if len(held) > 1 or not isinstance(record, LoadHold):

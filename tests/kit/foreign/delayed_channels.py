@@ -21,6 +21,8 @@ LATE = (0.5, -0.5, 1.0, -1.0)
 """Samples by which the force comes behind the displacement."""
 _FINE = 8
 """Instants of a simulation to a row."""
+_REST = 2.0
+"""Before a record moves, s."""
 
 
 def late_by(values: np.ndarray, samples: float, fine: int = _FINE) -> np.ndarray:
@@ -70,19 +72,20 @@ def loops(seed: int, late: float, rate: float) -> Sheet:
 
 
 def cld(seed: int, late: float, rate: float) -> Sheet:
-    """Six cycles in .4 to 10 s each; cycle n is softer by .12 (1 - e^-(n-1)/1.5) (Mullins).
+    """Six cycles after 2 s of rest; cycle n is softer by .12 (1 - e^-(n-1)/1.5) (Mullins).
 
-    The truth is the cycle that is told, without noise: its force on the way in at .6 of the depth,
+    A cycle has 160 samples or more, and lasts up to 40 s. The truth is the cycle that is told, without noise: its force on the way in at .6 of the depth,
     and its work.
     """
     random = _start("late cld", seed)
-    depth, lasts = 6e-3, _log_uniform(random, max(20 / rate, 1.0), 20.0)
+    depth, lasts = 6e-3, _log_uniform(random, max(160 / rate, 1.0), 40.0)
     solid = drawn(FAMILIES[1 + seed % 5], seed)
     seal = Seal(solid, depth, c=random.uniform(0, 0.4))
     air, speed = 0.5e-3, 2 * (depth + 0.5e-3) / lasts
     travel = depth + air
-    clock = np.arange(round(CYCLES * lasts * rate * _FINE) + 1) / rate / _FINE
-    turn = 2 * clock / lasts
+    lasts = round(lasts * rate * _FINE) / rate / _FINE
+    clock = np.arange(round((_REST + CYCLES * lasts) * rate * _FINE) + 1) / rate / _FINE
+    turn = 2 * np.maximum(clock - _REST, 0) / lasts
     plate = travel * (1 - np.abs(1 - turn % 2))
     x = np.maximum(plate - air, 0.0)
     softer = 1 - 0.12 * -np.expm1(-np.floor(turn / 2) / 1.5)
@@ -93,14 +96,15 @@ def cld(seed: int, late: float, rate: float) -> Sheet:
         "time [s]": clock[::_FINE], "displacement [mm]": 1e3 * plate[::_FINE],
         "force [N]": shown + 2e-3 * random.standard_normal(len(shown)),
     }, {"seal": seal, "speed": speed, "lasts": lasts, "air": air, "plate": plate, "pure": pure,
+        "many": round(lasts * rate * _FINE), "first": round(_REST * rate * _FINE),
         "late": late / rate}, "late")  # fmt: skip
 
 
 def cycle_of(one: Sheet, number: int) -> tuple[np.ndarray, np.ndarray, int]:
     """Compression and force of a CLD's cycle, from 1, without delay, and its deepest sample."""
     plate, pure = one.truth["plate"], one.truth["pure"]
-    many = (len(plate) - 1) // CYCLES
-    rows = slice((number - 1) * many, number * many + 1)
+    first, many = one.truth["first"], one.truth["many"]
+    rows = slice(first + (number - 1) * many, first + number * many + 1)
     x = plate[rows] - one.truth["air"]
     return x, pure[rows], int(np.argmax(x))
 

@@ -18,6 +18,7 @@ def run(given: Given) -> Outcome:
         memory=[workflow.read_fit(one) for one in given["memory"]],
         specimen=given.specimen,
         options=given.reading,
+        **given.some("machine"),
     )
     follow = ""
     if given.kept and found.fit is not None:

@@ -20,6 +20,6 @@ def run(given: Given) -> Outcome:
         law=given.model(AmplitudeLawAsked),
         motion=given.hammer.motion,
         options=given.reading,
-        **given.some("seals", "band"),
+        **given.some("seals", "band", "machine"),
     )
     return given.told(found)

@@ -37,6 +37,7 @@ from dashpot.kinds.cld.relaxed import nearest, relaxed_law
 from dashpot.kinds.cld.speeds import fit_speeds
 from dashpot.records.checks import of_sources
 from dashpot.records.fit import Fit
+from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
 
 _ALIKE = 0.05
@@ -170,6 +171,7 @@ def cld_files(
     limits: tuple[float, float] | None = None,
     memory: Sequence[Fit] = (),
     specimen: Specimen | None = None,
+    machine: Machine | None = None,
     options: ReadOptions | None = None,
 ) -> Pieces:
     """Find the figures of compression load deflection of pieces, and how they scatter.
@@ -190,6 +192,8 @@ def cld_files(
         off the first piece, which leaves the elastic law; all are held against it.
     specimen : Specimen, optional
         What is the same of every piece, such as its length.
+    machine : Machine, optional
+        What is known of the machine: its `sync`.
     options : ReadOptions, optional
         What the user said of the files; `cycle` is the cycle that the figures are of.
 
@@ -202,7 +206,7 @@ def cld_files(
     tests = [read_cld(path, options=options, specimen=specimen) for path in files]
     return cld_of(
         tests, at=at, between=between, limits=limits, memory=memory, cycle=options.cycle,
-        names=[Path(path).name for path in files],
+        names=[Path(path).name for path in files], machine=machine,
     )  # fmt: skip
 
 
@@ -215,6 +219,7 @@ def cld_of(
     memory: Sequence[Fit] = (),
     cycle: int | None = None,
     names: Sequence[str] = (),
+    machine: Machine | None = None,
 ) -> Pieces:
     """Find the figures of pieces, as :func:`cld_files` does of those in files.
 
@@ -222,7 +227,9 @@ def cld_of(
     """
     if limits is not None and len(tests) < 2:
         raise ReadError("--force-limits are of several pieces: name a file for each, or leave out")
-    pieces = _figures(tests, names or [""] * len(tests), cycle, at=at, between=between)
+    pieces = _figures(
+        tests, names or [""] * len(tests), cycle, at=at, between=between, machine=machine
+    )
     found = Pieces(pieces, (), None, (*_worst(pieces), *of_sources(sources_of(pieces))))
     if not memory and limits is None and _several_speeds(pieces):
         return _of_speeds(found)
@@ -238,12 +245,13 @@ def _figures(
     *,
     at: Quantity | None,
     between: Range | None,
+    machine: Machine | None,
 ) -> tuple[CLD, ...]:
     """Each piece, all at one nominal compression."""
     _refuse_twice(tests)
 
     def figures(test: CompressionTest, nominal: Quantity | None) -> CLD:
-        return cld(test, at=nominal, between=between, cycle=cycle)
+        return cld(test, at=nominal, between=between, cycle=cycle, machine=machine)
 
     pieces = []
     for name, test in zip(names, tests, strict=True):

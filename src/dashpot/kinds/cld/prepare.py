@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from dataclasses import replace
+from itertools import chain
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, si, si_range, written
+from dashpot.fitting.nuisance import Prior, error_by_delay, taken_later
 from dashpot.kinds.cld import checks
 from dashpot.kinds.cld.read_off import WINDOW, at_compression, local, unevenness
 from dashpot.kinds.cld.record import CLD, AtCompression, Branch, CompressionTest, Cycle
 from dashpot.preparation.strokes import Stroke, inward, strokes_of
 from dashpot.preparation.zero import Zero, met_again, zero_of
+from dashpot.records.machine import Machine
 from dashpot.records.relaxation import quantum
 from dashpot.signals.segments import resolution_of
 
@@ -47,11 +51,13 @@ def cld(
     at: Quantity | None = None,
     between: Range | None = None,
     cycle: int | None = None,
+    machine: Machine | None = None,
 ) -> CLD:
     """Find the cycles of a compression load deflection test, and the figures of one of them.
 
     Compression is counted from first contact of the first cycle; the load cell's zero is what it
-    reads in air, wherever the plate is there.
+    reads in air, wherever the plate is there. What a delay of the force makes of a figure, which
+    no cycle tells from loss, is in its error.
 
     Parameters
     ----------
@@ -62,6 +68,8 @@ def cld(
         Least and greatest compression of the tolerance, m or as ``"4:8mm"``.
     cycle : int, optional
         Which cycle, from 1; by default the last that was unloaded and reaches `at`.
+    machine : Machine, optional
+        What is known of the machine: its `sync`.
 
     Returns
     -------
@@ -72,6 +80,13 @@ def cld(
     DataError
         If nothing was pressed, there is no such cycle, or none reaches `at`.
     """
+    machine = machine or Machine()
+    machine.heeds("sync", of="load deflection")
+    if machine.sync is not None and test.time is None:
+        raise DataError(
+            "--machine sync= is a time, and the record has no clock. Leave it out, or export the "
+            "time, too"
+        )
     found = _cycles(test)
     nominal = None if at is None else si(at, "length")
     index = _chosen(found, cycle, nominal)
@@ -86,6 +101,9 @@ def cld(
             f"pressed to, at most {written(deepest, 'mm')}: --compression gives it, "
             "--part cycle=N another cycle"
         )
+    delay = Prior(0.0, machine.delay_sd(median(np.diff(clock_of_samples(test)))))
+    found, (least, middle, most) = _with_delay(test, found, index, (least, middle, most), delay)
+    used = found.cycles[index]
     zero, specimen = found.zero, test.specimen
     return CLD(
         found.cycles,
@@ -106,7 +124,61 @@ def cld(
         _checks(found, index, max(one for one in (nominal, *ends) if one is not None), test),
         specimen,
         test.source,
+        delay.sd,
     )
+
+
+_Marks: TypeAlias = tuple[AtCompression | None, AtCompression, AtCompression | None]
+"""What a cycle shows at the least, the nominal and the greatest compression."""
+
+
+def clock_of_samples(test: CompressionTest) -> FloatArray:
+    """Return the clock of a test, s; the number of each sample where it has none."""
+    return np.arange(float(len(test.force))) if test.time is None else test.time
+
+
+def _with_delay(
+    test: CompressionTest, found: _RecordCycles, index: int, marks: _Marks, delay: Prior
+) -> tuple[_RecordCycles, _Marks]:
+    """The cycles and marks with what a delay of the force leaves unknown in their errors."""
+    known = [one for one in marks if one is not None]
+
+    def numbers(later: float) -> FloatArray:
+        clock = clock_of_samples(test)
+        moved = found
+        if later:
+            moved = _cycles(replace(test, force=taken_later(clock, test.force, later), units="SI"))
+        same = len(moved.cycles) == len(found.cycles)
+        if not same:  # of noise that is taken for a stroke nothing follows
+            return np.full(len(found.cycles) + 3 * len(known), np.nan)
+        at = (_at(moved, moved.cycles[index], one.compression) for one in known)
+        each = (
+            (np.nan,) * 3 if one is None else (one.loading, one.unloading, one.slope) for one in at
+        )
+        lost = (one.hysteresis for one in moved.cycles)
+        return np.array([*lost, *chain.from_iterable(each)], dtype=float)
+
+    error = error_by_delay(numbers, delay)
+    lost, at = np.split(np.where(np.isfinite(error), error, 0.0), [len(found.cycles)])
+    cycles = tuple(
+        one if one.hysteresis is None else replace(one, hysteresis_se=by)
+        for one, by in zip(found.cycles, lost.tolist(), strict=True)
+    )
+    wide = iter(
+        [
+            replace(
+                one,
+                loading_se=float(np.hypot(one.loading_se, loading)),
+                unloading_se=None
+                if one.unloading_se is None
+                else float(np.hypot(one.unloading_se, unloading)),
+                slope_se=float(np.hypot(one.slope_se, slope)),
+            )
+            for one, (loading, unloading, slope) in zip(known, at.reshape(-1, 3), strict=True)
+        ]
+    )
+    widened = tuple(None if one is None else next(wide) for one in marks)
+    return found._replace(cycles=cycles), widened  # type: ignore[return-value]  # the same three
 
 
 def _at(found: _RecordCycles, cycle: Cycle, at: float | None) -> AtCompression | None:
@@ -124,7 +196,7 @@ def _at(found: _RecordCycles, cycle: Cycle, at: float | None) -> AtCompression |
 def _cycles(test: CompressionTest) -> _RecordCycles:
     turn, push = inward(test.displacement, test.force)
     x, force = turn * test.displacement, push * test.force
-    clock = np.arange(float(len(x))) if test.time is None else test.time
+    clock = clock_of_samples(test)
     resolution = resolution_of(clock, x, quantum(x))
     strokes = strokes_of(x, resolution=resolution)
     pairs = _pairs(strokes)

@@ -61,7 +61,7 @@ def at_compression(
     if way_in is None:
         return None
     back = None if cycle.unloading is None else local(cycle.unloading, at, half=half, beyond=beyond)
-    error = float(np.linalg.norm([way_in.force_se, way_in.slope * contact_se, force_se]))
+    error = _error(way_in, contact_se=contact_se, force_se=force_se)
     return AtCompression(
         at,
         way_in.force,
@@ -70,7 +70,13 @@ def at_compression(
         way_in.slope,
         way_in.slope_se,
         cycle.loading.work(at),
+        None if back is None else _error(back, contact_se=contact_se, force_se=force_se),
     )
+
+
+def _error(one: LocalStiffness, *, contact_se: float, force_se: float) -> float:
+    """Standard error of a force, N: its own, and those of the two zeros."""
+    return float(np.linalg.norm([one.force_se, one.slope * contact_se, force_se]))
 
 
 def unevenness(clock: FloatArray, x: FloatArray) -> tuple[float, float]:

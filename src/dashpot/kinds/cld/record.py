@@ -10,6 +10,7 @@ import numpy as np
 from dashpot.base.arrays import ByValue, FloatArray, hold_measured
 from dashpot.base.checks import Check, Checked
 from dashpot.base.documents import Documented
+from dashpot.base.facts import Fact
 from dashpot.base.offered import Described, Pictured, Series, arrays
 from dashpot.base.plausible import refuse_absurd_record
 from dashpot.base.provenance import Source, of_file
@@ -135,9 +136,14 @@ class Cycle(ByValue, Documented):
         Force on loading at the compression that every cycle reaches, N.
     loading : Branch
     unloading : Branch or None
+    hysteresis_se : float or None
+        Standard error of `hysteresis` by a delay of the force.
     """
 
-    keys = ("number", "depth", "speed", "contact", "peak", "energy", "returned", "hysteresis")
+    keys = (
+        "number", "depth", "speed", "contact", "peak", "energy", "returned", "hysteresis",
+        "hysteresis_se",
+    )  # fmt: skip
 
     number: int
     depth: float
@@ -147,6 +153,7 @@ class Cycle(ByValue, Documented):
     common: float
     loading: Branch
     unloading: Branch | None
+    hysteresis_se: float | None = None
 
     @property
     def energy(self) -> float:
@@ -165,6 +172,14 @@ class Cycle(ByValue, Documented):
         return None if returned is None else 1 - returned / self.energy
 
 
+def said_hysteresis(cycle: Cycle) -> str:
+    """Return the hysteresis of a cycle in words, with its error where a delay makes one."""
+    lost, error = cycle.hysteresis, cycle.hysteresis_se
+    if lost is None:
+        return ""
+    return Fact.known("", lost, error or None, unit="1", read="%").cells.with_error + " %"
+
+
 @dataclass(frozen=True)
 class AtCompression(Documented):
     """What a cycle shows at one compression.
@@ -181,6 +196,8 @@ class AtCompression(Documented):
         Of the loading curve, N/m.
     energy : float
         Put in up to here, J.
+    unloading_se : float or None
+        Standard error of `unloading`, N.
     """
 
     keys = ("*", "secant", "hysteresis")
@@ -192,6 +209,7 @@ class AtCompression(Documented):
     slope: float
     slope_se: float
     energy: float
+    unloading_se: float | None = None
 
     @property
     def secant(self) -> float:
@@ -256,11 +274,13 @@ class CLD(ByValue, Pictured, Checked, Documented):
     checks : tuple of Check
     specimen : Specimen
     source : Source or None
+    delay_sd : float
+        Standard deviation of the delay of the force, s, or in samples without a clock.
     """
 
     keys = (
         "source.file", "source.sha256", "specimen.length", "contact", "contact_se", "preload",
-        "drift", "cycle=cycle.number", "softening", "set", "least=least_of", "nominal=nominal_of",
+        "drift", "delay_sd", "cycle=cycle.number", "softening", "set", "least=least_of", "nominal=nominal_of",
         "most=most_of", "cycles", "checks",
     )  # fmt: skip
 
@@ -282,6 +302,7 @@ class CLD(ByValue, Pictured, Checked, Documented):
     checks: tuple[Check, ...] = ()
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
+    delay_sd: float = 0.0
 
     @property
     def cycle(self) -> Cycle:
@@ -297,6 +318,11 @@ class CLD(ByValue, Pictured, Checked, Documented):
     def unloading(self) -> Branch | None:
         """Its way back."""
         return self.cycle.unloading
+
+    @property
+    def met_later(self) -> float:
+        """How much deeper a force that is late by its `delay_sd` shows the first contact, m."""
+        return self.delay_sd * (self.cycle.speed or 0.0)
 
     @property
     def marked(self) -> tuple[AtCompression, ...]:
@@ -366,7 +392,7 @@ class CLD(ByValue, Pictured, Checked, Documented):
             ),
             (
                 f"cycle {cycle.number} of {len(self.cycles)}, to {written(cycle.depth, 'mm')}"
-                + ("" if lost is None else f", hysteresis {100 * lost:.3g} %")
+                + ("" if lost is None else f", hysteresis {said_hysteresis(cycle)}")
             ),
             *(check.told for check in self.checks if check.failed),
         )

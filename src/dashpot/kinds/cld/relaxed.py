@@ -23,6 +23,7 @@ from dashpot.base.errors import FitError
 from dashpot.engine.inference.estimate import Estimate, estimate
 from dashpot.engine.least_squares.problem import ordinary
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
+from dashpot.fitting.nuisance import taken_later
 from dashpot.fitting.parameters import memory_of, off_by_error
 from dashpot.kinds.cld import checks
 from dashpot.kinds.cld.read_off import WINDOW, local
@@ -67,12 +68,15 @@ def relaxed_law(found: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     first, last = (_at_common(found, e, number) for number in (0, -1))
     stroke = cycle.depth / cycle.speed if cycle.speed else None
     knots = np.asarray(law.knots)
-    # what it rests on, one standard error off: the memory along each axis, and both zeros
-    off = [(0.0, memory_of(other.maxwell), 0.0) for other in off_by_error(fit)]
-    off += [(found.contact_se, memory, 0.0), (0.0, memory, found.zero_se)]
+    # what it rests on, one standard error off: the memory along each axis, both zeros, the clock
+    force, late = found.force, taken_later(time, found.force, found.delay_sd)
+    off = [(0.0, memory_of(other.maxwell), force) for other in off_by_error(fit)]
+    off += [(found.contact_se, memory, force), (0.0, memory, force + found.zero_se)]
+    # of a force that is late the contact is, too
+    off += [(-found.met_later, memory, late)] * (found.delay_sd > 0)
     laws = (
-        _law(found.compression[rows] + x, one.displacement(time, found.force + by)[rows], knots)
-        for x, one, by in off
+        _law(found.compression[rows] + x, one.displacement(time, pressed)[rows], knots)
+        for x, one, pressed in off
     )
     others = tuple(one[0] for one in laws if one is not None)
     return RelaxedLaw(

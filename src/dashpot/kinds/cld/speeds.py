@@ -24,6 +24,7 @@ from dashpot.engine.inference.estimate import estimate, score
 from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
 from dashpot.fitting.assembly import FoundSolid, assembled
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
+from dashpot.fitting.nuisance import taken_later
 from dashpot.kinds.cld import checks
 from dashpot.kinds.cld.record import CLD, SAME_SPEED
 from dashpot.kinds.cld.relaxed import clock_of, felt, knots_over, law_of, mean_slope
@@ -241,11 +242,14 @@ def _assembled(
 ) -> Fit:
     model, n = _model(knots, best), len(best.residual)
     known = estimate(best, parts=_parts(records))
-    # beside the noise, what both zeros leave unknown: a record with one of them an error off
+    # beside the noise, what both zeros and the clock leave unknown: a record with one of them an
+    # error off
     for i, one in enumerate(pieces):
         by = thinned(one, knots, off=one.contact_se)
         weighed = records[i]._replace(force=records[i].force + one.zero_se)
-        for off in (by, weighed):
+        late = thinned(one, knots, off=-one.met_later)
+        late = late._replace(force=taken_later(late.time, late.force, one.delay_sd))
+        for off in (by, weighed, late):
             other = _rows([*records[:i], off, *records[i + 1 :]], best.theta)
             known = known.widened(known.moved(other.A @ best.beta - other.y + best.every))
     covariance = known.derived(partial(_seal, knots)).covariance

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, ComplexArray, median
+from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
 from dashpot.base.facts import NORMAL
 from dashpot.base.provenance import sources_of
+from dashpot.fitting.nuisance import Prior, error_by_delay
 from dashpot.kinds.level.checks import (
     FAR_ENOUGH,
     MATTERS,
@@ -109,15 +112,16 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         top = sweep.amplitude == sweep.amplitude.max()
         storage = float(sweep.storage[top].min())
         checks.append(spring_unseen(0.75 * unseen * range_[1] ** 2 / max(storage, 1e-300)))
+    linear_se, se = _errors_with_delay(sweep, best)
     return AmplitudeFit(
         best.law,
         np.unique(sweep.frequency),
         best.linear,
-        best.linear_se,
+        linear_se,
         best.numbers.get("lost", 0.0),
         best.numbers.get("half_way", np.nan),
         best.numbers.get("exponent", np.nan),
-        tuple(best.se.items()),
+        tuple(se.items()),
         range_,
         best.residual,
         tuple((one.law, one.bic) for one in (plain, *tried)),
@@ -128,7 +132,33 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         sweep.source,
         best.numbers.get("k3", 0.0),
         unseen,
+        delay_sd=sweep.delay_sd,
     )
+
+
+def _errors_with_delay(
+    sweep: AmplitudeSweep, best: Fitted
+) -> tuple[ComplexArray, dict[str, float]]:
+    r"""Standard errors of the levels and of the law's numbers with those by a delay of the force.
+
+    Of a force that is late by :math:`\delta` every stiffness is turned by
+    :math:`e^{-j\omega\delta}`, whatever the amplitude: no law parts that from loss.
+    """
+    held = SET if best.se.get("exponent") == 0 else None
+
+    def numbers(later: float) -> FloatArray:
+        K = sweep.value * np.exp(-2j * np.pi * sweep.frequency * later)
+        turned = replace(sweep, storage=K.real, loss=K.imag, units="SI")
+        one = fitted(turned, best.law, held)
+        return np.array([*one.linear.real, *one.linear.imag, *one.numbers.values()])
+
+    if not sweep.delay_sd:
+        return best.linear_se, best.se
+    by_delay = error_by_delay(numbers, Prior(0.0, sweep.delay_sd))
+    storage, loss, law = np.split(by_delay, [len(best.linear), 2 * len(best.linear)])
+    linear_se = np.hypot(best.linear_se.real, storage) + 1j * np.hypot(best.linear_se.imag, loss)
+    wide = zip(best.se.items(), law.tolist(), strict=True)
+    return linear_se, {name: float(np.hypot(own, by)) for (name, own), by in wide}
 
 
 def _unseen(sweep: AmplitudeSweep, best: Fitted) -> float:

@@ -11,6 +11,7 @@ from numpy.polynomial import Polynomial
 from dashpot.base.arrays import ComplexArray, FloatArray, median
 from dashpot.base.errors import DataError
 from dashpot.kinds.level.record import AmplitudeSweep
+from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RelaxationTest
 
 _LEAST = 12
@@ -50,16 +51,19 @@ class HysteresisLoop:
     force: FloatArray
 
 
-def sweep_of_loops(test: RelaxationTest) -> AmplitudeSweep:
+def sweep_of_loops(test: RelaxationTest, machine: Machine | None = None) -> AmplitudeSweep:
     r"""Return stiffness and loss of every steady cycle of a harmonic motion.
 
-    As :func:`steady_cycles` finds them, :math:`K^* = F_1 / X_1`.
+    As :func:`steady_cycles` finds them, :math:`K^* = F_1 / X_1`. Of the `machine` the `sync` is
+    heeded.
 
     Raises
     ------
     DataError
         If there are fewer than two cycles, or too few samples in them.
     """
+    machine = machine or Machine()
+    machine.heeds("sync", of="recorded loops")
     cycles = steady_cycles(test)
     K = np.array([one.stiffness for one in cycles])
     return AmplitudeSweep(
@@ -72,6 +76,7 @@ def sweep_of_loops(test: RelaxationTest) -> AmplitudeSweep:
         test.specimen,
         test.source,
         np.array([one.sd for one in cycles]),
+        machine.delay_sd(median(np.diff(test.time))),
         units="SI",
     )
 

@@ -45,6 +45,8 @@ class AmplitudeSweep(ByValue, Described):
     source : Source or None
     sd : array, shape (n,) or None
         Standard deviation of storage and of loss, in `unit`, where it is known.
+    delay_sd : float
+        Of recorded loops: standard deviation of the delay of their force, s.
     units : str
         Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
@@ -71,6 +73,7 @@ class AmplitudeSweep(ByValue, Described):
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
     sd: FloatArray | None = None
+    delay_sd: float = 0.0
     units: str = said_units()
 
     def __post_init__(self) -> None:
@@ -180,6 +183,9 @@ class AmplitudeFit(ByValue, Described, Checked, Documented):
     loss_per_lag : float or None
         What a second between the channels of recorded loops makes of the loss factor, 1/s. It does
         so at every amplitude alike, so loops of one frequency do not tell it from loss.
+    delay_sd : float
+        Of recorded loops: standard deviation of the delay of their force, s, which every standard
+        error includes.
 
     Examples
     --------
@@ -192,7 +198,8 @@ class AmplitudeFit(ByValue, Described, Checked, Documented):
     """
 
     keys = (
-        "residual", "law", "unit", "of", "loss_factor_per_lag=loss_per_lag", "linear=lines",
+        "residual", "law", "unit", "of", "loss_factor_per_lag=loss_per_lag", "delay_sd",
+        "linear=lines",
         "*numbers", "k3_unseen", "orders=bic_by_law",
     )  # fmt: skip
 
@@ -215,6 +222,7 @@ class AmplitudeFit(ByValue, Described, Checked, Documented):
     k3: float = 0.0
     k3_unseen: float = 0.0
     loss_per_lag: float | None = None
+    delay_sd: float = 0.0
 
     @property
     def lines(self) -> tuple[LinearAt, ...]:

@@ -28,12 +28,13 @@ from dashpot.kinds.level.prepare import sweep_of_loops
 from dashpot.kinds.level.read import read_amplitude
 from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
 from dashpot.records.frf import FRF, Kind
+from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.signals.segments import Loading
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.level import mass_at_level
 from dashpot.vibration.systems.mounts import on_heavy_mounts
-from dashpot.workflow.job import LevelChoices, PartChoices
+from dashpot.workflow.job import LevelChoices, PartChoices, known_of_a_test
 from dashpot.workflow.response.part import height_of
 
 STRAIN_FACTORS = (1.0, 1 / np.sqrt(3))
@@ -434,7 +435,12 @@ def swept_by(
 
 
 def amplitude_file(
-    path: str | Path, kind: str, *, law: str = "auto", options: ReadOptions | None = None
+    path: str | Path,
+    kind: str,
+    *,
+    law: str = "auto",
+    options: ReadOptions | None = None,
+    machine: Machine | None = None,
 ) -> tuple[AmplitudeFit, AmplitudeSweep, AmplitudeSweep | RelaxationTest]:
     """The law of an amplitude sweep or of recorded loops, the sweep, and the record as read.
 
@@ -444,8 +450,9 @@ def amplitude_file(
     if kind in _LOOPS:
         record = read_relaxation(path, options=options)
         with about(Path(path).name):
-            swept = sweep_of_loops(record)
+            swept = sweep_of_loops(record, machine)
             return fit_amplitude(swept, law=law), swept, record
+    known_of_a_test(machine, tests=0, add="recorded loops")
     swept = read_amplitude(path, options=options)
     with about(Path(path).name):
         return fit_amplitude(swept, law=law), swept, swept

@@ -32,10 +32,12 @@ from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
 from dashpot.kinds.level.response import resonance_at_level
 from dashpot.records.frf import FRF
 from dashpot.records.impact import ImpactTest
+from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.impact.hits import cut_hits
+from dashpot.workflow.job import known_of_a_test
 from dashpot.workflow.response.at_level import HITS, amplitude_file
 from dashpot.workflow.vibration.measured import as_measured
 
@@ -119,6 +121,7 @@ def level_files(
     at: Sequence[float] = (),
     law: str = "auto",
     motion: str = "absolute",
+    machine: Machine | None = None,
     options: ReadOptions | None = None,
 ) -> Levels:
     """Find how stiffness and damping move with amplitude.
@@ -143,10 +146,14 @@ def level_files(
         Of an amplitude sweep or loops: ``"auto"`` or one of ``kinds.level.laws.LAWS``.
     motion : str
         Of the mass in transmissibilities: ``"absolute"``, or ``"relative"`` to the base.
+    machine : Machine, optional
+        What is known of the machine that drove recorded loops: its `sync`.
     options : ReadOptions, optional
         What the user said of the files.
     """
     kinds = [recognise(path, options).kind for path in files]
+    if any(kind in RESPONSES or kind in HITS for kind in kinds):
+        known_of_a_test(machine, tests=0, add="recorded loops")
     if all(kind in RESPONSES for kind in kinds):
         _refuse_law(law, "FRFs")
         frfs = [as_measured(read_frf(path, options=options), motion) for path in files]
@@ -163,13 +170,22 @@ def level_files(
         return _of_hits(files, levels, mass=mass, band=band, at=at, options=options)
     if len(files) > 1:
         raise ReadError("one amplitude sweep at a time; only FRFs of several levels go together")
-    found, _, record = amplitude_file(files[0], kinds[0], law=law, options=options)
+    found, _, record = amplitude_file(files[0], kinds[0], law=law, options=options, machine=machine)
     return _swept(found, record)
 
 
-def of_amplitude(record: AmplitudeSweep | RelaxationTest, *, law: str = "auto") -> Levels:
+def of_amplitude(
+    record: AmplitudeSweep | RelaxationTest, *, law: str = "auto", machine: Machine | None = None
+) -> Levels:
     """Find what a sweep of amplitudes, or a record of loops, says of stiffness and damping."""
-    sweep = sweep_of_loops(record) if isinstance(record, RelaxationTest) else record
+    if isinstance(record, RelaxationTest):
+        sweep = sweep_of_loops(record, machine)
+    else:
+        sweep = record
+        known_of_a_test(machine, tests=int(sweep.delay_sd > 0), add="recorded loops")
+        if machine is not None and machine.sync is not None:
+            machine.heeds("sync", of="recorded loops")
+            sweep = replace(sweep, delay_sd=machine.sync, units="SI")
     return _swept(fit_amplitude(sweep, law=law), record)
 
 
