@@ -45,6 +45,7 @@ from dashpot.fitting.checks.solid import (
 from dashpot.fitting.design import NUISANCE, evened
 from dashpot.fitting.fit_data import DOUBTED, FitData, determinable_arms
 from dashpot.fitting.nuisance import ROUNDING, Prior, Terms, at_rest, delay_prior
+from dashpot.fitting.nonlinear_ramp.checks import clocks_agree
 from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
 from dashpot.fitting.retardation import FLOW, GLASS, Retarded, spectrum_of
 from dashpot.fitting.spectrum import shared_where_few_fall_short
@@ -76,7 +77,7 @@ _ROUGH = 2
 _FEWEST = 5
 # retardations faster than so many times what the load resolves are none
 _RESOLVED = 4.0
-# a load is in step to this part of a sample; it is moved so often, and so many sd of a delay at most
+# a load is in step to this part of a sample; it is moved so often, and by so many sd at most
 _IN_STEP, _MOVES, _FARTHEST = 0.1, 4, 4.0
 # so many sd of a delay before the load the displacement is sure to rest
 _RESTS = 2.0
@@ -142,7 +143,7 @@ def fit_creep(
 def _in_step(
     record: LoadHold, arms: int | Literal["auto"], *, max_arms: int, thorough: bool
 ) -> tuple[LoadHold, Retarded]:
-    """The record with its load as early as the displacement answers it, and what is found there.
+    r"""The record with its load as early as the displacement answers it, and what is found there.
 
     A delay is a tangent, :math:`\delta\dot x`: of a load that rises in a few samples that is off
     by half of the next power, which looks like a fast retardation. So the load is moved by what
@@ -330,6 +331,7 @@ def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"])
     window = (2 * float(np.diff(record.time).min()), record.hold_time)
     end, band, known = _end_of_test(record, found, band)
     word = "m" if record.unit == "N/m" else "1"
+    nuisance = _nuisances(record, found, word)
     answers = (
         found.ended,
         *_checks(found, record.unit, window, "the record", word),
@@ -342,9 +344,10 @@ def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"])
         residuals_steady([residual], rounding=ROUNDING * found.data.peak),
         frequencies_informed(band),
         loss_factor_known(known),
+        clocks_agree([_late(nuisance)]),
     )
     return assembled(
-        found.outcome(replace(found.residual, unit=word), _nuisances(record, found, word)),
+        found.outcome(replace(found.residual, unit=word), nuisance),
         Evidence(
             band,
             found.orders,
@@ -376,6 +379,12 @@ def _nuisances(record: LoadHold, found: Retarded, word: str) -> tuple[Nuisance, 
         of=word,
         delays=[delay_prior(record).sd],
     )
+
+
+def _late(nuisance: Sequence[Nuisance]) -> tuple[float, float, float]:
+    """The delay of the force, its standard error, and that before the fit, s."""
+    one = next(one for one in nuisance if one.name == "delay")
+    return one.value, one.standard_error, one.prior_sd or 0.0
 
 
 def _moved(record: LoadHold) -> tuple[Step, ...]:

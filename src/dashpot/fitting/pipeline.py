@@ -210,8 +210,9 @@ class Chosen:
 
         By their columns, or by the `value` of each.
         """
-        known = {"delay": sd for sd in delays[:1]}  # of one test that bears no number
-        known |= {f"delay@{i}": sd for i, sd in enumerate(delays)}
+        known = {f"delay@{i}": sd for i, sd in enumerate(delays)}
+        if len(delays) == 1:  # a test alone may bear no number
+            known["delay"] = delays[0]
         value = value or self.solution.coefficient
         error = self.estimate.standard_error
         return nuisances(self.solution.fixed_names, value, error, of=of, known=known)

@@ -15,6 +15,8 @@ from dashpot.base.units import si_fields
 
 # a baseline tells the drift where it leaves less than this part of what is usual
 _TOLD = 0.7
+# two channels of one clock are together to this part of a sample
+_ONE_CLOCK = 0.01
 
 
 class Usual(NamedTuple):
@@ -185,8 +187,9 @@ class Machine:
     def delay_sd(self, sample: float) -> float:
         """Standard deviation of the delay of the force, s, for samples so far apart, s."""
         filtered = 1 / (2 * math.pi * self.force_filter) if self.force_filter else 0.0
-        usual = max(sample, USUAL["delay"].size)
-        return max(usual if self.sync is None else self.sync, filtered)
+        if self.sync is None:
+            return max(sample, USUAL["delay"].size, filtered)
+        return max(_ONE_CLOCK * sample, self.sync, filtered)
 
     def give_sd(self, depth: float, peak: float) -> float:
         """Standard deviation of what it gives, unsaid, under the `peak` of the force, N, in m."""

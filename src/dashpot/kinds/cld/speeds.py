@@ -24,7 +24,7 @@ from dashpot.engine.inference.estimate import estimate, score
 from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
 from dashpot.fitting.assembly import FoundSolid, assembled
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
-from dashpot.fitting.nuisance import taken_later
+from dashpot.fitting.nuisance import Prior, taken_later
 from dashpot.kinds.cld import checks
 from dashpot.kinds.cld.record import CLD, SAME_SPEED
 from dashpot.kinds.cld.relaxed import clock_of, felt, knots_over, law_of, mean_slope
@@ -40,6 +40,8 @@ _FALLS = 0.98
 """Part of the residual above which a further arm, and any after it, is not worth trying."""
 DECISIVE = 10.0
 """By so much a further arm lowers BIC."""
+_TELLS = 3.0
+"""Standard errors of a delay from which on a record is taken to have one."""
 _SMALLEST, _LARGEST = 1e-3, 20.0
 """Of g."""
 
@@ -85,7 +87,15 @@ def fit_speeds(pieces: Sequence[CLD], *, arms: int | Literal["auto"] = "auto") -
     knots, records = thinned_alike(pieces)
     strokes = [one.cycle.depth / speed for one, speed in zip(pieces, speeds, strict=True)]
     window = min(strokes) / 20, 3 * max(strokes)
-    tried = _tried(records, window, range(MOST_ARMS + 1) if arms == "auto" else [arms])
+    counts = range(MOST_ARMS + 1) if arms == "auto" else [arms]
+    tried = _tried(records, window, counts)
+    delays = _delays(pieces, records, knots, tried[-1])
+    if any(abs(one.mean) > _TELLS * one.sd for one in delays):
+        records = [
+            _taken_later(record, one, knots, delay.mean)
+            for record, one, delay in zip(records, pieces, delays, strict=True)
+        ]
+        tried = _tried(records, window, counts)
     # what is left of too few arms is no noise: all are weighed by that of the most
     effective = estimate(tried[-1], parts=_parts(records)).effective
     scores = [score(one, effective) for one in tried]
@@ -94,7 +104,42 @@ def fit_speeds(pieces: Sequence[CLD], *, arms: int | Literal["auto"] = "auto") -
         OrderScore(len(one.theta) // 2, one.sse, bic, number <= best, _model(knots, one))
         for number, (bic, one) in enumerate(zip(scores, tried, strict=True))
     )
-    return _assembled(pieces, records, tried[best], knots=knots, strokes=strokes, orders=orders)
+    return _assembled(
+        pieces, records, tried[best], knots=knots, strokes=strokes, orders=orders, delays=delays
+    )
+
+
+def _taken_later(record: Thinned, one: CLD, knots: FloatArray, by: float) -> Thinned:
+    """A record whose force comes so much later, s, and shows its first contact so much deeper."""
+    hats = thinned(one, knots, off=-by * (one.cycle.speed or 0.0)).hats
+    return record._replace(force=taken_later(record.time, record.force, by), hats=hats)
+
+
+def _change(records: Sequence[Thinned], index: int, other: Thinned, best: Optimum) -> FloatArray:
+    """What another record in the place of one makes of the rows."""
+    rows = _rows([*records[:index], other, *records[index + 1 :]], best.theta)
+    return rows.A @ best.beta - rows.y + best.every
+
+
+def _delays(
+    pieces: Sequence[CLD], records: Sequence[Thinned], knots: FloatArray, best: Optimum
+) -> list[Prior]:
+    r"""By how much each force must come later for one memory, s, as the records tell it.
+
+    Of a delay with prior standard deviation s, whose change of the rows beyond all parameters is d,
+    the mean is :math:`s\,d \cdot r/(d \cdot d + \gamma)` and the variance
+    :math:`s^2 \gamma/(d \cdot d + \gamma)`, with the residual r and its power.
+    """
+    power = best.sse / len(best.residual) * estimate(best, parts=_parts(records)).kappa
+    J = best.jacobian[:, best.free]
+    found = []
+    for i, one in enumerate(pieces):
+        change = _change(records, i, _taken_later(records[i], one, knots, one.delay_sd), best)
+        own = change - J @ np.linalg.lstsq(J, change, rcond=1e-12)[0]
+        gain = float(own @ own) + power
+        mean, part = float(own @ best.every) / gain, float(np.sqrt(power / gain))
+        found.append(Prior(one.delay_sd * mean, one.delay_sd * part))
+    return found
 
 
 def _tried(
@@ -239,6 +284,7 @@ def _assembled(
     knots: FloatArray,
     strokes: Sequence[float],
     orders: tuple[OrderScore, ...],
+    delays: Sequence[Prior],
 ) -> Fit:
     model, n = _model(knots, best), len(best.residual)
     known = estimate(best, parts=_parts(records))
@@ -247,11 +293,9 @@ def _assembled(
     for i, one in enumerate(pieces):
         by = thinned(one, knots, off=one.contact_se)
         weighed = records[i]._replace(force=records[i].force + one.zero_se)
-        late = thinned(one, knots, off=-one.met_later)
-        late = late._replace(force=taken_later(late.time, late.force, one.delay_sd))
+        late = _taken_later(records[i], one, knots, delays[i].sd)
         for off in (by, weighed, late):
-            other = _rows([*records[:i], off, *records[i + 1 :]], best.theta)
-            known = known.widened(known.moved(other.A @ best.beta - other.y + best.every))
+            known = known.widened(known.moved(_change(records, i, off, best)))
     covariance = known.derived(partial(_seal, knots)).covariance
     rms = float(np.sqrt(best.sse / n))
     peak = max(one.cycle.peak for one in pieces)

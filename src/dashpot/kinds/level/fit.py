@@ -152,9 +152,15 @@ def _errors_with_delay(
         one = fitted(turned, best.law, held)
         return np.array([*one.linear.real, *one.linear.imag, *one.numbers.values()])
 
+    def levels(later: float) -> FloatArray:
+        L = best.linear * np.exp(-2j * np.pi * np.unique(sweep.frequency) * later)
+        return np.array([*L.real, *L.imag, *best.numbers.values()])
+
     if not sweep.delay_sd:
         return best.linear_se, best.se
-    by_delay = error_by_delay(numbers, Prior(0.0, sweep.delay_sd))
+    delay = Prior(0.0, sweep.delay_sd)
+    # a law that stands beside the solid may take part of the turn, or leave it all to the solid
+    by_delay = np.maximum(error_by_delay(numbers, delay), error_by_delay(levels, delay))
     storage, loss, law = np.split(by_delay, [len(best.linear), 2 * len(best.linear)])
     linear_se = np.hypot(best.linear_se.real, storage) + 1j * np.hypot(best.linear_se.imag, loss)
     wide = zip(best.se.items(), law.tolist(), strict=True)
