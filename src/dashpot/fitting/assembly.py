@@ -9,13 +9,16 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.checks import Check, status_of
+from dashpot.base.facts import NORMAL
 from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.base.status import Status
-from dashpot.fitting.checks.solid import uncertainty_estimated
+from dashpot.fitting.checks.solid import loss_factor_known, uncertainty_estimated
+from dashpot.fitting.known_band import known_band
+from dashpot.records.band_error import WELL_KNOWN
 from dashpot.records.checks import numbers_unambiguous, of_sources
 from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual, parameter_names
 from dashpot.records.evidence import Evidence, Provenance
-from dashpot.records.fit import Fit
+from dashpot.records.fit import LINES_IN_BAND, Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.records.temperature import TemperatureShifts
 from dashpot.solids.elastic import ElasticLaw
@@ -67,7 +70,7 @@ def assembled(
     """
     evidence = replace(evidence, checks=_with_cautions(evidence.checks, provenance))
     shown = {Status.FEWER_ARMS: found.fewer, Status.TAU_AT_BOUND: found.at_bound}
-    return Fit(
+    fit = Fit(
         solid=found.solid,
         status=status_of(evidence.checks, shown),
         estimate=found.estimate,
@@ -77,6 +80,28 @@ def assembled(
         elastic_law=elastic_law,
         temperatures=temperatures,
     )
+    return fit if evidence.band_error is not None else _within_known_loss(fit)
+
+
+def _within_known_loss(fit: Fit) -> Fit:
+    """Return a fit whose errors are those of its covariance, its band where they are small enough.
+
+    Where they are so at no line, a check says it; where no error is known nothing is claimed.
+    """
+    if not WELL_KNOWN < fit.error_in_band[1] < np.inf:
+        return fit
+    own = fit.estimate
+
+    def errors(line: float) -> tuple[float, float]:
+        stiffness, loss_factor = own.errors_of_vibration(fit.model, np.array([2j * np.pi * line]))
+        return NORMAL * stiffness, NORMAL * loss_factor
+
+    lines = np.geomspace(*fit.band, LINES_IN_BAND).tolist()
+    band, known = known_band(errors, fit.band, {line: errors(line) for line in lines})
+    checks = fit.checks
+    if known.largest[1] > WELL_KNOWN:
+        checks = (*checks, loss_factor_known(known))
+    return replace(fit, evidence=replace(fit.evidence, band=band, checks=checks))
 
 
 def _with_cautions(checks: tuple[Check, ...], provenance: Provenance) -> tuple[Check, ...]:

@@ -15,13 +15,12 @@ too: there an arm may stand that nothing shows.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, runs
+from dashpot.base.arrays import FloatArray
+from dashpot.fitting.known_band import known_band
 from dashpot.fitting.relaxation_data import RelaxationRows
 from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra
 from dashpot.fitting.uncertainty.curve_data import CurveData
@@ -48,12 +47,6 @@ EARLIER = 0.1
 LITTLE = 0.01
 #: a dashpot beside a curve counts so many times as much as an arm of its first time
 UNSHOWN = 100.0
-#: lines that are sought between one that is known and one that is not, at most
-BETWEEN = 5
-#: a band ends where the error is so much of the largest that is known, or within this of ln f
-AT_END, PLACED = 0.85, 0.05
-
-Errors: TypeAlias = Callable[[float], tuple[float, float]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,36 +128,6 @@ def _relative(low: float, value: float, high: float) -> float:
 
 
 # -- a band ---------------------------------------------------------------------------------------
-
-
-def known_band(
-    errors: Errors, band: tuple[float, float], lines: Mapping[float, tuple[float, float]]
-) -> tuple[tuple[float, float], BandError]:
-    """Return the widest part of a band in which the loss factor is known, and how well.
-
-    Where it is known at no line the band stays as it is: the errors show that.
-
-    Parameters
-    ----------
-    errors : callable
-    band : (float, float)
-        Hz.
-    lines : mapping of float to (float, float)
-        Errors at some lines of the band, Hz, increasing; its two ends among them.
-    """
-    at, every = np.array(list(lines)), dict(lines)
-    known = np.array([error[1] for error in lines.values()]) <= WELL_KNOWN
-    if known.all() or not known.any():
-        return band, _band_error(every)
-    first, last = max(runs(known).tolist(), key=lambda run: at[run[1]] / at[run[0]])
-    ends = []
-    for inside, outside in ((first, first - 1), (last, last + 1)):
-        end = float(at[inside])
-        if 0 <= outside < len(at):
-            end = _end(errors, every, end, float(at[outside]))
-        ends.append(end)
-    low, high = ends
-    return (low, high), _band_error({f: e for f, e in every.items() if low <= f <= high})
 
 
 def band_of_hold(
@@ -276,31 +239,3 @@ class BeforeCurve:
 def _is_asked(solid: Solid, band: tuple[float, float]) -> bool:
     """Whether there is a band, and a solid that has a loss."""
     return 0 < band[0] < band[1] < np.inf and sum(solid.maxwell.k) > 0
-
-
-def _end(
-    errors: Errors, every: dict[float, tuple[float, float]], inside: float, outside: float
-) -> float:
-    """Return the last frequency found from one that is known towards one that is not."""
-    for turn in range(BETWEEN):
-        near, far = every[inside][1], every[outside][1]
-        share = 0.5
-        if 0 < near < WELL_KNOWN < far < np.inf:
-            share = float(np.log(WELL_KNOWN / near) / np.log(far / near))
-        # an error rises ever faster towards the end of a band: a straight line crosses too early
-        share = min(max(share, 0.5 if turn else 0.1), 0.98)
-        middle = inside * (outside / inside) ** share
-        every[middle] = errors(middle)
-        if every[middle][1] <= WELL_KNOWN:
-            inside = middle
-        else:
-            outside = middle
-        if every[inside][1] > AT_END * WELL_KNOWN or abs(np.log(outside / inside)) < PLACED:
-            break
-    return inside
-
-
-def _band_error(errors: Mapping[float, tuple[float, float]]) -> BandError:
-    lines = sorted(errors)
-    stiffness, loss_factor = zip(*(errors[line] for line in lines), strict=True)
-    return BandError(tuple(lines), tuple(stiffness), tuple(loss_factor))
