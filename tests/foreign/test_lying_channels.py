@@ -130,7 +130,7 @@ def test_stairs_up_and_down_as_sent_are_sound(levels, rate):
     made = stepped(Seal(TABLE_1, depth=max(way)), way, rate=rate, seed=2)
     found = fit_of(made)
     assert checked(found, "force_relaxes").passed
-    assert checked(found, "depth_resolved").value == 0
+    assert checked(found, "depth_resolved").passed
     assert found.verdict.use == "use"
     assert limits_hold(made, found, found.end_of_hold.time)
 
