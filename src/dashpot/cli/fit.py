@@ -179,10 +179,7 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
         raise ReadError(f"{error}{options.said_of_all(files)}") from None
     if meant in {"hits", "modes"}:
         _refuse_what_needs_a_mass(context)
-    if meant in {"hits", "modes", "masses", "rod", "level"} and said["machine"] != Machine():
-        raise click.UsageError(
-            "--machine is of a relaxation test, or of the solid under one mass. Leave it out."
-        )
+    _refuse_unused(context, meant)
     module, _, name = _RUN.get(meant, "of_kind").partition(":")
     run: Callable[[Given], Outcome] = getattr(
         import_module(f"dashpot.cli.fits.{module}"), name or "run"
@@ -206,6 +203,67 @@ def _refuse_what_needs_a_mass(context: click.Context) -> None:
                 f"{one.flag} is for the solid under a mass. Give the mass of the block, such as "
                 "--mass 104g, or leave it out: then modes are found."
             )
+
+
+_OF_BENCH = frozenset({
+    "model", "arms", "elastic", "method", "cuts", "machine", "filter", "thorough", "shifting",
+    "save_shifts", "temperatures", "specimen",
+})  # fmt: skip
+USED: dict[str, frozenset[str]] = {
+    "bench": _OF_BENCH,
+    "joint": _OF_BENCH | {
+        "mass", "seals", "seal_mass", "band", "compression", "rig", "hammer", "known",
+        "stiffness_table", "impact_temperature",
+    },
+    "hits": frozenset({"mass", "band", "hammer"}),
+    "modes": frozenset({"band", "motion"}),
+    "masses": frozenset({"mass", "seals", "band"}),
+    "level": frozenset({"model", "machine", "mass", "seals", "band", "levels", "at", "motion"}),
+    "rod": frozenset({
+        "model", "arms", "mass", "band", "rig", "hammer", "rod", "density", "poisson",
+        "temperatures", "specimen",
+    }),
+    "cld": frozenset({
+        "compression", "between", "force_limits", "machine", "memory", "temperatures", "specimen",
+    }),
+    "stress-strain": frozenset({
+        "model", "memory", "test", "poisson", "stretches", "terms", "measures", "temperatures",
+        "specimen",
+    }),
+    "indentation": frozenset({"model", "mass", "indenter"}),
+    "slam": frozenset({"mass", "memory", "slam", "temperatures", "specimen"}),
+}  # fmt: skip
+"""Which options each fit uses beside those of reading and result, as the verb receives them."""
+_FITS = {
+    "bench": "tests on a bench", "joint": "the solid under one mass",
+    "hits": "hammer hits without a mass", "modes": "the modes of FRFs",
+    "masses": "FRFs under several masses", "level": "tests at several amplitudes",
+    "rod": "a rod under a mass", "cld": "load deflection", "stress-strain": "stress over strain",
+    "indentation": "the hit of an indenter", "slam": "slams",
+}  # fmt: skip
+"""What each of those fits is of."""
+
+
+def _refuse_unused(context: click.Context, meant: str) -> None:
+    """Refuse an option that the fit of these records does not use.
+
+    Raises
+    ------
+    click.UsageError
+    """
+    used = USED.get(meant)
+    if used is None:  # a kind of the register alone, which says what it takes
+        return
+    for one in command.options:
+        shared = one.group in {options.READING, options.RESULT}
+        if shared or one.names & used or not one.typed(context):
+            continue
+        *others, last = [_FITS[fit] for fit in USED if one.names & USED[fit]]
+        suited = f"{', '.join(others)} or {last}" if others else last
+        raise click.UsageError(
+            f"{one.flag} is for {suited}. Here it would change nothing, as these files are fitted "
+            f"as {_FITS[meant]}: leave it out."
+        )
 
 
 _RUN = {

@@ -178,14 +178,16 @@ def fit(
     reference = si(reference, "temperature")
     if len(temperatures) > 1:
         at = reference_of(temperatures, reference)
-        return _of_temperatures(records, asked, vertical=vertical, shift_law=shift_law, at=at)
+        found = _of_temperatures(records, asked, vertical=vertical, shift_law=shift_law, at=at)
+        return _with_law(found, law)
     here = len(temperatures) == 1 and reference in {None, *temperatures.tolist()}
     refuse_shifts("the tests are", vertical, shift_law, None if here else reference)
     if law == "nonlinear":
         _refuse_history(records)
-        return _by_ramp(records, _law_of(records, law, asked.count), asked.count)
+        found = _by_ramp(records, _law_of(records, law, asked.count), asked.count)
+        return _with_law(found, law)
     try:
-        return _of_one_temperature(records, design, asked)
+        return _with_law(_of_one_temperature(records, design, asked), law)
     except FitError as error:
         stops = (one for record in records for one in record.checks if one.failed)
         cause = next((one.typed for one in stops if one.grade == "stop"), "")
@@ -202,6 +204,15 @@ def _refuse_history(records: Sequence[RampHold]) -> None:
             "its ramp answers to as well: ask for a linear law, or cut the record to the test of a "
             "seal that has rested"
         )
+
+
+def _with_law(found: Fit, law: RampLawAsked) -> Fit:
+    """Return a fit whose last step names the elastic law that was asked for, if one was."""
+    if law == "auto" or not found.steps or found.steps[-1].name != "fit":
+        return found
+    *earlier, last = found.steps
+    step = replace(last, parameters=(*last.parameters, ("elastic", law)))
+    return replace(found, provenance=replace(found.provenance, steps=(*earlier, step)))
 
 
 def followed(test: RampHold, found: Fit) -> Fit:
@@ -286,10 +297,11 @@ def _own(record: RampHold, law: RampLawAsked, *, thorough: bool) -> Own:
     data = data_of([record], Design("full"))
     asked = Asked("auto", _OWN_ARMS, thorough=thorough)
     gate = gated(Holds([record]), data, asked)
-    if gate.sound or law == "linear" or record.loading_start is not None:
+    bend = law == "nonlinear"
+    if law == "linear" or record.loading_start is not None or (gate.sound and not bend):
         return Own.of(record, kelvin, gate.first, None)
     bent = _law_of([record], law)
-    if bent.sound:
+    if bent.sound and not bend:
         return Own.of(record, kelvin, gate.first, None)
     block = block_of(
         record, terms=("offset", "drift"), index=0, start=record.settled.start, law=bent.law

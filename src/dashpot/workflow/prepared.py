@@ -69,17 +69,20 @@ def prepared_files(
     options: ReadOptions | None = None,
     machine: Machine | None = None,
     temperatures: Sequence[float] = (),
+    filter: str | None = None,
+    cuts: Cuts | None = None,
 ) -> tuple[RampHold, ...]:
     """Return the relaxation tests in files, prepared, each by the loading that was asked for.
 
-    `temperatures`, K, are one for all of them, or one for each.
+    `temperatures`, K, are one for all of them, or one for each; `filter` and `cuts` as
+    :func:`prepared_tests` takes them.
     """
     tests = [
         read_relaxation(path, options=options, specimen=one)
         for path, one in zip(files, each_specimen(None, temperatures, len(files)), strict=True)
     ]
     cycle = None if options is None else options.cycle
-    return prepared_tests(tests, machine=machine, cycle=cycle)
+    return prepared_tests(tests, filter=filter, machine=machine, cuts=cuts, cycle=cycle)
 
 
 def refuse_others(tests: Sequence[RampHold], found: Fit) -> None:

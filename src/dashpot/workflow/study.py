@@ -18,7 +18,7 @@ from dashpot.base.offered import Pictured
 from dashpot.base.progress import doing
 from dashpot.base.sentences import paragraph
 from dashpot.base.units import Quantity, Range, si, si_range, written
-from dashpot.fitting.identification.asked import HammerRig
+from dashpot.fitting.identification.asked import BenchFit, HammerRig
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
@@ -300,6 +300,7 @@ def characterise(
             both = identify(
                 measured, tests=every, fit=chosen, mass=given, seals=seals, band=band,
                 compression=felt.compression, family=family, rig=HammerRig().on(machine),
+                bench=BenchFit(method, law),
             )  # fmt: skip
             on = on._replace(mass=both.mass_found or mass, seals=seals * both.under_hammer)
             mended = _Mended(both, *_predicted(both, measured, on))

@@ -30,7 +30,7 @@ def run(given: Given) -> Outcome:
     )  # fmt: skip
     given.draw(lambda: _figure(found, records))
     if given["save_shifts"]:
-        write(given["save_shifts"], _shift_table(found))
+        write(given["save_shifts"], shift_table(found))
     given.keep(found, **_figures(found, records))
     return Outcome(
         found,
@@ -41,7 +41,8 @@ def run(given: Given) -> Outcome:
     )
 
 
-def _shift_table(found: dp.Fit) -> str:
+def shift_table(found: dp.Fit) -> str:
+    """Return the shift factors of a fit of several temperatures as CSV."""
     from dashpot.io.write import write_shifts
 
     if found.temperatures is None:

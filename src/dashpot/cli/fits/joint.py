@@ -13,6 +13,7 @@ from dashpot.base.choices import FamilyAsked
 from dashpot.cli._shell import Outcome, is_json, typed, write
 from dashpot.cli.fits import hits
 from dashpot.cli.fits._given import Given
+from dashpot.cli.fits.bench import shift_table
 
 _A_DECK = ("--to", "nastran", "--unit-system", "mm-t-s", "-o", "seal.bdf")
 VIBRATION = ("impact", "frf", "transmissibility")
@@ -30,6 +31,11 @@ def run(given: Given) -> Outcome:
     beside = [path for path in given.files if path not in measured]
     fits = [path for path in beside if is_json(path)]
     reading = given.reading
+    if given["elastic"] == "by-depth":
+        raise click.UsageError(
+            "--elastic by-depth is for relaxation tests of several depths without a hammer. Fit "
+            "them first, then the fit with the hammer."
+        )
     found = workflow.identify_files(
         measured,
         fits=[workflow.read_fit(path) for path in fits],
@@ -39,10 +45,14 @@ def run(given: Given) -> Outcome:
         mass=given.mass,
         family=given.model(FamilyAsked, "maxwell"),
         seals_assumed="--seals" not in given.again(),
+        law=given["elastic"],
+        **given.some("method", "cuts", "filter", "thorough", "shifting"),
         **given.some("rig", "seal_mass", "seals", "compression", "impact_temperature", "arms",
                      "known", "band", "machine", "temperatures", "specimen", "hammer"),
     )  # fmt: skip
     given.draw(lambda: dp.plot.stiffness(found.fit))
+    if given["save_shifts"]:
+        write(given["save_shifts"], shift_table(found.fit))
     if given["stiffness_table"]:
         write(given["stiffness_table"], found.direct.table)
     if given.output and given.output.lower().endswith(hits.FRF):

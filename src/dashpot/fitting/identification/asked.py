@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from math import isfinite
-from typing import Literal
+from typing import Any, Literal
 
+from dashpot.base.choices import Method, RampLawAsked, ShiftLaw, Vertical
 from dashpot.base.errors import DataError
 from dashpot.base.options import option
 from dashpot.base.units import Dimension, Quantity, si_fields, si_range
@@ -16,6 +17,32 @@ _DIMENSIONS: dict[str, Dimension] = {
     "natural_frequency": "frequency",
     "damping_ratio": "strain",
 }
+
+
+@dataclass(frozen=True)
+class BenchFit:
+    """How the relaxation tests are fitted that a hammer then joins.
+
+    The fields are arguments of :func:`~dashpot.fitting.relaxation.fit`.
+    """
+
+    method: Method = "full"
+    law: RampLawAsked = "auto"
+    thorough: bool = False
+    shift_law: ShiftLaw = "auto"
+    vertical: Vertical = "free"
+    reference: float | None = None
+
+    @property
+    def choices(self) -> dict[str, Any]:
+        """What differs from the usual, by the names of those arguments."""
+        every = {one.name: getattr(self, one.name) for one in fields(self)}
+        return {name: every[name] for name in every if every[name] != getattr(BenchFit, name)}
+
+    @property
+    def of_one_test(self) -> BenchFit:
+        """The same of a test by itself, which has one temperature."""
+        return BenchFit(self.method, self.law, self.thorough)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.choices import Method, words
 from dashpot.base.errors import DataError, FitError
 from dashpot.fitting.fractional.choice import refuse_beside_shifts
-from dashpot.fitting.identification.asked import HammerRig, KnownSolid
+from dashpot.fitting.identification.asked import BenchFit, HammerRig, KnownSolid
 from dashpot.fitting.identification.likelihood import (
     UNCHANGED,
     Constraints,
@@ -55,9 +55,15 @@ class Before(NamedTuple):
 
 
 def before_hammer(
-    records: Sequence[RampHold], fit: Fit | None, temperature: float | None, family: str
+    records: Sequence[RampHold],
+    fit: Fit | None,
+    temperature: float | None,
+    family: str,
+    bench: BenchFit,
 ) -> Before:
     """The earlier fits, at the temperature of the hammer, and the tests that they are of.
+
+    Tests that no earlier fit is of are fitted as `bench` says.
 
     Raises
     ------
@@ -69,11 +75,12 @@ def before_hammer(
     if len(temperatures_of(records)) > 1:
         refuse_beside_shifts(family)
     # arms are matched to arms: of a fractional solid, those of the same tests
-    before = _of_family("maxwell", fit) or fit_tests(list(records))
+    before = _of_family("maxwell", fit) or fit_tests(list(records), **bench.choices)
     if temperature is not None:
         before = before.at_temperature(temperature)
     same = len(records) == 1 and before.method in words(Method)
-    alone = [before] if same else [fit_tests(record) for record in records]
+    each = bench.of_one_test.choices
+    alone = [before] if same else [fit_tests(record, **each) for record in records]
     found, doubtful = (
         tuple(
             relaxation_data(record, before, alone=own, claimed=claimed)
@@ -84,7 +91,9 @@ def before_hammer(
     bent = before.elastic_law is not None and before.elastic_law.kind != "linear"
     if family == "maxwell" or bent:
         return Before(before, None, found, doubtful)
-    element = _of_family("fractional", fit) or fit_tests(list(records), family="fractional")
+    element = _of_family("fractional", fit) or fit_tests(
+        list(records), family="fractional", **bench.choices
+    )
     return Before(before, element, found, doubtful)
 
 

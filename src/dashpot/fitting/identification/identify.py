@@ -19,7 +19,7 @@ from dashpot.engine.solver.variable_projection import solve_orders
 from dashpot.fitting.checks.solid import arms_enough
 from dashpot.fitting.fractional.choice import checked_family
 from dashpot.fitting.fractional.projection import ArmColumns
-from dashpot.fitting.identification.asked import HammerRig, KnownSolid
+from dashpot.fitting.identification.asked import BenchFit, HammerRig, KnownSolid
 from dashpot.fitting.identification.checks import dashpot_not_missed
 from dashpot.fitting.identification.explanations import disagreement, freed
 from dashpot.fitting.identification.families import Rival, chosen_rival, judged_again
@@ -77,6 +77,7 @@ def identify(
     family: FamilyAsked = "maxwell",
     rig: HammerRig = HammerRig(),  # noqa: B008
     known: KnownSolid = KnownSolid(),  # noqa: B008
+    bench: BenchFit = BenchFit(),  # noqa: B008
 ) -> Fit:
     r"""Find the solid of one seal from the FRF of a mass on `seals` of them.
 
@@ -118,6 +119,8 @@ def identify(
         How well mass and channels are known.
     known : KnownSolid
         What the solid must also obey, and whether it has a dashpot beside its arms.
+    bench : BenchFit
+        How the tests are fitted that no earlier fit is of.
 
     Returns
     -------
@@ -137,7 +140,7 @@ def identify(
     records = ramp_holds(tests)
     refuse_copies(records)
     frf_data = frf_data_of(frf, seals=seals_of(seals), band=si_range(band, "frequency"), mass=mass)
-    before = before_hammer(records, fit, si(temperature, "temperature"), family)
+    before = before_hammer(records, fit, si(temperature, "temperature"), family, bench)
     point = point_of(before.known, mass, seals, compression)
     priors, constraints = priors_of(mass, rig, point), constraints_of(known, before)
     whole = IdentificationProblem(before.relaxations, frf_data, priors, constraints)
@@ -163,7 +166,7 @@ def identify(
     if apart is not None and apart.found is not final:
         # what explains both tests chose its arms anew
         final, orders = apart.found, [apart.found]
-    return identified(
+    solid = identified(
         final,
         orders,
         frf=frf,
@@ -179,6 +182,17 @@ def identify(
         dashpot=() if apart else (_dashpot_missed(best, own), *_arms_enough(best, arms, own)),
         rig=rig,
     )
+    return _with_choices(solid, bench)
+
+
+def _with_choices(found: Fit, bench: BenchFit) -> Fit:
+    """Return a fit whose last step names how its relaxation tests were fitted, if that was said."""
+    if not bench.choices:
+        return found
+    *earlier, last = found.steps
+    said = tuple((f"test {name}", str(value)) for name, value in bench.choices.items())
+    step = replace(last, parameters=(*last.parameters, *said))
+    return replace(found, provenance=replace(found.provenance, steps=(*earlier, step)))
 
 
 def _last_descent(problem: IdentificationProblem, theta: FloatArray) -> Candidate:

@@ -11,13 +11,14 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.choices import Method, RampLawAsked
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.facts import Fact
 from dashpot.base.offered import Judged, Series
 from dashpot.base.units import written
 from dashpot.base.version import byline
-from dashpot.fitting.identification.asked import HammerRig
+from dashpot.fitting.identification.asked import BenchFit, HammerRig
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.impact import read_impact
 from dashpot.io.readers.shaken import read_shaken
@@ -39,7 +40,7 @@ from dashpot.vibration.modal.dynamic_stiffness import (
 from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.workflow.checks import fit_is_tested, seals_counted
-from dashpot.workflow.job import HammerChoices, known_of_a_test
+from dashpot.workflow.job import Cuts, HammerChoices, known_of_a_test
 from dashpot.workflow.prepared import prepared_files, refuse_others
 from dashpot.workflow.response.resting import (
     LIMIT_LINES,
@@ -48,6 +49,7 @@ from dashpot.workflow.response.resting import (
     formal_limits,
     frf_limits,
 )
+from dashpot.workflow.shifting import ShiftChoices, shifted_ramps
 from dashpot.workflow.vibration.left_out import LeftOut, left_out
 from dashpot.workflow.vibration.measured import (
     average,
@@ -516,6 +518,12 @@ def identify_files(
     band: tuple[float, float] | None = None,
     tests: Sequence[str | Path] = (),
     machine: Machine | None = None,
+    filter: str | None = None,
+    cuts: Cuts | None = None,
+    method: Method = "full",
+    law: RampLawAsked = "auto",
+    thorough: bool = False,
+    shifting: ShiftChoices | None = None,
     specimen: Specimen | None = None,
     temperatures: Sequence[float] = (),
     impact_temperature: float | None = None,
@@ -530,6 +538,8 @@ def identify_files(
         The hammer's files, and relaxation tests to fit together with them.
     machine : Machine, optional
         What is known of the machine of the tests.
+    filter, cuts, method, law, thorough, shifting
+        How the tests are prepared and fitted, as in :class:`~dashpot.workflow.fits.BenchAsked`.
     temperatures : sequence of float
         Of the tests, K: one for all of them, or one for each, in their order; without tests, of
         the seals.
@@ -540,8 +550,8 @@ def identify_files(
     hammer, mass, band, specimen, asked
         As of :func:`identified`.
     """
-    bench = machine and machine.on_bench
-    known_of_a_test(bench, tests=len(tests), add="a relaxation test")
+    on_bench = machine and machine.on_bench
+    known_of_a_test(on_bench, tests=len(tests), add="a relaxation test")
     _refuse_both(asked.get("fits", ()), tests)
     if not tests and len(temperatures) > 1:
         raise ReadError(
@@ -549,14 +559,35 @@ def identify_files(
             "of the seals under the hammer"
         )
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
-    prepared = prepared_files(tests, machine=bench, options=options_with, temperatures=temperatures)
+    shifts = shifted_ramps(shifting or ShiftChoices())
+    bench = BenchFit(method=method, law=law, thorough=thorough, **shifts)
+    _refuse_without_tests(len(tests), bench, cuts or Cuts(), filter)
+    prepared = prepared_files(
+        tests, machine=on_bench, options=options_with, temperatures=temperatures, filter=filter,
+        cuts=cuts,
+    )  # fmt: skip
     if not tests and temperatures:
         specimen = replace(specimen or Specimen(), temperature=temperatures[0])
     asked["rig"] = (asked.get("rig") or HammerRig()).on(machine)
     return identified(
         frf, tests=prepared, mass=mass, band=band,
-        temperature=impact_temperature, specimen=specimen, hammer=hammer, **asked,
+        temperature=impact_temperature, specimen=specimen, hammer=hammer, bench=bench, **asked,
     )  # fmt: skip
+
+
+def _refuse_without_tests(tests: int, bench: BenchFit, cuts: Cuts, filter: str | None) -> None:
+    """Refuse what is said of relaxation tests where there are none.
+
+    Raises
+    ------
+    DataError
+    """
+    if not tests and (bench.choices or cuts != Cuts() or filter):
+        raise DataError(
+            "--method, --elastic, --cuts, --filter, --thorough, --reference, --shift and "
+            "--vertical say how relaxation tests are prepared and fitted, and there are none here. "
+            "Give the tests in place of their fit, or leave these options out."
+        )
 
 
 def identified(
