@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from functools import lru_cache
 
 from dashpot.base import units
 from dashpot.base.units import Dimension, Unit
@@ -125,6 +126,7 @@ def words_of_name(name: str) -> list[str]:
     return _WORDS.findall(re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name).casefold())
 
 
+@lru_cache(maxsize=4096)
 def names_factor(name: str) -> bool:
     """Whether a name is that of a factor or a summand of numbers.
 

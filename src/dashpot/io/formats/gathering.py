@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import chain
 
 import numpy as np
@@ -230,6 +231,7 @@ def _rate(array: Named) -> float:
     return stated_rate(array.name.rpartition(".")[2], float(np.squeeze(array.values)), array.unit)
 
 
+@lru_cache(maxsize=4096)
 def stated_rate(name: str, value: float, unit: str | None = None) -> float:
     """Return the sampling rate, Hz, that a number of this name states, 0 if it states none.
 
@@ -250,6 +252,7 @@ def stated_rate(name: str, value: float, unit: str | None = None) -> float:
     return 0.0
 
 
+@lru_cache(maxsize=4096)
 def names_start(name: str) -> bool:
     """Whether an attribute of this name says when a signal begins; its unit may stand behind it.
 

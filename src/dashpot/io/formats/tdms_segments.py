@@ -51,7 +51,10 @@ class SegmentReader(TdmsReader):  # type: ignore[misc]
 
     def _compare(self, owner: str, properties: list[tuple[str, Any]]) -> None:
         """Remember what a property that matters says otherwise than before samples were written."""
-        held = [path for path in self.object_metadata if _owns(owner, path)]
+        if self._number == 1:
+            return
+        channel = "'/'" in owner  # of its group and its own name; there may be tens of thousands
+        held = [owner] if channel else [path for path in self.object_metadata if _owns(owner, path)]
         before = max((self._values_until_now(path) for path in held), default=0)
         if not before:
             return
@@ -74,8 +77,8 @@ class SegmentReader(TdmsReader):  # type: ignore[misc]
 
     def _without_starts(self, properties: Any) -> Any:
         """The properties of a segment without a start that the first segment has stated."""
-        if properties is None:
-            return None
+        if properties is None or self._number == 1:
+            return properties
         return {
             path: [
                 (key, value)
