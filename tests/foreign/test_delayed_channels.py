@@ -126,7 +126,7 @@ def test_what_is_known_of_the_clocks_of_a_creep_test_is_heeded():
 def test_a_creep_test_takes_nothing_else_of_a_machine():
     one = delayed("creep", 5, 0.0, 50.0)
     test = dp.CreepTest(one["time"], 1e-3 * one["displacement"], one["force"], units="SI")
-    with pytest.raises(dp.DashpotError, match="drift= does not suit a creep test.*takes sync"):
+    with pytest.raises(dp.DashpotError, match=r"drift= does not suit a creep test.*takes sync"):
         dp.fit(test, machine=dp.Machine(drift=1e-3))
 
 

@@ -25,7 +25,6 @@ from dashpot.kinds import KINDS, takers
 from dashpot.kinds.hyperelastic.asked import MODES, Measures
 from dashpot.kinds.indentation.indenter import Indenter
 from dashpot.kinds.slam.asked import SlamAsked
-from dashpot.records.machine import Machine
 from dashpot.workflow.job import Job, LevelJob, RodChoices
 from dashpot.workflow.shifting import ShiftChoices
 

@@ -44,8 +44,8 @@ from dashpot.fitting.checks.solid import (
 )
 from dashpot.fitting.design import NUISANCE, evened
 from dashpot.fitting.fit_data import DOUBTED, FitData, determinable_arms
-from dashpot.fitting.nuisance import ROUNDING, Prior, Terms, at_rest, delay_prior
 from dashpot.fitting.nonlinear_ramp.checks import clocks_agree
+from dashpot.fitting.nuisance import ROUNDING, Prior, Terms, at_rest, delay_prior
 from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
 from dashpot.fitting.retardation import FLOW, GLASS, Retarded, spectrum_of
 from dashpot.fitting.spectrum import shared_where_few_fall_short
