@@ -18,10 +18,11 @@ A relaxation record misses if one of its 95 % limits does: of the accelerance of
 the mass that they bring to resonance at 12.7 Hz (there, its peak's height and frequency), of k(T)
 and k(3T), T the hold as the record was understood, or the most that k_inf may be. A sheet of
 another kind misses if what is asked of it (`SHEETS`) errs by more than 5 %; a hammer test if the
-95 % limits of |K*| or of the loss factor at its resonance do; a curve if a limit of its end does,
-or its plateau is off by more than 10 %. A claim misses where stiffness or loss factor lie off by
-more than the result says, anywhere in its band. A refusal gives no limits and no "use", and counts
-as neither held nor missed.
+95 % limits of |K*| or of the loss factor at its resonance do; a record with a late channel
+(`DELAYED`) if the interval of what a delay moves does; a curve if a limit of its end does, or its
+plateau is off by more than 10 %. A claim misses where stiffness or loss factor lie off by more than
+the result says, anywhere in its band. A refusal gives no limits and no "use", and counts as neither
+held nor missed.
 """
 
 from __future__ import annotations
@@ -62,17 +63,20 @@ from dashpot.kinds.indentation.read import read_indentation
 from dashpot.kinds.level.fit import fit_amplitude
 from dashpot.preparation.prepare import prepare
 from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.workflow.vibration.levels import of_amplitude
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from kit import curve_ends
 from kit.foreign import conditioning, curves, forced_orders, gaps
 from kit.foreign.catalogue import protocol_of, verdict_records
+from kit.foreign.delayed_channels import cycle_of, delayed, over_displacement
 from kit.foreign.hammer_rigs import KINDS as HAMMERS
 from kit.foreign.hammer_rigs import HammerRecord, struck_rig
 from kit.foreign.kinds import Sheet, nominal, sheets
 from kit.foreign.rigs import RIGS, Record, read, several
 from kit.foreign.truths import TRUTHS, Seal, Solid
+from kit.slam_memory import relaxed
 
 HERTZ, SEALS = 12.7, 2
 MISSED, HELD, SURE = 0.06, 0.93, 0.15
@@ -469,6 +473,67 @@ SHEETS: Mapping[str, Callable[[Sheet, Path], Answer]] = {
 }
 
 
+WITHIN = 1.96
+"""Standard errors of a 95 % interval; of limits, in quarters of their width."""
+
+
+def _late_creep(one: Sheet) -> Answer:
+    """Force over displacement at the end of the hold, by the limits."""
+    test = dp.CreepTest(one["time"], 1e-3 * one["displacement"], one["force"], units="SI")
+    found = dp.fit(test)
+    low, high = found.left_open["k_end"]
+    truth = over_displacement(one.truth["solid"], found.evidence.end_of_hold.time)
+    return found.verdict, WITHIN * abs(truth - (low + high) / 2) / ((high - low) / 2)
+
+
+def _late_loops(one: Sheet) -> Answer:
+    """The loss of a vanishing loop, of which sliders that stick are no part."""
+    test = dp.RelaxationTest(one["time"], 1e-3 * one["displacement"], one["force"], units="SI")
+    found = of_amplitude(test)
+    line = found.fit.lines[0]
+    truth = one.truth["seal"].stiffness(2 * np.pi * one.truth["frequency"]).imag
+    return found.verdict, abs(line.loss - truth) / line.loss_se
+
+
+def _late_cld(one: Sheet) -> Answer:
+    """The part of the work that is lost in the cycle that is told."""
+    columns = 1e-3 * one["displacement"], one["force"], one["time"]
+    found = cld(dp.CompressionTest(*columns, dp.Specimen(length=0.1), units="SI"))
+    x, force, top = cycle_of(one, found.cycle.number)
+    felt = np.maximum(x, 0.0)
+    put = np.trapezoid(force[: top + 1], felt[: top + 1])
+    lost = 1 + np.trapezoid(force[top:], felt[top:]) / put
+    return found.verdict, abs(found.cycle.hysteresis - lost) / found.cycle.hysteresis_se
+
+
+def _late_slam(one: Sheet) -> Answer:
+    """The loss factor, beside a relaxation test of the slow arms."""
+    piece = one.truth["piece"]
+    test = dp.SlamTest(one["time"], one["force"], one["acceleration"], units="SI")
+    random = np.random.default_rng([77, *one.name.encode()])
+    found = dp.fit(test, mass=piece.mass, memory=relaxed(piece, random))
+    loss = found.found[0]
+    off = piece.loss_factor(found.frequency) - loss.value
+    return found.verdict, WITHIN * abs(off) / ((loss.high - loss.low) / 2)
+
+
+DELAYED: Mapping[str, Callable[[Sheet], Answer]] = {
+    "creep": _late_creep, "loops": _late_loops, "cld": _late_cld, "slam": _late_slam,
+}  # fmt: skip
+
+
+def judged_delayed(one: Sheet) -> dict[str, object]:
+    """One line of a record with a late channel."""
+    start = time.process_time()
+    try:
+        verdict, error = DELAYED[one.kind](one)
+    except dp.DashpotError as refusal:
+        said: dict[str, object] = {"use": "refused", "because": [str(refusal)]}
+    else:
+        said = {**_said(verdict), "error": float(error), "allowed": WITHIN}
+    return {**said, "cpu": round(time.process_time() - start, 3)}
+
+
 def _said(verdict: dp.Verdict | Mapping) -> dict[str, object]:
     """What a verdict says, and because of which checks."""
     if isinstance(verdict, Mapping):
@@ -582,6 +647,14 @@ def work(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]
             name = {"group": group, "rig": False, "name": one.name, "seed": options.seed}
             yield name, lambda one=one: judged_sheet(one)
     yield from work_of_hammers(options)
+    for kind in DELAYED:
+        group = f"delays in {kind}"
+        for turn in range(options.kinds if wanted.search(group) else 0):
+            one = delayed(kind, options.seed + turn)
+            name = {
+                "group": group, "rig": False, "name": f"{turn} {one.name}", "seed": options.seed,
+            }  # fmt: skip
+            yield name, lambda one=one: judged_delayed(one)
     yield from work_of_curves(options)
     yield from work_of_claims(options)
 

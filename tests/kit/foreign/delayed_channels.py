@@ -10,10 +10,11 @@ from __future__ import annotations
 from math import pi
 
 import numpy as np
+from scipy.linalg import expm
 
 from .kinds import CYCLES, Sheet, _log_uniform, _start, responded
 from .slams import SPEEDS, drawn_piece, slammed
-from .truths import FAMILIES, Seal, drawn
+from .truths import FAMILIES, Seal, Solid, drawn
 
 RATES = (20.0, 50.0, 100.0, 200.0)
 """Samples a second."""
@@ -49,6 +50,15 @@ def creep(seed: int, late: float, rate: float) -> Sheet:
         "displacement [mm]": 1e3 * (moved + 1e-6 * random.standard_normal(len(moved))),
         "force [N]": shown + 1e-3 * random.standard_normal(len(shown)),
     }, {"solid": solid, "hold": hold, "ramp": ramp, "late": late / rate}, "late")  # fmt: skip
+
+
+def over_displacement(solid: Solid, time: float) -> float:
+    """1/J(t), N/m, by the matrix exponential of the arms' equations."""
+    k, tau = np.array(solid.k), np.array(solid.tau)
+    k_0 = solid.k_inf + k.sum()
+    A = (np.ones((len(k), 1)) * k / k_0 - np.eye(len(k))) / tau[:, None]
+    grown = np.linalg.solve(A, (expm(A * time) - np.eye(len(k))) @ (1 / k_0 / tau))
+    return 1 / float(1 / k_0 + k / k_0 @ grown)
 
 
 def loops(seed: int, late: float, rate: float) -> Sheet:
