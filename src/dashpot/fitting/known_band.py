@@ -18,11 +18,16 @@ Errors: TypeAlias = Callable[[float], tuple[float, float]]
 
 
 def known_band(
-    errors: Errors, band: tuple[float, float], lines: Mapping[float, tuple[float, float]]
+    errors: Errors,
+    band: tuple[float, float],
+    lines: Mapping[float, tuple[float, float]],
+    *,
+    around: float | None = None,
 ) -> tuple[tuple[float, float], BandError]:
     """Return the widest part of a band in which the loss factor is known, and how well.
 
-    Where it is known at no line the band stays as it is: the errors show that.
+    With `around` it is the part that holds this line. Where it is known at no line, or not at that
+    one, the band stays as it is: the errors show that.
 
     Parameters
     ----------
@@ -31,12 +36,19 @@ def known_band(
         Hz.
     lines : mapping of float to (float, float)
         Errors at some lines of the band, Hz, increasing; its two ends among them.
+    around : float, optional
+        One of these lines, Hz.
     """
     at, every = np.array(list(lines)), dict(lines)
     known = np.array([error[1] for error in lines.values()]) <= WELL_KNOWN
     if known.all() or not known.any():
         return band, _band_error(every)
-    first, last = max(runs(known).tolist(), key=lambda run: at[run[1]] / at[run[0]])
+    parts = runs(known).tolist()
+    if around is not None:
+        parts = [part for part in parts if at[part[0]] <= around <= at[part[1]]]
+        if not parts:
+            return band, _band_error(every)
+    first, last = max(parts, key=lambda run: at[run[1]] / at[run[0]])
     ends = []
     for inside, outside in ((first, first - 1), (last, last + 1)):
         end = float(at[inside])

@@ -80,7 +80,7 @@ USUAL: Mapping[str, Usual] = MappingProxyType({
         0.19, "of ln a_T in a kelvin", "WLF's universal constants 75 K above a glass transition"
     ),
     "cable": Usual(
-        0.02, "of the stiffness of the seals at the resonance",
+        0.015, "of the stiffness of the seals at the resonance",
         "trials: cables of accelerometers add 1 to 3 %",
     ),
     "loss of the cable": Usual(0.5, "its loss factor", "plasticised PVC and silicone jackets"),

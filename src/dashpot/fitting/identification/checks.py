@@ -10,6 +10,7 @@ import numpy as np
 from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.status import Status
 from dashpot.engine.inference.order import DECISIVE, MAX_SE_LN_TAU
+from dashpot.records.band_error import WELL_KNOWN, BandError
 from dashpot.records.evidence import Explanation
 
 STRAINED = 2.5
@@ -85,6 +86,19 @@ def relaxation_still_explained(number: int, ratio: float, *, missed: float = np.
         REMEDY,
         excused=missed < IMMATERIAL,
         grade="stop" if ratio > CONTRADICTED else None,
+    )
+
+
+@criterion("error of the loss factor", "<=", WELL_KNOWN, "our choice; 95 %", grade="note")
+def cables_described(known: BandError, peak: float) -> Finding:
+    """What nobody described of a hammer's rig leaves the loss factor at the peak known."""
+    error = float(np.interp(peak, known.frequency, known.loss_factor))
+    return Finding(
+        f"Cables, table and added mass leave the loss factor at {peak:.3g} Hz known to "
+        f"±{100 * error:.2g} %",
+        error,
+        "A cable of 3 % of the stiffness of the seals may add a quarter to a small loss",
+        Remedy("Hang the cables free, and say so.", "machine", "cable=0"),
     )
 
 

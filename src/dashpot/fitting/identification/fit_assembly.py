@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
+from dashpot.base.facts import NORMAL
 from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.fitting.assembly import FoundSolid, assembled
 from dashpot.fitting.checks.solid import optimum_found
@@ -19,7 +20,9 @@ from dashpot.fitting.identification.families import Rival, edged, family_checks
 from dashpot.fitting.identification.likelihood import DELAY_UNIT, UNCHANGED, Candidate
 from dashpot.fitting.identification.parametrisation import Arms
 from dashpot.fitting.identification.unseen_rig import moved_by_hammer_rig
+from dashpot.fitting.known_band import known_band
 from dashpot.fitting.relaxation_data import RelaxationData
+from dashpot.records.band_error import WELL_KNOWN, BandError
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual, parameter_names
 from dashpot.records.evidence import Evidence, Moved, OrderScore, Provenance
@@ -63,7 +66,7 @@ def identified(
         # which of the two solids is right is a doubt of its own
         physical = physical + np.outer(*[values - _physical(best, apart.other)[1]] * 2)
     residual, samples = _residual(best)
-    band = _band(best, before)
+    band = data_band(best, before)
     other = None if rival is None else rival.alternative(band)
     estimate = ParameterEstimate(
         names,
@@ -81,7 +84,9 @@ def identified(
         *family_checks(best, rival, other),
         *dashpot,
     )
-    estimate = estimate.with_rig(unseen)
+    of_noise, estimate = estimate, estimate.with_rig(unseen)
+    band, known_there = _known_band(best, band, of_noise, estimate)
+    answers = (*answers, checks.cables_described(known_there, best.problem.frf_data.peak_hz))
     end = end_of_data(best, before, estimate)
     law = None if before is None else before.elastic_law
     return assembled(
@@ -99,6 +104,7 @@ def identified(
             explanations=() if apart is None else apart.explanations,
             alternative=other,
             end_of_hold=end,
+            band_error=known_there,
         ),
         Provenance(
             "joint" if tests or before is not None else "frf",
@@ -234,7 +240,46 @@ def _score(candidate: Candidate) -> OrderScore:
     )
 
 
-def _band(best: Candidate, before: Fit | None) -> tuple[float, float]:
+def _known_band(
+    best: Candidate,
+    band: tuple[float, float],
+    of_noise: ParameterEstimate,
+    estimate: ParameterEstimate,
+) -> tuple[tuple[float, float], BandError]:
+    """Return the part of a band around the peak in which the loss factor is known, and how well.
+
+    What a rig may add unseen counts, but where it alone leaves the loss factor open at the peak:
+    the band is then what the noise leaves of it, and its errors say what the rig may have added.
+    """
+    solid, peak = best.point.model, best.problem.frf_data.peak_hz
+    model = solid.maxwell
+
+    def errors_by(known: ParameterEstimate) -> Callable[[float], tuple[float, float]]:
+        arms = known.of_arms(solid) if isinstance(solid, FractionalZener) else known
+
+        def errors(line: float) -> tuple[float, float]:
+            s = np.array([2j * np.pi * line], dtype=complex)
+            stiffness, loss_factor = arms.errors_of_vibration(model, s)
+            return NORMAL * stiffness, NORMAL * loss_factor
+
+        return errors
+
+    every, noise = errors_by(estimate), errors_by(of_noise)
+    # an error by a covariance costs little: so many lines place the ends to a few per cent
+    lines = sorted({*np.geomspace(*band, 8 * LINES_IN_BAND).tolist(), peak})
+    errors = every if every(peak)[1] <= WELL_KNOWN else noise
+    found, known = known_band(errors, band, {line: errors(line) for line in lines}, around=peak)
+    if errors is every:
+        return found, known
+    told = {line: every(line) for line in known.frequency}
+    return found, replace(
+        known,
+        stiffness=tuple(error[0] for error in told.values()),
+        loss_factor=tuple(error[1] for error in told.values()),
+    )
+
+
+def data_band(best: Candidate, before: Fit | None) -> tuple[float, float]:
     """Where the tests inform the solid: an octave about the peak, and what relaxation sees."""
     frf_data = best.problem.frf_data
     low = max(frf_data.peak_hz / 2, float(frf_data.lines.frequency[0]))
