@@ -35,9 +35,10 @@ from dashpot.fitting.relaxation_data import (
 )
 from dashpot.preparation.denoising import between_samples, rests, true_motion
 from dashpot.records.fit import Fit
+from dashpot.records.machine import USUAL
 from dashpot.records.relaxation import RampHold
 from dashpot.records.temperature import SAME_TEMPERATURE
-from dashpot.signals.unseen import earlier_press, machine_terms, set_sd, warming
+from dashpot.signals.unseen import earlier_press, folded_mains, machine_terms, set_sd, warming
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 
@@ -405,7 +406,8 @@ def unseen(
     """What a rig may add to the force that no record shows, in N a unit, and its sd in units.
 
     The machine gives under the force; its crosshead settles after its stop, where no reading moves;
-    what the cell carries before the ramp may be a seal that was pressed already; the seal warms.
+    what the cell carries before the ramp may be a seal that was pressed already; the seal warms;
+    the mains are folded to rest by a converter of which no filter is stated.
 
     Parameters
     ----------
@@ -437,6 +439,11 @@ def unseen(
     known = max(test.onset - test.ramp_time - test.time[0], 0.0)
     warms = warming(time, x, answer, since=known)
     found["warming"] = warms, unseen_warmth(test.specimen).sd
+    if test.machine.force_filter is None:
+        lines = folded_mains(time, step=test.step)
+        # four parts of one line of that size
+        sd = USUAL["folded mains"].size * peak / 2
+        found |= {f"mains@{i}": (line, sd) for i, line in enumerate(lines)}
     return found
 
 

@@ -72,6 +72,10 @@ USUAL: Mapping[str, Usual] = MappingProxyType({
         "simulation: 4 s after conditioning cycles, half of what is left",
     ),
     "rest after it": Usual(4.0, "s", "the time that a recorder takes to be started by hand"),
+    "folded mains": Usual(
+        5e-3, "of the largest force, as amplitude",
+        "8 mN of a seal of 1.5 N, before a converter that states no filter",
+    ),
     "warming": Usual(0.7, "K, of the seal over its record", "a room without a chamber"),
     "warming in a chamber": Usual(
         0.5, "K, of the seal over its record", "what a chamber holds its temperature to"

@@ -8,6 +8,8 @@ from dashpot.base.arrays import FloatArray
 from dashpot.records.machine import USUAL, Machine
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
+# Hz, and how far they go from that
+MAINS, MAINS_OFF = (50.0, 60.0), 0.05
 # K, of which the change is taken
 _RISE = 0.5
 # s for which a seal may have been pressed before its record
@@ -83,6 +85,30 @@ def _remembered(solid: GeneralizedMaxwell, rested: float) -> FloatArray:
     """What each arm keeps of a press after a rest, s, over its compression, N/m."""
     tau = np.asarray(solid.tau)
     return np.asarray(-np.expm1(-PRESSED_FOR / tau) * np.exp(-rested / tau) * solid.k)
+
+
+def folded_mains(time: FloatArray, *, step: float) -> tuple[FloatArray, ...]:
+    r"""Return lines of the mains that a converter without a filter folds to rest, of size 1.
+
+    At a rate of which 50 or 60 Hz is a multiple, its alias is slower than the record: no spectrum
+    shows it, and it looks like relaxation. The mains are off by up to `MAINS_OFF`; so a record is
+    asked about a half and a whole turn of it. Empty at any other rate.
+
+    Parameters
+    ----------
+    time : array, shape (n,)
+        Since the first sample, s.
+    step : float
+        From one sample to the next, s.
+    """
+    whole = float(time[-1])
+    if not step > 0 or not whole > 0:
+        return ()
+    aliases = [abs(mains - round(mains * step) / step) for mains in MAINS if mains * step > 0.5]
+    if not aliases or min(aliases) > MAINS_OFF + 1 / whole:
+        return ()
+    turns = [2 * np.pi * part * time / whole for part in (0.5, 1.0)]
+    return tuple(np.asarray(line(turn)) for turn in turns for line in (np.cos, np.sin))
 
 
 def warming(
