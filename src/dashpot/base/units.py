@@ -427,9 +427,13 @@ def typed(value: float, dimension: Dimension) -> str:
 
     >>> typed(0.1148, "mass"), typed(296.15, "temperature"), typed(1 / 3, "length")
     ('114.8g', '23degC', '0.3333333333333333m')
+    >>> typed(0.01, "strain"), typed(1 / 3, "strain")
+    ('1%', '0.3333333333333333m/m')
     """
-    plain = si_unit(dimension)
-    usual = find(_USUAL.get(dimension, ""), dimension) or plain
+    # behind a number the unit 1 is a digit more
+    share = dimension == "strain"
+    plain = parse_unit("m/m", dimension) if share else si_unit(dimension)
+    usual = find("%" if share else _USUAL.get(dimension, ""), dimension) or plain
     text = f"{(value - usual.offset) / usual.factor:.12g}{usual.word}"
     return text if parse_quantity(text, dimension) == value else f"{value!r}{plain.word}"
 

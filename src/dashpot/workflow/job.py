@@ -306,6 +306,7 @@ class ModesJob:
     )
     seals: float = like(Job, "seals")
     motion: OverBase = like(HammerChoices, "motion")
+    polarity: tuple[int, ...] | None = like(HammerChoices, "polarity")
     options: ReadOptions = part(ReadOptions)
 
 
