@@ -47,6 +47,8 @@ class How(TypedDict, total=False):
         ``delimiter``, ``decimal``, ``encoding``, ``skip``; ``segment``, ``cycle``, ``sheet``.
     rate : float or str
         Sampling rate, Hz, of a file without a clock.
+    window_decay : float or str
+        Time constant, s, of an exponential window that hits or an FRF carry; 0 if there is none.
     calibration : path
         Of a six-axis transducer, with `axis`.
     profile : path
@@ -55,7 +57,7 @@ class How(TypedDict, total=False):
     test : str
         Of stress over strain: ``"uniaxial"``, ``"compression"``, ``"biaxial"``, ``"planar"`` or
         ``"volumetric"``.
-    mass, radius, drop_height, impact_velocity : float or str
+    mass, radius, radius_error, drop_height, impact_velocity : float or str
         Of an indenter.
     """
 
@@ -72,11 +74,12 @@ class How(TypedDict, total=False):
     test: str
     mass: Quantity
     radius: Quantity
+    radius_error: Quantity
     drop_height: Quantity
     impact_velocity: Quantity
 
 
-_INDENTER = ("mass", "radius", "drop_height", "impact_velocity")
+_INDENTER = ("mass", "radius", "radius_error", "drop_height", "impact_velocity")
 _TEXT = {"skip": "skip_rows"}
 _TAKEN: Mapping[str, Callable[[Any], Any]] = {
     "units": dict, "axis": str, "calibration": str, "rate": lambda rate: si(rate, "frequency"),
