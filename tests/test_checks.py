@@ -223,6 +223,17 @@ def stuck(share: float) -> Check:
     return preparation.readings_renewed(replace(RECORD, force=force), force, PLATE)
 
 
+def stuck_gauge(share: float) -> Check:
+    """A displacement with noise that keeps one value for this share of the held load."""
+    time = np.arange(-100, 4001) / 100
+    x = np.clip(time, 0, 1) + 0.01 * np.random.default_rng(0).standard_normal(len(time))
+    test = LoadHold(time, x, x, x, 0.0, 1.0, 40.0, 1.0, displacement_noise=0.01)
+    held = test.hold
+    first, count = held.start + 2000, round(share * (held.stop - held.start))
+    x[first : first + count] = x[first]
+    return preparation.travel_renewed(test, x)
+
+
 def quantised() -> np.ndarray:
     return np.random.default_rng(0).integers(0, 8, 500).astype(float)
 
@@ -488,6 +499,7 @@ PREPARATION = [
     ),
     Case("samples_unbroken", lambda x: preparation.samples_unbroken(pause(x)), 0.1999, 0.2001),
     Case("readings_renewed", stuck, 20 / 4001, 21 / 4001),
+    Case("travel_renewed", stuck_gauge, 19 / 3901, 20 / 3901),
     Case("spikes_absent", whole(lambda n: preparation.spikes_absent(spiked(n))), 0, 1),
     Case(
         "temperature_as_stated",
@@ -1615,7 +1627,7 @@ LIMITS = {
         "ramp_recorded": 1.1,
         "history_explained": 0.03, "face_recovered": 0.01, "history_forgotten": 0.005,
         "overshoot_small": 0.05, "samples_unbroken": 0.2, "spikes_absent": 0,
-        "readings_renewed": 0.005,
+        "readings_renewed": 0.005, "travel_renewed": 0.005,
         "clock_steady": 0.25,
         "temperature_as_stated": 1, "temperature_held": 1,
         "columns_plausible": 0.03, "motion_resolved": 0.125, "motion_measured": 0,

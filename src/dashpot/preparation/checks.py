@@ -842,6 +842,30 @@ def load_begins_at_rest(test: LoadHold) -> Finding:
     )
 
 
+@criterion("part of the hold", "<=", MAX_FROZEN, "our choice: a shorter stretch moves no stiffness")
+def travel_renewed(test: LoadHold, displacement: FloatArray) -> Finding:
+    """The displacement is read anew from sample to sample while the load is held.
+
+    Of a load that is held nothing else is expected than that it stands. `displacement` is of the
+    same samples as it stands in the file.
+    """
+    x, time = displacement[test.hold], test.time[test.hold]
+    turn = 1.0 if (x - x.mean()) @ test.displacement[test.hold] >= 0 else -1.0
+    # what creeps rises; it is turned, for what relaxes falls
+    found = frozen_runs(-turn * x, since=time - test.ramp_end)
+    if not len(found):
+        return Finding("The displacement stands at no value while it should scatter or change", 0.0)
+    first, last = found[np.argmax(np.diff(found)[:, 0])]
+    share = float(np.sum(np.diff(found) + 1)) / len(x)
+    return Finding(
+        f"The displacement has one and the same value for {last - first + 1} samples, from "
+        f"{time[first]:.4g} to {time[last]:.4g} s",
+        share,
+        f"Its other samples rule that out: it was not read for {100 * share:.2g} % of the hold",
+        "Repeat the test.",
+    )
+
+
 @criterion("change in the hold / load", "<=", MAX_LOAD_CHANGE, grade="note")
 def load_held(test: LoadHold) -> Finding:
     """The load stays what it is held at, or the fit follows it."""

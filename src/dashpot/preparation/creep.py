@@ -98,6 +98,7 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
     answers = (
         checks.load_begins_at_rest(record),
         checks.load_held(record),
+        checks.travel_renewed(record, test.displacement),
         checks.clock_steady(record),
         *checks.of_temperature(test.specimen),
     )

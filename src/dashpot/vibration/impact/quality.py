@@ -9,6 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.units import written
+from dashpot.signals.frozen import frozen_runs
 from dashpot.vibration.impact.hits import HitBlock, width_at
 from dashpot.vibration.modal.peaks import run_about
 
@@ -109,6 +110,24 @@ def _faults(hit: HitBlock) -> Iterator[str]:
             f"{written(abs(after), 'ms', '.0f')} {'after' if after > 0 else 'before'} it"
         )
     yield from _overloads(hit)
+    yield from (says for says, rings in _standing(hit) if rings)
+
+
+def _standing(hit: HitBlock) -> Iterator[tuple[str, bool]]:
+    """Where a response keeps one value that its noise rules out, and whether it still rang."""
+    measured = len(hit.force) - hit.missing
+    length = max(measured // 16, 4)
+    for number, row in enumerate(hit.acceleration[:, :measured], 1):
+        found = frozen_runs(row, leaps=False)
+        if len(found):
+            first, last = found[np.argmax(np.diff(found)[:, 0])]
+            before = row[max(first - length, 0) : first + 1]
+            loudest = float(row[hit.onset :][:length].std())
+            says = (
+                f"acceleration {number} has one and the same value for {last - first + 1} samples, "
+                f"from {first / hit.rate:.3g} s on; check the cable and the converter"
+            )
+            yield says, bool(float(before.std()) > DECAYED * loudest)
 
 
 def _overloads(hit: HitBlock) -> Iterator[str]:
@@ -155,6 +174,7 @@ def _doubts(hit: HitBlock, windowed: bool) -> Iterator[str]:
         )
     yield from _ringing(hit, windowed)
     yield from _undershoot(hit)
+    yield from (says for says, rings in _standing(hit) if not rings)
 
 
 def _ringing(hit: HitBlock, windowed: bool) -> Iterator[str]:
