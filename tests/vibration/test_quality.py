@@ -129,3 +129,26 @@ def test_a_response_cut_short_is_said_with_a_limit_for_each_window():
     (windowed,) = judge(ringing, windowed=True).doubts
     assert "expected 25 % with a window" in windowed
     assert judge(hit(half_sine(12))).doubts == ()
+
+
+@pytest.mark.parametrize("noise", [0.0, 2e-3])
+@pytest.mark.parametrize("start", [300, 700, 1100])
+def test_a_response_that_stands_still_while_it_rings_is_a_fault(start, noise):
+    t = (np.arange(8192) - BEFORE) / 2048
+    ring = np.where(t > 0, np.exp(-2 * t) * np.sin(80 * t), 0)
+    ring = ring + noise * np.random.default_rng(1).standard_normal(len(t))
+    assert judge(hit(3 * half_sine(12), response=ring, noise=1e-3)).faults == ()
+    ring[start:] = ring[start]
+    faults = judge(hit(3 * half_sine(12), response=ring, noise=1e-3)).faults
+    assert any("acceleration 1 has one and the same value" in fault for fault in faults)
+
+
+@pytest.mark.parametrize("count", [1e-4, 1e-3, 1e-2, 5e-2])
+@pytest.mark.parametrize("noise", [0.0, 1e-4, 2e-3])
+def test_a_response_that_dies_away_in_counts_is_sound(count, noise):
+    t = (np.arange(16384) - BEFORE) / 2048
+    ring = np.where(t > 0, np.exp(-2 * t) * np.sin(80 * t), 0)
+    ring = ring + noise * np.random.default_rng(1).standard_normal(len(t))
+    ring = np.round(ring / count) * count
+    made = judge(hit(3 * half_sine(12), response=ring, noise=1e-3, seconds=8.0))
+    assert not any("one and the same value" in reason for reason in made.reasons)

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, fast_length, turned_sum, wave
+from dashpot.base.arrays import FloatArray, fast_length, median, turned_sum, wave
 from dashpot.base.provenance import Step
 from dashpot.base.units import written
 from dashpot.records.relaxation import Hum
@@ -107,7 +107,7 @@ def _plate_amplitude(moved: FloatArray, window: FloatArray, step: float, frequen
     power = np.abs(np.fft.rfft(windowed, bins)) ** 2
     at = round(frequency * bins * step)
     low, high = max(at - _NEIGHBOURS, 1), at + _NEIGHBOURS + 1
-    level = float(np.median(power[low:high])) / np.log(2)
+    level = median(power[low:high]) / np.log(2)
     size = abs(_transform(windowed, step, frequency))
     # a motion without noise has lines of rounding alone
     rounding = 1e-12 * float(np.abs(moved).max(initial=0.0)) * window.sum()

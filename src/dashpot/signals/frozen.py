@@ -38,7 +38,7 @@ THREE_LEVELS = 2.5
 # readings that turn back by that much, at least, and their part of all that differ, by which the
 # noise is at least so many counts (simulated, whatever the drift)
 FEWEST_TURNS = 10
-TURNS = ((0.01, 0.25), (0.1, 0.4), (0.3, 0.6), (0.5, 0.9))
+TURNS = ((0.01, 0.25), (0.08, 0.4), (0.25, 0.6), (0.4, 0.9))
 # counts of a leap, times the usual step, and readings after it that stay there
 LEAP, USUAL_STEPS, AFTER = 4.0, 6.0, 7
 # samples in which a channel changes by so many counts before it stops
@@ -125,10 +125,10 @@ def _shortest_fault(
     steps = np.diff(levels)
     bends = np.diff(steps)
     noisy = np.abs(bends) > THREE_LEVELS * least
+    # the crests of a wave turn back, too, but bend one way
+    noisy[1:] &= bends[:-1] * bends[1:] < 0
     if turns:
         noisy &= steps[:-1] * steps[1:] < 0
-    else:
-        noisy[1:] &= bends[:-1] * bends[1:] < 0
     bends = np.abs(bends)
     share = float(np.mean(noisy)) if len(noisy) else 0.0
     if np.count_nonzero(noisy) < FEWEST_TURNS or share < TURNS[0][0]:

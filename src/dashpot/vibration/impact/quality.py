@@ -109,8 +109,10 @@ def _faults(hit: HitBlock) -> Iterator[str]:
             f"double hit: a second pulse of {100 * second:.0f} % of the peak "
             f"{written(abs(after), 'ms', '.0f')} {'after' if after > 0 else 'before'} it"
         )
-    yield from _overloads(hit)
-    yield from (says for says, rings in _standing(hit) if rings)
+    overloads = tuple(_overloads(hit))
+    yield from overloads
+    if not overloads:
+        yield from (says for says, rings in _standing(hit) if rings)
 
 
 def _standing(hit: HitBlock) -> Iterator[tuple[str, bool]]:
