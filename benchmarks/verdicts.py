@@ -5,6 +5,7 @@
     python benchmarks/verdicts.py --table OUT.jsonl
 
 The relaxation records of `tests/kit/foreign`: its 42 truths on its 40 rigs, `--per` truths of each,
+on rigs of which a channel stands still, or whose servo hunts, or whose converter folds the mains,
 and by turns on `--several` rigs that have several faults at once; its other kinds of test, sound
 and spoilt by turns; `--conditioned` seals that were pressed before their test, of which limits of
 k(T), k(3T) and k_inf are asked; `--hammers` hammer tests of each kind of rig (`hammer_rigs`:
@@ -74,6 +75,7 @@ from kit.foreign.delayed_channels import cycle_of, delayed, over_displacement
 from kit.foreign.hammer_rigs import KINDS as HAMMERS
 from kit.foreign.hammer_rigs import HammerRecord, struck_rig
 from kit.foreign.kinds import Sheet, nominal, sheets
+from kit.foreign.lying_channels import CHANNELS
 from kit.foreign.rigs import RIGS, Record, read, several
 from kit.foreign.truths import TRUTHS, Seal, Solid
 from kit.slam_memory import relaxed
@@ -623,6 +625,19 @@ def work(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]
                 name,
                 lambda number=number, rig=rig: judged(
                     next(verdict_records([TRUTHS[number]], [rig], options.seed))
+                ),
+            )
+    for turn in range(options.per):
+        for rig in filter(wanted.search, CHANNELS):
+            truth, seed = (
+                TRUTHS[(5 * turn + crc32(rig.encode())) % len(TRUTHS)],
+                options.seed + turn,
+            )
+            name = {"group": rig, "rig": True, "name": f"{turn} {truth.name}", "seed": options.seed}
+            yield (
+                name,
+                lambda truth=truth, rig=rig, seed=seed: judged(
+                    read(Seal(truth), protocol_of(truth), CHANNELS[rig], seed=seed, name=rig)
                 ),
             )
     for turn in range(options.several if wanted.search(SEVERAL) else 0):

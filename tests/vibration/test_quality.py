@@ -140,7 +140,9 @@ def test_a_response_that_stands_still_while_it_rings_is_a_fault(start, noise):
     assert judge(hit(3 * half_sine(12), response=ring, noise=1e-3)).faults == ()
     ring[start:] = ring[start]
     faults = judge(hit(3 * half_sine(12), response=ring, noise=1e-3)).faults
-    assert any("acceleration 1 has one and the same value" in fault for fault in faults)
+    # at its lowest value it may as well be cut off there
+    words = ("acceleration 1 has one and the same value", "acceleration 1 overloads")
+    assert any(fault.startswith(words) for fault in faults)
 
 
 @pytest.mark.parametrize("count", [1e-4, 1e-3, 1e-2, 5e-2])

@@ -161,6 +161,10 @@ FOLDED: Mapping[str, Rig] = MappingProxyType({
 })  # fmt: skip
 
 
+CHANNELS: Mapping[str, Rig] = MappingProxyType({**LYING, **HUNTING, **PICKED_UP, **FOLDED})
+"""What verdicts are judged on."""
+
+
 def stepped(
     seal: Seal, levels, *, ramp: float = 1.0, rest: float = 10.0, rate: float = 50.0,
     noise: float = 3e-3, encoder: float = 0.0, seed: int = 0,
@@ -198,5 +202,5 @@ STAIRS: Mapping[str, tuple[float, ...]] = MappingProxyType(
 )
 
 __all__ = [
-    "FOLDED", "HONEST", "HUNTING", "LYING", "PICKED_UP", "STAIRS", "pressed", "stepped",
+    "CHANNELS", "FOLDED", "HONEST", "HUNTING", "LYING", "PICKED_UP", "STAIRS", "pressed", "stepped",
 ]  # fmt: skip
