@@ -50,8 +50,8 @@ MAX_MISREAD, MAX_WARMED = 1.0, 1.0
 GROSSLY = 2.0
 # of a hold: a channel that stood still, and a force that did so for too long
 MAX_FROZEN, GROSSLY_FROZEN = 0.005, 0.1
-# of the depth: a plate that moved
-MOVED = 1e-3
+# of the depth: a plate that moved; of the hold: in which it is braked
+MOVED, SOON = 1e-3, 0.05
 # bends of a motion that steps, at least
 TO_AND_FRO = 8
 # of the time from onset; of a leap of an even clock, which is then wrong by as much or lost it
@@ -443,9 +443,9 @@ def readings_renewed(test: RampHold, force: FloatArray, displacement: FloatArray
     since = time - test.ramp_end if not moves[resting.argmax() :].any() else None
     besides = force[:before], force[before:ramp]
     stuck = frozen_runs(turn * f, resting=resting, since=since, besides=besides)
-    # a plate that rests for good may well show no more noise
     still = frozen_runs(x, resting=np.zeros(len(x), dtype=bool))
-    still = still[still[:, 1] < len(x) - 1]
+    # a plate that soon rests for good may well show no more noise
+    still = still[(still[:, 1] < len(x) - 1) | (still[:, 0] > SOON * len(x))]
     of_force, of_plate = (float(np.sum(np.diff(one) + 1)) / len(f) for one in (stuck, still))
     channel, runs_of_it = ("force", stuck) if of_force >= of_plate else ("displacement", still)
     share = max(of_force, of_plate)
