@@ -1545,6 +1545,12 @@ READING = [
     Case(
         "force_of_a_bench", lambda x: reading.force_of_a_bench(x, "N", travel=5e-4), 0.0101, 0.0099
     ),
+    Case(
+        "stiffness_of_a_seal",
+        lambda x: reading.stiffness_of_a_seal(8e-3 * x, "mN", travel=8e-3, moves="mm"),
+        10.01,
+        9.99,
+    ),
     Case("ramp_not_slow", lambda x: reading.ramp_not_slow(x, "s"), 199, 201),
     Case("size_possible", lambda x: possible(0.5 * x), 0.999, 1.001),
     Case("steps_of_one_unit", lambda x: reading.steps_of_one_unit(1e-3, x, 9.0, "s"), 2.01, 1.99),
@@ -1613,7 +1619,8 @@ STAGES = {
 LIMITS = {
     "export": {"rows_informed": 0, "nominal_informed": 0},
     "io/readers": {
-        "travel_of_a_seal": 0.2, "force_of_a_seal": 1000, "time_of_a_test": 0.1,
+        "travel_of_a_seal": 0.2, "force_of_a_seal": 1000, "stiffness_of_a_seal": 10.0,
+        "time_of_a_test": 0.1,
         "travel_of_a_bench": 2e-5, "force_of_a_bench": 0.01, "ramp_not_slow": 200,
         "ramp_not_fast": 0.3, "size_possible": 1, "hammer_not_heavy": 1000, "hammer_felt": 0.05,
         "shock_not_large": 1e6, "indenter_not_fast": 100, "contact_rate": 500,
@@ -1777,7 +1784,9 @@ GRADES = {
         "kinds/hyperelastic": {"volume_known"},
         "kinds/csr": {"f0_read", "cell_holds", "aging_beside_drift"},
         "kinds/slam": {"air_escapes", "piece_length_given"},
-        "io/readers": {"travel_of_a_seal", "force_of_a_seal", "ramp_not_slow"},
+        "io/readers": {
+            "travel_of_a_seal", "force_of_a_seal", "ramp_not_slow", "stiffness_of_a_seal",
+        },
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},
         "workflow": {
             "hold_fit_possible", "history_complete", "files_listed", "base_band_informed",

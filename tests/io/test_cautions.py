@@ -17,6 +17,7 @@ PLAIN = "time [s];displacement [mm];force [N]"
 
 DOUBTFUL = {
     "newtons under kN": (PLAIN.replace("[N]", "[kN]"), "kN"),
+    "newtons under mN": (PLAIN.replace("[N]", "[mN]"), "mN"),
     "seconds under min": (PLAIN.replace("[s]", "[min]"), "unit of time"),
     "a row of factors": (f"factor;1;1;0.1\n{PLAIN}", "factor;1;1;0.1"),
     "a gain": (f"Gain: 10\n{PLAIN}", "Gain: 10"),
@@ -65,6 +66,17 @@ def test_what_changes_no_number_costs_nothing(tmp_path: Path, head: str) -> None
     fitted = dp.fit(dp.read(path))
     assert fitted.verdict.use == "use"
     assert not any(one.name == "numbers_unambiguous" for one in fitted.checks)
+
+
+@pytest.mark.parametrize("rate", [20.0, 100.0, 250.0])
+def test_seconds_under_min_are_noted_at_any_rate(tmp_path: Path, rate: float) -> None:
+    path = tmp_path / "seal.csv"
+    columns = press_and_hold(rate, hold=20.0)
+    path.write_text(written(PLAIN.replace("[s]", "[min]"), columns))
+    assert dp.read(path).source.cautions
+    time, *others = columns
+    path.write_text(written(PLAIN.replace("[s]", "[min]"), (time / 60, *others)))
+    assert not dp.read(path).source.cautions
 
 
 def test_who_states_the_units_is_not_doubted(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from dashpot.base.units import in_unit
 
 LEAST_TRAVEL = SIZES["travel"].soft[0]
 LEAST_FORCE = SIZES["force"].soft[0]
+LEAST_STIFFNESS = SIZES["stiffness"].soft[0]
 LEAST_STRAIN = 0.05
 MOST_STRESS_FACTOR = 1e4
 
@@ -114,6 +115,25 @@ def force_of_a_bench(force: float, unit: str, *, travel: float) -> Finding:
         force,
         **_asked(beside, "force", unit, _LARGER),
         excused=travel < 5e-4,
+    )
+
+
+@criterion(
+    "rise of the force over travel, N/m",
+    ">=",
+    LEAST_STIFFNESS,
+    "our choice: a tenth of the softest foam strip; a probe meets less",
+    grade="note",
+)
+def stiffness_of_a_seal(force: float, unit: str, *, travel: float, moves: str) -> Finding:
+    """The force is as great, for its travel, as a seal answers with."""
+    says = f"The force goes over {short(force, 'N')} while the displacement goes over "
+    says += short(travel, "m")
+    return Finding(
+        says,
+        force / travel if travel > 0 else None,
+        **_asked(says, "force", unit, _LARGER),
+        excused=moves not in _COARSE,
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, FloatArray, median
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
+from dashpot.base.units import Unit
 from dashpot.io.table import Loaded
 from dashpot.signals.clock import BESIDE, LEAP, leaps
 
@@ -21,6 +22,10 @@ _LOUD = 0.1
 """Part of its peak beyond which a signal is not at rest."""
 _TOLD = 3
 """Leaps of a clock that are told one by one."""
+_MINUTE = 60.0
+_ROUND = (1.0, 2.0, 2.5, 4.0, 5.0, 8.0, 10.0)
+"""First digits of the steps of recorders, in the unit that they count by."""
+_NEARLY = 1e-3
 _FEW = 1e-3
 """Share of repeated time stamps that may be dropped."""
 
@@ -197,6 +202,30 @@ def clock_notes(time: FloatArray, *, stated: bool = False) -> list[str]:
     told = f"sampled at {rate:.3g} Hz, if the unit of time is right: are {read}?"
     says = f'{told} Say it with --units "time=ms"'
     return [says if stated else Caution(says, told)]
+
+
+def round_steps(time: FloatArray, unit: Unit) -> list[str]:
+    """Say if a clock in minutes or hours has steps that are round there, and no recorder's.
+
+    Parameters
+    ----------
+    time : array, shape (n,)
+        s.
+    unit : Unit
+        In which the file has it.
+    """
+    step = median(np.diff(time)) if len(time) > 1 else 0.0
+    if unit.factor < _MINUTE or not 0 < step <= 1:
+        return []
+    own = step / unit.factor
+    digits = own / 10.0 ** np.floor(np.log10(own) + 1e-9)
+    if min(abs(digits - one) for one in _ROUND) > _NEARLY:
+        return []
+    says = (
+        f"the clock's steps are {own:.3g} {unit.word}, round in {unit.word} and not in seconds "
+        f"({step:.3g} s): are these seconds?"
+    )
+    return [Caution(f'{says} Say it with --units "time=s"', says)]
 
 
 def _late_start(steps: FloatArray) -> list[str]:

@@ -117,7 +117,10 @@ def recorded(
     if not keep.all():
         values = {role: column[keep] for role, column in values.items()}
     stated = rate is not None or channels.is_stated(file, chosen[0])
-    return values, [*notes, *cleaning.clock_notes(values["time"], stated=stated)]
+    clock = cleaning.clock_notes(values["time"], stated=stated)
+    if not (stated or clock):
+        clock = cleaning.round_steps(values["time"], chosen[0].unit)
+    return values, [*notes, *clock]
 
 
 def signals(
@@ -188,6 +191,7 @@ def _refuse_sizes(
                 checks.size_possible("force", push, pushes, role="force"),
                 checks.force_of_a_seal(push, pushes),
                 checks.force_of_a_bench(push, pushes, travel=far),
+                checks.stiffness_of_a_seal(push, pushes, travel=far, moves=moves),
             ],
             "displacement": [
                 checks.size_possible("travel", far, moves, role="displacement"),
