@@ -11,6 +11,9 @@ from kit.shell import did, told
 
 import dashpot as dp
 from dashpot.base.provenance import Caution, cautions_in
+from dashpot.io.options import ReadOptions
+from dashpot.web import records
+from dashpot.workflow.kept.archive import from_json, to_json
 
 TIME, MOVED, FORCE = press_and_hold(20.0)
 PLAIN = "time [s];displacement [mm];force [N]"
@@ -84,6 +87,34 @@ def test_who_states_the_units_is_not_doubted(tmp_path: Path) -> None:
     path.write_text(written(f"Gain: 10\n{PLAIN}", (TIME, MOVED, FORCE)))
     fitted = dp.fit(dp.read(path, units={"force": "N"}))
     assert fitted.verdict.use == "use"
+
+
+def test_page_and_lot_have_the_check(tmp_path: Path) -> None:
+    path = tmp_path / "seal.csv"
+    path.write_text(written(f"Gain: 10\n{PLAIN}", (TIME, MOVED, FORCE)))
+    page = tmp_path / "fit.html"
+    did("fit", path, "-o", page)
+    assert "Gain: 10" in page.read_text(encoding="utf-8")
+    lot = tmp_path / "lot"
+    assert "use with care" in did("batch", path, "-o", lot).output
+    assert "numbers_unambiguous" in (lot / "lot.csv").read_text(encoding="utf-8")
+
+
+def test_a_record_that_is_kept_keeps_its_cautions(tmp_path: Path) -> None:
+    """As JSON, by which the app keeps what it has read."""
+    path = tmp_path / "seal.csv"
+    path.write_text(written(f"Gain: 10\n{PLAIN}", (TIME, MOVED, FORCE)))
+    record = dp.read(path)
+    assert from_json(to_json(record)).source == record.source
+    plain = tmp_path / "plain.csv"
+    plain.write_text(written(PLAIN, (TIME, MOVED, FORCE)))
+    assert "cautions" not in to_json(dp.read(plain))
+    (tmp_path / "files" / "one").mkdir(parents=True)
+    place = tmp_path / "files" / "one" / "seal.csv"
+    place.write_text(path.read_text())
+    for _ in range(2):  # as read, and as kept
+        kept = records.relaxation(str(place), ReadOptions(), None)
+        assert dp.fit(kept).verdict.reasons == ("numbers_unambiguous",)
 
 
 def test_every_kind_of_result_is_capped(tmp_path: Path) -> None:

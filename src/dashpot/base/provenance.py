@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Protocol, Self
 
-from dashpot.base.documents import EDGE
+from dashpot.base.documents import Documented
 
 SIMULATED = "simulated"
 """What a table says of a file that the virtual rig or hammer made."""
@@ -36,7 +36,7 @@ def cautions_in(notes: Iterable[str]) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True)
-class Source:
+class Source(Documented):
     """The file a record was read from.
 
     Attributes
@@ -54,8 +54,8 @@ class Source:
     simulated : bool
         True if the file says that it was made by the virtual rig or hammer.
     cautions : tuple of str
-        Those of the notes that can change a number. No document holds them: the checks of what is
-        made of the record do.
+        Those of the notes that can change a number, which the checks of what is made of the
+        record tell.
 
     Examples
     --------
@@ -64,13 +64,20 @@ class Source:
     'seal.csv'
     """
 
+    keys = ("file", "sha256", "reader", "columns", "notes", "simulated", "cautions=doubted?")
+
     file: str
     sha256: str
     reader: str = "text"
     columns: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     simulated: bool = False
-    cautions: tuple[str, ...] = field(default=(), metadata={EDGE: ()})
+    cautions: tuple[str, ...] = ()
+
+    @property
+    def doubted(self) -> tuple[str, ...] | None:
+        """The cautions; None without any, of which no document speaks."""
+        return self.cautions or None
 
 
 def of_file(source: Source | None, samples: int) -> str:

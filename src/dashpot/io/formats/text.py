@@ -193,7 +193,8 @@ def _factors(header: Sequence[str], *, units_given: bool) -> list[str]:
         stated = _FACTOR.search(line[:500])
         numbers = _NUMBER.findall(stated.string[stated.end() : 500]) if stated else []
         if any(float(number.replace(",", ".")) != 1.0 for number in numbers):
-            says = f"the header says '{line.strip()[:60]}'; no factor is applied to the numbers"
+            told = line.strip().replace("\t", " ")[:60]
+            says = f"the header says '{told}'; no factor is applied to the numbers"
             return [says if units_given else Caution(says)]
     return []
 
