@@ -202,6 +202,23 @@ def test_a_baseline_and_a_cell_speak_together() -> None:
     assert cell.drift_told((9.0, math.inf), final, duration) == (0.0, 2e-4, False)
 
 
+def test_a_baseline_that_contradicts_the_data_sheet_is_not_averaged() -> None:
+    """Box 1980: three standard deviations of what slope, change and cell leave."""
+    cell, final, duration = Machine(drift=2e-4), 1.5, 40.0
+    spread = math.sqrt(1e-10 + (1e-3 * final / duration) ** 2 + 4e-8)
+    for slope in (2.9 * spread, -2.9 * spread, 3.1 * spread, -3.1 * spread):
+        conflict = cell.drift_conflict((slope, 1e-5), final, duration)
+        assert conflict == pytest.approx(abs(slope) / (3 * spread))
+        mean, sd, told = cell.drift_told((slope, 1e-5), final, duration)
+        if conflict > 1:
+            assert (mean, told) == (0.0, False)
+            assert sd == pytest.approx(math.hypot(2e-4, slope))
+        else:
+            assert told
+            assert abs(mean) > 0.9 * abs(slope)
+    assert cell.drift_conflict((9.0, math.inf), final, duration) == 0.0
+
+
 # -- what a rig may add ---------------------------------------------------------------------------
 
 
