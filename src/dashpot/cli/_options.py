@@ -172,6 +172,21 @@ def given(*titles: str, but: Container[str] = ()) -> list[str]:
     ]
 
 
+def given_to(verb: str, *, but: Container[str] = ()) -> list[str]:
+    """Return the options that were typed and that another verb takes too, as typed.
+
+    `but` are flags that it is given otherwise.
+    """
+    root = click.get_current_context().find_root()
+    assert isinstance(root.command, click.Group)  # noqa: S101
+    other = root.command.get_command(root, verb)
+    assert isinstance(other, Verb)  # noqa: S101
+    known = {one.flag for one in other.options if one.group != RESULT}
+    own = click.get_current_context().command
+    assert isinstance(own, Verb)  # noqa: S101
+    return given(but={one.name for one in own.options if one.flag not in known or one.flag in but})
+
+
 def said_of_all(files: Sequence[str]) -> str:
     """Return how a column is said of one file alone, where one was said of several; else nothing.
 

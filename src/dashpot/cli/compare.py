@@ -13,7 +13,7 @@ from dashpot import workflow
 from dashpot.base.choices import Method, words
 from dashpot.cli import _options as options
 from dashpot.cli._grammar import group, of, opt, refuse_others, rest, verb
-from dashpot.cli._options import HITS, MASS, READING, VIBRATION
+from dashpot.cli._options import MASS, VIBRATION
 from dashpot.cli._recognised import called, kinds_of, recognised, tell
 from dashpot.cli._shell import Outcome, grams, typed, write_figure
 from dashpot.cli._values import File
@@ -121,7 +121,7 @@ def _prediction(
     if fitted.method in words(Method):
         tests = [source.file for source in fitted.source]
         rig = ("--mass", block, "--seals", f"{seals:g}")
-        again = options.given(READING, HITS)
+        again = options.given_to("fit", but=("--mass", "--seals", "--model"))
         why = "fits both tests together"
         follow = typed("fit", *tests, *measured, *family, *rig, *again, why=why)
     return Outcome.of(found, follow=follow)

@@ -227,7 +227,6 @@ USED: dict[str, frozenset[str]] = {
     }),
     "stress-strain": frozenset({
         "model", "memory", "test", "poisson", "stretches", "terms", "measures", "temperatures",
-        "specimen",
     }),
     "indentation": frozenset({"model", "mass", "indenter"}),
     "slam": frozenset({"mass", "memory", "slam", "temperatures", "specimen"}),

@@ -16,7 +16,7 @@ from dashpot.cli import _options as options
 from dashpot.cli._grammar import group, of, opt, refuse_others, rest, verb
 from dashpot.cli._options import MASS, RAMP
 from dashpot.cli._recognised import recognised
-from dashpot.cli._shell import Outcome, grams, printed, typed, write, write_figure
+from dashpot.cli._shell import Outcome, printed, typed, write, write_figure
 from dashpot.cli._values import File, OneOf, WithUnit
 from dashpot.cli.fits._given import PAGE
 from dashpot.io.options import ReadOptions
@@ -177,12 +177,11 @@ def _under_mass(
     found = workflow.predict_files(
         fitted, mass=mass, relative=hammer.motion == "relative", **choices
     )
-    seals = choices["seals"]
     if picture:
         write_figure(picture, found.plot())
     if output:
         _keep(found, output)
-    return Outcome.of(found, follow="" if found.of_part else _follow(fit, mass, seals))
+    return Outcome.of(found, follow="" if found.of_part else _follow(fit))
 
 
 def _keep(found: workflow.Prediction, path: str) -> None:
@@ -199,9 +198,9 @@ def _keep(found: workflow.Prediction, path: str) -> None:
         raise click.UsageError(f"-o {path}: a prediction is written as .csv, .json or .html.")
 
 
-def _follow(fit: str, mass: float, seals: float) -> str:
-    rig = ("--mass", grams(mass), "--seals", f"{seals:g}")
-    return typed("compare", fit, "HAMMER", *rig, why="tests it with a hammer")
+def _follow(fit: str) -> str:
+    again = options.given_to("compare")
+    return typed("compare", fit, "HAMMER", *again, why="tests it with a hammer")
 
 
 # -- a door ---------------------------------------------------------------------------------------

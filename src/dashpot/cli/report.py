@@ -130,7 +130,7 @@ def command(
         verdict=study.verdict,
         follow=typed("verify", project, "--expect", history, why="recomputes it")
         if project
-        else _follow(job, study),
+        else _follow(files, job, study),
     )
 
 
@@ -168,12 +168,26 @@ def _amplitude(files: tuple[str, ...], output: str | None, reading: ReadOptions)
     return Outcome.of(found)
 
 
-def _follow(job: Job, study: Study) -> str:
-    """Return the command that keeps the solid which the report ends with."""
-    family = () if job.family == "maxwell" else ("--model", job.family)
-    files = (job.relaxation, *job.further)
-    if study.joint is None or study.mass is None:
-        return typed("fit", *files, *family, "-o", "fit.json", why="keeps the solid for export")
-    rig = ("--mass", grams(study.mass), "--seals", f"{study.seals:g}")
-    words = (*rig, *family, "-o", "joint.json")
-    return typed("fit", *files, *job.impact, *words, why="keeps the solid for export")
+_UNDER_MASS = ("--mass", "--seals", "--seal-mass", "--compression", "--band", "--relative")
+"""What is said of the mass on the seals, where the relaxation tests alone are fitted."""
+
+
+def _follow(files: Sequence[str], job: Job, study: Study) -> str:
+    """Return the command that keeps the solid which the report ends with.
+
+    It repeats every option that decided over that solid; nothing is returned where no fit does.
+    """
+    why = "keeps the solid for export"
+    if study.joint is not None and study.mass is not None:
+        # fewer arms than the relaxation test has are of its own fit alone
+        few = isinstance(job.arms, int) and job.arms < study.joint.few_arms.arms
+        again = options.given_to("fit", but=("--arms",) if few else ())
+        if job.mass is None:  # a fit takes no mass that is not known: one that is hardly known
+            found = ("--mass", grams(study.mass), "--mass-sd", grams(0.5 * study.mass))
+            again += found
+        return typed("fit", *files, *again, "-o", "joint.json", why=why)
+    if job.impact_temperature is not None:
+        return ""
+    hits = [one.flag for one in options.hammer()]
+    again = options.given_to("fit", but=(*_UNDER_MASS, *hits))
+    return typed("fit", job.relaxation, *job.further, *again, "-o", "fit.json", why=why)

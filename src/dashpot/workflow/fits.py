@@ -241,6 +241,11 @@ def _crept(
                 measured_compliance(one) if isinstance(one, LoadHold) else one for one in held
             ]
             record = one_temperature(curves, asked.shifting, asked.specimen)
+        if isinstance(record, LoadHold) and asked.shifting.at is not None:
+            raise FitError(
+                "--only picks one of several temperatures, and this creep test is of one: leave "
+                "it out"
+            )
         if not isinstance(record, Superposition) and asked.shifting.at is None:
             refuse_shifts("a creep test is", **shifted_ramps(asked.shifting))
         return fit_creep(record, arms=asked.arms, thorough=asked.thorough), (record,)
@@ -280,7 +285,7 @@ def _swept(
             "a dynamic sweep is fitted alone, with others at other temperatures, or with "
             "relaxation tests of the same part, without --elastic by-depth and --method hold"
         )
-    if asked.law == "nonlinear" or (asked.filter and not tests):
+    if asked.law != "auto" or (asked.filter and not tests):
         raise FitError(
             "a dynamic sweep is of a linear solid, and nothing of it is filtered: leave out "
             "--elastic "

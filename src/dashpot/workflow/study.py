@@ -297,10 +297,12 @@ def characterise(
         felt = _felt(chosen, every, measured, on)
         if joint and measured is not None:
             doing("fitting relaxation and hammer together")
+            usual = BenchFit(method, law)
+            before, number = _before_hammer(chosen, every, arms, usual, impact_temperature)
             both = identify(
-                measured, tests=every, fit=chosen, mass=given, seals=seals, band=band,
-                compression=felt.compression, family=family, rig=HammerRig().on(machine),
-                bench=BenchFit(method, law),
+                measured, tests=every, fit=before, mass=given, seals=seals, band=band, arms=number,
+                compression=felt.compression if given is None else compression,
+                family=family, rig=HammerRig().on(machine), bench=usual,
             )  # fmt: skip
             on = on._replace(mass=both.mass_found or mass, seals=seals * both.under_hammer)
             mended = _Mended(both, *_predicted(both, measured, on))
@@ -333,6 +335,26 @@ def characterise(
 def _on_bench(machine: Machine | None, measured: FRF | None) -> Machine | None:
     """What is known of the machine of the tests; of a hammer's rig only where there is one."""
     return machine if machine is None or measured is None else machine.on_bench
+
+
+def _before_hammer(
+    chosen: Fit,
+    tests: Sequence[RampHold],
+    arms: int | Literal["auto"],
+    bench: BenchFit,
+    temperature: Quantity | None,
+) -> tuple[Fit, int | Literal["auto"]]:
+    """Return the fit of the tests that the hammer joins, and how many arms both are to have.
+
+    A number of arms that was asked for is that of the joint fit, as in ``dashpot fit``, unless the
+    tests by themselves have more: then the data choose.
+    """
+    if arms == "auto":
+        return chosen, arms
+    own = fit(tests, **bench.choices)
+    if temperature is not None:
+        own = own.at_temperature(temperature)
+    return own, arms if arms >= own.model.arms else "auto"
 
 
 class _Carried(NamedTuple):

@@ -279,8 +279,8 @@ class CLD(ByValue, Pictured, Checked, Documented):
     """
 
     keys = (
-        "source.file", "source.sha256", "specimen.length", "contact", "contact_se", "preload",
-        "drift", "delay_sd", "cycle=cycle.number", "softening", "set", "least=least_of",
+        "source.file", "source.sha256", "specimen.length", "specimen", "contact", "contact_se",
+        "preload", "drift", "delay_sd", "cycle=cycle.number", "softening", "set", "least=least_of",
         "nominal=nominal_of", "most=most_of", "cycles", "checks",
     )  # fmt: skip
 

@@ -231,8 +231,13 @@ def _steps(average: Average, choices: Choices) -> tuple[Step, ...]:
         *_window_steps(average.transforms.shift - choices.recorded.rate, choices.window),
         *_sign_steps(average),
         *_combine_steps(average, choices),
-        Step("estimate", (("estimator", name),), f"{name}, linear averages"),
+        Step("estimate", (("estimator", name), *_by_name(choices)), f"{name}, linear averages"),
     )
+
+
+def _by_name(choices: Choices) -> tuple[tuple[str, str], ...]:
+    """Return the hits that were to be used whatever is wrong with them, if any."""
+    return (("accepted by name", ", ".join(choices.accept)),) if choices.accept else ()
 
 
 def _cut_step(hits: Sequence[HitBlock]) -> Step:

@@ -553,6 +553,11 @@ def identify_files(
     on_bench = machine and machine.on_bench
     known_of_a_test(on_bench, tests=len(tests), add="a relaxation test")
     _refuse_both(asked.get("fits", ()), tests)
+    if impact_temperature is not None and not (tests or asked.get("fits")):
+        raise ReadError(
+            "--hammer-temperature is for seals whose relaxation tests, or their fit, are of other "
+            "temperatures, and there are none here; say that of the seals by --temperature"
+        )
     if not tests and len(temperatures) > 1:
         raise ReadError(
             f"{len(temperatures)} temperatures and no relaxation test; expected one, that "

@@ -91,6 +91,7 @@ def measured_frf(
             raise ReadError(_NO_MASS)
         return judged_base(record, choices=choices, mass=mass, band=band)[0]
     if isinstance(record, FRF):
+        refuse_choices_of_hits(choices, "the file holds an FRF", but=("motion", "polarity"))
         frf = _turned(as_measured(record, choices.motion), choices)
         if frf.quantity.over_base and mass is None:
             raise ReadError(_NO_MASS)
