@@ -175,7 +175,10 @@ def outcome(job: BatchJob, found: Summary) -> Outcome:
         *found.lines,
         *_out(lot, quantity),
     ]
-    return Outcome(filled, Text(lines, _others(lot)), found.checks, verdict=found.verdict)
+    none = not lot.outcomes.get("fitted")
+    reasons = _others(lot)
+    text = Text([*lines, *reasons]) if none else Text(lines, reasons)
+    return Outcome(filled, text, found.checks, verdict=found.verdict, nothing_done=none)
 
 
 _LIGHTS = {"good": "", "note": "", "care": "! ", "bad": "!! "}

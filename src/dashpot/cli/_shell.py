@@ -47,6 +47,8 @@ class Outcome(NamedTuple):
         Leads the text; ``--strict`` heeds its checks, or all where there is no verdict.
     follow
         The command that comes next, if it can be named.
+    nothing_done
+        Nothing that was given could be used: the exit code is that of bad input.
     """
 
     found: Documented
@@ -55,6 +57,7 @@ class Outcome(NamedTuple):
     must_pass: bool = False
     verdict: Verdict | None = None
     follow: str = ""
+    nothing_done: bool = False
 
     @classmethod
     def of(cls, found: Any, *, follow: str = "") -> Outcome:
@@ -95,6 +98,8 @@ def reported(context: click.Context, run: Callable[[], Outcome]) -> None:
         _open(written)
     if outcome.follow and not as_json:
         to_stderr(f"next: {outcome.follow}")
+    if outcome.nothing_done:
+        sys.exit(2)
     if (said.get("strict") or outcome.must_pass) and outcome.weighty:
         sys.exit(1)
 

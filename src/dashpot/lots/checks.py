@@ -12,13 +12,16 @@ from dashpot.lots.statistics.gauge import LIMIT, TRUSTED, Gauge
 from dashpot.lots.statistics.scatter import NOT_NORMAL
 
 
-@criterion("files without a fit", "<=", 0, "by definition")
+@criterion(
+    "files without a fit", "<=", 0, "by definition", otherwise="stop where no file was fitted"
+)
 def files_fitted(without: int, files: int) -> Finding:
     """Every file of a batch is a test that was fitted."""
     return Finding(
         f"{files - without} of {files} files are tests that were fitted",
         without,
         remedy="Look up the reason of each other file in the table.",
+        grade="stop" if files and without == files else "limit",
     )
 
 

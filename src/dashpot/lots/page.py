@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import GRADES, Check
 from dashpot.base.numbers import counted, rounded
 from dashpot.base.units import written
@@ -371,13 +372,35 @@ def _causes(main: OfQuantity) -> Iterator[dict[str, Any]]:
     lots = main.lots
     if lots is None:
         return
-    whole = main.quantity.shown(lots.mean.centre)
+    centre, values = lots.mean.centre, np.asarray(lots.mean.values)
+    whole = main.quantity.shown(centre)
     for low, high in lots.mean.causes:
-        mean = float(np.mean(lots.mean.values[low : high + 1]))
-        named = lots.names[low] if low == high else f"{lots.names[low]} to {lots.names[high]}"
-        way = "high" if mean > lots.mean.centre else "low"
-        yield {"mark": "care", "name": f"Lots {named}", "filter": lots.names[low],
-               "says": f"lie {way}: {main.quantity.read(mean)}, all lots {whole}."}  # fmt: skip
+        run = np.arange(low, high + 1)
+        for way, side in (("low", run[values[run] < centre]), ("high", run[values[run] > centre])):
+            if not len(side):
+                continue
+            names = [lots.names[at] for at in side]
+            one = len(names) == 1
+            yield {
+                "mark": "care", "name": f"Lot{'' if one else 's'} {_listed(names, len(run))}",
+                "filter": names[0],
+                "says": f"{'lies' if one else 'lie'} {way}: {_ends(main, values[side])}, "
+                f"all lots {whole}.",
+            }  # fmt: skip
+
+
+def _listed(names: Sequence[str], run: int) -> str:
+    """Name lots of one run on one side of the centre: all of them by the first and the last."""
+    if len(names) > 2 and len(names) == run:
+        return f"{names[0]} to {names[-1]}"
+    *others, last = names
+    return f"{', '.join(others)} and {last}" if others else last
+
+
+def _ends(main: OfQuantity, values: FloatArray) -> str:
+    """The value of a lot, or the least and the largest of several."""
+    low, high = main.quantity.shown(float(values.min())), main.quantity.read(float(values.max()))
+    return high if len(values) == 1 else f"{low} to {high}"
 
 
 def _weighs(found: Summary) -> Iterator[dict[str, Any]]:

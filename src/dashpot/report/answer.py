@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from dashpot.base import numbers
 from dashpot.base.checks import Check
 from dashpot.base.numbers import counted, decibels, duration, percent, rounded, shown
-from dashpot.base.units import written
+from dashpot.base.units import in_unit, written
 from dashpot.report import attached
 from dashpot.report.attached import AttachedDeck, Attachment, attachment
 from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.modal.dynamic_stiffness import STORAGE_LIMIT
 from dashpot.workflow.kept.archive import to_json
 from dashpot.workflow.recommendation import Answer, Recommendation
 from dashpot.workflow.study import Study
@@ -109,9 +112,7 @@ def lights(study: Study, found: Recommendation) -> tuple[Light, Light, Light]:
         )
     return (
         test,
-        _light(
-            "Stiffness", held, {"stiffness_agrees"}, f"{percent(held.frequency_error)} in frequency"
-        ),
+        _stiffness_light(study, found, held),
         _light(
             "Damping",
             held,
@@ -119,6 +120,79 @@ def lights(study: Study, found: Recommendation) -> tuple[Light, Light, Light]:
             f"{decibels(held.ratio_db)} at the peak",
         ),
     )
+
+
+def _stiffness_light(study: Study, found: Recommendation, held: Comparison) -> Light:
+    """Whether the stiffness is that of the hammer, K' = m w^2 / n at its peak, and of the test.
+
+    A joint fit peaks where the hammer does with any mass. So its stiffness is held against the
+    limits of the relaxation test, and its disagreement with either test is heeded.
+    """
+    asked = [check for check in held.checks if check.name == "stiffness_agrees"]
+    if found.joint and study.joint is not None:
+        asked += [check for check in study.joint.checks if check.name in _STIFF]
+    mark = mark_of(asked)
+    seen = _storage_at_peak(study, found)
+    if seen is None:
+        said = f"{percent(held.frequency_error)} in frequency"
+    else:
+        off = max(seen.off, default=0.0)
+        worst = "bad" if off > 2 * STORAGE_LIMIT else "care" if off > 0 else "good"
+        mark = max(mark, worst, key=ORDER.index)
+        here, there, *ends = (
+            rounded(in_unit(one, "N/mm"), digits=3) for one in (seen.model, seen.hammer, *seen.test)
+        )
+        other = f"test {' to '.join(ends)}" if max(seen.off[1:], default=0.0) else f"hammer {there}"
+        said = f"K\N{PRIME}{NBSP}{here}, {other}{NBSP}N/mm"
+    return Light("Stiffness", mark, f"{'agrees' if mark in _FINE else 'misses'}, {said}")
+
+
+_STIFF = {"tests_agree", "stiffness_believable", "mass_believable"}
+_FINE = {"good", "note"}
+
+
+class _Storage(NamedTuple):
+    """K' of one seal under the hammer at its peak, N/m: of the solid shown, and measured.
+
+    `off` is how far the one lies from the other, and the measured one beyond the limits of the
+    relaxation test, relative; 0 within the errors.
+    """
+
+    model: float
+    hammer: float
+    off: tuple[float, ...]
+    test: tuple[float, ...] = ()
+
+
+def _storage_at_peak(study: Study, found: Recommendation) -> _Storage | None:
+    """Return what the solid and the hammer say of K' at the peak; None where a mass was found."""
+    direct, held = study.direct, study.comparison
+    if direct is None or held is None or study.mass_inferred or not len(direct.frequency):
+        return None
+    at = int(np.argmin(np.abs(direct.frequency - held.measured_hz)))
+    hertz, hammer = float(direct.frequency[at]), float(direct.storage[at])
+    error = 2 * float(direct.storage_sd[at])
+    solid, point = found.solid, found.point
+    factor = 1.0 if point is None else point.factor
+    model = solid.under_hammer * factor * float(solid.solid.storage(frequency=hertz))
+    near = STORAGE_LIMIT * abs(hammer)
+    off = [_outside(model, hammer - max(error, near), hammer + max(error, near))]
+    test: tuple[float, ...] = ()
+    wide = study.unseen
+    if found.joint and wide is not None and wide.frequency[0] <= hertz <= wide.frequency[-1]:
+        rests = 1.0 if study.at_rest is None else study.at_rest.point.factor
+        test = low, high = tuple(
+            rests * float(np.interp(np.log(hertz), np.log(wide.frequency), edge))
+            for edge in wide.storage
+        )
+        off.append(_outside(hammer, low - error, high + error))
+        off.append(_outside(model, low - error, high + error))
+    return _Storage(model, hammer, tuple(off), test)
+
+
+def _outside(value: float, low: float, high: float) -> float:
+    """How far a value lies beyond two ends, relative to the nearer one; 0 between them."""
+    return max(low - value, value - high, 0.0) / max(abs(low if value < low else high), 1e-300)
 
 
 def test_light(checks: Iterable[Check]) -> Light:

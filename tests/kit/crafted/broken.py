@@ -91,7 +91,7 @@ def _open() -> list[Row]:
         Row("three forces", f"t [s];z [mm];Fx [N];Fy [N];Fz [N]\n{three}".encode(), "asked", ("'Fx [N]', 'Fy [N]' and 'Fz [N]' could each be the force",), answer={"force": "Fz"}),
         Row("a displacement that relaxes under a force that is held", (HEAD + swapped).encode(), "refused", ("look swapped", "--column displacement=", "--column force=")),
         Row("a clock of whole seconds", (HEAD + coarse).encode(), "refused", ("time stamps repeat", "--rate 10Hz")),
-        Row("a clock that begins again", (HEAD + 2 * table(";")).encode(), "refused", ("time falls from 5.9 s to 0 s", f"line {ROWS + 2}", "--rate")),
+        Row("a clock that begins again", (HEAD + 2 * table(";")).encode(), "refused", ("time falls from 5.9 s to 0 s", f"line {ROWS + 2}", "one file for each")),
         Row("no clock", f"Kraft_N;Position_mm\n{table(';', columns=(FORCE, MOVED), decimal=',')}".encode(), "refused", ("looks like time", "--rate 1000Hz")),
     ]  # fmt: skip
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray, median
+from dashpot.base.arrays import BoolArray, FloatArray, IntArray, median
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.base.units import Unit
@@ -26,6 +26,8 @@ _MINUTE = 60.0
 _ROUND = (1.0, 2.0, 2.5, 4.0, 5.0, 8.0, 10.0)
 """First digits of the steps of recorders, in the unit that they count by."""
 _NEARLY = 1e-3
+_ANEW = 0.02
+"""Part of the first record within which the clock of the next begins, where several follow."""
 _FEW = 1e-3
 """Share of repeated time stamps that may be dropped."""
 
@@ -147,6 +149,13 @@ def drop_repeats(time: FloatArray, loaded: Loaded) -> tuple[BoolArray, list[str]
     if falls.size:
         i = int(falls[0])
         part = ", read one part with --part segment=N" if len(loaded.starts) > 1 else ""
+        if _begins_anew(time, falls):
+            raise ReadError(
+                f"time falls from {time[i]:.9g} s to {time[i + 1]:.9g} s at "
+                f"{loaded.where(i + 1)}, where the clock begins anew ({falls.size} such "
+                f"place{'s' * (falls.size > 1)}): tests of several specimens, or repeats, stand "
+                f"below each other; split the file there, one file for each{part}"
+            )
         forward = steps[steps > 0]
         rate = f"--rate {1 / median(forward):.6g}Hz" if forward.size else "--rate 1000Hz"
         raise ReadError(
@@ -170,6 +179,15 @@ def drop_repeats(time: FloatArray, loaded: Loaded) -> tuple[BoolArray, list[str]
     return keep, [
         f"{repeats.size} repeated time stamp{'s' * (repeats.size > 1)} left out, first at {first}"
     ]
+
+
+def _begins_anew(time: FloatArray, falls: IntArray) -> bool:
+    """Whether the clock falls back to where it began, as where one record follows another."""
+    parts = np.split(time, falls + 1)
+    return all(
+        len(part) > 1 and abs(part[0] - time[0]) <= _ANEW * (parts[0][-1] - time[0])
+        for part in parts
+    )
 
 
 def _mean_rate(time: FloatArray) -> str:

@@ -589,9 +589,9 @@ def _refuse_without_tests(tests: int, bench: BenchFit, cuts: Cuts, filter: str |
     """
     if not tests and (bench.choices or cuts != Cuts() or filter):
         raise DataError(
-            "--method, --elastic, --cuts, --filter, --thorough, --reference, --shift and "
-            "--vertical say how relaxation tests are prepared and fitted, and there are none here. "
-            "Give the tests in place of their fit, or leave these options out."
+            "method, elastic law, cuts, filter, starting points and shifts say how relaxation "
+            "tests are prepared and fitted, and there are none here. Give the tests in place of "
+            "their fit, or leave those options out."
         )
 
 
