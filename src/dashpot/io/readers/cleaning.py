@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray, IntArray, median
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, median
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.base.units import Unit
@@ -149,7 +149,7 @@ def drop_repeats(time: FloatArray, loaded: Loaded) -> tuple[BoolArray, list[str]
     if falls.size:
         i = int(falls[0])
         part = ", read one part with --part segment=N" if len(loaded.starts) > 1 else ""
-        if _begins_anew(time, falls):
+        if _begins_anew(time, loaded.values, falls + 1):
             raise ReadError(
                 f"time falls from {time[i]:.9g} s to {time[i + 1]:.9g} s at "
                 f"{loaded.where(i + 1)}, where the clock begins anew ({falls.size} such "
@@ -181,13 +181,19 @@ def drop_repeats(time: FloatArray, loaded: Loaded) -> tuple[BoolArray, list[str]
     ]
 
 
-def _begins_anew(time: FloatArray, falls: IntArray) -> bool:
-    """Whether the clock falls back to where it began, as where one record follows another."""
-    parts = np.split(time, falls + 1)
-    return all(
-        len(part) > 1 and abs(part[0] - time[0]) <= _ANEW * (parts[0][-1] - time[0])
-        for part in parts
-    )
+def _begins_anew(time: FloatArray, values: FloatArray, starts: IndexArray) -> bool:
+    """Whether clock and signals fall back to where they began, as where records follow another.
+
+    Where one test goes on, as under a counter that overflows, its signals do not.
+    """
+    firsts, lasts = time[starts], time[starts - 1]
+    if np.any(np.abs(firsts - time[0]) > _ANEW * (lasts[0] - time[0])):
+        return False
+    back, on = (np.abs(values[starts] - values[other]) for other in (0, starts - 1))
+    moved = np.nanmax(values, axis=0) - np.nanmin(values, axis=0)
+    leaps_back = (on > _ANEW * moved) & (back < on)
+    # the column of the clock is one of them
+    return bool(np.all(leaps_back | (on <= _ANEW * moved)) and np.all(leaps_back.sum(axis=1) > 1))
 
 
 def _mean_rate(time: FloatArray) -> str:
