@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from kit import cold
+from kit.fits import formal_errors
 
 import dashpot as dp
 from dashpot.base.errors import DataError, FitError
@@ -246,7 +247,7 @@ def test_noise_of_the_load_is_in_the_errors(case: str) -> None:
         noisy = load + 4e-3 * random.standard_normal(len(CLOCK))
         found = fit(CreepTest(CLOCK, x, noisy, units="SI"))
         assert found.model.arms == 2
-        known = found.standard_error
+        known = formal_errors(found)
         off.append([
             (found.model.k_inf - PAPER.k_inf) / known["k_inf"],
             *(np.subtract(found.model.k, PAPER.k) / known["k"]),

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from kit.fits import of_noise
+from kit.fits import formal_errors, of_noise
 
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.status import Status
@@ -60,7 +60,7 @@ def five(model: GeneralizedMaxwell) -> tuple[float, ...]:
 
 def five_errors(found: Fit) -> np.ndarray:
     """Of the noise alone."""
-    error = of_noise(found).standard_error
+    error = formal_errors(of_noise(found))
     return np.array([error["k_inf"], *error["k"], *error["tau"]])
 
 
@@ -106,8 +106,8 @@ def test_every_order_is_kept_for_the_comparison(paper_seal: GeneralizedMaxwell) 
 
 def test_the_full_history_knows_fast_arms_twice_as_well(paper_seal: GeneralizedMaxwell) -> None:
     test = ideal(paper_seal, noise=5e-3, seed=3)
-    full = of_noise(fit(test, arms=2, nuisance=())).standard_error
-    hold = of_noise(fit(test, arms=2, method="hold", nuisance=())).standard_error
+    full = formal_errors(of_noise(fit(test, arms=2, nuisance=())))
+    hold = formal_errors(of_noise(fit(test, arms=2, method="hold", nuisance=())))
     assert 100 * hold["k"][0] / 117.5 == pytest.approx(0.65, abs=0.05)
     assert 100 * full["k"][0] / 117.5 == pytest.approx(0.28, abs=0.05)
     assert 100 * hold["tau"][0] / 0.502 == pytest.approx(0.60, abs=0.05)
@@ -218,7 +218,7 @@ def test_what_a_rig_adds_scales_where_it_is_said_in_units() -> None:
     one, other = (
         fit(replace(each, machine=still), arms=2) for each in in_other_units(4.4482, 60.0)
     )
-    here, there = one.standard_error, other.standard_error
+    here, there = formal_errors(one), formal_errors(other)
     # laid out in some hundred samples
     np.testing.assert_allclose(there["k"], 4.4482 * np.array(here["k"]), rtol=1e-2)
     np.testing.assert_allclose(there["tau"], 60 * np.array(here["tau"]), rtol=1e-2)
@@ -321,7 +321,7 @@ def test_intervals_are_asymmetric_in_tau_and_widen_with_level(
 def test_b_is_known_better_than_k_for_an_arm_inside_the_ramp() -> None:
     seal = GeneralizedMaxwell(196.5, (80.0, 20.0), (0.03, 5.0))
     found = fit(ideal(seal, rate=1000.0, noise=5e-3), arms=2)
-    error = found.standard_error
+    error = formal_errors(found)
     assert error["b"][0] / found.model.arm_b[0] < 0.4 * error["k"][0] / found.model.k[0]
     assert {check.name: check for check in found.checks}["fast_arm_visible"].failed
 

@@ -11,7 +11,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from kit.fits import of_noise
+from kit.fits import formal_errors, of_noise
 from scipy.signal import lfilter
 
 from dashpot.base.status import Status
@@ -51,7 +51,7 @@ TRUTH = np.array((196.5, 117.5, 17.8, 59.0 / 117.5, 292.2 / 17.8))
 
 
 def estimates(found: Fit) -> tuple[np.ndarray, np.ndarray]:
-    model, error = found.model, found.standard_error
+    model, error = found.model, formal_errors(found)
     return (
         np.array((model.k_inf, *model.k, *model.tau)),
         np.array((error["k_inf"], *error["k"], *error["tau"])),
@@ -108,7 +108,7 @@ def test_a_profile_counts_the_noise_that_it_meets_on_its_way(seed: int) -> None:
     low, high = found.estimate.noise_alone.intervals(found.model, 0.95)["k_inf"]
     assert low < coverage.SEAL.k_inf < high
     # the standard error at the optimum knows nothing of that
-    error = of_noise(found).standard_error["k_inf"]
+    error = np.sqrt(of_noise(found).covariance[0, 0])
     assert found.model.k_inf - 2.0 * error > coverage.SEAL.k_inf
 
 
@@ -236,7 +236,7 @@ def test_a_contact_found_behind_air_widens_the_intervals(seed: int) -> None:
     assert prepared.contact_error > 0
     found = of_noise(fit(prepared, arms=2))
     sure = of_noise(fit(replace(prepared, contact_error=0.0), arms=2))
-    error = found.standard_error
+    error = formal_errors(found)
     assert error["k"][0] > 1.25 * sure.standard_error["k"][0]
     assert abs(found.model.k[0] - PAPER.k[0]) < 3.5 * error["k"][0]
     assert abs(found.model.k_inf - PAPER.k_inf) < 3.5 * error["k_inf"]
@@ -286,7 +286,7 @@ def test_intervals_bear_a_wander_that_the_scatter_hides(memory: float, most: flo
             arms=2,
             method="hold",
         )
-        error, model = found.standard_error, found.model
+        error, model = formal_errors(found), found.model
         away.append(
             [
                 (model.k_inf - seal.k_inf) / error["k_inf"],

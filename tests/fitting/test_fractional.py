@@ -204,7 +204,7 @@ def test_half_a_fit_is_half_of_everything_but_its_shape() -> None:
     half = found.in_parallel(0.5)
     for name, error in found.solid_standard_error.items():
         factor = 1.0 if name in {"tau", "alpha"} else 0.5
-        assert half.solid_standard_error[name] == pytest.approx(factor * error)
+        assert half.solid_standard_error[name] == pytest.approx(factor * error, nan_ok=True)
     assert half.solid == 0.5 * found.solid
     assert half.alternative.solid == 0.5 * found.alternative.solid
     error = found.standard_error
@@ -214,7 +214,7 @@ def test_half_a_fit_is_half_of_everything_but_its_shape() -> None:
 def test_errors_of_its_arms_follow_from_its_own() -> None:
     found = fitted(TRUTHS[0])
     error, own = found.standard_error, found.solid_standard_error
-    assert error["k_inf"] == own["k_inf"]
+    assert np.isnan([error["k_inf"], own["k_inf"]]).all()
     assert error["tau"] == pytest.approx(np.array(found.model.tau) * own["tau"] / found.solid.tau)
     assert len(found.intervals()["k"]) == found.model.arms
 
@@ -352,7 +352,7 @@ def test_a_sweep_and_a_relaxation_test_share_one_fractional_solid() -> None:
     both = fit_dynamic(sweep(truth, noise=0.01, unit="N/m"), tests=test, family="fractional")
     alone = fit_dynamic(sweep(truth, noise=0.01, unit="N/m"), family="fractional")
     assert both.solid.alpha == pytest.approx(0.5, abs=3 * both.solid_standard_error["alpha"])
-    assert both.solid_standard_error["k_inf"] < 0.5 * alone.solid_standard_error["k_inf"]
+    assert np.sqrt(both.covariance[0, 0]) < 0.5 * np.sqrt(alone.covariance[0, 0])
 
 
 def test_a_master_curve_is_fitted_with_arms() -> None:
@@ -447,7 +447,7 @@ def test_an_earlier_fractional_fit_is_a_prior_of_its_own_family() -> None:
     found = identify(hammered(), fit=fitted(TRUTHS[0]), family="fractional", **RIG)
     assert inside(found)
     assert found.alternative is None
-    assert found.solid_standard_error["k_inf"] < fitted(TRUTHS[0]).solid_standard_error["k_inf"]
+    assert np.sqrt(found.covariance[0, 0]) < np.sqrt(fitted(TRUTHS[0]).covariance[0, 0])
     for family in ("maxwell", "auto"):
         with pytest.raises(FitError, match="ask for its own \\(--model fractional\\)"):
             identify(hammered(), fit=fitted(TRUTHS[0]), family=family, **RIG)

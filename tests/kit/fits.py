@@ -52,3 +52,8 @@ def altered(fit: Fit, **given: object) -> Fit:
         if own:
             given[part] = replace(getattr(fit, part), **own)
     return replace(fit, **given)
+
+
+def formal_errors(fit):
+    """Standard errors as `Fit.standard_error`, with that which the covariance has for k_inf."""
+    return {**fit.standard_error, "k_inf": float(fit.covariance[0, 0] ** 0.5)}

@@ -212,7 +212,7 @@ def test_pandas_and_xarray_take_every_noun(nouns, name):
     (index,) = data.dims
     assert table.index.name == index
     for column in table.columns:
-        assert np.array_equal(np.asarray(table[column]), data[column].values)
+        np.testing.assert_array_equal(np.asarray(table[column]), data[column].values)
         assert data[column].attrs["units"] == table.attrs["units"][column]
 
 

@@ -376,7 +376,9 @@ def test_a_deck_of_the_page_is_that_of_the_command_line(tmp_path, known):
 
 
 def test_a_solid_that_is_not_identified_has_no_deck_and_the_page_says_so():
-    page = html(replace(handmade.bench_only(), fit=altered(S.fit, status=Status.TAU_AT_BOUND)))
+    edge = Check("arms_identified", False, "Arm 1 lies at the edge.", grade="limit")
+    lost = altered(S.fit, status=Status.TAU_AT_BOUND, checks=(edge,))
+    page = html(replace(handmade.bench_only(), fit=lost))
     assert decks(page) == {}
     assert "No deck is here, because the tests do not determine every parameter." in Page(page).text
 
@@ -451,8 +453,9 @@ def test_the_sentences_name_the_cause(whole):
 
 def test_numbers_are_in_newtons_per_millimetre_rounded_to_their_error(whole):
     text = Page(whole).text
-    k_inf, se = S.fit.model.k_inf, S.fit.standard_error["k_inf"]
-    assert f"{1e-3 * k_inf:.6f} ± {1e-3 * se:.6f}" in text
+    most = S.fit.facts[0].cells
+    assert most.interval.startswith("at most ")
+    assert f"{most.value} {most.interval}" in re.sub(r"[, ]+", " ", text)
     assert "N·s/mm" in text
     assert "extrapolated ×40" in text
 

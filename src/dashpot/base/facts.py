@@ -17,6 +17,8 @@ HELD, UNKNOWN = "held", "not identified"
 _WORD = re.compile(r"_(?=[a-z]{4})")
 NORMAL = 1.96
 """Standard errors to either end of a 95 % interval."""
+AT_MOST = "at most"
+"""What stands before the upper limit of a number that nothing bounds from below."""
 LOPSIDED = 0.1
 """An interval whose one end is that much nearer to the value than the other."""
 BESIDE = 1e-2
@@ -39,7 +41,9 @@ class Cells(NamedTuple):
 
     @property
     def with_error(self) -> str:
-        """Value and standard error in one cell."""
+        """Value and standard error, or the upper limit that stands for it, in one cell."""
+        if self.interval.startswith(AT_MOST):
+            return f"{self.value}, {self.interval}"
         if self.error in {"", HELD, UNKNOWN}:
             return ", ".join(filter(None, (self.value, self.error)))
         return f"{self.value} ± {self.error}"
@@ -182,7 +186,7 @@ class Fact(Documented):
             return Cells(self.called, "", "", f"at least {rounded(low)}", self.word)
         if self.topped:
             told, most = rounded(value, self.size), rounded(high, self.size)
-            return Cells(self.called, told, "", f"at most {most}", self.word)
+            return Cells(self.called, told, "", f"{AT_MOST} {most}", self.word)
         error = "" if self.error is None else _error(self.size)
         between = ""
         if self.bounded and error not in (HELD, UNKNOWN):

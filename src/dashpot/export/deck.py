@@ -244,7 +244,9 @@ class Deck:
     def _verdict(self, informed: tuple[Check, ...]) -> Verdict | None:
         if self.fit is None:
             return None
-        return verdict((*self.fit.checks, *informed), sound=self.fit.sound)
+        # the fit's own checks are counted, as its text counts them
+        failed = tuple(check for check in informed if check.failed)
+        return verdict((*self.fit.checks, *failed), sound=self.fit.sound)
 
     def _described(self) -> list[str]:
         units, specimen = self.units, self.specimen
@@ -258,7 +260,8 @@ class Deck:
         parallel = f", b = {text(self.b)} {damping}" if self.b > 0 else ""
         described = [
             f"UNITS: {units.name}: {words}; frequency in {units.frequency_word}",
-            f"model: k_inf = {text(self.k_inf)} {stiffness}{self._at_most()}{parallel}",
+            f"model: k_inf = {text(self.k_inf)} {stiffness}{parallel}",
+            *self._limits(stiffness),
         ]
         for j, (k, tau, b) in enumerate(self.arms, start=1):
             centre = 1 / (2 * math.pi * self.model.tau[j - 1])
@@ -289,16 +292,18 @@ class Deck:
             ),
         ]
 
-    def _at_most(self) -> str:
-        """What k_inf is at most: no test bounds it from below."""
+    def _limits(self, unit: str) -> list[str]:
+        """What k_inf is at most, as the fit states it."""
         fit = self.linear_fit
         if fit is None or fit.model.k_inf != self.model.k_inf:
-            return ""
-        fact = next(fact for fact in fit.arm_facts if fact.name == "k_inf")
+            return []
+        fact = fit.arm_facts[0]
         if not fact.topped:
-            return ""
-        stiffness = self.units.words[4] if self.material else self.units.stiffness_word
-        return f" (at most {text(self._stiffness(fact.high))} {stiffness})"
+            return []
+        return [
+            f"  k_inf is at most {self._stiffness(fact.high):.4g} {unit}; "
+            "no test bounds it from below"
+        ]
 
     def _elastic_law(self) -> list[str]:
         """What the stiffnesses are where the elastic law is not straight."""

@@ -188,7 +188,9 @@ def _at(fit: Fit, specimen: Specimen | None) -> Fit:
         ) from None
     if fit.temperatures is None:
         return moved
-    checks = (*moved.checks, temperature_tested(fit.temperatures, asked))
+    tested = temperature_tested(fit.temperatures, asked)
+    # the fit's own checks are counted, as its text counts them
+    checks = (*moved.checks, *((tested,) if tested.failed else ()))
     return replace(moved, evidence=replace(moved.evidence, checks=checks))
 
 

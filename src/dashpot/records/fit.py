@@ -412,7 +412,11 @@ class Fit(ByValue, Pictured, Documented):
         have done unseen; without it they are those of `estimate.noise_alone`.
         """
         found = self._of_arms.standard_errors(self.model)
-        return found if self.k_inf_given else {**found, "k_inf": np.nan}
+        return {**found, "k_inf": self._without_error(found["k_inf"])}
+
+    def _without_error(self, error: float) -> float:
+        """The standard error of k_inf: none (nan), unless given or wholly unknown (infinite)."""
+        return error if self.k_inf_given or not np.isfinite(error) else np.nan
 
     def intervals(self, level: float = 0.95) -> Intervals:
         """Confidence intervals at `level`, SI units: Student's, or the profile's where stored.
@@ -449,7 +453,9 @@ class Fit(ByValue, Pictured, Documented):
         ``tau_1``... of one with arms. That of k_inf is nan, as in :attr:`standard_error`.
         """
         found = _own(self.estimate.errors(self.solid))
-        return found if self.k_inf_given else {**found, "k_inf": np.nan}
+        return (
+            {**found, "k_inf": self._without_error(found["k_inf"])} if "k_inf" in found else found
+        )
 
     def solid_intervals(self, level: float = 0.95) -> dict[str, Interval]:
         """Confidence intervals at `level` of the solid's own parameters by their names, SI units.
