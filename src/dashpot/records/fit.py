@@ -770,11 +770,14 @@ class Fit(ByValue, Pictured, Documented):
         )
         return replace(self._scaled(factor, step), solid=tangent, elastic_law=None)
 
-    def with_elastic_law(self, law: ElasticLaw, *, checks: Sequence[Check] = ()) -> Fit:
+    def with_elastic_law(
+        self, law: ElasticLaw, *, checks: Sequence[Check] = (), stiffness: float | None = None
+    ) -> Fit:
         """The fit with a law measured otherwise, of which the shape alone is taken.
 
         Its stiffnesses stay what they are at the depth that was held; the solid is then the secant
-        one at the law's deepest compression.
+        one at the law's deepest compression. With `stiffness`, N/m, the relaxed secant one there,
+        the fit is of the part that the law is of, and only its memory is taken.
 
         Raises
         ------
@@ -790,6 +793,8 @@ class Fit(ByValue, Pictured, Documented):
                 f"{written(held, 'mm')}: expected a cycle at least as deep"
             )
         factor = held / float(law.path(held))
+        if stiffness is not None:
+            factor = stiffness / self.model.k_inf
         step = Step(
             "elastic law",
             (("depth_m", repr(law.depth)), ("of", self.identity)),

@@ -33,7 +33,7 @@ from dashpot.kinds.cld.record import (
     RateLaw,
     RelaxedLaw,
 )
-from dashpot.kinds.cld.relaxed import nearest, relaxed_law
+from dashpot.kinds.cld.relaxed import longer, nearest, relaxed_law
 from dashpot.kinds.cld.speeds import fit_speeds
 from dashpot.records.checks import of_sources
 from dashpot.records.fit import Fit
@@ -291,7 +291,10 @@ def _scattered(found: Pieces, limits: tuple[float, float] | None) -> Pieces:
 def _with_memory(found: Pieces, memory: Sequence[Fit]) -> Pieces:
     """With the elastic law under the first piece."""
     relaxed = relaxed_law(found.pieces[0], memory)
-    fed = nearest(found.pieces[0], memory).with_elastic_law(relaxed.law, checks=relaxed.checks)
+    near = nearest(found.pieces[0], memory)
+    # the law that is told is the law that is kept, of a piece as long as that of the memory
+    stiffness = relaxed.law.stiffness / longer(found.pieces[0], near)
+    fed = near.with_elastic_law(relaxed.law, checks=relaxed.checks, stiffness=stiffness)
     return replace(found, checks=(*found.checks, *relaxed.checks), relaxed=relaxed, fit=fed)
 
 

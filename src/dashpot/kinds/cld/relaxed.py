@@ -123,6 +123,12 @@ def _apart(fits: Sequence[Fit], stroke: float | None) -> float | None:
     return float((curves.max(axis=0) / curves.min(axis=0) - 1).max())
 
 
+def longer(found: CLD, fit: Fit) -> float:
+    """Return how many times the piece is as long as that of a fit; 1 where a length is not known."""
+    per = found.specimen.length, fit.specimen.length
+    return per[0] / per[1] if per[0] and per[1] else 1.0
+
+
 def depth_of(fit: Fit) -> float:
     """Return the depth that the stiffnesses of a fit belong to, m."""
     law = fit.elastic_law
@@ -220,11 +226,10 @@ def _at_common(found: CLD, e: FloatArray, number: int) -> float:
 def _compared(found: CLD, law: ElasticLaw, fit: Fit) -> list[Check]:
     """The relaxed force against that of each depth that the relaxation test was held at."""
     held = [(at.depth, at.k_inf) for at in fit.by_depth] or [(depth_of(fit), fit.model.k_inf)]
-    per = found.specimen.length, fit.specimen.length
-    longer = per[0] / per[1] if per[0] and per[1] else 1.0
+    times = longer(found, fit)
     return [
         checks.relaxed_agrees(
-            float(law.force(depth)) / (longer * k_inf * depth) - 1
+            float(law.force(depth)) / (times * k_inf * depth) - 1
             if depth <= 1.01 * law.depth
             else None,
             depth,

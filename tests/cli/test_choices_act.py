@@ -1,0 +1,173 @@
+"""Every option of a fit and of a report acts or is refused; the next line gives the same solid."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from collections.abc import Iterator
+from pathlib import Path
+
+import click
+import pytest
+
+from dashpot import workflow
+from dashpot.cli import main
+from dashpot.cli._grammar import Opt, Verb
+from tests.kit.shell import ran
+
+RIG = ("--mass", "114.8g", "--seals", "2")
+JOBS: dict[str, tuple[str, ...]] = {
+    "relaxation": ("fit", "seal_8mm.csv"),
+    "joint": ("fit", "seal_8mm.csv", "hammer.csv", *RIG),
+    "fit and hammer": ("fit", "fit.json", "hammer.csv", *RIG),
+    "hammer under a mass": ("fit", "hammer.csv", *RIG),
+    "hits": ("fit", "hammer.csv"),
+    "modes": ("fit", "frf.csv"),
+    "masses": ("fit", "frf.csv", "frf.csv", "--mass", "114.8g", "--mass", "115g"),
+    "levels": ("fit", "frf.csv", "frf.csv", "--level", "0.02N", "--level", "0.5N", *RIG),
+    "sweep": ("fit", "sweep.csv"),
+    "modulus": ("fit", "curve.csv"),
+    "sweep and test": ("fit", "sweep.csv", "seal_8mm.csv"),
+    "load deflection": ("fit", "cld_1.csv", "--compression", "6mm"),
+    "stress over strain": ("fit", "tension.csv"),
+    "indenter": ("fit", "hit.csv", "--mass", "5g", "--radius", "5mm"),
+    "rod": ("fit", "rod.csv", "--shape", "disc:20mm,20mm", "--density", "1100", "--mass", "31.4g"),
+    "loops": ("fit", "loops.csv"),
+    "report": ("report", "seal_8mm.csv", "hammer.csv", *RIG),
+    "report of a test": ("report", "seal_8mm.csv"),
+}
+"""Jobs of every kind, each of which runs as it stands."""
+BY_DAY = {"hits", "modes", "masses", "levels", "sweep", "modulus", "load deflection"}
+CHOICES: dict[str, tuple[str, ...]] = {
+    "--model": ("fractional",), "--arms": ("4",), "--elastic": ("linear", "nonlinear", "by-depth"),
+    "--band": ("9:16Hz",), "--level": ("0.2N",), "--seals": ("3",), "--seal-mass": ("10g",),
+    "--compression": ("2mm",), "--resonance-at": ("0.1N",), "--mass": ("100g",),
+    "--mass-sd": ("3g",), "--relative": ("",), "--known": ("stiffness=0.2N/mm",),
+    "--dashpot": ("",), "--method": ("hold",), "--cuts": ("hold-end=20s",),
+    "--machine": ("sync=0.5ms",), "--filter": ("lowpass:10Hz",), "--thorough": ("",),
+    "--only": ("5degC",), "--reference": ("5degC",), "--shift": ("arrhenius",),
+    "--vertical": ("1",), "--hammer-temperature": ("10degC",), "--estimator": ("H2",),
+    "--window": ("exponential:0.5",), "--combine": ("weighted",), "--accept": ("1",),
+    "--reject": ("1",), "--hit-length": ("4s",), "--pretrigger": ("20ms",), "--polarity": ("-1",),
+    "--poisson": ("0.1",), "--terms": ("2",), "--test": ("planar",), "--stretches": ("0.7:1.5",),
+    "--stress-is": ("true",), "--strain-is": ("true",), "--radius": ("6mm",),
+    "--drop-height": ("50mm",), "--impact-velocity": ("1m/s",), "--slam": ("1m/s",),
+    "--shape": ("disc:25mm,25mm",), "--lubricated": ("",), "--gain-error": ("2%",),
+    "--phase-error": ("2deg",), "--density": ("1000",), "--between": ("4:8mm",),
+    "--force-limits": ("1:2N",), "--temperature": ("30degC",), "--length": ("50mm",),
+    "--height": ("20mm",), "--label": ("name=door",), "--no-joint": ("",), "--title": ("X",),
+}  # fmt: skip
+"""Of every option that states a choice, values other than its default."""
+NO_CHOICE = {"--stiffness-table", "--save-shifts", "--shifts", "--memory", "--project", "--logo"}
+"""Options that name a file to write or to read."""
+TELLING = {"Result", "Reading the files"}
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    found = tmp_path_factory.mktemp("choices")
+    names = {word for job in JOBS.values() for word in job if word.endswith(".csv")} - {"frf.csv"}
+    for name in names:
+        (found / name).write_text(workflow.EXAMPLES[name](), encoding="utf-8")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(found)
+        assert ran("fit", "seal_8mm.csv", "-o", "fit.json").exit_code == 0
+        assert ran("fit", "hammer.csv", "-o", "frf.csv").exit_code == 0
+    return found
+
+
+def options_of(verb: str) -> Iterator[Opt]:
+    found = main.get_command(click.Context(main), verb)
+    assert isinstance(found, Verb)
+    for one in found.options:
+        if one.group not in TELLING and one.flag not in NO_CHOICE | {"--output", "--open"}:
+            yield one
+
+
+@pytest.mark.parametrize("verb", ["fit", "report"])
+def test_every_choice_is_tried(verb: str) -> None:
+    assert {one.flag for one in options_of(verb)} <= CHOICES.keys()
+
+
+def untouched(job: str) -> Iterator[str]:
+    """The options of a job that are neither refused nor change its document."""
+    words = JOBS[job]
+    usual = ran(*words, "--json", "--overwrite")
+    assert usual.exit_code == 0, usual.output
+    for one in options_of(words[0]):
+        for value in CHOICES[one.flag]:
+            typed = (one.flag,) if one.is_flag else (one.flag, value)
+            told = ran(*words, *typed, "--json", "--overwrite")
+            assert told.exit_code in {0, 2}, (typed, told.output)
+            if told.exit_code == 0 and told.stdout == usual.stdout:
+                yield shlex.join(typed)
+
+
+@pytest.mark.parametrize(
+    "job", [pytest.param(job, marks=() if job in BY_DAY else pytest.mark.slow) for job in JOBS]
+)
+def test_an_option_acts_or_is_refused(
+    job: str, place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(place)
+    assert list(untouched(job)) == []
+
+
+@pytest.mark.parametrize(
+    "choice",
+    [("--cuts", "hold-end=8s"), ("--method", "hold"), ("--elastic", "nonlinear")],
+    ids=lambda one: one[0],
+)
+def test_a_choice_of_the_test_moves_the_joint_fit(
+    choice: tuple[str, str], place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(place)
+    usual, moved = (
+        json.loads(ran(*JOBS["joint"], *more, "--json").stdout)["fit"]["model"]
+        for more in ((), choice)
+    )
+    assert usual != moved
+
+
+@pytest.mark.parametrize(
+    "choice",
+    [
+        (), ("--cuts", "hold-end=8s"), ("--arms", "2"), ("--arms", "5"), ("--model", "auto"),
+        ("--no-joint", "--arms", "2"), ("--band", "9:18Hz", "--reject", "2"),
+        ("--seal-mass", "5g", "--elastic", "nonlinear"),
+    ],
+    ids=shlex.join,
+)  # fmt: skip
+def test_the_next_line_of_a_report_gives_its_solid(
+    choice: tuple[str, ...], place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(place)
+    words = (*JOBS["report"], *choice, "--overwrite")
+    study = json.loads(ran(*words, "--json").stdout)
+    (follow,) = [line for line in ran(*words).stderr.splitlines() if line.startswith("next: ")]
+    again = shlex.split(follow.removeprefix("next: "), comments=True)[1:]
+    told = ran(*again, "--json", "--overwrite")
+    assert told.exit_code == 0, told.output
+    found = json.loads(told.stdout)
+    assert found.get("fit", found)["model"] == (study["joint"] or study["fit"])["model"]
+
+
+@pytest.mark.parametrize(
+    "choice", [("--cuts", "hold-end=8s"), ("--arms", "2"), ("--elastic", "nonlinear")],
+    ids=shlex.join,
+)  # fmt: skip
+@pytest.mark.parametrize("job", ["relaxation", "joint"])
+def test_the_next_line_of_a_fit_gives_its_solid(
+    job: str, choice: tuple[str, ...], place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if job == "joint" and "--arms" in choice:
+        choice = ("--arms", "5")
+    monkeypatch.chdir(place)
+    first = ran(*JOBS[job], *choice)
+    (follow,) = [line for line in first.stderr.splitlines() if line.startswith("next: ")]
+    again = shlex.split(follow.removeprefix("next: "), comments=True)[1:]
+    usual, told = (
+        json.loads(ran(*words, "--json", "--overwrite").stdout)
+        for words in ((*JOBS[job], *choice), again)
+    )
+    assert told.get("fit", told)["model"] == usual.get("fit", usual)["model"]
