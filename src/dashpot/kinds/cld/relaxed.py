@@ -124,7 +124,7 @@ def _apart(fits: Sequence[Fit], stroke: float | None) -> float | None:
 
 
 def longer(found: CLD, fit: Fit) -> float:
-    """Return how many times the piece is as long as that of a fit; 1 where a length is not known."""
+    """Return how many times as long as that of a fit the piece is; 1 where one is not known."""
     per = found.specimen.length, fit.specimen.length
     return per[0] / per[1] if per[0] and per[1] else 1.0
 

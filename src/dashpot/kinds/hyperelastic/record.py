@@ -150,6 +150,11 @@ class ElasticCurve(ByValue):
     source: Source | None = None
 
     @property
+    def rate(self) -> float | None:
+        """Mean rate of the strain of the loading, 1/s; None without a clock."""
+        return float(np.ptp(self.stretch)) / self.duration if self.duration else None
+
+    @property
     def size(self) -> float:
         """Rms of the stress, Pa."""
         return float(np.sqrt(np.mean(self.stress**2)))
@@ -222,7 +227,23 @@ class HyperelasticFit(ByValue, Pictured, Numbered, Documented):
         return (
             f"the {self.law.kind} law follows {counted(len(self.curves), 'curve')} to "
             f"{100 * max(self.residuals):.2g} % of the stress, for stretches of {low:.3g} to "
-            f"{high:.3g}"
+            f"{high:.3g}{self._speed}"
+        )
+
+    @property
+    def _speed(self) -> str:
+        """At which rate the law holds: only where a memory was taken off it is that at rest."""
+        if self.memory is not None:
+            return ", at rest, without the memory"
+        rates = [one.rate for one in self.curves if one.mode != "volumetric"]
+        known = [one for one in rates if one is not None]
+        if not known:
+            return ", at the rate of the tests, which no clock tells: it is not the law at rest"
+        low, high = min(known), max(known)
+        ends = f"{low:.2g}" if high < 1.05 * low else f"{low:.2g} to {high:.2g}"
+        return (
+            f", at the rate of the tests, {ends} 1/s: a slower or faster load has another law, and "
+            "the law at rest needs the memory of a relaxation test"
         )
 
     @property
