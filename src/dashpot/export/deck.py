@@ -300,10 +300,8 @@ class Deck:
         fact = fit.arm_facts[0]
         if not fact.topped:
             return []
-        return [
-            f"  k_inf is at most {self._stiffness(fact.high):.4g} {unit}; "
-            "no test bounds it from below"
-        ]
+        most = f"{self._stiffness(fact.high):.4g} {unit}"
+        return [f"  k_inf is at most {most}; no test bounds it from below"]
 
     def _elastic_law(self) -> list[str]:
         """What the stiffnesses are where the elastic law is not straight."""
