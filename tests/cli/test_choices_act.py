@@ -13,6 +13,9 @@ import pytest
 from dashpot import workflow
 from dashpot.cli import main
 from dashpot.cli._grammar import Opt, Verb
+from dashpot.report.answer import lights
+from dashpot.workflow.job import Job
+from dashpot.workflow.recommendation import recommendation
 from tests.kit.shell import ran
 
 RIG = ("--mass", "114.8g", "--seals", "2")
@@ -23,8 +26,8 @@ JOBS: dict[str, tuple[str, ...]] = {
     "hammer under a mass": ("fit", "hammer.csv", *RIG),
     "hits": ("fit", "hammer.csv"),
     "modes": ("fit", "frf.csv"),
-    "masses": ("fit", "frf.csv", "frf.csv", "--mass", "114.8g", "--mass", "115g"),
-    "levels": ("fit", "frf.csv", "frf.csv", "--level", "0.02N", "--level", "0.5N", *RIG),
+    "masses": ("fit", "frf.csv", "frf2.csv", "--mass", "114.8g", "--mass", "115g"),
+    "levels": ("fit", "frf.csv", "frf2.csv", "--level", "0.02N", "--level", "0.5N", *RIG),
     "sweep": ("fit", "sweep.csv"),
     "modulus": ("fit", "curve.csv"),
     "sweep and test": ("fit", "sweep.csv", "seal_8mm.csv"),
@@ -66,13 +69,14 @@ TELLING = {"Result", "Reading the files"}
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     found = tmp_path_factory.mktemp("choices")
-    names = {word for job in JOBS.values() for word in job if word.endswith(".csv")} - {"frf.csv"}
+    names = {word for job in JOBS.values() for word in job if word in workflow.EXAMPLES}
     for name in names:
         (found / name).write_text(workflow.EXAMPLES[name](), encoding="utf-8")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(found)
         assert ran("fit", "seal_8mm.csv", "-o", "fit.json").exit_code == 0
         assert ran("fit", "hammer.csv", "-o", "frf.csv").exit_code == 0
+        assert ran("fit", "hammer.csv", "--reject", "2", "-o", "frf2.csv").exit_code == 0
     return found
 
 
@@ -123,8 +127,7 @@ def test_a_choice_of_the_test_moves_the_joint_fit(
 ) -> None:
     monkeypatch.chdir(place)
     usual, moved = (
-        json.loads(ran(*JOBS["joint"], *more, "--json").stdout)["fit"]["model"]
-        for more in ((), choice)
+        json.loads(ran(*JOBS["joint"], *more, "--json").stdout)["model"] for more in ((), choice)
     )
     assert usual != moved
 
@@ -149,7 +152,7 @@ def test_the_next_line_of_a_report_gives_its_solid(
     told = ran(*again, "--json", "--overwrite")
     assert told.exit_code == 0, told.output
     found = json.loads(told.stdout)
-    assert found.get("fit", found)["model"] == (study["joint"] or study["fit"])["model"]
+    assert found["model"] == (study["joint"] or study["fit"])["model"]
 
 
 @pytest.mark.parametrize(
@@ -170,4 +173,36 @@ def test_the_next_line_of_a_fit_gives_its_solid(
         json.loads(ran(*words, "--json", "--overwrite").stdout)
         for words in ((*JOBS[job], *choice), again)
     )
-    assert told.get("fit", told)["model"] == usual.get("fit", usual)["model"]
+    assert told["model"] == usual["model"]
+
+
+@pytest.mark.parametrize(("grams", "marks"), [(114.8, {"good"}), (200, {"bad"}), (80, {"bad"})])
+def test_the_light_of_stiffness_sees_a_wrong_mass(
+    grams: float, marks: set[str], place: Path
+) -> None:
+    """A joint fit peaks where the hammer does with any mass; its stiffness is then wrong."""
+    files = (str(place / "seal_8mm.csv"), (str(place / "hammer.csv"),))
+    study = workflow.run(Job(files[0], impact=files[1], mass=grams / 1000, seals=2))
+    _, stiffness, _ = lights(study, recommendation(study, asked=True))
+    assert {stiffness.mark} == marks, stiffness
+    assert stiffness.says.startswith("agrees" if marks == {"good"} else "misses")
+
+
+def test_the_law_of_load_deflection_is_kept_as_it_is_told(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where the relaxation test of another piece has another stiffness."""
+    monkeypatch.chdir(place)
+    soft = workflow.EXAMPLES["seal_8mm.csv"]().splitlines()
+    rows = [i for i, line in enumerate(soft) if line[:1].isdigit()]
+    for i in rows:
+        *others, force = soft[i].split(",")
+        soft[i] = ",".join((*others, f"{0.8 * float(force):.6f}"))
+    (place / "soft.csv").write_text("\n".join(soft), encoding="utf-8")
+    assert ran("fit", "soft.csv", "-o", "soft.json").exit_code == 0
+    said = json.loads(ran("fit", "cld_1.csv", "--memory", "soft.json", "--json").stdout)
+    (check,) = [one for one in said["checks"] if one["name"] == "relaxed_agrees"]
+    assert not check["passed"]
+    law, solid = said["relaxed"]["law"], said["fit"]
+    assert solid["elastic_law"]["stiffness"] == pytest.approx(law["stiffness"], rel=1e-12)
+    assert solid["model"]["k_inf"] == pytest.approx(law["stiffness"], rel=1e-12)
