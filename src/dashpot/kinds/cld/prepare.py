@@ -161,7 +161,9 @@ def _with_delay(
     error = error_by_delay(numbers, delay)
     lost, at = np.split(np.where(np.isfinite(error), error, 0.0), [len(found.cycles)])
     cycles = tuple(
-        one if one.hysteresis is None else replace(one, hysteresis_se=by)
+        one
+        if one.hysteresis is None
+        else replace(one, hysteresis_se=float(np.hypot(by, _hysteresis_error(one, found.zero))))
         for one, by in zip(found.cycles, lost.tolist(), strict=True)
     )
     wide = iter(
@@ -179,6 +181,16 @@ def _with_delay(
     )
     widened = tuple(None if one is None else next(wide) for one in marks)
     return found._replace(cycles=cycles), widened  # type: ignore[return-value]  # the same three
+
+
+def _hysteresis_error(cycle: Cycle, zero: Zero) -> float:
+    """Standard error of a cycle's hysteresis by the noise of the force and by its zero."""
+    ways = [one for one in (cycle.loading, cycle.unloading) if one is not None]
+    steps = np.concatenate([np.diff(np.maximum(one.compression, 0.0)) for one in ways])
+    scatter = zero.noise * float(np.linalg.norm(steps))
+    # a zero that is off adds as much to both works
+    shared = zero.force_se * cycle.depth * float(cycle.hysteresis or 0.0)
+    return float(np.hypot(scatter, shared)) / cycle.energy
 
 
 def _at(found: _RecordCycles, cycle: Cycle, at: float | None) -> AtCompression | None:

@@ -137,7 +137,7 @@ class Cycle(ByValue, Documented):
     loading : Branch
     unloading : Branch or None
     hysteresis_se : float or None
-        Standard error of `hysteresis` by a delay of the force.
+        Standard error of `hysteresis`: by noise, the zero and a delay of the force.
     """
 
     keys = (
