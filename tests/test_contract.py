@@ -243,7 +243,7 @@ def test_the_first_wrong_thing_a_user_does(folder, tmp_path, monkeypatch, words,
 
 
 def test_strict_turns_a_failed_check_into_exit_code_1(folder):
-    did("fit", folder / "seal_8mm.csv", "--arms", "2", "--strict", code=0)
+    did("fit", folder / "seal_8mm.csv", "--arms", "3", "--strict", code=0)
     did("fit", folder / "seal_8mm.csv", "--arms", "0", code=0)
     did("fit", folder / "seal_8mm.csv", "--arms", "0", "--strict", code=1)
 

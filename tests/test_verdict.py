@@ -134,7 +134,8 @@ def test_a_hold_that_ends_early_tells_its_end_and_no_equilibrium_stiffness() -> 
     low, high = found.left_open["k_end"]
     assert 0.9 * flowing.relaxation(4.0) < low < flowing.relaxation(4.0) < high
     assert high < 1.1 * flowing.relaxation(4.0)
-    assert found.verdict.use == "use"
+    # of an arm of 60 s a hold of 4 s shows the loss nowhere: the stiffness alone is known
+    assert {check.name for check in found.verdict.because} == {"loss_factor_known"}
     assert found.band[0] > 0.03  # not at rest
     outside = {check.name for check in found.checks if check.passed is False}
     assert {"hold_long_enough", "k_inf_positive"} <= outside

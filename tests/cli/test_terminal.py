@@ -195,7 +195,7 @@ def test_the_arms_of_a_study_stand_on_the_first_screen():
     solid = study.fit if study.joint is None else study.joint
     first = next(i for i, line in enumerate(lines) if line.startswith("  arm  "))
     rows = [line.split()[0] for line in lines[first + 1 :]]
-    assert rows[: solid.model.arms + 1] == ["k_inf", *map(str, range(1, solid.model.arms + 1))]
+    assert rows[: solid.model.arms] == [*map(str, range(1, solid.model.arms + 1))]
 
 
 # -- colour ----------------------------------------------------------------------------------------
@@ -390,8 +390,8 @@ def test_an_arm_that_only_a_lesser_depth_has_is_shown_there():
     """What is nothing at the deepest is no arm of the model, and an arm of the other depths."""
     solid = dp.GeneralizedMaxwell(200.0, (100.0,), (0.5,))
     depths = (
-        AtDepth(8e-3, 200.0, 1.0, (100.0, 0.0), (1.0, 1.0)),
-        AtDepth(4e-3, 150.0, 1.0, (80.0, 20.0), (1.0, 1.0)),
+        AtDepth(8e-3, 200.0, 202.0, (100.0, 0.0), (1.0, 1.0)),
+        AtDepth(4e-3, 150.0, 152.0, (80.0, 20.0), (1.0, 1.0)),
     )
     lines = "\n".join(text_of.fit(a_fit(solid, by_depth=depths)).lines)
     assert "k_2" in lines

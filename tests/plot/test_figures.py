@@ -227,7 +227,11 @@ def test_a_fit_without_offset_is_drawn_without_one():
 
 def test_several_depths_are_drawn_at_their_own_stiffness():
     at = AtDepth(
-        depth=8e-3, k_inf=S.fit.model.k_inf, k_inf_se=0.1, k=S.fit.model.k, k_se=(0.1, 0.1)
+        depth=8e-3,
+        k_inf=S.fit.model.k_inf,
+        k_inf_most=1.01 * S.fit.model.k_inf,
+        k=S.fit.model.k,
+        k_se=(0.1, 0.1),
     )
     several = altered(S.fit, by_depth=(replace(at, depth=4e-3, k_inf=100.0), at))
     assert np.array_equal(fitted_force(several, S.prepared)[1], fitted_force(S.fit, S.prepared)[1])

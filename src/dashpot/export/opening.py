@@ -282,7 +282,7 @@ def _doubt(fit: Fit | LevelFit) -> str | None:
     What is called so may be used: an arm that single data cannot place still adds up to limits that
     hold. k_inf is no question here; what it is at most stands in the header.
     """
-    if fit.verdict.use == "use":
+    if fit.checks and fit.verdict.use == "use":
         return None
     if isinstance(fit, LevelFit) or _dense(fit):
         # the parts are judged together, by what they leave unexplained

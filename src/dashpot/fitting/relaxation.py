@@ -70,7 +70,7 @@ if TYPE_CHECKING:
     from dashpot.fitting.temperature.reduced import Own
 
 
-class _Hold(TypedDict):
+class _HoldArguments(TypedDict):
     """How long the longest hold was, s, the arms fitted to it, and the freedom of its noise."""
 
     time: float
@@ -436,7 +436,7 @@ def _end_of_hold(
     return end_of_hold(data, **_hold_of(records, found), spectra=spectra)
 
 
-def _hold_of(records: Sequence[RampHold], found: Chosen | RampLaw) -> _Hold:
+def _hold_of(records: Sequence[RampHold], found: Chosen | RampLaw) -> _HoldArguments:
     """What their limits ask of the records and of the fit."""
     return {
         "time": max(record.hold_time for record in records),

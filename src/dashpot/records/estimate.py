@@ -261,6 +261,8 @@ class ParameterEstimate(ByValue):
         covariance = self.covariance[np.ix_(rows, rows)]
         if not np.isfinite(covariance).all():
             return inf, inf
+        if not model.k_0 > 0:
+            return inf, inf
         slopes = model.arm_slopes(s)[0] / model.stiffness_at(s)[:, None]
         # d ln K = d ln |K| + j d(angle); the loss factor is the tangent of the angle
         size, angle = (

@@ -661,6 +661,8 @@ class Fit(ByValue, Pictured, Documented):
     def with_checks(self, checks: Iterable[Check]) -> Fit:
         """Return the fit with these checks beside its own, each once."""
         every = tuple(dict.fromkeys((*self.checks, *checks)))
+        if every == self.checks:
+            return self
         return replace(self, evidence=replace(self.evidence, checks=every))
 
     @property

@@ -156,7 +156,7 @@ def _piece(one: workflow.CLD) -> list[str]:
         said.append(written(cycle.speed, "mm/s"))
     if one.time is not None:
         known = written(one.delay_sd, "ms", ".3g")
-        said.append(f"the errors include a delay of 0 ± {known} (--machine sync=0.1ms)")
+        said.append(f"the errors include a delay of 0 ± {known} (dashpot fit --machine sync=0.1ms)")
     return [*table(rows), f"  {'; '.join(said)}"] if said else table(rows)
 
 

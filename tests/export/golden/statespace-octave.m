@@ -2,6 +2,7 @@
 % USE: From 0.004 to 0.32 Hz the stiffness is known to +/-0.12 %, the loss factor to +/-0.47 %. Outside this band a linear seal is assumed: add a hammer test.
 % UNITS: mm-t-s: mm, t, s, N, MPa; frequency in Hz
 % model: k_inf = 0.1965 N/mm
+%   k_inf is at most 0.1967 N/mm; no test bounds it from below
 %   arm 1: k = 0.1175 N/mm, tau = 0.5021276596 s, b = 0.059 N s/mm
 %   arm 2: k = 0.0178 N/mm, tau = 16.41573034 s, b = 0.2922 N s/mm
 % temperature: 296.15 K (23 degC)

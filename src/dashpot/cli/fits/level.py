@@ -20,6 +20,7 @@ def run(given: Given) -> Outcome:
         law=given.model(AmplitudeLawAsked),
         motion=given.hammer.motion,
         options=given.reading,
-        **given.some("seals", "band", "machine"),
+        **given.some("seals", "band"),
+        **(given.some("machine") if "--machine" in given.again() else {}),
     )
     return given.told(found)

@@ -173,8 +173,8 @@ def k_inf_known(
     else:
         low, high, most, what = max(model.k_inf - 2 * se, 0.0), model.k_inf + 2 * se, left, "k_inf"
         says = (
-            f"The limits of k_inf by noise are {written(high - low, 'N/mm', '.3g')} apart; "
-            f"the stiffness at the end of the hold is {written(left, 'N/mm', '.3g')}"
+            f"Noise leaves {written(high - low, 'N/mm', '.3g')} of k_inf open, of "
+            f"{written(left, 'N/mm', '.3g')} at the end of the hold"
         )
     if not (np.isfinite(high) and most > 0):
         return Finding(
