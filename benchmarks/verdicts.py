@@ -1,7 +1,7 @@
 """How often a verdict is right, judged on truths and rigs that share no line with dashpot.
 
     python benchmarks/verdicts.py OUT.jsonl [--per 10] [--several 84] [--kinds 20] [--curves 300]
-        [--conditioned 84] [--claims 20] [--hammers 20] [--only REGEX]
+        [--conditioned 84] [--claims 20] [--hammers 20] [--pairs 60] [--only REGEX]
     python benchmarks/verdicts.py --table OUT.jsonl
 
 The relaxation records of `tests/kit/foreign`: its 42 truths on its 40 rigs, `--per` truths of each,
@@ -9,11 +9,13 @@ on rigs of which a channel stands still, or whose servo hunts, or whose converte
 and by turns on `--several` rigs that have several faults at once; its other kinds of test, sound
 and spoilt by turns; `--conditioned` seals that were pressed before their test, of which limits of
 k(T), k(3T) and k_inf are asked; `--hammers` hammer tests of each kind of rig (`hammer_rigs`:
-windows, cables); and its curves: `--curves` moduli and a third as many compliances and sweeps,
-which end before their plateau or after, each whole and cut. Of `--claims` records each: curves with
-gaps, tests of which too few arms or as many as the truth has are asked for, and the first sentence
-of relaxation records on five rigs. Each record is one line of OUT.jsonl; those that stand there are
-not run again, and the same seed gives the same records.
+windows, cables); `--pairs` seals with an arm slower than their test, fitted to bench and hammer and
+to the hammer alone, of which the most that k_inf may be is asked; and its curves: `--curves` moduli
+and a third as many compliances and sweeps, which end before their plateau or after, each whole and
+cut. Of `--claims` records each: curves with gaps, tests of which too few arms or as many as the
+truth has are asked for, and the first sentence of relaxation records on five rigs. Each record is
+one line of OUT.jsonl; those that stand there are not run again, and the same seed gives the same
+records.
 
 A relaxation record misses if one of its 95 % limits does: of the accelerance of two seals under
 the mass that they bring to resonance at 12.7 Hz (there, its peak's height and frequency), of k(T)
@@ -77,6 +79,7 @@ from kit.foreign.hammer_rigs import HammerRecord, struck_rig
 from kit.foreign.kinds import Sheet, nominal, sheets
 from kit.foreign.lying_channels import CHANNELS
 from kit.foreign.rigs import RIGS, Record, read, several
+from kit.foreign.slow_arms import SlowPair, slow_pairs
 from kit.foreign.truths import TRUTHS, Seal, Solid
 from kit.slam_memory import relaxed
 
@@ -597,6 +600,40 @@ def work_of_hammers(options: argparse.Namespace) -> Iterator[tuple[dict, Callabl
             yield name, lambda kind=kind, seed=seed: judged_hammer(*struck_rig(kind, seed))
 
 
+# -- arms slower than a test -----------------------------------------------------------------------
+
+
+def judged_pair(pair: SlowPair, *, joint: bool) -> dict[str, object]:
+    """One line of a fit of bench and hammer, or of the hammer alone: whether k_inf is held."""
+    start = time.process_time()
+    bench, truth = pair.bench, pair.hammer.truth
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "hits.csv"
+        path.write_text(pair.hammer.text(), "utf-8")
+        tests = [dp.RelaxationTest(bench.time, bench.displacement, bench.force, units="SI")]
+        try:
+            fit_ = dp.fit(*tests * joint, dp.read(path), mass=truth["mass"], seals=truth["seals"])
+        except dp.DashpotError as refusal:
+            said: dict[str, object] = {"use": "refused", "because": [str(refusal)]}
+        else:
+            low, high = fit_.intervals()["k_inf"]
+            said = {
+                **_said(fit_.verdict),
+                "limits": {"k_inf": [float(low), pair.seal.solid.k_inf, float(high)]},
+            }
+    return {**said, "cpu": round(time.process_time() - start, 3)}
+
+
+def work_of_pairs(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]]]:
+    """Seals with an arm slower than their test, by both tests and by the hammer alone."""
+    for joint, group in ((True, "slow arm, joint"), (False, "slow arm, hammer")):
+        if not re.search(options.only, group):
+            continue
+        for pair in slow_pairs(options.pairs, options.seed):
+            name = {"group": group, "rig": False, "name": pair.name, "seed": options.seed}
+            yield name, lambda pair=pair, joint=joint: judged_pair(pair, joint=joint)
+
+
 # -- all of them -----------------------------------------------------------------------------------
 
 
@@ -662,6 +699,7 @@ def work(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]
             name = {"group": group, "rig": False, "name": one.name, "seed": options.seed}
             yield name, lambda one=one: judged_sheet(one)
     yield from work_of_hammers(options)
+    yield from work_of_pairs(options)
     for kind in DELAYED:
         group = f"delays in {kind}"
         for turn in range(options.kinds if wanted.search(group) else 0):
@@ -794,6 +832,7 @@ def main() -> None:
     parser.add_argument("--conditioned", type=int, default=84, help="seals pressed before")
     parser.add_argument("--curves", type=int, default=300, help="moduli, and thrice the others")
     parser.add_argument("--claims", type=int, default=20, help="of each kind of claim")
+    parser.add_argument("--pairs", type=int, default=60, help="seals with a slow arm")
     parser.add_argument("--hammers", type=int, default=20, help="hammer tests of each rig")
     parser.add_argument("--only", default="", help="disturbances and kinds, a regular expression")
     parser.add_argument("--seed", type=int, default=0)

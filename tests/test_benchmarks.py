@@ -48,7 +48,10 @@ RUNS = [
     ("two_thousand", "64", r"^  repeat +[\d.]+ % \(.*\), drawn from 1 %: "),
     (
         "verdicts",
-        "OUT --per 0 --several 1 --kinds 2 --conditioned 2 --hammers 1 --curves 6 --claims 1",
+        (
+            "OUT --per 0 --several 1 --kinds 2 --conditioned 2 --hammers 1 --pairs 1 --curves 6 "
+            "--claims 1"
+        ),
         r'^of \d+ called "use" \d+ miss',
     ),
 ]

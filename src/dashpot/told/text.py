@@ -355,7 +355,7 @@ def _loops(found: AmplitudeFit) -> list[str]:
     known = written(found.delay_sd, "ms", ".3g")
     return [
         f"  A small loop {ascii_only('; '.join(listed))}",
-        f"  These errors include a delay of 0 ± {known}: dashpot fit --machine sync=0.1ms states it",
+        f"  These errors include a delay of 0 ± {known} (dashpot fit --machine sync=0.1ms)",
     ]
 
 
