@@ -12,7 +12,7 @@ from dashpot import workflow
 from dashpot.base.documents import Documented
 from dashpot.base.progress import doing
 from dashpot.cli import _options as options
-from dashpot.cli._grammar import group, of, opt, rest, verb
+from dashpot.cli._grammar import Opt, group, of, opt, rest, verb
 from dashpot.cli._options import MASS, MODEL, PIECE, RAMP, said_of_all
 from dashpot.cli._recognised import called, kinds_of, recognised, tell
 from dashpot.cli._shell import Outcome, claim, grams, note_written, typed, write
@@ -97,6 +97,8 @@ def command(
     tests = tuple(path for path in files if kinds[path] == "relaxation")
     impact = tuple(path for path in files if kinds[path] in _VIBRATION)
     _refuse_others(kinds, tests, impact)
+    if not impact:
+        _refuse_without_hammer()
     job = Job(
         tests[0],
         further=tests[1:],
@@ -151,6 +153,23 @@ def _refuse_others(kinds: dict[str, str], tests: Sequence[str], impact: Sequence
             "The report needs a relaxation test, and here is none. For hits or an FRF alone: "
             f"dashpot fit {impact[0]}"
         )
+
+
+def _refuse_without_hammer() -> None:
+    """Refuse what is said of a hammer test, where there is none.
+
+    Raises
+    ------
+    click.UsageError
+    """
+    context = click.get_current_context()
+    flags = {one.flag for one in (*options.hammer(), *options.relative())} | {"--no-joint"}
+    for one in context.command.params:
+        if isinstance(one, Opt) and one.flag in flags and one.typed(context):
+            raise click.UsageError(
+                f"{one.flag} is for a hammer test, and there is none here. Add its file, or leave "
+                "the option out."
+            )
 
 
 def _alike(said: ReadOptions, files: Sequence[str]) -> ReadOptions:
