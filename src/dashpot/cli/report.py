@@ -97,8 +97,7 @@ def command(
     tests = tuple(path for path in files if kinds[path] == "relaxation")
     impact = tuple(path for path in files if kinds[path] in _VIBRATION)
     _refuse_others(kinds, tests, impact)
-    if not impact:
-        _refuse_without_hammer()
+    _refuse_unused(hammer=bool(impact), mass=choices["mass"] is not None)
     job = Job(
         tests[0],
         further=tests[1:],
@@ -155,21 +154,27 @@ def _refuse_others(kinds: dict[str, str], tests: Sequence[str], impact: Sequence
         )
 
 
-def _refuse_without_hammer() -> None:
-    """Refuse what is said of a hammer test, where there is none.
+def _refuse_unused(*, hammer: bool, mass: bool) -> None:
+    """Refuse what is said of a hammer test or of a mass on the seals, where there is none.
 
     Raises
     ------
     click.UsageError
     """
+    hits = {one.flag for one in (*options.hammer(), *options.relative())}
+    asked = [
+        (hits | {"--no-joint", "--band"}, hammer, "a hammer test", "Add its file"),
+        ({"--seal-mass"}, mass, "a mass on the seals", "Give --mass"),
+        ({"--compression"}, mass or hammer, "a mass on the seals", "Give --mass"),
+    ]
     context = click.get_current_context()
-    flags = {one.flag for one in (*options.hammer(), *options.relative())} | {"--no-joint"}
     for one in context.command.params:
-        if isinstance(one, Opt) and one.flag in flags and one.typed(context):
-            raise click.UsageError(
-                f"{one.flag} is for a hammer test, and there is none here. Add its file, or leave "
-                "the option out."
-            )
+        for flags, there, what, remedy in asked:
+            if isinstance(one, Opt) and one.flag in flags and not there and one.typed(context):
+                raise click.UsageError(
+                    f"{one.flag} is for {what}, and there is none here. {remedy}, or leave the "
+                    "option out."
+                )
 
 
 def _alike(said: ReadOptions, files: Sequence[str]) -> ReadOptions:
