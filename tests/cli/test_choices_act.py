@@ -56,7 +56,8 @@ CHOICES: dict[str, tuple[str, ...]] = {
     "--stress-is": ("true",), "--strain-is": ("true",), "--radius": ("6mm",),
     "--drop-height": ("50mm",), "--impact-velocity": ("1m/s",), "--slam": ("1m/s",),
     "--shape": ("disc:25mm,25mm",), "--lubricated": ("",), "--gain-error": ("2%",),
-    "--phase-error": ("2deg",), "--density": ("1000",), "--between": ("4:8mm",),
+    "--phase-error": ("2deg",), "--glue-error": ("3%",),
+    "--radius-error": ("1%",), "--density": ("1000",), "--between": ("4:8mm",),
     "--force-limits": ("1:2N",), "--temperature": ("30degC",), "--length": ("50mm",),
     "--height": ("20mm",), "--label": ("name=door",), "--no-joint": ("",), "--title": ("X",),
 }  # fmt: skip

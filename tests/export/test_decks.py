@@ -169,18 +169,20 @@ def test_a_fit_without_its_conditions_is_refused(fit, target, form, extra, missi
     assert "OVERRIDE" not in write(target, bare, form=form, specimen=SPECIMEN, **extra)
 
 
+DOUBT = Check("arms_supported", False, "an arm cannot be separated from noise.")
+"""What makes a verdict other than "use": what is called so is written."""
+
+
 @every_deck
 def test_an_unidentified_fit_is_refused(fit, target, form, extra):
     doubtful = {
-        "at the edge of the measured window": altered(fit, status=Status.TAU_AT_BOUND),
-        "arm 2 has k = 17.8": altered(fit, covariance=np.diag([0.1, 0.2, 8.0, 1e-3, 1e-3]) ** 2),
-        "arm 1 has tau = 0.5021": altered(
-            fit, covariance=np.diag([0.1, 0.2, 0.05, 0.8, 1e-3]) ** 2
-        ),
-        "k_inf = 196.5": altered(fit, covariance=np.diag([100.0, 0.2, 0.05, 1e-3, 1e-3]) ** 2),
-        "arm 1 has k": altered(fit, covariance=np.diag([0.1, np.inf, 0.05, 1e-3, 1e-3])),
+        "at the edge of the measured window": {"status": Status.TAU_AT_BOUND},
+        "arm 2 has k = 17.8": {"covariance": np.diag([0.1, 0.2, 8.0, 1e-3, 1e-3]) ** 2},
+        "arm 1 has tau = 0.5021": {"covariance": np.diag([0.1, 0.2, 0.05, 0.8, 1e-3]) ** 2},
+        "arm 1 has k": {"covariance": np.diag([0.1, np.inf, 0.05, 1e-3, 1e-3])},
     }
-    for sentence, each in doubtful.items():
+    for sentence, changes in doubtful.items():
+        each = altered(fit, checks=(*fit.checks, DOUBT), **changes)
         with pytest.raises(ExportError, match="do not determine every parameter") as refused:
             write(target, each, form=form, **extra)
         assert sentence in str(refused.value)
@@ -189,8 +191,9 @@ def test_an_unidentified_fit_is_refused(fit, target, form, extra):
 
 
 def test_everything_that_is_missing_is_said_at_once(fit):
+    doubtful = {"status": Status.TAU_AT_BOUND, "checks": (*fit.checks, DOUBT)}
     with pytest.raises(ExportError) as refused:
-        write("nastran", altered(fit, specimen=Specimen(), status=Status.TAU_AT_BOUND))
+        write("nastran", altered(fit, specimen=Specimen(), **doubtful))
     for words in ("temperature", "contact length", "determine every parameter", "--length 100mm"):
         assert words in str(refused.value)
 

@@ -85,7 +85,7 @@ def test_tests_that_agree_need_no_explanation() -> None:
     found = joint(1)
     assert found.explanations == ()
     assert found.verdict.use == "use"
-    assert not any(check.failed for check in found.checks)
+    assert not any(check.failed and check.grade != "note" for check in found.checks)
 
 
 def test_what_is_free_anyway_explains_nothing_more() -> None:

@@ -174,7 +174,9 @@ EXPORTED = {
         ["fit.json", "solid.inp"],
     ),
     "what is not identified": (
-        lambda: altered(S.fit, unit="Pa", status=Status.NOT_IDENTIFIED), ["fit.json"],
+        lambda: altered(S.fit, unit="Pa", status=Status.NOT_IDENTIFIED,
+                        checks=(*S.fit.checks, replace(DENSE, name="arms_supported"))),
+        ["fit.json"],
     ),
     "what must not be used": (
         lambda: altered(S.fit, checks=(replace(DENSE, name="strain_small", grade="stop"),)),

@@ -224,7 +224,7 @@ class Fact(Documented):
         if self.bound_alone or self.least_alone:
             return f"{self.called} {cells.interval} {cells.unit}".rstrip()
         if self.topped:
-            return f"{self.called} {cells.with_unit}, {cells.interval}"
+            return f"{self.called} {cells.value} {cells.unit}".rstrip() + f", {cells.interval}"
         own = f"{self.called} {cells.with_unit}"
         return f"{own}, 95 % {cells.interval}" if cells.interval else own
 

@@ -261,15 +261,15 @@ class ParameterEstimate(ByValue):
         covariance = self.covariance[np.ix_(rows, rows)]
         if not np.isfinite(covariance).all():
             return inf, inf
-        if not model.k_0 > 0:
+        K = model.stiffness_at(s)
+        if not (K.real > 0).all():
             return inf, inf
-        slopes = model.arm_slopes(s)[0] / model.stiffness_at(s)[:, None]
+        slopes = model.arm_slopes(s)[0] / K[:, None]
         # d ln K = d ln |K| + j d(angle); the loss factor is the tangent of the angle
         size, angle = (
             np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", one, covariance, one), 0.0))
             for one in (slopes.real, slopes.imag)
         )
-        K = model.stiffness_at(s)
         loss_factor = K.imag / K.real
         known = np.where(loss_factor > 0, loss_factor, np.nan)
         ratio = (1 + known**2) / known * angle

@@ -199,7 +199,8 @@ class Fit(ByValue, Pictured, Documented):
         if end is not None and np.isfinite(end.k_end[1]):
             # its limits hold for every rig that may have made the test, the covariance for one
             wide = (end.k_end[1] - end.k_end[0]) / 2
-            stiffness = max(stiffness, wide / end.of(self.model))
+            held = end.of(self.model)
+            stiffness = max(stiffness, wide / held) if held > 0 else np.inf
         return stiffness, loss_factor
 
     def model_at(self, compression: Quantity, *, secant: bool = False) -> GeneralizedMaxwell:
