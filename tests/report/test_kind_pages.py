@@ -175,7 +175,9 @@ EXPORTED = {
     ),
     "what is not identified": (
         lambda: altered(S.fit, unit="Pa", status=Status.NOT_IDENTIFIED,
-                        checks=(*S.fit.checks, replace(DENSE, name="arms_supported", grade="limit"))),
+                        checks=(
+                            *S.fit.checks, replace(DENSE, name="arms_supported", grade="limit")
+                        )),
         ["fit.json"],
     ),
     "what must not be used": (
