@@ -309,7 +309,15 @@ def of_its_files(job: Job) -> Job:
     """Nothing is said of a hammer's file where there is none, nor of hits in a bench's."""
     bench = job.reading.without(OF_HAMMER)
     impact = job.reading_impact if job.impact else bench.only(("units",))
-    return replace(job, reading=bench, reading_impact=impact)
+    job = replace(job, reading=bench, reading_impact=impact)
+    usual = Job(job.relaxation)
+    if not job.impact:
+        job = replace(job, hammer=usual.hammer, joint=usual.joint, band=usual.band)
+    if job.mass is None:
+        job = replace(job, seal_mass=usual.seal_mass)
+        if not job.impact:
+            job = replace(job, compression=usual.compression)
+    return job
 
 
 class _HeardError(Exception):

@@ -98,7 +98,7 @@ def cables_described(known: BandError, peak: float) -> Finding:
         f"±{100 * error:.2g} %",
         error,
         "A cable of 3 % of the stiffness of the seals may add a quarter to a small loss",
-        Remedy("Hang the cables free, and say so.", "machine", "cable=0"),
+        Remedy("Let the cables hang free, and say so.", "machine", "cable=0"),
     )
 
 
