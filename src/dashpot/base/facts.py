@@ -41,12 +41,17 @@ class Cells(NamedTuple):
 
     @property
     def with_error(self) -> str:
-        """Value and standard error, or the upper limit that stands for it, in one cell."""
-        if self.interval.startswith(AT_MOST):
-            return f"{self.value}, {self.interval}"
+        """Value and standard error in one cell."""
         if self.error in {"", HELD, UNKNOWN}:
             return ", ".join(filter(None, (self.value, self.error)))
         return f"{self.value} ± {self.error}"
+
+    @property
+    def with_limit(self) -> str:
+        """Value and standard error, or the upper limit that stands for it, in one cell."""
+        if self.interval.startswith(AT_MOST):
+            return f"{self.value}, {self.interval}"
+        return self.with_error
 
     @property
     def with_unit(self) -> str:
@@ -224,7 +229,7 @@ class Fact(Documented):
         if self.bound_alone or self.least_alone:
             return f"{self.called} {cells.interval} {cells.unit}".rstrip()
         if self.topped:
-            return f"{self.called} {cells.value} {cells.unit}".rstrip() + f", {cells.interval}"
+            return f"{self.called} {cells.with_unit}, {cells.interval}"
         own = f"{self.called} {cells.with_unit}"
         return f"{own}, 95 % {cells.interval}" if cells.interval else own
 

@@ -398,8 +398,8 @@ def moved(joint: Fit | None) -> TextTable | None:
 
 def _moved_row(m: Moved) -> tuple[str, ...]:
     was, now = m.was, m.now
-    name, after = ", ".join(filter(None, (now.symbol, now.word))), now.cells.with_error
+    name, after = ", ".join(filter(None, (now.symbol, now.word))), now.cells.with_limit
     if was is None:
         return name, "", after, "", "new"
     change = percent(now.value / was.value - 1) if was.value else ""
-    return name, was.cells.with_error, after, change, signed(m.shift)
+    return name, was.cells.with_limit, after, change, signed(m.shift)

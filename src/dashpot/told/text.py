@@ -237,7 +237,7 @@ def _by_depth(found: Fit) -> list[str]:
     each = [one.facts(found.unit) for one in found.by_depth]
     rows = [["  depth", *(one.called for one in each[0])]]
     for at, known in zip(found.by_depth, each, strict=True):
-        cells = (one.cells.ascii.with_error for one in known)
+        cells = (one.cells.ascii.with_limit for one in known)
         rows.append([f"  {written(at.depth, 'mm')}", *cells])
     return [f"    by depth, {each[0][0].word}, ± SE", *table(rows)]
 
@@ -248,10 +248,16 @@ def _moved(found: Fit) -> list[str]:
         return []
     rows = [["  moved", "before, ± noise", "after, ± noise", "by, in SE before"]]
     for item in found.moved:
-        before = "-" if item.was is None else item.was.cells.ascii.with_unit
+        before = "-" if item.was is None else _with_limit(item.was)
         by = "new" if item.was is None else ascii_only(numbers.signed(item.shift))
-        rows.append([f"  {item.name}", before, item.now.cells.ascii.with_unit, by])
+        rows.append([f"  {item.name}", before, _with_limit(item.now), by])
     return table(rows)
+
+
+def _with_limit(fact: Fact) -> str:
+    """Value, error or upper limit, and unit."""
+    cells = fact.cells.ascii
+    return f"{cells.with_limit} {cells.unit}".rstrip()
 
 
 def _match(one: Explanation) -> str:
