@@ -110,6 +110,34 @@ def test_half_a_sample_or_one_leave_creep_the_stiffness_that_it_has_in_step(late
     assert fit.solid.relaxation(t) == pytest.approx(solid.relaxation(t), rel=0.005)
 
 
+@pytest.mark.parametrize("late", (-1.0, -0.5, 0.0, 0.5, 1.0))
+def test_a_load_of_two_samples_claims_no_loss_between_samples(late):
+    """Five newtons in .1 s, read at 20 Hz: a fast retardation looks like a delay."""
+    rate, k_inf, k, tau = 20.0, 1.2, np.array([0.4, 0.3, 0.2]), np.array([0.06, 1.0, 8.0])
+    fine = 1e-3
+    clock = np.arange(0.0, 64.1, fine)
+    load = np.interp(clock, [4.0, 4.1], [0.0, 5.0])
+    fade = np.exp(-fine / tau)
+    give = tau / fine * (1 - fade)
+    arms, moved, path = np.zeros(3), 0.0, np.empty(len(clock))
+    for i, force in enumerate(load):
+        now = (force + (k * give).sum() * moved - (fade * arms).sum()) / (k_inf + (k * give).sum())
+        arms, moved = fade * arms + k * give * (now - moved), now
+        path[i] = moved
+    random = np.random.default_rng(11)
+    t = np.arange(0.0, 64.0, 1 / rate)
+    x = np.interp(t - late / rate, clock, path) + 1e-3 * random.standard_normal(len(t))
+    F = np.interp(t, clock, load) + 1e-3 * random.standard_normal(len(t))
+    found = dp.fit(dp.CreepTest(t, x, F, units="s, mm, N"))
+    assert found.verdict.use == "use"
+    assert found.band[1] <= 0.1 * rate / (2 * pi) * (1 + 1e-9)
+    s_lines = 2j * pi * np.geomspace(*found.band, 20)[:, None]
+    truth = k_inf + (k * s_lines * tau / (1 + s_lines * tau)).sum(1)
+    K = found.model.complex_stiffness(omega=s_lines[:, 0].imag)
+    off = (K.imag / K.real) / (truth.imag / truth.real) - 1
+    assert np.abs(off).max() <= found.error_in_band[1]
+
+
 def test_what_is_known_of_the_clocks_of_a_creep_test_is_heeded():
     one = delayed("creep", 5, -1.0, 50.0)
     sure, usual = crept(one, 0.0), crept(one)

@@ -24,7 +24,7 @@ def noisy(seed: int, noise: float = 4e-3) -> np.ndarray:
 def lines_of(force: np.ndarray, *, noise: float) -> tuple[Hum, ...]:
     """Of a hold as long as it says, behind two seconds of something else."""
     time = np.concatenate((np.arange(-2000, 0) / 1000, TIME))
-    lines, total = hum_lines(time, force, slice(2000, 2000 + len(force)), noise=noise)
+    lines, total, _ = hum_lines(time, force, slice(2000, 2000 + len(force)), noise=noise)
     np.testing.assert_array_equal(total, sum((one.force(time) for one in lines), 0 * time))
     return lines
 

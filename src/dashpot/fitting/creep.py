@@ -79,6 +79,8 @@ _FEWEST = 5
 _RESOLVED = 4.0
 # a load is in step to this part of a sample; it is moved so often, and by so many sd at most
 _IN_STEP, _MOVES, _FARTHEST = 0.1, 4, 4.0
+#: largest angle, omega times the step of the clock, at which a creep test tells the loss
+SAMPLED = 0.1
 # so many sd of a delay before the load the displacement is sure to rest
 _RESTS = 2.0
 # loads this far apart, in parts of the highest, are two levels
@@ -329,6 +331,9 @@ def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"])
         noise=max(found.estimate.spread, 1e-6 * found.data.peak, 1e-300),
     )  # fmt: skip
     window = (2 * float(np.diff(record.time).min()), record.hold_time)
+    # between samples a delay and a fast retardation are one: nothing tells the loss there
+    resolved = SAMPLED / (2 * np.pi * float(np.median(np.diff(record.time))))
+    band = (band[0], max(min(band[1], resolved), band[0]))
     end, band, known = _end_of_test(record, found, band)
     word = "m" if record.unit == "N/m" else "1"
     nuisance = _nuisances(record, found, word)

@@ -44,8 +44,10 @@ def hum_lines(
     *,
     noise: float,
     displacement: FloatArray | None = None,
-) -> tuple[tuple[Hum, ...], FloatArray]:
+) -> tuple[tuple[Hum, ...], FloatArray, bool]:
     """Return the lines of a force, the strongest first, and their sum at all times, N.
+
+    And whether the force has lines that are its response to the plate.
 
     Parameters
     ----------
@@ -62,7 +64,7 @@ def hum_lines(
     """
     n, everywhere, time = len(force), time, time[held]
     if n < _FEWEST_SAMPLES or noise == 0:
-        return (), np.zeros(len(everywhere))
+        return (), np.zeros(len(everywhere)), False
     step = (time[-1] - time[0]) / (n - 1)
     window = _hann(n)
     # a prime number of them takes ten times as long
@@ -73,6 +75,7 @@ def hum_lines(
         stiffest = _STIFFEST * abs(force.mean() / (displacement.mean() or np.inf))
     del force  # of a long record each array weighs beside the transform
     found: list[Hum] = []
+    responds = False
     for _ in range(_MOST_LINES):
         windowed = window * rest
         at = _strongest(np.abs(np.fft.rfft(windowed, bins)) ** 2, int(np.ceil(_FEWEST_CYCLES)))
@@ -87,11 +90,30 @@ def hum_lines(
             _detrended(time, displacement), window, step, frequency
         ):
             found.append(line)
+        else:
+            responds = True
         rest -= line.force(time)
     total = np.zeros(len(everywhere))
     for line in found:
         total += line.force(everywhere)
-    return tuple(found), total
+    return tuple(found), total, responds
+
+
+def white_noise(time: FloatArray, values: FloatArray) -> float:
+    r"""Return the standard deviation of the white noise of a channel over a hold, lines left out.
+
+    The median of the power of a windowed spectrum is :math:`\ln 2\,\sigma^2 \sum w^2`, whatever
+    lines stand in it.
+
+    Parameters
+    ----------
+    time, values : array, shape (n,)
+        On a uniform clock.
+    """
+    window = _hann(len(values))
+    windowed = window * _detrended(time, values)
+    power = np.abs(np.fft.rfft(windowed, fast_length(len(values)))) ** 2
+    return float(np.sqrt(median(power) / np.log(2) / (window @ window)))
 
 
 def _detrended(time: FloatArray, values: FloatArray) -> FloatArray:

@@ -27,7 +27,7 @@ from dashpot.preparation.contact import (
 from dashpot.preparation.denoising import denoised
 from dashpot.preparation.filters import filtered, parse_filter
 from dashpot.preparation.history import EarlierLoadings, followed, pulls
-from dashpot.preparation.hum import hum_lines, hum_step
+from dashpot.preparation.hum import hum_lines, hum_step, white_noise
 from dashpot.preparation.late_touch import AFTER, MOST, Lateness, lateness
 from dashpot.preparation.motion import (
     PlateMotion,
@@ -508,19 +508,38 @@ def _record(
     )
 
 
+def _quiet_beside_lines(record: RampHold) -> RampHold:
+    """The record whose noise is what is left beside lines that force and plate have both.
+
+    From sample to sample they scatter, but they are motion and its response: no mean takes them
+    off, and no residual may be as large.
+    """
+    time, x, force = (
+        channel[record.hold] for channel in (record.time, record.displacement, record.force)
+    )
+    least = record.displacement_quantum / 12**0.5
+    return replace(
+        record,
+        displacement_noise=min(record.displacement_noise, max(white_noise(time, x), least)),
+        force_noise=min(record.force_noise, white_noise(time, force)),
+    )
+
+
 def _without_hum(record: RampHold) -> RampHold:
     """Take the lines of the hold off the whole force, on a uniform clock."""
     held = record.hold
     time, force = record.time[held], record.force[held]
     if not evenly_sampled(time):
         return record
-    lines, hum = hum_lines(
+    lines, hum, responds = hum_lines(
         record.time,
         without_spikes(time, force),
         held,
         noise=record.force_noise,
         displacement=record.displacement[held],
     )
+    if responds:
+        record = _quiet_beside_lines(record)
     if not lines:
         return record
     force = sealed(record.force - hum)

@@ -181,7 +181,7 @@ class Fit(ByValue, Pictured, Documented):
 
         Of :math:`|K^*|` and :math:`\eta = K''/K'`, over every spectrum that the test does not
         reject, and no less than what the fit misses of the record's own lines
-        (:class:`~dashpot.records.band_error.BandError`). Where that was not asked, by the
+        (``records.band_error.BandError``). Where that was not asked, by the
         covariance of the arms, and by the limits at the end of the hold where they are wider;
         infinite where none is known.
         """

@@ -144,6 +144,8 @@ HONEST: Mapping[str, Rig] = MappingProxyType({
 HUNTING: Mapping[str, Rig] = MappingProxyType({
     "hold oscillates .8 Hz, recorded": Rig(machine=(partial(hunts, by=20e-6, hertz=0.8),)),
     "hold oscillates 3 Hz, recorded": Rig(machine=(partial(hunts, by=8e-6, hertz=3.1),)),
+    "hold oscillates 6 Hz, recorded": Rig(machine=(partial(hunts, by=20e-6, hertz=6.3),)),
+    "hold oscillates 17 Hz, recorded": Rig(machine=(partial(hunts, by=50e-6, hertz=17.0),)),
 })  # fmt: skip
 
 PICKED_UP: Mapping[str, Rig] = MappingProxyType(

@@ -58,7 +58,7 @@ class HammerRig:
         the upper sensor over the lower.
     cable : float, optional
         Standard deviation of the stiffness of its cables over that of the seals; 0 if they hang
-        free, 2 % by default (:data:`~dashpot.records.machine.USUAL`).
+        free, 2 % by default (``dashpot.records.machine.USUAL``).
 
     Raises
     ------

@@ -43,6 +43,8 @@ _FEW = 6
 """Rows, and parts of the numbers of each, that no table has."""
 _STEADY = 6
 """Rows from the first on that show how all are printed."""
+_OF_A_FACTOR = 2
+"""Significant digits of a factor or a limit that stands above a column, at most."""
 _NAMES = {"\t": "tab", ";": "semicolon", ",": "comma", " ": "blanks", "|": "pipe", ":": "colon"}
 _MARKS = {".": "point", ",": "comma", ".,": "point and comma, mixed"}
 
@@ -209,11 +211,19 @@ def _odd_first_row(lines: Sequence[str], dialect: Dialect) -> list[str]:
     first, second = next(rows, None), next(rows, None)
     if not (first and second) or any(map(eq, printed(first), printed(second))):
         return []  # as it nearly always is: no more are read
+    if any(_significant(first[i]) > _OF_A_FACTOR for i in dialect.numbers):
+        return []  # what is printed with so many digits is measured
     others, like = [list(printed(row)) for row in rows], list(printed(second))
     if len(others) < _STEADY - 2 or any(row != like for row in others):
         return []
     says = f"line {dialect.first + 1}, the first row, is printed otherwise than those below it"
     return [Caution(f"{says}: '{lines[0].strip()[:60]}'; if it is none, take it out")]
+
+
+def _significant(cell: str) -> int:
+    """How many significant digits a number is printed with; trailing zeros count for none."""
+    mantissa = cell.lower().partition("e")[0]
+    return len("".join(filter(str.isdigit, mantissa)).strip("0"))
 
 
 def _rows_above(above: Sequence[str], dialect: Dialect) -> tuple[list[str], list[Question]]:
