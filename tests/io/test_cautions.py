@@ -82,11 +82,11 @@ def test_seconds_under_min_are_noted_at_any_rate(tmp_path: Path, rate: float) ->
     assert not dp.read(path).source.cautions
 
 
-def test_who_states_the_units_is_not_doubted(tmp_path: Path) -> None:
+def test_units_that_are_stated_do_not_tell_what_a_factor_is_of(tmp_path: Path) -> None:
     path = tmp_path / "seal.csv"
     path.write_text(written(f"Gain: 10\n{PLAIN}", (TIME, MOVED, FORCE)))
     fitted = dp.fit(dp.read(path, units={"force": "N"}))
-    assert fitted.verdict.use == "use"
+    assert {check.name for check in fitted.verdict.because} == {"numbers_unambiguous"}
 
 
 def test_page_and_lot_have_the_check(tmp_path: Path) -> None:

@@ -56,6 +56,28 @@ def test_scale_and_offset_of_cf_are_applied(
     assert any("scale_factor" in note for note in test.source.notes)
 
 
+@pytest.mark.parametrize("scale", ["0.001", b"1e-3"])
+def test_a_scale_that_is_written_as_text_is_applied(tmp_path: Path, scale: str | bytes) -> None:
+    path = hdf5(tmp_path / "a.h5", stored=packed(1e-3, 0.0, "i4"), force={"scale_factor": scale})
+    np.testing.assert_allclose(read_relaxation(path).force, FORCE, atol=0.51e-3)
+
+
+def test_a_scale_that_is_no_number_is_refused(tmp_path: Path) -> None:
+    path = hdf5(tmp_path / "a.h5", stored=packed(1e-3, 0.0, "i4"), force={"scale_factor": "x10"})
+    with pytest.raises(ReadError, match="'x10', which is no number"):
+        read_relaxation(path)
+
+
+def test_a_scale_of_named_fields_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.h5"
+    fields = np.dtype([("time", "f8"), ("displacement", "f8"), ("force", "f8")])
+    with h5py.File(path, "w") as file:
+        data = file.create_dataset("data", data=np.zeros(len(FORCE), fields))
+        data.attrs["scale_factor"] = np.array([1.0, 1.0, 10.0])
+    with pytest.raises(ReadError, match="named fields and states scale_factor"):
+        read_relaxation(path)
+
+
 @pytest.mark.parametrize(
     "said",
     [

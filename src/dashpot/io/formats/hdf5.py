@@ -148,6 +148,12 @@ def _columns_of(node: Any, name: str, found: _Walked) -> list[Named]:
         whole = node[()]
         return [Named(name, whole["real"] + 1j * whole["imag"], _unit(node))]
     if node.dtype.names:
+        packed = [key for key in _CF if key in node.attrs]
+        if packed:
+            raise ReadError(
+                f"'{name}' has named fields and states {', '.join(packed)}, which the CF "
+                "conventions know of one variable alone; write each field as a dataset of its own"
+            )
         whole, fields = node[()], node.dtype.names
         each = zip(
             fields,
@@ -174,7 +180,7 @@ def _unpacked(
     ----------
     CF Metadata Conventions 1.11, sections 2.5.1 and 8.1.
     """
-    packed = {key: _numbers_of(node.attrs[key]) for key in _CF if key in node.attrs}
+    packed = {key: _stated(name, key, node.attrs[key]) for key in _CF if key in node.attrs}
     if not packed or np.iscomplexobj(values):
         return values
     missing = np.zeros(values.shape, bool)
@@ -201,6 +207,27 @@ def _unpacked(
             "valid range that the file states: they are no numbers"
         )
     return unpacked
+
+
+def _stated(name: str, key: str, value: Any) -> tuple[float, ...]:
+    """The numbers of an attribute of the CF conventions, also where they are written as text.
+
+    Raises
+    ------
+    ReadError
+        If it holds no number: what it does to the data is then not known.
+    """
+    own = _numbers_of(value)
+    if own:
+        return own
+    word = _word(value)
+    try:
+        return tuple(float(part) for part in (word or "").replace(",", " ").split())
+    except ValueError:
+        raise ReadError(
+            f"'{name}' states {key} = {word!r}, which is no number; write it as one, or "
+            "leave it out"
+        ) from None
 
 
 def _numbers_of(value: Any) -> tuple[float, ...]:

@@ -139,7 +139,7 @@ def _table(
     remarks, doubts = _rows_above(above, dialect)
     notes += [
         *remarks,
-        *_factors(header, units_given=bool(options.units)),
+        *_factors(header),
         *_odd_first_row(lines[dialect.first :], dialect),
     ]
     if dialect.mark == ".,":
@@ -186,18 +186,15 @@ def _lies(lines: Sequence[str], dialect: Dialect) -> bool:
     return words and filled < _FEW <= len(dialect.numbers) // _FEW
 
 
-def _factors(header: Sequence[str], *, units_given: bool) -> list[str]:
-    """Note a line of the header that states a factor: none is applied.
-
-    It casts doubt on the numbers unless the user has stated their units.
-    """
+def _factors(header: Sequence[str]) -> list[Caution]:
+    """Note a line of the header that states a factor: none is applied, and any may be meant."""
     for line in header:
         stated = _FACTOR.search(line[:500])
         numbers = _NUMBER.findall(stated.string[stated.end() : 500]) if stated else []
         if any(float(number.replace(",", ".")) != 1.0 for number in numbers):
             told = line.strip().replace("\t", " ")[:60]
             says = f"the header says '{told}'; no factor is applied to the numbers"
-            return [says if units_given else Caution(says)]
+            return [Caution(says)]
     return []
 
 
