@@ -15,7 +15,7 @@ from dashpot.base.status import Status
 from dashpot.fitting.checks.solid import loss_factor_known, uncertainty_estimated
 from dashpot.fitting.known_band import known_band
 from dashpot.records.band_error import WELL_KNOWN
-from dashpot.records.checks import numbers_unambiguous, of_sources
+from dashpot.records.checks import caution_checks, numbers_unambiguous
 from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual, parameter_names
 from dashpot.records.evidence import Evidence, Provenance
 from dashpot.records.fit import LINES_IN_BAND, Fit
@@ -108,7 +108,7 @@ def _with_cautions(checks: tuple[Check, ...], provenance: Provenance) -> tuple[C
     """The checks, and what the files cast doubt on unless preparation has told it."""
     if any(one.name == numbers_unambiguous.name for one in checks):
         return checks
-    return (*checks, *of_sources(provenance.source))
+    return (*checks, *caution_checks(provenance.source))
 
 
 def point_estimate(

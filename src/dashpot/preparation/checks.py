@@ -280,7 +280,7 @@ def history_forgotten(left: float) -> Finding:
     )
 
 
-def of_history(
+def history_checks(
     record: RampHold, past: EarlierLoadings, met: Touch, *, pressed: bool
 ) -> list[Check]:
     """Return the checks of what came before the loading that is fitted."""

@@ -60,7 +60,7 @@ class EarlierLoadings(NamedTuple):
     converged: bool
 
 
-def pulls(
+def is_bonded(
     force: FloatArray, compression: FloatArray, *, noise: float, peak: float, depth: float
 ) -> bool:
     """Whether a plate that goes back is pulled at: the seal is bonded to it.
@@ -71,7 +71,7 @@ def pulls(
     return bool(np.any((median_of_three(force) < -least) & (compression < BACK * depth)))
 
 
-def followed(record: RampHold) -> tuple[RampHold, EarlierLoadings]:
+def follow_history(record: RampHold) -> tuple[RampHold, EarlierLoadings]:
     """Return the record with the face of its seal, and how well its earlier loadings agree.
 
     Parameters

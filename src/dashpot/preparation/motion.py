@@ -296,7 +296,7 @@ def presses_before(motion: PlateMotion) -> tuple[MotionSegment, ...]:
     )
 
 
-def released_first(motion: PlateMotion) -> bool:
+def begins_with_release(motion: PlateMotion) -> bool:
     """Whether the record begins with a plate that goes back: the seal was pressed before."""
     moves = [part for part in motion.segments if part.kind != "hold"]
     first = moves[0] if moves else None

@@ -26,19 +26,19 @@ from dashpot.preparation.contact import (
 )
 from dashpot.preparation.denoising import denoised
 from dashpot.preparation.filters import filtered, parse_filter
-from dashpot.preparation.history import EarlierLoadings, followed, pulls
+from dashpot.preparation.history import EarlierLoadings, follow_history, is_bonded
 from dashpot.preparation.hum import hum_lines, hum_step, white_noise
 from dashpot.preparation.late_touch import AFTER, MOST, Lateness, lateness
 from dashpot.preparation.motion import (
     PlateMotion,
+    begins_with_release,
     find_motion,
     first_press,
     from_contact,
     given_motion,
     presses_before,
-    released_first,
 )
-from dashpot.records.checks import of_sources
+from dashpot.records.checks import caution_checks
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.signals.noise import evenly_sampled, median_of_three, scatter, without_spikes
@@ -162,7 +162,7 @@ def prepare(
     record = _on_the_machine(record, preload, machine)
     past = None
     if earlier is not None:
-        record, past = followed(record)
+        record, past = follow_history(record)
     checks.refuse_unresolved(where, rise, test.force)
     checks.refuse_saturated(where, record)
     SIZES["ramp"].refuse(
@@ -193,7 +193,7 @@ def prepare(
             checks.motion_resolved(last),
             checks.motion_measured(last),
             *checks.of_temperature(test.specimen),
-            *of_sources(sources_of([test])),
+            *caution_checks(sources_of([test])),
         ]
     )
     if judged:
@@ -215,9 +215,9 @@ def _of_the_past(
     past: EarlierLoadings | None,
 ) -> list[Check]:
     """The checks of what came before the loading that is fitted, if anything did."""
-    pressed = released_first(motion)
+    pressed = begins_with_release(motion)
     if past is not None and earlier is not None:
-        return checks.of_history(record, past, earlier.met_again, pressed=pressed)
+        return checks.history_checks(record, past, earlier.met_again, pressed=pressed)
     nothing = EarlierLoadings(0.0, 0, converged=True)
     return [checks.history_explained(nothing, broken=False, pressed=True)] if pressed else []
 
@@ -273,7 +273,7 @@ def _earlier(
     moves = first.departure + 1 + int(np.argmax(x[first.departure + 1 :] > met.displacement))
     tare = zero.level if zero.long_enough else before.level if before.long_enough else 0.0
     past = slice(moves, motion.departure + 1)
-    bonded = pulls(
+    bonded = is_bonded(
         force[past] - tare, x[past] - met.displacement, noise=noise, peak=peak,
         depth=motion.level - met.displacement,
     )  # fmt: skip

@@ -30,7 +30,7 @@ def numbers_unambiguous(cautions: tuple[str, ...]) -> Finding:
     )
 
 
-def of_sources(sources: Iterable[Source]) -> tuple[Check, ...]:
+def caution_checks(sources: Iterable[Source]) -> tuple[Check, ...]:
     """Return what the notes of readers hold against their numbers; nothing where none does."""
     files = [one for one in dict.fromkeys(sources) if one.cautions]
     several = len({one.file for one in files}) > 1

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from dashpot import workflow
 from dashpot.base.numbers import ascii_only
 from dashpot.base.units import in_unit, read_in, written
-from dashpot.kinds.cld.record import said_hysteresis
+from dashpot.kinds.cld.record import format_hysteresis
 from dashpot.told import text as text_of
 from dashpot.told.layout import Text, table
 from dashpot.told.text import cell, rounded, with_error
@@ -145,7 +145,7 @@ def _piece(one: workflow.CLD) -> list[str]:
     cycle, said = one.cycle, []
     if cycle.hysteresis is not None and cycle.returned is not None:
         said.append(
-            f"hysteresis {ascii_only(said_hysteresis(cycle))} of "
+            f"hysteresis {ascii_only(format_hysteresis(cycle))} of "
             f"{written(per * cycle.energy, 'mJ')}{of}"
         )
     if len(one.cycles) > 1:

@@ -210,7 +210,7 @@ def arms_enough(shortage: Shortage | None, arms: int, *, unit: str) -> Finding:
         return Finding("The data support no further arm", float(arms), limit=float(arms))
     few, more = shortage.arms, shortage.supported
     leave = "leaves" if few == 1 else "leave"
-    left, less = (residual_said(rms, unit) for rms in (shortage.rms, shortage.supported_rms))
+    left, less = (format_residual(rms, unit) for rms in (shortage.rms, shortage.supported_rms))
     return Finding(
         f"{sentence(arms_said(few))[:-1]} {leave} {left} rms, {arms_said(more)} leave {less}",
         float(more),
@@ -236,7 +236,7 @@ def samples_independent(effective: float, parameters: int, kappa: float) -> Find
     )
 
 
-def residual_said(rms: float, unit: str) -> str:
+def format_residual(rms: float, unit: str) -> str:
     """Return what a fit leaves in words."""
     if unit in {"N", "m"}:
         return written(rms, {"N": "mN", "m": "um"}[unit], ".3g")

@@ -35,7 +35,7 @@ from dashpot.kinds.cld.record import (
 )
 from dashpot.kinds.cld.relaxed import longer, nearest, relaxed_law
 from dashpot.kinds.cld.speeds import fit_speeds
-from dashpot.records.checks import of_sources
+from dashpot.records.checks import caution_checks
 from dashpot.records.fit import Fit
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
@@ -230,7 +230,7 @@ def cld_of(
     pieces = _figures(
         tests, names or [""] * len(tests), cycle, at=at, between=between, machine=machine
     )
-    found = Pieces(pieces, (), None, (*_worst(pieces), *of_sources(sources_of(pieces))))
+    found = Pieces(pieces, (), None, (*_worst(pieces), *caution_checks(sources_of(pieces))))
     if not memory and limits is None and _several_speeds(pieces):
         return _of_speeds(found)
     if len(pieces) > 1:

@@ -172,7 +172,7 @@ class Cycle(ByValue, Documented):
         return None if returned is None else 1 - returned / self.energy
 
 
-def said_hysteresis(cycle: Cycle) -> str:
+def format_hysteresis(cycle: Cycle) -> str:
     """Return the hysteresis of a cycle in words, with its error where a delay makes one."""
     lost, error = cycle.hysteresis, cycle.hysteresis_se
     if lost is None:
@@ -392,7 +392,7 @@ class CLD(ByValue, Pictured, Checked, Documented):
             ),
             (
                 f"cycle {cycle.number} of {len(self.cycles)}, to {written(cycle.depth, 'mm')}"
-                + ("" if lost is None else f", hysteresis {said_hysteresis(cycle)}")
+                + ("" if lost is None else f", hysteresis {format_hysteresis(cycle)}")
             ),
             *(check.told for check in self.checks if check.failed),
         )

@@ -22,7 +22,7 @@ from dashpot.kinds.csr import checks
 from dashpot.kinds.csr.law import BOUND, AgingLaw, left_over
 from dashpot.kinds.csr.prepare import Readings, readings_of
 from dashpot.kinds.csr.record import Aging, CounterforceTest, Oven
-from dashpot.records.checks import of_sources
+from dashpot.records.checks import caution_checks
 from dashpot.records.machine import Machine
 from dashpot.solids.temperature import GAS
 
@@ -84,7 +84,7 @@ def fit_aging(records: Sequence[CounterforceTest], *, machine: Machine | None = 
         float(np.sqrt(alone.noises[0].power)), sd, (), sources_of(records),
     )  # fmt: skip
     judged = checks.judge(found, read, alone, strain, drift=drift)
-    return replace(found, checks=(*judged, *of_sources(found.sources)))
+    return replace(found, checks=(*judged, *caution_checks(found.sources)))
 
 
 def _problem(

@@ -26,7 +26,7 @@ from dashpot.kinds.hyperelastic.solving import (
     power_law,
     weighed,
 )
-from dashpot.records.checks import of_sources
+from dashpot.records.checks import caution_checks
 from dashpot.solids.hyperelastic import POWERS, SHEARING, Hyperelastic, Mode, direction
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -114,7 +114,7 @@ def fit_hyperelastic(
     )
     judged = checks.judge(kept, chosen, tried, derived, known.quantile(), asked=stretches)
     sideways = checks.sideways_agrees(chosen.law.poisson, told, foam=foam)
-    judged = (*judged, sideways, *of_sources(kept.sources))
+    judged = (*judged, sideways, *caution_checks(kept.sources))
     return replace(kept, checks=judged)
 
 

@@ -40,7 +40,7 @@ from dashpot.kinds.indentation.contact_law import (
 from dashpot.kinds.indentation.laws import LAWS, STEP, Law, Recorded, recorded
 from dashpot.kinds.indentation.prepare import ContactInterval, largest_contact
 from dashpot.kinds.indentation.record import IndentationFit, IndentationTest
-from dashpot.records.checks import of_sources
+from dashpot.records.checks import caution_checks
 
 _ABOUT = 1.0
 """How much of the flights is taken to either side, in times of the contact."""
@@ -216,7 +216,7 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
     judged = checks.judge(
         fitted, best.hit, test, contact=window.contact, clipped=window.clipped, others=others
     )
-    return replace(fitted, checks=(*judged, *of_sources(sources_of([test]))))
+    return replace(fitted, checks=(*judged, *caution_checks(sources_of([test]))))
 
 
 def _refuse_absurd(found: Sequence[Fact], radius: float | None) -> None:

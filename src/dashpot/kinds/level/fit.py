@@ -26,7 +26,7 @@ from dashpot.kinds.level.checks import (
 )
 from dashpot.kinds.level.laws import LAWS, SET, Fitted, fitted
 from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
-from dashpot.records.checks import of_sources
+from dashpot.records.checks import caution_checks
 
 _LEAST = 6
 """Samples: two numbers of a level, three of the law, one to spare."""
@@ -128,7 +128,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         int(np.count_nonzero(stray)),
         sweep.unit,
         sweep.of,
-        (*checks, *of_sources(sources_of([sweep]))),
+        (*checks, *caution_checks(sources_of([sweep]))),
         sweep.source,
         best.numbers.get("k3", 0.0),
         unseen,

@@ -12,7 +12,7 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 from dashpot.base.units import in_unit, written
-from dashpot.records.checks import of_sources
+from dashpot.records.checks import caution_checks
 from dashpot.records.frf import FRF
 from dashpot.vibration.impact.amplitude import RegressionLine, Trend, trend_of_hits
 from dashpot.vibration.impact.checks import (
@@ -175,7 +175,7 @@ def hits_as_levels(frf: FRF, *, band: tuple[float, float] | None = None) -> HitL
         hits_enough(frf),
         amplitude_linear(trend, modes[0]),
         softening_detectable(trend),
-        *of_sources(frf.source),
+        *caution_checks(frf.source),
     )
     return HitLevels(frf, trend, checks)
 

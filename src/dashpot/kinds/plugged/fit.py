@@ -13,7 +13,7 @@ from dashpot.base.facts import NORMAL, Fact
 from dashpot.base.plugins import Plugin
 from dashpot.base.provenance import sources_of
 from dashpot.kinds.plugged.record import PluggedFit, PluggedTest
-from dashpot.records.checks import of_sources
+from dashpot.records.checks import caution_checks
 
 _EXPECTED = (
     "{'numbers': [{'name': ..., 'value': ..., 'unit': ...}, ...], 'checks': [...]}, SI units"
@@ -56,7 +56,7 @@ def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
     if not facts:
         plugin.wrong("no numbers", _EXPECTED)
     own = tuple(_check(plugin, one) for one in plugins.items(plugin, found, "checks"))
-    checks = (*own, *of_sources(sources_of(records)))
+    checks = (*own, *caution_checks(sources_of(records)))
     notes = plugins.texts(plugin, found, "notes")
     return PluggedFit(plugin.name, plugin.by, facts, checks, notes, sources_of(records))
 

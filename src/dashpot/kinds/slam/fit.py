@@ -34,7 +34,7 @@ from dashpot.kinds.slam.prepare import slams_of
 from dashpot.kinds.slam.problem import Memory, Slams
 from dashpot.kinds.slam.record import SlamFit, SlamHit, SlamTest
 from dashpot.kinds.slam.unseen import shapes_left
-from dashpot.records.checks import of_sources
+from dashpot.records.checks import caution_checks
 from dashpot.records.estimate import ParameterEstimate, Residual, parameter_names
 from dashpot.records.evidence import Evidence, Provenance
 from dashpot.records.fit import Fit
@@ -253,7 +253,7 @@ class _SlamsSolved:
             *([] if known is None else [checks.slam_within_law(self.depth, known.depth)]),
             checks.air_escapes(float(speeds.max())),
             checks.piece_length_given(given=self.records[0].specimen.length is not None),
-            *of_sources(sources_of(self.records)),
+            *caution_checks(sources_of(self.records)),
         )
 
     def _against(self, value: float, sd: float) -> list[Check]:

@@ -12,7 +12,7 @@ from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, Range, si, si_range, written
-from dashpot.records.checks import of_sources
+from dashpot.records.checks import caution_checks
 from dashpot.records.frf import FRF, Hit
 from dashpot.records.impact import ImpactTest
 from dashpot.vibration.impact.amplitude import with_resonances
@@ -140,7 +140,7 @@ def estimate_frf(
     unseen = not np.isfinite(recorded.ratio) and not recorded.stated
     if recorded.rate > 0 or not recorded.known or recorded.evident or unseen:
         checks = (*checks, window_known(recorded, main))
-    return replace(frf, checks=(*checks, *of_sources(frf.source)))
+    return replace(frf, checks=(*checks, *caution_checks(frf.source)))
 
 
 def _calmed(

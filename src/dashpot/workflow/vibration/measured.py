@@ -20,7 +20,7 @@ from dashpot.io.readers.impact import HITS, hits_in
 from dashpot.io.readers.recognise import recognise
 from dashpot.io.readers.shaken import read_shaken
 from dashpot.kinds import RESPONSES
-from dashpot.records.checks import of_sources
+from dashpot.records.checks import caution_checks
 from dashpot.records.frf import FRF, Mode
 from dashpot.records.impact import ImpactTest
 from dashpot.records.shaken import ShakenTest
@@ -214,7 +214,7 @@ def judged(
         judged.append(coherence(near, at))
     elif frf.sd is None:
         judged.append(scatter_known())
-    judged += of_sources(frf.source)
+    judged += caution_checks(frf.source)
     return replace(frf, checks=(*frf.checks, *judged))
 
 
