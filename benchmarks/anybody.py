@@ -31,7 +31,7 @@ from scipy.optimize import least_squares
 
 import dashpot as dp
 from dashpot.fitting.relaxation import fit
-from dashpot.preparation.prepare import prepare
+from dashpot.preprocessing.prepare import prepare
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 

@@ -27,11 +27,11 @@ from tempfile import TemporaryDirectory
 
 from playwright.sync_api import Page, sync_playwright
 
-from dashpot.io.write import write_impact, write_relaxation
+from dashpot.reading.write import write_impact, write_relaxation
 from dashpot.simulation.impact import simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
-from dashpot.solids.table_1 import BROAD
+from dashpot.solids.demo_seals import BROAD
 
 LISTEN = """() => {
   window.times = []; window.bytes = []; window.long = [];

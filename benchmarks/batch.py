@@ -32,17 +32,17 @@ from typing import Any
 import numpy as np
 
 import dashpot as dp
-from dashpot.base.processes import long_lived
-from dashpot.io.write import write_relaxation
-from dashpot.lots.batches import batch
-from dashpot.lots.choices import BatchChoices
-from dashpot.lots.entries import entries
-from dashpot.lots.parts import tasks
-from dashpot.lots.processes import processors
-from dashpot.lots.row import row
+from dashpot.base.subprocesses import long_lived
+from dashpot.extensions.batch.batch_options import BatchChoices
+from dashpot.extensions.batch.batch_run import batch
+from dashpot.extensions.batch.input_files import entries
+from dashpot.extensions.batch.parquet_parts import tasks
+from dashpot.extensions.batch.process_pool import processors
+from dashpot.extensions.batch.table_row import row
+from dashpot.reading.write import write_relaxation
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
-from dashpot.solids.table_1 import PAPER
+from dashpot.solids.demo_seals import PAPER
 
 KINDS: dict[str, dict[str, Any]] = {
     "intervals and checks": {},

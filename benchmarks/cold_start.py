@@ -20,9 +20,9 @@ import time
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
 
-from dashpot.io.write import write_relaxation
+from dashpot.reading.write import write_relaxation
 from dashpot.simulation.relaxation import simulate_relaxation
-from dashpot.solids.table_1 import PAPER
+from dashpot.solids.demo_seals import PAPER
 
 ENVIRONMENT = {
     **{key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"},

@@ -16,9 +16,9 @@ from dataclasses import replace
 import numpy as np
 from noises import NOISES, Noise, record
 
-from dashpot.fitting.design import NUISANCE
+from dashpot.datamodel.machine import Machine
+from dashpot.fitting.design_matrix import NUISANCE
 from dashpot.fitting.relaxation import fit
-from dashpot.records.machine import Machine
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 SEAL = GeneralizedMaxwell(k_inf=196.5, k=(117.5, 17.8), tau=(59.0 / 117.5, 292.2 / 17.8))

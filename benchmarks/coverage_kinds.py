@@ -21,15 +21,15 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 import dashpot as dp
-from dashpot.fitting.depth import fit_depths
+from dashpot.extensions.materials.cld.datamodel import CLD
+from dashpot.extensions.materials.cld.equilibrium_curve import relaxed_law
+from dashpot.extensions.materials.cld.multi_speed_fit import fit_speeds
+from dashpot.extensions.materials.cld.preprocess import cld
+from dashpot.extensions.materials.indentation.fit import fit_indentation
+from dashpot.extensions.materials.indentation.indenter import Indenter
+from dashpot.fitting.depth_dependence import fit_depths
 from dashpot.fitting.relaxation import fit
-from dashpot.kinds.cld.prepare import cld
-from dashpot.kinds.cld.record import CLD
-from dashpot.kinds.cld.relaxed import relaxed_law
-from dashpot.kinds.cld.speeds import fit_speeds
-from dashpot.kinds.indentation.fit import fit_indentation
-from dashpot.kinds.indentation.indenter import Indenter
-from dashpot.preparation.prepare import prepare
+from dashpot.preprocessing.prepare import prepare
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 

@@ -28,14 +28,14 @@ from scipy.optimize import curve_fit, least_squares
 from scipy.signal import lfilter
 
 import dashpot
-from dashpot.engine.blocks import compression
-from dashpot.engine.blocks.families import hold_family, recorded_family
-from dashpot.engine.blocks.hold import hold_block
-from dashpot.engine.blocks.recorded import arm_columns, recorded_block
-from dashpot.engine.solver import starts as first_look
-from dashpot.engine.solver.many_records import solve_many
-from dashpot.engine.solver.variable_projection import Solution, solve
 from dashpot.fitting.relaxation import fit as fit_prepared
+from dashpot.numerics.design_matrices import data_compression
+from dashpot.numerics.design_matrices.hold import hold_block
+from dashpot.numerics.design_matrices.recorded_motion import arm_columns, recorded_block
+from dashpot.numerics.design_matrices.shared_sampling import hold_family, recorded_family
+from dashpot.numerics.exponential_fit import starting_points as first_look
+from dashpot.numerics.exponential_fit.batched_solver import solve_many
+from dashpot.numerics.exponential_fit.variable_projection import Solution, solve
 
 DEPTH = 8.0  # mm, so that k is in N/mm and both see numbers of order one
 K_INF = 0.1965
@@ -124,8 +124,8 @@ def single_holds() -> None:
             return solve([hold_block(seconds, force, depth=DEPTH, ramp_time=1.0)], n)
 
         def fresh(fit: Callable[[], Solution] = fit) -> Solution:
-            compression.counted.cache_clear()
-            compression._piece.cache_clear()
+            data_compression.counted.cache_clear()
+            data_compression._piece.cache_clear()
             first_look._KEPT_LATTICES.clear()
             return fit()
 

@@ -24,21 +24,25 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.fitting.checks.curves import kramers_kronig
-from dashpot.fitting.dynamic import fit_dynamic
-from dashpot.fitting.modulus import fit_modulus
-from dashpot.fitting.spectrum import dynamic_master_curve, master_curve, passive_misfit
-from dashpot.fitting.superposition.superpose import superpose
-from dashpot.io.options import ReadOptions
-from dashpot.io.readers.dynamic import read_dynamic
-from dashpot.io.readers.modulus import read_modulus
-from dashpot.io.readers.shifts import read_shifts
-from dashpot.records.dynamic import DynamicTest
-from dashpot.records.modulus import RelaxationModulus
-from dashpot.records.temperature import Shift
+from dashpot.datamodel.shift_factors import Shift
+from dashpot.extensions.curves.checks import kramers_kronig
+from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
+from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
+from dashpot.extensions.curves.dynamic.fit import fit_dynamic
+from dashpot.extensions.curves.dynamic.read import read_dynamic
+from dashpot.extensions.curves.modulus.fit import fit_modulus
+from dashpot.extensions.curves.modulus.read import read_modulus
+from dashpot.extensions.curves.relaxation_spectrum import (
+    dynamic_master_curve,
+    master_curve,
+    passive_misfit,
+)
+from dashpot.extensions.curves.superposition.read_shift_factors import read_shifts
+from dashpot.extensions.curves.superposition.superpose import superpose
+from dashpot.reading.read_options import ReadOptions
+from dashpot.solids.demo_seals import BROAD
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.table_1 import BROAD
-from dashpot.solids.temperature import WLF
+from dashpot.solids.shift_laws import WLF
 
 DEFAULT = Path(__file__).resolve().parents[1] / "tests" / "data"
 
@@ -333,8 +337,8 @@ def mastercurves_shifts(data: DynamicTest | RelaxationModulus, tested: np.ndarra
 
 
 def together() -> None:
+    from dashpot.datamodel.relaxation import RampHold
     from dashpot.fitting.relaxation import fit
-    from dashpot.records.relaxation import RampHold
 
     generator = np.random.default_rng(0)
     frequency = np.geomspace(1.0, 50.0, 30)

@@ -4,7 +4,7 @@ Run: python benchmarks/nist.py
 
 The digits of the worst parameter, capped at eleven, which is what the certificates have. scipy runs
 `curve_fit` with its defaults from NIST's second start, the near one. The published data and
-values are those of tests/engine/test_sums.py.
+values are those of tests/numerics/test_sums.py.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import curve_fit
 
-from dashpot.engine.sums import exponential_sum
+from dashpot.numerics.exponential_sum import exponential_sum
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "engine"))
 from test_sums import CERTIFIED, LANCZOS_X, MGH17, MGH17_X, digits, typed

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from dashpot.records.relaxation import RampHold
+from dashpot.datamodel.relaxation import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 DEPTH, RAMP, HOLD = 8e-3, 1.0, 40.0

@@ -31,14 +31,14 @@ import numpy as np
 from scipy.optimize import curve_fit, least_squares
 
 import dashpot as dp
-from dashpot.engine.blocks.hold import hold_block
-from dashpot.engine.solver.variable_projection import solve
-from dashpot.engine.sums import exponential_sum
-from dashpot.fitting.spectrum import dynamic_master_curve, master_curve
-from dashpot.io.readers.dynamic import read_dynamic
-from dashpot.io.readers.relaxation import read_relaxation
+from dashpot.extensions.curves.dynamic.read import read_dynamic
+from dashpot.extensions.curves.relaxation_spectrum import dynamic_master_curve, master_curve
+from dashpot.numerics.design_matrices.hold import hold_block
+from dashpot.numerics.exponential_fit.variable_projection import solve
+from dashpot.numerics.exponential_sum import exponential_sum
+from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.vibration.systems.prediction import model_modes
+from dashpot.vibration.systems.frf_prediction import model_modes
 
 ROOT = Path(__file__).resolve().parents[1]
 CURVES = ROOT / "tests" / "data" / "pyvisco-master-curves"

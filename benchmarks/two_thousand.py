@@ -22,7 +22,7 @@ import numpy as np
 import polars as pl
 
 import dashpot as dp
-from dashpot.lots.batches import batch
+from dashpot.extensions.batch.batch_run import batch
 
 LOTS, REPEATS = 4, 4
 SCATTER = {"lot": 0.02, "seal": 0.03, "repeat": 0.01}

@@ -46,27 +46,27 @@ import numpy as np
 from scipy.stats import beta
 
 import dashpot as dp
-from dashpot.fitting.creep import fit_creep
-from dashpot.fitting.dynamic import fit_dynamic
+from dashpot.extensions.amplitude.fit import fit_amplitude
+from dashpot.extensions.amplitude.fit_files import of_amplitude
+from dashpot.extensions.curves.creep.fit import fit_creep
+from dashpot.extensions.curves.creep.read import read_creep
+from dashpot.extensions.curves.dynamic.fit import fit_dynamic
+from dashpot.extensions.curves.dynamic.read import read_dynamic
+from dashpot.extensions.curves.modulus.fit import fit_modulus
+from dashpot.extensions.curves.modulus.read import read_modulus
+from dashpot.extensions.materials.cld.preprocess import cld
+from dashpot.extensions.materials.cld.read import read_cld
+from dashpot.extensions.materials.hyperelastic.fit import fit_hyperelastic
+from dashpot.extensions.materials.indentation.fit import fit_indentation
+from dashpot.extensions.materials.indentation.indenter import Indenter
+from dashpot.extensions.materials.indentation.read import read_indentation
 from dashpot.fitting.identification.identify import identify
-from dashpot.fitting.modulus import fit_modulus
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.prediction_bounds import frf_band
-from dashpot.io.readers.creep import read_creep
-from dashpot.io.readers.dynamic import read_dynamic
-from dashpot.io.readers.frf import read_frf
-from dashpot.io.readers.impact import read_impact
-from dashpot.io.readers.modulus import read_modulus
-from dashpot.kinds.cld.prepare import cld
-from dashpot.kinds.cld.read import read_cld
-from dashpot.kinds.hyperelastic.fit import fit_hyperelastic
-from dashpot.kinds.indentation.fit import fit_indentation
-from dashpot.kinds.indentation.indenter import Indenter
-from dashpot.kinds.indentation.read import read_indentation
-from dashpot.kinds.level.fit import fit_amplitude
-from dashpot.preparation.prepare import prepare
+from dashpot.preprocessing.prepare import prepare
+from dashpot.reading.readers.frf import read_frf
+from dashpot.reading.readers.impact import read_impact
 from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.workflow.vibration.levels import of_amplitude
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 

@@ -59,7 +59,7 @@ def page() -> str:
     sources = Path(dashpot.__file__).parent
     for file in sorted(sources.rglob("*.py")):
         module = file.relative_to(sources).with_suffix("").parts
-        if "checks" in module:
+        if any(name.endswith("checks") for name in module):
             import_module(".".join(("dashpot", *module)))
     parts = [HEAD, *map(_ended, reversed(Status))]
     for stage, ours in groupby(sorted(REGISTER.values(), key=_file), key=_stage):

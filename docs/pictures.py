@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING
 import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import main as run
-from dashpot.door.record import ShearChoice
-from dashpot.solids.table_1 import PAPER
+from dashpot.extensions.door.door_model import ShearChoice
+from dashpot.solids.demo_seals import PAPER
 
 if TYPE_CHECKING:
     from typing import Any

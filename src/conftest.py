@@ -19,7 +19,7 @@ def pytest_ignore_collect(collection_path: Path) -> bool | None:
 @pytest.fixture(scope="session")
 def example_files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the example files that the docstrings name."""
-    from dashpot.workflow.examples import EXAMPLES
+    from dashpot.workflow.example_files import EXAMPLES
 
     folder = tmp_path_factory.mktemp("examples")
     for name in _FILES:
@@ -32,5 +32,5 @@ def _beside_the_example_files(
     request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     name = getattr(getattr(request.node, "dtest", None), "name", "")
-    if name == "dashpot" or name.startswith("dashpot.verbs."):
+    if name == "dashpot" or name.startswith("dashpot.api."):
         monkeypatch.chdir(request.getfixturevalue("example_files"))

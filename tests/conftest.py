@@ -19,15 +19,15 @@ import numpy as np  # noqa: E402
 from kit.cost import waiting  # noqa: E402
 from kit.fuzzing import Fuzzer  # noqa: E402
 
+from dashpot.datamodel.fit import Fit  # noqa: E402
+from dashpot.datamodel.frf import FRF  # noqa: E402
+from dashpot.datamodel.relaxation import RampHold  # noqa: E402
 from dashpot.fitting.relaxation import fit  # noqa: E402
-from dashpot.preparation.prepare import prepare  # noqa: E402
-from dashpot.records.fit import Fit  # noqa: E402
-from dashpot.records.frf import FRF  # noqa: E402
-from dashpot.records.relaxation import RampHold  # noqa: E402
+from dashpot.preprocessing.prepare import prepare  # noqa: E402
 from dashpot.simulation.impact import simulate_impact  # noqa: E402
 from dashpot.simulation.relaxation import simulate_relaxation  # noqa: E402
+from dashpot.solids.demo_seals import BROAD, BROAD_MASS  # noqa: E402
 from dashpot.solids.maxwell import GeneralizedMaxwell  # noqa: E402
-from dashpot.solids.table_1 import BROAD, BROAD_MASS  # noqa: E402
 from dashpot.vibration.impact.frf_estimation import estimate_frf  # noqa: E402
 
 collect_ignore = ["public_use.py"]

@@ -12,12 +12,12 @@ import pytest
 
 import dashpot as dp
 from dashpot.cli import COMMANDS, main
-from dashpot.cli._former import FORMER
+from dashpot.cli._deprecations import FORMER
 
 ROOM = Path(dp.__file__).parent
 NOT_TYPED = {
-    "cli/_former.py": "the words of former commands stand there",
-    "io/child/process.py": "what the parent says to its own child",
+    "cli/_deprecations.py": "the words of former commands stand there",
+    "extensions/formats/sandbox/parent_process.py": "what the parent says to its own child",
 }
 """Files whose words no user types, and why."""
 OF_CSS = re.compile(

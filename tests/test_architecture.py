@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 import dashpot as dp
-from dashpot.io.write import write_relaxation
+from dashpot.reading.write import write_relaxation
 from dashpot.simulation.relaxation import simulate_relaxation
-from dashpot.solids.table_1 import PAPER
+from dashpot.solids.demo_seals import PAPER
 
 ROOT = Path(__file__).resolve().parents[1]
 HEAVY = {
@@ -55,9 +55,9 @@ def test_a_report_of_a_seal_loads_no_other_kind_and_no_door(tmp_path: Path) -> N
         f"study.save({str(tmp_path / 'report.html')!r})"
     )
     loaded = modules_after(code)
-    assert "dashpot.report.answer" in loaded
+    assert "dashpot.report.first_screen" in loaded
     others = ("cld", "csr", "indentation", "rod", "slam")
-    rooms = ("dashpot.door.", *(f"dashpot.kinds.{one}." for one in others))
+    rooms = ("dashpot.extensions.door.", *(f"dashpot.registry.{one}." for one in others))
     assert not [name for name in loaded if name.startswith(rooms)]
     assert "importlib.metadata" not in loaded
 
@@ -93,18 +93,19 @@ def test_what_a_noun_offers_is_found_by_its_name_and_in_one_way():
             offered[module, name] = file.relative_to(ROOT / "src" / "dashpot").as_posix()
             assert callable(getattr(import_module(f"dashpot.{module}"), name))
     records = {
-        f"records/{name}.py" for name in ("frf", "frf_set", "impact", "relaxation", "seal_line")
+        f"datamodel/{name}.py" for name in ("frf", "impact", "relaxation", "seal_line")
     }
-    rooms = {"base/offered.py", "plot/picture.py", "kinds/csr/record.py"}
+    rooms = {"base/result_mixins.py", "plot/picture.py", "extensions/materials/csr/datamodel.py"}
+    rooms |= {"extensions/modes/datamodel.py"}
     assert set(offered.values()) == rooms | records
     by_word = {
         file.relative_to(ROOT / "src" / "dashpot").as_posix()
         for file in (ROOT / "src").rglob("*.py")
         if 'import_module(f"dashpot.' in file.read_text("utf-8")
     }
-    folders = {"cli/__init__.py", "cli/fit.py", "export/__init__.py", "io/formats/__init__.py"}
-    folders |= {"told/__init__.py"}
-    assert by_word == {"base/offered.py", *folders}
+    folders = {"reading/formats/__init__.py"}
+    folders |= {"text_output/__init__.py"}
+    assert by_word == {"base/result_mixins.py", *folders}
 
 
 def test_help_loads_click_and_no_numbers():
@@ -137,8 +138,8 @@ def test_fitting_a_text_file_loads_numpy_only(tmp_path):
         "import dashpot as dp\n"
         f"p = {str(tmp_path / 'seal.csv')!r}\n"
         "from dashpot.simulation.relaxation import simulate_relaxation\n"
-        "from dashpot.solids.table_1 import PAPER\n"
-        "from dashpot.io.write import write_relaxation\n"
+        "from dashpot.solids.demo_seals import PAPER\n"
+        "from dashpot.reading.write import write_relaxation\n"
         "made = simulate_relaxation(PAPER, hold_time=5.0)\n"
         "open(p, 'w').write(write_relaxation(made.test))\n"
         "dp.fit(dp.read(p), arms=1).intervals()\n"
@@ -155,7 +156,7 @@ def test_fitting_from_the_shell_loads_what_it_needs(tmp_path):
     )
     others = {
         "tomllib", "xml.etree.ElementTree", "numpy.ma", "numpy.polynomial", "numpy.random", "scipy",
-        "dashpot.workflow.kept.archive", "dashpot.io.readers.inspect", "dashpot.io.formats.ati",
+        "dashpot.workflow.json_archive", "dashpot.reading.readers.inspect", "dashpot.extensions.formats.ati",
         "dashpot.vibration",
     }  # fmt: skip
     assert not loaded & (HEAVY | others)

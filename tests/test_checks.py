@@ -18,77 +18,80 @@ import pytest
 from kit.fits import a_fit
 
 import dashpot
-from dashpot.base.capability import capability
 from dashpot.base.checks import REGISTER, Check, Finding, criterion, status_of
-from dashpot.base.facts import Fact
+from dashpot.base.reported_values import Fact
 from dashpot.base.status import Status
-from dashpot.door import checks as seals
-from dashpot.engine.inference.covariance import Noise, nearly_white, noise_of
-from dashpot.engine.inference.order import DECISIVE, Choice, Shortage, choose
+from dashpot.datamodel import checks as records
+from dashpot.datamodel.alternative_model import Alternative
+from dashpot.datamodel.band_error import BandError
+from dashpot.datamodel.base_excitation import ShakenTest
+from dashpot.datamodel.bounds import EndOfHold
+from dashpot.datamodel.fit_diagnostics import Explanation
+from dashpot.datamodel.frf import FRF, Hit, Mode
+from dashpot.datamodel.parameter_estimate import Nuisance
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.datamodel.shift_factors import Shift, TemperatureShifts
+from dashpot.datamodel.specimen import Specimen
 from dashpot.export import checks as export
-from dashpot.fitting.checks import creep, curves, relaxation, solid, temperature
-from dashpot.fitting.fractional import checks as fractional
+from dashpot.extensions.amplitude import checks as level
+from dashpot.extensions.batch import checks as lots
+from dashpot.extensions.batch.statistics.process_capability import capability
+from dashpot.extensions.curves import checks as curves
+from dashpot.extensions.curves.creep import checks as creep
+from dashpot.extensions.curves.datamodel.creep import LoadHold
+from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
+from dashpot.extensions.curves.shift_law_fit import LawScore, OddOne
+from dashpot.extensions.curves.superposition import checks
+from dashpot.extensions.curves.temperatures import checks as several
+from dashpot.extensions.door import checks as seals
+from dashpot.extensions.materials.cld import checks as cld
+from dashpot.extensions.materials.csr import checks as csr
+from dashpot.extensions.materials.hyperelastic import checks as hyper
+from dashpot.extensions.materials.indentation import checks as indentation
+from dashpot.extensions.materials.indentation.contact_law import ViscousContact
+from dashpot.extensions.materials.indentation.datamodel import IndentationFit
+from dashpot.extensions.materials.indentation.indenter import Indenter
+from dashpot.extensions.materials.rod import checks as rod
+from dashpot.extensions.materials.slam import checks as slam
+from dashpot.extensions.modes.datamodel import ModeShape
+from dashpot.extensions.modes.stabilisation import DAMPING, Stabilisation
+from dashpot.fitting.checks import relaxation, solid
+from dashpot.fitting.fractional_model import checks as fractional
 from dashpot.fitting.identification import checks as identification
 from dashpot.fitting.nonlinear_ramp import checks as ramp
-from dashpot.fitting.nonlinear_ramp.soundness import soundness
-from dashpot.fitting.repeats import EndStiffness
-from dashpot.fitting.shift_law import LawScore, OddOne
-from dashpot.fitting.temperature import checks as several
-from dashpot.io.readers import checks as reading
-from dashpot.kinds.cld import checks as cld
-from dashpot.kinds.csr import checks as csr
-from dashpot.kinds.hyperelastic import checks as hyper
-from dashpot.kinds.indentation import checks as indentation
-from dashpot.kinds.indentation.contact_law import ViscousContact
-from dashpot.kinds.indentation.indenter import Indenter
-from dashpot.kinds.indentation.record import IndentationFit
-from dashpot.kinds.level import checks as level
-from dashpot.kinds.rod import checks as rod
-from dashpot.kinds.slam import checks as slam
-from dashpot.lots import checks as lots
+from dashpot.fitting.nonlinear_ramp.goodness_of_fit import soundness
+from dashpot.fitting.replicates import EndStiffness
+from dashpot.numerics.inference.covariance import Noise, nearly_white, noise_of
+from dashpot.numerics.inference.model_order import DECISIVE, Choice, Shortage, choose
 from dashpot.planning import checks as planning
-from dashpot.planning.expected import Pulse, RecordNeed
-from dashpot.preparation import checks as preparation
-from dashpot.preparation.contact import Baseline, Touch
-from dashpot.preparation.filters import parse_filter
-from dashpot.preparation.history import EarlierLoadings
-from dashpot.records import checks as records
-from dashpot.records.alternative import Alternative
-from dashpot.records.band_error import BandError
-from dashpot.records.bounds import EndOfHold
-from dashpot.records.creep import LoadHold
-from dashpot.records.dynamic import DynamicTest
-from dashpot.records.estimate import Nuisance
-from dashpot.records.evidence import Explanation
-from dashpot.records.frf import FRF, Hit, Mode
-from dashpot.records.frf_set import ModeShape
-from dashpot.records.relaxation import RampHold
-from dashpot.records.shaken import ShakenTest
-from dashpot.records.specimen import Specimen
-from dashpot.records.temperature import Shift, TemperatureShifts
+from dashpot.planning.expected_errors import Pulse, RecordNeed
+from dashpot.preprocessing import checks as preparation
+from dashpot.preprocessing.contact import Baseline, Touch
+from dashpot.preprocessing.filters import parse_filter
+from dashpot.preprocessing.history import EarlierLoadings
+from dashpot.reading.readers import size_checks as reading
 from dashpot.signals.noise import usual_scatter
 from dashpot.signals.segments import MotionSegment, RampHoldCycle
+from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.interconversion import CreepSpectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.table_1 import PAPER
-from dashpot.solids.temperature import WLF, FreeShifts
+from dashpot.solids.shift_laws import WLF, FreeShifts
 from dashpot.vibration import checks as vibration
 from dashpot.vibration.comparison import checks as comparison
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.impact import checks as impact
-from dashpot.vibration.impact.amplitude import RegressionLine
+from dashpot.vibration.impact.amplitude_trend import RegressionLine
 from dashpot.vibration.impact.estimators import Estimator, Spectra
 from dashpot.vibration.impact.exponential_window import ExponentialWindow
 from dashpot.vibration.impact.rocking import Combination
 from dashpot.vibration.modal import checks as modal
 from dashpot.vibration.modal.peaks import Peak
-from dashpot.vibration.modal.stabilisation import DAMPING, Stabilisation
+from dashpot.vibration.systems.frf_prediction import moving_mass, predict_frf
 from dashpot.vibration.systems.operating_point import OperatingPoint
-from dashpot.vibration.systems.prediction import moving_mass, predict_frf
 from dashpot.workflow import checks as workflow
-from dashpot.workflow.kept.archive import to_json
+from dashpot.workflow.json_archive import to_json
 
 ROOT = Path(__file__).parents[1]
 SOURCES = Path(dashpot.__file__).parent
@@ -431,31 +434,6 @@ def slipped(times: float) -> Check:
     return creep.displacement_followed(held, np.full(len(held.time), 0.01 * times))
 
 
-CREEP = [
-    Case(
-        "compliance_rises",
-        lambda x: creep.compliance_rises(np.repeat([1.0, 1.0, x], 3)),
-        0.801,
-        0.799,
-    ),
-    Case("creep_finished", crept, 0.0499, 0.0501),
-    Case(
-        "flow_prevails",
-        lambda x: creep.flow_prevails(CreepSpectrum(1.0 - x, (), (), x), 1.0),
-        0.501,
-        0.499,
-    ),
-    Case("flow_told", lambda x: creep.flow_told(True, x, 0.01), 10.01, 9.99),
-    Case(
-        "drift_is_no_flow",
-        lambda x: creep.drift_is_no_flow(-x * 1e-6, 1e-6, told=False),
-        1.99,
-        2.01,
-    ),
-    Case("displacement_followed", slipped, 1.99, 2.01),
-    Case("compliance_followed", lambda x: creep.compliance_followed(x, 6), 0.0499, 0.0501),
-    Case("levels_agree", lambda x: creep.levels_agree(-x, 1e-3), 0.0299, 0.0301),
-]
 PREPARATION = [
     Case("load_begins_at_rest", whole(lambda n: preparation.load_begins_at_rest(load(n))), 5, 4),
     Case("load_held", lambda x: preparation.load_held(load(change=x / 0.89)), 0.0199, 0.0201),
@@ -561,52 +539,6 @@ PREPARATION = [
 
 COLD_AND_WARM = np.array([273.15, 296.15])
 FITTING = [
-    Case("overlap", lambda x: temperature.overlap(np.array([x]), COLD_AND_WARM), 0.501, 0.499),
-    Case(
-        "shifts_determined",
-        lambda x: temperature.shifts_determined(np.array([x]), COLD_AND_WARM),
-        0.299,
-        0.301,
-    ),
-    Case(
-        "shift_monotone",
-        lambda x: temperature.shift_monotone(np.array([0.1 * x]), np.array([0.1]), COLD_AND_WARM),
-        2.999,
-        3.001,
-    ),
-    Case(
-        "thermorheologically_simple",
-        lambda x: temperature.thermorheologically_simple(x, 1.0, 0.01),
-        1.199,
-        1.201,
-    ),
-    Case(
-        "vertical_rule_holds",
-        lambda x: temperature.vertical_rule_holds(np.array([0.0, -x]), 99.0, COLD_AND_WARM),
-        0.0299,
-        0.0301,
-    ),
-    Case(
-        "law_follows_shifts", lambda x: temperature.law_follows_shifts(law(x), []), 0.1499, 0.1501
-    ),
-    Case(
-        "temperatures_in_line",
-        lambda x: temperature.temperatures_in_line(OddOne(296.15, x)),
-        0.0499,
-        0.0501,
-    ),
-    Case(
-        "glass_below_tests",
-        lambda x: temperature.glass_below_tests(WLF(8.0, 51.6, 296.15), 306.15 - x, 0.0),
-        -0.01,
-        0.01,
-    ),
-    Case(
-        "vertical_shift_known",
-        lambda x: temperature.vertical_shift_known("1", x, 1.0),
-        10.01,
-        9.99,
-    ),
     Case("uncertainty_estimated", lambda x: solid.uncertainty_estimated(made=bool(x)), 1, 0),
     Case("optimum_found", lambda x: solid.optimum_found(stationary=bool(x)), 1, 0),
     Case("k_inf_known", known, 0.499, 0.501),
@@ -666,31 +598,6 @@ FITTING = [
         3.001,
         2.999,
     ),
-    Case(
-        "plateau_seen",
-        lambda x: curves.plateau_seen(
-            GeneralizedMaxwell(x, (), ()), 1.0, unit="Pa", further="Measure longer."
-        ),
-        3.001,
-        2.999,
-    ),
-    Case(
-        "plateau_seen",
-        lambda x: curves.plateau_seen(
-            GeneralizedMaxwell(x, (1.0,), (1.0,)), 0.0, unit="Pa", further="Measure longer."
-        ),
-        1.1e-12,
-        0.9e-12,
-    ),
-    Case("plateau_told", lambda x: curves.plateau_told(curve_end(x), "Pa"), 0.801, 0.799),
-    Case(
-        "plateau_told",
-        lambda x: curves.plateau_told(replace(curve_end(x), ended="creep"), "Pa"),
-        0.651,
-        0.649,
-    ),
-    Case("end_level", lambda x: curves.end_level(curve_end(0.9, x), 1.0), 0.0299, 0.0301),
-    Case("end_level", lambda x: curves.end_level(curve_end(0.9, x), 0.1), 0.0199, 0.0201),
     Case("residuals_random", lambda x: solid.residuals_random(x, 1.0), 19.99, 20.01),
     Case("step_bias", lambda x: relaxation.step_bias(arm(1, x), [RECORD]), 1e-3, None),
     Case(
@@ -763,6 +670,33 @@ FITTING = [
     Case("filter_bias", cut_off, 5.0, 4.99),
     Case("separable", lambda x: relaxation.separable(x, 0.5), 0.0101, 0.0099),
     Case("separable", lambda x: relaxation.separable(1e-9, x), 0.99e-3, 1.01e-3),
+]
+CURVES = [
+    Case(
+        "plateau_seen",
+        lambda x: curves.plateau_seen(
+            GeneralizedMaxwell(x, (), ()), 1.0, unit="Pa", further="Measure longer."
+        ),
+        3.001,
+        2.999,
+    ),
+    Case(
+        "plateau_seen",
+        lambda x: curves.plateau_seen(
+            GeneralizedMaxwell(x, (1.0,), (1.0,)), 0.0, unit="Pa", further="Measure longer."
+        ),
+        1.1e-12,
+        0.9e-12,
+    ),
+    Case("plateau_told", lambda x: curves.plateau_told(curve_end(x), "Pa"), 0.801, 0.799),
+    Case(
+        "plateau_told",
+        lambda x: curves.plateau_told(replace(curve_end(x), ended="creep"), "Pa"),
+        0.651,
+        0.649,
+    ),
+    Case("end_level", lambda x: curves.end_level(curve_end(0.9, x), 1.0), 0.0299, 0.0301),
+    Case("end_level", lambda x: curves.end_level(curve_end(0.9, x), 0.1), 0.0199, 0.0201),
     Case(
         "few_arms_suffice",
         lambda x: curves.few_arms_suffice(x, 2, 6, (20, 1e-3)),
@@ -791,6 +725,77 @@ FITTING = [
         1.301,
     ),
     Case("bands_meet", lambda x: curves.bands_meet((x, 100.0), (0.1, 1.0)), 9.99, 10.01),
+]
+CREEP = [
+    Case(
+        "compliance_rises",
+        lambda x: creep.compliance_rises(np.repeat([1.0, 1.0, x], 3)),
+        0.801,
+        0.799,
+    ),
+    Case("creep_finished", crept, 0.0499, 0.0501),
+    Case(
+        "flow_prevails",
+        lambda x: creep.flow_prevails(CreepSpectrum(1.0 - x, (), (), x), 1.0),
+        0.501,
+        0.499,
+    ),
+    Case("flow_told", lambda x: creep.flow_told(True, x, 0.01), 10.01, 9.99),
+    Case(
+        "drift_is_no_flow",
+        lambda x: creep.drift_is_no_flow(-x * 1e-6, 1e-6, told=False),
+        1.99,
+        2.01,
+    ),
+    Case("displacement_followed", slipped, 1.99, 2.01),
+    Case("compliance_followed", lambda x: creep.compliance_followed(x, 6), 0.0499, 0.0501),
+    Case("levels_agree", lambda x: creep.levels_agree(-x, 1e-3), 0.0299, 0.0301),
+]
+SUPERPOSITION = [
+    Case("overlap", lambda x: checks.overlap(np.array([x]), COLD_AND_WARM), 0.501, 0.499),
+    Case(
+        "shifts_determined",
+        lambda x: checks.shifts_determined(np.array([x]), COLD_AND_WARM),
+        0.299,
+        0.301,
+    ),
+    Case(
+        "shift_monotone",
+        lambda x: checks.shift_monotone(np.array([0.1 * x]), np.array([0.1]), COLD_AND_WARM),
+        2.999,
+        3.001,
+    ),
+    Case(
+        "thermorheologically_simple",
+        lambda x: checks.thermorheologically_simple(x, 1.0, 0.01),
+        1.199,
+        1.201,
+    ),
+    Case(
+        "vertical_rule_holds",
+        lambda x: checks.vertical_rule_holds(np.array([0.0, -x]), 99.0, COLD_AND_WARM),
+        0.0299,
+        0.0301,
+    ),
+    Case("law_follows_shifts", lambda x: checks.law_follows_shifts(law(x), []), 0.1499, 0.1501),
+    Case(
+        "temperatures_in_line",
+        lambda x: checks.temperatures_in_line(OddOne(296.15, x)),
+        0.0499,
+        0.0501,
+    ),
+    Case(
+        "glass_below_tests",
+        lambda x: checks.glass_below_tests(WLF(8.0, 51.6, 296.15), 306.15 - x, 0.0),
+        -0.01,
+        0.01,
+    ),
+    Case(
+        "vertical_shift_known",
+        lambda x: checks.vertical_shift_known("1", x, 1.0),
+        10.01,
+        9.99,
+    ),
 ]
 
 RAMP = [
@@ -1597,25 +1602,28 @@ RECORDS = [
 ]
 STAGES = {
     "export": EXPORT,
-    "records": RECORDS,
-    "io/readers": READING,
-    "preparation": PREPARATION,
-    "kinds/cld": CLD,
-    "fitting": [*FITTING, *CREEP],
+    "datamodel": RECORDS,
+    "reading/readers": READING,
+    "preprocessing": PREPARATION,
+    "extensions/materials/cld": CLD,
+    "fitting": FITTING,
+    "extensions/curves": CURVES,
+    "extensions/curves/creep": CREEP,
+    "extensions/curves/superposition": SUPERPOSITION,
     "fitting/identification": IDENTIFICATION,
     "fitting/nonlinear_ramp": RAMP,
-    "fitting/fractional": FRACTIONAL,
-    "fitting/temperature": TEMPERATURE,
-    "kinds/hyperelastic": HYPERELASTIC,
-    "kinds/indentation": INDENTATION,
-    "kinds/level": LEVEL,
-    "kinds/csr": CSR,
-    "kinds/rod": ROD,
-    "kinds/slam": SLAM,
-    "lots": LOTS,
+    "fitting/fractional_model": FRACTIONAL,
+    "extensions/curves/temperatures": TEMPERATURE,
+    "extensions/materials/hyperelastic": HYPERELASTIC,
+    "extensions/materials/indentation": INDENTATION,
+    "extensions/amplitude": LEVEL,
+    "extensions/materials/csr": CSR,
+    "extensions/materials/rod": ROD,
+    "extensions/materials/slam": SLAM,
+    "extensions/batch": LOTS,
     "planning": PLANNING,
     "vibration": VIBRATION,
-    "door": SEALS,
+    "extensions/door": SEALS,
     "vibration/comparison": COMPARISON,
     "vibration/impact": IMPACT,
     "vibration/modal": MODAL,
@@ -1624,7 +1632,7 @@ STAGES = {
 #: what each value that the cases give is held against, where the criterion itself sets the limit
 LIMITS = {
     "export": {"rows_informed": 0, "nominal_informed": 0},
-    "io/readers": {
+    "reading/readers": {
         "travel_of_a_seal": 0.2, "force_of_a_seal": 1000, "stiffness_of_a_seal": 10.0,
         "time_of_a_test": 0.1,
         "travel_of_a_bench": 2e-5, "force_of_a_bench": 0.01, "ramp_not_slow": 200,
@@ -1634,7 +1642,7 @@ LIMITS = {
         "stress_of_a_rubber": 1e4,
         "acceleration_not_large": 1e4, "hammer_sampled": 50, "hammer_not_oversampled": 2.5e5,
     },
-    "preparation": {
+    "preprocessing": {
         "load_begins_at_rest": 5, "load_held": 0.02,
         "baseline_recorded": 5, "contact_found": 0.01, "preload_absent": 0.05, "single_loading": 1,
         "ramp_recorded": 1.1,
@@ -1648,7 +1656,7 @@ LIMITS = {
         "depth_resolved": 0.0025, "hold_is_still": 0.01, "hold_outlasts_ramp": 10,
         "ramp_sampled": 10, "strain_small": 0.2,
     },
-    "kinds/cld": {
+    "extensions/materials/cld": {
         "zero_recorded": 0.05, "conditioned": 0.02, "depth_conditioned": 1.02,
         "compressions_reached": 1, "load_cell_steady": 0.02, "speed_even": 0.02,
         "energy_lost": -0.02, "released_freely": 0.01,
@@ -1659,20 +1667,53 @@ LIMITS = {
     },
     "fitting": {
         "same_specimen": 3,
-        "hold_long_enough": 0.03, "arms_distinct": 1.5, "arms_supported": 3, "residuals_random": 20,
-        "fast_arm_visible": 0.1, "drift_told_from_arm": 0.1, "residuals_steady": 4,
-        "hold_and_full_agree": 0.1, "filter_bias": 0.01, "separable": 0.01,
-        "few_arms_suffice": 0.05, "kramers_kronig": 0.05, "loss_positive": 0, "storage_rises": 0.05,
-        "instrument_stiff": 0.01, "loss_factor_known": 0.3, "samples_independent": 5,
-        "compliance_rises": 0.8, "compliance_followed": 0.05, "creep_finished": 0.05,
-        "flow_told": 10, "flow_prevails": 0.5, "displacement_followed": 2, "drift_is_no_flow": 2,
-        "plateau_told": 0.8, "end_level": 0.03,
-        "levels_agree": 0.03, "modulus_falls": 1.25,
-        "data_agree": 1.3, "bands_meet": 10, "k_inf_known": 0.5, "force_followed": 1.75,
+        "hold_long_enough": 0.03,
+        "arms_distinct": 1.5,
+        "arms_supported": 3,
+        "residuals_random": 20,
+        "fast_arm_visible": 0.1,
+        "drift_told_from_arm": 0.1,
+        "residuals_steady": 4,
+        "hold_and_full_agree": 0.1,
+        "filter_bias": 0.01,
+        "separable": 0.01,
+        "loss_factor_known": 0.3,
+        "samples_independent": 5,
+        "k_inf_known": 0.5,
+        "force_followed": 1.75,
         "arms_where_force_relaxes": 0.02,
-        "overlap": 0.5, "shifts_determined": 0.3, "shift_monotone": 3,
-        "thermorheologically_simple": 1.2, "law_follows_shifts": 0.15, "vertical_shift_known": 10,
-        "temperatures_in_line": 0.05, "glass_below_tests": 0,
+    },
+    "extensions/curves": {
+        "few_arms_suffice": 0.05,
+        "kramers_kronig": 0.05,
+        "loss_positive": 0,
+        "storage_rises": 0.05,
+        "instrument_stiff": 0.01,
+        "plateau_told": 0.8,
+        "end_level": 0.03,
+        "modulus_falls": 1.25,
+        "data_agree": 1.3,
+        "bands_meet": 10,
+    },
+    "extensions/curves/creep": {
+        "compliance_rises": 0.8,
+        "compliance_followed": 0.05,
+        "creep_finished": 0.05,
+        "flow_told": 10,
+        "flow_prevails": 0.5,
+        "displacement_followed": 2,
+        "drift_is_no_flow": 2,
+        "levels_agree": 0.03,
+    },
+    "extensions/curves/superposition": {
+        "overlap": 0.5,
+        "shifts_determined": 0.3,
+        "shift_monotone": 3,
+        "thermorheologically_simple": 1.2,
+        "law_follows_shifts": 0.15,
+        "vertical_shift_known": 10,
+        "temperatures_in_line": 0.05,
+        "glass_below_tests": 0,
         "vertical_rule_holds": 0.03,
     },
     "fitting/nonlinear_ramp": {
@@ -1680,10 +1721,10 @@ LIMITS = {
         "k_inf_believable": 0.05,
         "offset_believable": 3, "drift_believable": 3, "baseline_agrees": 1, "clocks_agree": 3,
     },
-    "fitting/fractional": {
+    "fitting/fractional_model": {
         "slope_known": 0.05, "element_explains": 1.02, "families_told_apart": 100,
     },
-    "fitting/temperature": {
+    "extensions/curves/temperatures": {
         "thermorheologically_simple": 0.0027, "stiffness_of_one_seal": 0.15,
         "temperature_steady": 1, "shifts_told_apart": 3, "temperature_tested": 0,
     },
@@ -1693,56 +1734,56 @@ LIMITS = {
         "earlier_fit_kept": 2.5, "dashpot_not_missed": 50, "arms_identified": 0.5,
         "cables_described": 0.3,
     },
-    "kinds/hyperelastic": {
+    "extensions/materials/hyperelastic": {
         "law_followed": 0.05, "no_law_closer": 2, "foam_no_closer": 1.3, "stable_in_use": 0,
         "modes_told": 0.1, "use_measured": 1, "constants_known": 0.25, "rows_enough": 4,
         "files_agree": 0.05, "loading_returned": 0.1, "conditioned": 0.05, "zero_known": 0.005,
         "labels_agree": 3, "sideways_agrees": 0.05,
         "measures_stated": 0.1, "modes_enough": 2, "modes_in_scale": 1.1,
     },
-    "kinds/indentation": {
+    "extensions/materials/indentation": {
         "contact_sampled": 20, "flights_recorded": 0.1, "sensor_in_range": 0, "first_contact": 0,
         "law_followed": 1.5, "released_freely": -0.02, "parameters_known": 1.25, "laws_agree": 0.05,
         "velocity_agrees": 1.04, "gravity_known": 0.01, "force_agrees": 1.1,
         "indentation_shallow": 0.3, "sensor_fast_enough": 0.03,
     },
-    "kinds/csr": {
+    "extensions/materials/csr": {
         "force_falls": 3, "f0_read": 2, "readings_scatter": 3, "readings_close": 0.04,
         "chemistry_seen": 4, "ovens_enough": 3, "ovens_on_a_line": 9, "aging_beside_drift": 1,
         "cell_holds": 3,
         "temperature_near_ovens": 30, "cold_bears_lower_energy": 2,
         "time_near_readings": 2, "stiffness_follows_force": 0.1,
     },
-    "kinds/slam": {
+    "extensions/materials/slam": {
         "slam_within_law": 1, "slam_within_band": 1, "air_escapes": 0.1, "loss_determined": 0.25,
         "slams_followed": 1.5, "slams_without_more": 2.5, "slams_sampled": 50,
         "slam_speeds_spread": 2,
         "slam_speeds_agree": 3, "slams_apart": 10, "slam_mass_agrees": 0.03, "memory_kept": 3,
         "spectrum_has_gaps": 4, "losses_agree": 3,
     },
-    "kinds/rod": {
+    "extensions/materials/rod": {
         "rod_usable": 8, "waves_plane": 0.05, "sensors_agree": 3, "mass_beside_rod": 100,
         "lines_of_one_solid": 1.5,
     },
-    "kinds/level": {
+    "extensions/amplitude": {
         "level_matters": 20, "amplitudes_spread": 3, "softening_seen": 2, "law_followed": 0.03,
         "levels_followed": 1.4, "loss_followed": 0.12, "spring_unseen": 0.1,
         "spring_cubic": 20, "ways_agree": 0.03,
         "levels_as_struck": 2, "levels_held": 0, "level_covered": 1,
     },
-    "lots": {"files_fitted": 0, "fits_usable": 0, "hammers_compared": 0,
+    "extensions/batch": {"files_fitted": 0, "fits_usable": 0, "hammers_compared": 0,
              "tests_alike": 0, "records_distinct": 0, "seals_within_limits": 0,
              "gauge_tells_apart": 0.3,
              "stands_out_of_lot": 0, "asked_in_band": 0, "lots_tested_alike": 0,
              "seals_named": 0, "scatter_normal": 0.25},
     "planning": {"tip_excites": -10},
-    "door": {
+    "extensions/door": {
         "door_modes_informed": 1, "seal_touches": 0, "stations_suffice": 1e-3,
         "modes_suffice": 5e-3, "shapes_known_there": 0.03, "masses_agree": 1.05, "door_held": 0,
         "closing_informed": 1.0, "line_holds_sideways": 0,
         "shear_usual": 1.5,
     },
-    "records": {"numbers_unambiguous": 0},
+    "datamodel": {"numbers_unambiguous": 0},
     "vibration": {
         "seal_mass_negligible": 0.02, "mass_of_a_block": 1e-3, "compression_tested": 1,
     },
@@ -1773,25 +1814,25 @@ LIMITS = {
 #: what a failure means; of every other check, that the result is to be used with care
 GRADES = {
     "note": {
-        "door": {"line_closed", "faster_doors_close"},
-        "lots": {"records_distinct", "stands_out_of_lot", "scatter_normal"},
-        "kinds/cld": {"unloading_recorded", "length_given"},
-        "preparation": {
+        "extensions/door": {"line_closed", "faster_doors_close"},
+        "extensions/batch": {"records_distinct", "stands_out_of_lot", "scatter_normal"},
+        "extensions/materials/cld": {"unloading_recorded", "length_given"},
+        "preprocessing": {
             "baseline_recorded", "single_loading", "overshoot_small", "range_used",
             "hold_outlasts_ramp", "load_held", "motion_resolved", "preload_absent",
         },
         "fitting": {
             "hold_long_enough", "tau_inside_window", "residuals_random", "step_bias",
-            "fast_arm_visible", "instrument_stiff", "drift_told_from_arm",
-            "order_agreed", "hold_and_full_agree",
+            "fast_arm_visible", "drift_told_from_arm", "order_agreed", "hold_and_full_agree",
         },
+        "extensions/curves": {"instrument_stiff"},
         "fitting/identification": {"dashpot_not_missed", "cables_described"},
-        "fitting/temperature": {"shifts_told_apart"},
-        "kinds/level": {"level_matters"},
-        "kinds/hyperelastic": {"volume_known"},
-        "kinds/csr": {"f0_read", "cell_holds", "aging_beside_drift"},
-        "kinds/slam": {"air_escapes", "piece_length_given"},
-        "io/readers": {
+        "extensions/curves/temperatures": {"shifts_told_apart"},
+        "extensions/amplitude": {"level_matters"},
+        "extensions/materials/hyperelastic": {"volume_known"},
+        "extensions/materials/csr": {"f0_read", "cell_holds", "aging_beside_drift"},
+        "extensions/materials/slam": {"air_escapes", "piece_length_given"},
+        "reading/readers": {
             "travel_of_a_seal", "force_of_a_seal", "ramp_not_slow", "stiffness_of_a_seal",
         },
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},
@@ -1801,12 +1842,12 @@ GRADES = {
         },
     },
     "stop": {
-        "kinds/cld": {"energy_lost"},
-        "preparation": {
+        "extensions/materials/cld": {"energy_lost"},
+        "preprocessing": {
             "columns_plausible", "force_not_clipped", "force_resolved", "force_relaxes",
             "ramp_recorded",
         },
-        "io/readers": {
+        "reading/readers": {
             "time_of_a_test", "travel_of_a_bench", "size_possible",
             "force_of_a_bench", "ramp_not_fast", "hammer_not_heavy",
             "shock_not_large", "indenter_not_fast", "contact_rate",
@@ -1814,13 +1855,13 @@ GRADES = {
             "hammer_felt", "acceleration_not_large", "hammer_sampled", "hammer_not_oversampled",
         },
         "fitting": {
-            "compliance_rises", "modulus_falls", "optimum_found", "arms_where_force_relaxes",
-            "frequencies_informed",
-            "same_specimen",
+            "optimum_found", "arms_where_force_relaxes", "frequencies_informed", "same_specimen",
         },
-        "kinds/hyperelastic": {"stable_in_use"},
-        "kinds/csr": {"force_falls"},
-        "kinds/slam": {"loss_determined"},
+        "extensions/curves": {"modulus_falls"},
+        "extensions/curves/creep": {"compliance_rises"},
+        "extensions/materials/hyperelastic": {"stable_in_use"},
+        "extensions/materials/csr": {"force_falls"},
+        "extensions/materials/slam": {"loss_determined"},
         "fitting/identification": {"tests_agree"},
         "vibration/comparison": {"no_unit_slip"},
         "vibration/impact": {
@@ -1837,17 +1878,19 @@ GRADES = {
 
 #: how a fit that fails a check ended, by its stage; any other check ends none
 ENDS = {
-    "preparation": {"force_relaxes": Status.FORCE_RISES},
+    "preprocessing": {"force_relaxes": Status.FORCE_RISES},
     "fitting": {
         "optimum_found": Status.NOT_CONVERGED,
         "tau_inside_window": Status.TAU_AT_BOUND,
-        "data_agree": Status.TESTS_DISAGREE,
         "arms_supported": Status.NOT_IDENTIFIED,
         "k_inf_positive": Status.NOT_IDENTIFIED,
+    },
+    "extensions/curves": {
+        "data_agree": Status.TESTS_DISAGREE,
         "few_arms_suffice": Status.NOT_IDENTIFIED,
     },
-    "fitting/fractional": {"slope_known": Status.NOT_IDENTIFIED},
-    "fitting/temperature": {"thermorheologically_simple": Status.TESTS_DISAGREE},
+    "fitting/fractional_model": {"slope_known": Status.NOT_IDENTIFIED},
+    "extensions/curves/temperatures": {"thermorheologically_simple": Status.TESTS_DISAGREE},
     "fitting/identification": {
         "lines_explained": Status.TESTS_DISAGREE,
         "relaxation_still_explained": Status.TESTS_DISAGREE,
@@ -1855,7 +1898,7 @@ ENDS = {
         "mass_believable": Status.TESTS_DISAGREE,
         "arms_identified": Status.NOT_IDENTIFIED,
     },
-    "kinds/cld": {"memory_told": Status.NOT_IDENTIFIED},
+    "extensions/materials/cld": {"memory_told": Status.NOT_IDENTIFIED},
 }
 #: the gravest first
 GRAVEST_FIRST = (
@@ -1884,7 +1927,7 @@ def test_every_check_just_passes_and_just_fails_at_its_limit(case: Case) -> None
 
 def test_ramps_and_holds_share_more_decades_than_sweeps() -> None:
     def shared(decades: float) -> Check:
-        return temperature.overlap([decades, 2.0], [273.0, 283.0, 296.0], several.SHARED)
+        return checks.overlap([decades, 2.0], [273.0, 283.0, 296.0], several.SHARED)
 
     assert not shared(1.501).failed
     assert shared(1.499).failed
@@ -2096,7 +2139,7 @@ def test_checks_are_built_in_the_register_alone() -> None:
         if re.search(r"\bCheck\(", file.read_text(encoding="utf-8"))
     ]
     # those of a plug-in are its own
-    assert sorted(built) == ["base/checks.py", "kinds/plugged/fit.py"]
+    assert sorted(built) == ["base/checks.py", "extensions/plugins/fit.py"]
 
 
 def test_no_status_is_decided_outside_the_criteria() -> None:
@@ -2106,12 +2149,12 @@ def test_no_status_is_decided_outside_the_criteria() -> None:
         for file in SOURCES.rglob("*.py")
     }
     decide = {name for name, text in texts.items() if "status_of(" in text}
-    assert decide == {"base/checks.py", "fitting/assembly.py", "fitting/fit_many.py"}
+    assert decide == {"base/checks.py", "fitting/fit_construction.py", "fitting/fit_many.py"}
     named = {
         name for name, text in texts.items()
         if re.search(r"\bStatus\.[A-Z]", text) and "checks" not in Path(name).with_suffix("").parts
     }  # fmt: skip
-    assert named <= decide | {"records/fit.py", "export/opening.py"}
+    assert named <= decide | {"datamodel/fit.py", "export/deck_validation.py"}
     by_name = r"\{check\.name|\.name (not )?in \{"
     assert not [name for name in decide | named if re.search(by_name, texts[name])]
 
@@ -2121,7 +2164,7 @@ def test_every_criterion_says_what_it_asks_and_where_its_limit_comes_from() -> N
         assert asked.question.endswith("."), name
         assert asked.source, name
         assert bool(asked.rule) <= bool(asked.measure), name
-        assert any((SOURCES / stage).glob("checks*"))
+        assert any((SOURCES / stage).glob("*checks*"))
 
 
 def test_the_page_of_every_check_is_the_register() -> None:
@@ -2145,7 +2188,7 @@ def test_two_criteria_of_one_name_are_refused() -> None:
         """Whatever."""
         return Finding("nothing")
 
-    overshoot_small.__module__ = "dashpot.preparation.checks"
+    overshoot_small.__module__ = "dashpot.preprocessing.checks"
     with pytest.raises(ValueError, match="two criteria overshoot_small"):
         criterion(source="nowhere")(overshoot_small)
 

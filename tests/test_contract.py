@@ -11,11 +11,11 @@ from kit.shell import did
 
 import dashpot as dp
 from dashpot.cli import main
-from dashpot.io.write import write_impact, write_relaxation
+from dashpot.reading.write import write_impact, write_relaxation
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
-from dashpot.solids.table_1 import BROAD, BROAD_MASS
-from dashpot.workflow.kept.archive import from_json, to_json
+from dashpot.solids.demo_seals import BROAD, BROAD_MASS
+from dashpot.workflow.json_archive import from_json, to_json
 
 MASS = ["--mass", f"{BROAD_MASS} kg", "--seals", "2"]
 

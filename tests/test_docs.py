@@ -18,8 +18,8 @@ from click.testing import CliRunner
 from dashpot import workflow
 from dashpot.cli import COMMANDS, main
 from dashpot.fitting.relaxation import fit as fit_tests
-from dashpot.io.readers.relaxation import read_relaxation
-from dashpot.workflow.kept.archive import to_json
+from dashpot.reading.readers.relaxation import read_relaxation
+from dashpot.workflow.json_archive import to_json
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -30,9 +30,9 @@ PAGES = sorted(
 )
 ELSEWHERE = {
     "demo": (".ci/run", "dashpot demo"),
-    "app": ("tests/web/test_journeys.py", "dashpot app"),
-    "batch --watch": ("tests/lots/test_watching.py", '"--watch"'),
-    "record": ("tests/recording/test_recording.py", "dashpot record"),
+    "app": ("tests/extensions/app/test_journeys.py", "dashpot app"),
+    "batch --watch": ("tests/extensions/batch/test_watching.py", '"--watch"'),
+    "record": ("tests/extensions/acquisition/test_recording.py", "dashpot record"),
 }
 """Commands that another place runs, and what stands there: they take long, or have no end."""
 AT_NIGHT = {

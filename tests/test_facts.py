@@ -19,22 +19,23 @@ from kit.shell import ran
 
 from dashpot import workflow
 from dashpot.base.units import find, of_column
-from dashpot.io.options import ReadOptions
-from dashpot.kinds import Piece
-from dashpot.kinds.indentation.indenter import Indenter
-from dashpot.kinds.indentation.row import row as indentation_row
-from dashpot.lots import page, row
-from dashpot.lots.limits import read_limits
-from dashpot.lots.summary import summary
+from dashpot.extensions.amplitude import page as level
+from dashpot.extensions.app import modes, view_models
+from dashpot.extensions.batch import page
+from dashpot.extensions.batch import table_row as row
+from dashpot.extensions.batch.limits import read_limits
+from dashpot.extensions.batch.summary import summary
+from dashpot.extensions.materials.indentation.indenter import Indenter
+from dashpot.extensions.materials.indentation.lot_row import row as indentation_row
+from dashpot.reading.read_options import ReadOptions
+from dashpot.registry import Piece
 from dashpot.report import tables
-from dashpot.report.answer import rows as answer_rows
-from dashpot.report.kind_page import kind_page
-from dashpot.report.kind_pages import level
-from dashpot.told import text as text_of
-from dashpot.told.layout import facts
-from dashpot.web import modes, views
-from dashpot.workflow.frames import frame
-from dashpot.workflow.kept.archive import document
+from dashpot.report.first_screen import rows as answer_rows
+from dashpot.report.page_content import kind_page
+from dashpot.text_output import results as text_of
+from dashpot.text_output.layout import facts
+from dashpot.workflow.dataframes import frame
+from dashpot.workflow.json_archive import document
 from dashpot.workflow.recommendation import recommendation
 
 ARMS = ("seal_8mm.csv",)
@@ -188,10 +189,10 @@ def test_page_and_terminal_print_the_same_cells(fit):
 def test_the_app_has_every_fact_but_the_dashpots_of_arms(fit):
     """b = k tau says of an arm what k and tau say."""
     shown = [fact for fact in fit.known if fact.name[:2] != "b_"]
-    rows = {one.name: (one.value, one.unit) for one in views.terms(fit)}
+    rows = {one.name: (one.value, one.unit) for one in view_models.terms(fit)}
     assert len(rows) == len(shown)
     held(shown, rows, name=lambda fact: fact.symbol)
-    beside = {name: (value, unit) for name, value, _, unit in views.beside(fit, None)}
+    beside = {name: (value, unit) for name, value, _, unit in view_models.beside(fit, None)}
     held([one for one in shown if one.name not in {"b", "k_end"}], beside,
          name=lambda fact: fact.symbol)  # fmt: skip
 
@@ -344,7 +345,7 @@ def test_levels_say_the_same_on_page_and_in_app(bench, files, asked):
     assert told
     (shown,) = kind_page(found).groups
     rows = {one.name: (one.value, one.unit) for one in shown.rows}
-    app = {one.name: (one.value, one.unit) for one in map(views.term, told)}
+    app = {one.name: (one.value, one.unit) for one in map(view_models.term, told)}
     held(told, rows, name=lambda fact: fact.symbol)
     held(told, app, name=lambda fact: fact.symbol)
 

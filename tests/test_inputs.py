@@ -22,26 +22,26 @@ from hypothesis import strategies as st
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.choices import Driver, OverBase, words
-from dashpot.base.options import flag_of, key_of, names_files, offered, words_of
+from dashpot.base.option_fields import flag_of, key_of, names_files, offered, words_of
 from dashpot.cli import COMMANDS, main
-from dashpot.cli._values import Keyed, Scoped
-from dashpot.fitting.identification.asked import KnownSolid
-from dashpot.io.options import OF_HAMMER, OF_HAMMER_ALONE, ReadOptions
-from dashpot.io.readers import recognise
-from dashpot.io.readers.recognise import Recognised
-from dashpot.kinds.hyperelastic.asked import Measures
-from dashpot.kinds.indentation.indenter import Indenter
-from dashpot.kinds.rod.record import RodErrors
-from dashpot.lots import batches
-from dashpot.lots.batches import batch
-from dashpot.lots.choices import BatchChoices
-from dashpot.records.machine import Machine
-from dashpot.records.specimen import Specimen
-from dashpot.web.form import filled, usual
-from dashpot.web.requests import job_of, noun_of, page_of, said_of
-from dashpot.web.store import Store
+from dashpot.cli._param_types import Keyed, Scoped
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.app.page_form import filled, usual
+from dashpot.extensions.app.request_parsing import job_of, noun_of, page_of, said_of
+from dashpot.extensions.app.upload_store import Store
+from dashpot.extensions.batch import batch_run
+from dashpot.extensions.batch.batch_options import BatchChoices
+from dashpot.extensions.batch.batch_run import batch
+from dashpot.extensions.materials.hyperelastic.options import Measures
+from dashpot.extensions.materials.indentation.indenter import Indenter
+from dashpot.extensions.materials.rod.datamodel import RodErrors
+from dashpot.fitting.identification.prior_knowledge import KnownSolid
+from dashpot.reading.read_options import OF_HAMMER, OF_HAMMER_ALONE, ReadOptions
+from dashpot.reading.readers import detect_kind
+from dashpot.reading.readers.detect_kind import Recognised
 from dashpot.workflow.command_lines import line
-from dashpot.workflow.fits import BenchAsked
+from dashpot.workflow.fit_bench_tests import BenchAsked
 from dashpot.workflow.job import (
     Cuts,
     HammerChoices,
@@ -52,7 +52,7 @@ from dashpot.workflow.job import (
     PartChoices,
     RodChoices,
 )
-from dashpot.workflow.shifting import ShiftChoices
+from dashpot.workflow.shift_options import ShiftChoices
 from dashpot.workflow.study import characterise
 
 RIG = ("seal_mass", "seals", "compression")
@@ -159,7 +159,10 @@ def test_a_rod_is_known_as_well_as_the_work_takes_it_to_be() -> None:
 
 @pytest.mark.once
 def test_no_page_of_help_needs_numpy() -> None:
-    asked = f"import sys\nfor one in {sorted(COMMANDS)}: __import__('dashpot.cli.' + one)\n"
+    asked = (
+        "import sys\nfrom dashpot.cli import main\n"
+        f"for one in {sorted(COMMANDS)}: main.get_command(None, one)\n"
+    )
     done = subprocess.run(
         [sys.executable, "-c", asked + "assert 'numpy' not in sys.modules"], check=False
     )
@@ -170,7 +173,7 @@ def test_no_page_of_help_needs_numpy() -> None:
 
 
 def page() -> str:
-    static = Path(dp.__file__).parent / "web/static/index.html"
+    static = Path(dp.__file__).parent / "extensions/app/static/index.html"
     return filled(static.read_text(encoding="utf-8"))
 
 
@@ -198,7 +201,9 @@ def test_the_laws_of_amplitude_are_those_of_the_command() -> None:
 
 
 def test_the_instruments_of_the_page_are_those_of_the_command() -> None:
-    text = (Path(dp.__file__).parent / "web/static/record.html").read_text(encoding="utf-8")
+    text = (Path(dp.__file__).parent / "extensions/app/static/record.html").read_text(
+        encoding="utf-8"
+    )
     listed = re.search('id="driver">(.*?)</select>', text)
     assert listed is not None
     assert tuple(re.findall('value="(.*?)"', listed[1])) == words(Driver)
@@ -338,7 +343,7 @@ def heard(place: Any, name: str, typed: str, kind: str = "") -> _HeardError:
 
     with (
         patch.object(place, name, work),
-        patch.object(recognise, "recognise", seen),
+        patch.object(detect_kind, "recognise", seen),
         pytest.raises(_HeardError) as found,
     ):
         main.main(shlex.split(typed)[1:], standalone_mode=False)
@@ -407,7 +412,7 @@ def batch_choices(draw: st.DrawFn) -> BatchChoices:
 def test_a_batch_is_typed_as_the_choices_that_it_has(said: BatchChoices) -> None:
     beside = said.reading_impact.only([name for name in OF_HAMMER if name != "frequency"])
     typed = ["-o", "lot", *words_of(replace(said, reading_impact=beside))]
-    told = heard(batches, "run_batch", shlex.join(["dashpot", "batch", "tests", *typed]))
+    told = heard(batch_run, "run_batch", shlex.join(["dashpot", "batch", "tests", *typed]))
     assert told.heard[0].choices == said
 
 

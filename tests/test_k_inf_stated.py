@@ -15,10 +15,10 @@ from kit.shell import ran
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.io.options import ReadOptions
-from dashpot.report.kind_page import kind_page
-from dashpot.told import text as text_of
-from dashpot.workflow.kept.archive import from_json, to_json
+from dashpot.reading.read_options import ReadOptions
+from dashpot.report.page_content import kind_page
+from dashpot.text_output import results as text_of
+from dashpot.workflow.json_archive import from_json, to_json
 
 FILES = {
     "relaxation": ("seal_8mm.csv", {"arms": 2}),

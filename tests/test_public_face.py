@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import dashpot as dp
-from dashpot.base.former import FORMER
+from dashpot.base.deprecations import FORMER
 
 USE = Path(__file__).with_name("public_use.py")
 DOCS = Path(__file__).resolve().parents[1] / "docs"

@@ -9,13 +9,13 @@ import dashpot as dp
 from dashpot.base.units import si, si_range
 from dashpot.export import TARGETS
 from dashpot.fitting.identification.identify import identify
-from dashpot.io.options import ReadOptions
-from dashpot.planning.asked import HammerPlan
-from dashpot.planning.bench import Bench
+from dashpot.planning.assumed_seal import SupposedSeal
 from dashpot.planning.plan import plan
-from dashpot.planning.supposed import SupposedSeal
-from dashpot.preparation.prepare import prepare
-from dashpot.solids.table_1 import BROAD_MASS, PAPER
+from dashpot.planning.plan_options import HammerPlan
+from dashpot.planning.planned_ramp_hold import Bench
+from dashpot.preprocessing.prepare import prepare
+from dashpot.reading.read_options import ReadOptions
+from dashpot.solids.demo_seals import BROAD_MASS, PAPER
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.modal.dynamic_stiffness import dynamic_stiffness
 

@@ -20,16 +20,16 @@ import dashpot as dp
 from dashpot.base import checks
 from dashpot.base.checks import MOST_WORDS, Check, Finding, Verdict, criterion, verdict
 from dashpot.base.errors import DashpotError
-from dashpot.base.numbers import ascii_only, readable
+from dashpot.base.number_format import ascii_only, readable
 from dashpot.base.sentences import sentences, words
 from dashpot.cli import main
 from dashpot.fitting.relaxation import fit
-from dashpot.preparation.prepare import prepare
+from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.impact import simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
-from dashpot.solids.table_1 import BROAD, BROAD_MASS
-from dashpot.told.layout import Text
-from dashpot.told.screen import shown
+from dashpot.solids.demo_seals import BROAD, BROAD_MASS
+from dashpot.text_output.layout import Text
+from dashpot.text_output.terminal_layout import shown
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.workflow.study import characterise
 
@@ -61,14 +61,14 @@ def of_cases() -> Iterator[Check]:
     """Every registered check that a page can show, passed and failed."""
     for stage, cases in STAGES.items():
         # of a project's files and lines; and what a reader refuses, with the option that answers
-        if stage not in {"workflow", "io/readers"}:
+        if stage not in {"workflow", "reading/readers"}:
             for case in cases:
                 yield from (case.judge(x) for x in (case.passes, case.fails) if x is not None)
 
 
 def of_readers() -> Iterator[Check]:
     """The checks that a reader or a project makes."""
-    for stage in ("workflow", "io/readers"):
+    for stage in ("workflow", "reading/readers"):
         for case in STAGES[stage]:
             yield from (case.judge(x) for x in (case.passes, case.fails) if x is not None)
 
@@ -222,7 +222,7 @@ def test_the_verdict_on_every_example_is_one_line_with_a_number(
         judged.append(found)
         return shown(text, found, *rest, **how)
 
-    monkeypatch.setattr("dashpot.told.screen.shown", noted)
+    monkeypatch.setattr("dashpot.text_output.terminal_layout.shown", noted)
     faults = []
     for command in EXAMPLES:
         judged.clear()

@@ -17,22 +17,22 @@ from kit.verdicts import failures, judged, table
 import dashpot as dp
 from dashpot.base.checks import Check, Remedy, verdict, worst
 from dashpot.base.status import Status
-from dashpot.cli._grammar import verb
+from dashpot.cli._command import verb
+from dashpot.cli._command_io import Outcome
 from dashpot.cli._options import result
-from dashpot.cli._shell import Outcome
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit as fit_tests
-from dashpot.preparation.prepare import prepare
+from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
-from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
-from dashpot.told import text as text_of
-from dashpot.told.layout import Text
-from dashpot.told.screen import shown
+from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS
+from dashpot.text_output import results as text_of
+from dashpot.text_output.layout import Text
+from dashpot.text_output.terminal_layout import shown
 from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.vibration.systems.prediction import predict_frf
-from dashpot.workflow.kept.archive import from_json, to_json
+from dashpot.vibration.systems.frf_prediction import predict_frf
+from dashpot.workflow.json_archive import from_json, to_json
 from dashpot.workflow.study import characterise
 
 pytestmark = pytest.mark.once

@@ -29,7 +29,7 @@ def __getattr__(name: str) -> Any:
     """A public name; of one that was public once, an error that says what is typed now."""
     if name in __all__:
         return _find(name)
-    from dashpot.base.former import FORMER
+    from dashpot.base.deprecations import FORMER
 
     if name in FORMER:
         raise AttributeError(f"dp.{name} is now {FORMER[name]}")

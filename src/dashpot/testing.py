@@ -17,7 +17,7 @@ from types import ModuleType
 
 from dashpot.base.plugins import Plugin
 from dashpot.base.units import find
-from dashpot.io.formats.plugged import table_of
+from dashpot.reading.formats.plugin_format import table_of
 
 
 def check_format(module: ModuleType, sample: str | Path) -> list[str]:

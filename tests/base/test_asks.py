@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from dashpot.base.asks import Answers, Ask
 from dashpot.base.errors import DataError
+from dashpot.base.form_fields import Answers, Ask
 
 MASS = Ask("mass", "Moving mass", "g", "--mass")
 DENSITY = Ask("density", "Density", "kg/m^3", "--density", form="bare")

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from dashpot.base.capability import capability, share_interval
 from dashpot.base.errors import DataError
+from dashpot.extensions.batch.statistics.process_capability import capability, share_interval
 
 pytestmark = pytest.mark.once
 

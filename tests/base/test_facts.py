@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from dashpot.base.documents import DIGEST, Documented, digest_of, fields_of, plain
-from dashpot.base.facts import Fact
+from dashpot.base.reported_values import Fact
+from dashpot.base.serialisation import DIGEST, Documented, digest_of, fields_of, plain
 
 
 def test_a_fact_is_read_in_the_unit_of_the_field() -> None:

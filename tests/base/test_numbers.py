@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dashpot.base.numbers import (
+from dashpot.base.number_format import (
     ascii_only,
     decibels,
     duration,

@@ -9,10 +9,10 @@ import pytest
 from kit.shell import ran
 
 import dashpot as dp
-from dashpot.kinds.csr.examples import EXAMPLES as OVENS
-from dashpot.kinds.slam.examples import EXAMPLES as SLAMS
+from dashpot.extensions.materials.csr.examples import EXAMPLES as OVENS
+from dashpot.extensions.materials.slam.examples import EXAMPLES as SLAMS
 from dashpot.solids.elastic import ElasticLaw
-from dashpot.workflow.kept.archive import to_json
+from dashpot.workflow.json_archive import to_json
 
 ROOT = Path(__file__).parents[2]
 LAW = ElasticLaw((0.0, 4e-3, 8e-3), (0.6, 0.9, 1.6), 200.0)

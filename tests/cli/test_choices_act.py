@@ -12,8 +12,8 @@ import pytest
 
 from dashpot import workflow
 from dashpot.cli import main
-from dashpot.cli._grammar import Opt, Verb
-from dashpot.report.answer import lights
+from dashpot.cli._command import Opt, Verb
+from dashpot.report.first_screen import lights
 from dashpot.workflow.job import Job
 from dashpot.workflow.recommendation import recommendation
 from tests.kit.shell import ran

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from kit.shell import told
 
+from dashpot.datamodel.machine import Machine
 from dashpot.fitting.uncertainty.prediction_bounds import unseen_arm_band
-from dashpot.io.readers.relaxation import read_relaxation
-from dashpot.records.machine import Machine
-from dashpot.workflow.kept.archive import from_json
+from dashpot.reading.readers.relaxation import read_relaxation
+from dashpot.workflow.json_archive import from_json
 
 
 @pytest.mark.slow

@@ -10,12 +10,12 @@ from kit.shell import ran, told
 import dashpot as dp
 from dashpot import workflow
 from dashpot.fitting.relaxation import fit as fit_tests
-from dashpot.io.readers.impact import read_impact
-from dashpot.io.readers.recognise import recognise
-from dashpot.io.readers.relaxation import read_relaxation
-from dashpot.solids.table_1 import BROAD
+from dashpot.reading.readers.detect_kind import recognise
+from dashpot.reading.readers.impact import read_impact
+from dashpot.reading.readers.relaxation import read_relaxation
+from dashpot.solids.demo_seals import BROAD
 from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.workflow.examples import FILES
+from dashpot.workflow.example_files import FILES
 from dashpot.workflow.study import characterise
 
 ROD = ("--shape", "disc:20mm,20mm", "--density", "1000", "--mass", "31.4g")

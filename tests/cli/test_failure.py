@@ -15,13 +15,13 @@ from kit.kinds import bench, ramp_and_hold
 from kit.shell import ran
 
 from dashpot import workflow
-from dashpot.base.escapes import escaped, escaped_json
+from dashpot.base.escaping import escaped, escaped_json
 from dashpot.cli import COMMANDS, main
-from dashpot.cli._values import Output
-from dashpot.io.write import write_relaxation
+from dashpot.cli._param_types import Output
+from dashpot.reading.write import write_relaxation
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
-from dashpot.solids.table_1 import PAPER
+from dashpot.solids.demo_seals import PAPER
 
 HIDDEN = "\x1b[2J\x1b]0;title\x07\x9b31m\u202e"
 

@@ -16,10 +16,10 @@ from kit.shell import ran, told
 from dashpot import workflow
 from dashpot.base.choices import ElasticKindAsked, words
 from dashpot.cli import COMMANDS, main
-from dashpot.cli._grammar import LIMIT, WIDTH, Opt, Verb
-from dashpot.cli._values import Keyed, Scoped, Units, nearest
-from dashpot.io.options import ReadOptions
-from dashpot.kinds.hyperelastic.asked import MODES
+from dashpot.cli._command import LIMIT, WIDTH, Opt, Verb
+from dashpot.cli._param_types import Keyed, Scoped, Units, nearest
+from dashpot.extensions.materials.hyperelastic.options import MODES
+from dashpot.reading.read_options import ReadOptions
 
 VERBS = (
     "inspect", "fit", "predict", "compare", "report", "export", "batch", "verify", "plan",

@@ -15,9 +15,9 @@ from kit.kinds import bench, files, hammer, ramp_and_hold
 from kit.shell import ran
 
 from dashpot import workflow
-from dashpot.kinds.hyperelastic.fit import fit_hyperelastic
-from dashpot.kinds.hyperelastic.read import read_stress_strain
-from dashpot.workflow.kept.archive import to_json
+from dashpot.extensions.materials.hyperelastic.fit import fit_hyperelastic
+from dashpot.extensions.materials.hyperelastic.read import read_stress_strain
+from dashpot.workflow.json_archive import to_json
 
 pytestmark = pytest.mark.once
 

@@ -9,14 +9,14 @@ import pytest
 from click.testing import CliRunner
 from kit.shell import ran
 
-from dashpot.base.options import flag_of, key_of, offered, option
+from dashpot.base.option_fields import flag_of, key_of, offered, option
 from dashpot.cli import COMMANDS, main
-from dashpot.cli._grammar import KEYED, of, verb
+from dashpot.cli._command import KEYED, of, verb
 from dashpot.cli._options import given, piece
-from dashpot.cli._values import Keyed
-from dashpot.io.options import ReadOptions
-from dashpot.records.machine import Machine
-from dashpot.records.specimen import Specimen
+from dashpot.cli._param_types import Keyed
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.specimen import Specimen
+from dashpot.reading.read_options import ReadOptions
 from dashpot.workflow.job import Cuts, HammerChoices
 
 

@@ -13,7 +13,7 @@ from kit.shell import ran
 
 from dashpot import workflow
 from dashpot.cli import COMMANDS, main
-from dashpot.cli._former import FORMER
+from dashpot.cli._deprecations import FORMER
 
 pytestmark = pytest.mark.once
 

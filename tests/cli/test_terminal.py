@@ -19,17 +19,17 @@ from kit.shell import ran
 import dashpot as dp
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.progress import doing
-from dashpot.cli import _shell, _terminal
-from dashpot.cli._grammar import verb
+from dashpot.cli import _command_io, _terminal
+from dashpot.cli._command import verb
+from dashpot.cli._command_io import Outcome
 from dashpot.cli._options import result as told
-from dashpot.cli._shell import Outcome
+from dashpot.datamodel.fit_diagnostics import AtDepth
 from dashpot.export import TARGETS
-from dashpot.records.evidence import AtDepth
-from dashpot.told import screen
-from dashpot.told import text as text_of
-from dashpot.told.layout import Text
-from dashpot.told.screen import COLUMNS, LINES, ScreenSize, shown, wrapped
-from dashpot.workflow.kept.archive import from_json, to_json
+from dashpot.text_output import results as text_of
+from dashpot.text_output import terminal_layout
+from dashpot.text_output.layout import Text
+from dashpot.text_output.terminal_layout import COLUMNS, LINES, ScreenSize, shown, wrapped
+from dashpot.workflow.json_archive import from_json, to_json
 
 STOP = Check("a_stop", False, "a stop; do that", grade="stop")
 LONG = Check("long_winded", False, "So much is to be said of it that it goes on. " * 12)
@@ -222,10 +222,10 @@ def test_colour_is_for_terminals_that_want_it(monkeypatch):
 
 @pytest.mark.parametrize("use", ["use", "use with care", "do not use"])
 def test_every_verdict_has_a_colour_of_its_own(use):
-    (line,) = screen.lead(Verdict(use, "because"))
+    (line,) = terminal_layout.lead(Verdict(use, "because"))
     assert click.unstyle(line) == f"{use.capitalize()}: because"
-    others = {screen.USES[other] for other in screen.USES if other != use}
-    assert screen.USES[use] not in others
+    others = {terminal_layout.USES[other] for other in terminal_layout.USES if other != use}
+    assert terminal_layout.USES[use] not in others
 
 
 # -- what comes last -------------------------------------------------------------------------------
@@ -234,7 +234,7 @@ def test_every_verdict_has_a_colour_of_its_own(use):
 def test_what_was_written_and_what_comes_next_stand_last(tmp_path):
     @verb("page", "Write a page.", told(plot=False))
     def command():
-        _shell.write(str(tmp_path / "page.html"), "x")
+        _command_io.write(str(tmp_path / "page.html"), "x")
         return Outcome({}, Text(["text"]), follow="dashpot fit page.html")
 
     result = CliRunner().invoke(command, [])
@@ -248,7 +248,7 @@ def test_what_was_written_and_what_comes_next_stand_last(tmp_path):
 def test_what_was_written_is_said_though_the_command_fails(tmp_path):
     @verb("two", "Write two files.", told(plot=False))
     def command():
-        _shell.write(str(tmp_path / "first.csv"), "x")
+        _command_io.write(str(tmp_path / "first.csv"), "x")
         raise dp.DataError("no second")
 
     result = CliRunner().invoke(command, [])
@@ -261,8 +261,8 @@ def test_open_shows_the_page_or_says_why_not(tmp_path, monkeypatch):
 
     @verb("page", "Write a page.", click.Argument(["name"]), told(plot=False))
     def command(*, name):
-        _shell.write(str(tmp_path / "data.csv"), "")
-        _shell.write(str(tmp_path / name), "")
+        _command_io.write(str(tmp_path / "data.csv"), "")
+        _command_io.write(str(tmp_path / name), "")
         return Outcome({}, Text())
 
     monkeypatch.setattr(click, "launch", lambda path: opened.append(path) or 0)
@@ -283,7 +283,9 @@ def test_a_planned_test_is_rehearsed_as_it_was_planned():
 
 
 def test_next_is_typed_as_the_shell_reads_it():
-    assert _shell.typed("fit", "my seal.csv", why="again") == "dashpot fit 'my seal.csv'  # again"
+    assert (
+        _command_io.typed("fit", "my seal.csv", why="again") == "dashpot fit 'my seal.csv'  # again"
+    )
 
 
 # -- progress --------------------------------------------------------------------------------------

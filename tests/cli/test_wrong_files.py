@@ -14,9 +14,9 @@ from kit.kinds import bench, files, hammer, late, ramp_and_hold
 from kit.shell import did, told
 
 from dashpot.cli._echo import to_stdout
-from dashpot.cli.fits._given import Given
-from dashpot.io.options import load_profile
-from dashpot.records.specimen import Specimen
+from dashpot.cli.fit_handlers._request import Given
+from dashpot.datamodel.specimen import Specimen
+from dashpot.reading.read_options import load_profile
 
 FILES = files()
 FIT = {

@@ -10,10 +10,10 @@ from kit.fits import a_fit
 from kit.pictures import first
 
 import dashpot as dp
+from dashpot.datamodel.fit import Fit
 from dashpot.export import TARGETS
-from dashpot.records.fit import Fit
+from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.elastic import ElasticLaw
-from dashpot.solids.table_1 import PAPER
 
 LAW = ElasticLaw((0.0, 4e-3, 8e-3), (0.75, 0.95, 1.35), PAPER.k_inf, (0.01, 0.01, 0.02))
 

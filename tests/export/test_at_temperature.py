@@ -10,13 +10,13 @@ from kit.fits import a_fit
 from kit.shell import ran
 
 import dashpot as dp
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.shift_factors import Shift, TemperatureShifts
+from dashpot.datamodel.specimen import Specimen
 from dashpot.export import TARGETS
-from dashpot.records.fit import Fit
-from dashpot.records.specimen import Specimen
-from dashpot.records.temperature import Shift, TemperatureShifts
-from dashpot.solids.table_1 import BROAD, SHIFT
-from dashpot.solids.temperature import Arrhenius, FreeShifts, TemperatureLaw
-from dashpot.workflow.kept.archive import to_json
+from dashpot.solids.demo_seals import BROAD, SHIFT
+from dashpot.solids.shift_laws import Arrhenius, FreeShifts, TemperatureLaw
+from dashpot.workflow.json_archive import to_json
 
 ROOM = SHIFT.reference
 TESTED = (273.15, 283.15, ROOM)

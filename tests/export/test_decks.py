@@ -25,16 +25,17 @@ from dashpot.base.errors import ExportError
 from dashpot.base.provenance import Source
 from dashpot.base.status import Status
 from dashpot.base.version import __version__
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.parameter_estimate import Residual
+from dashpot.datamodel.seal_line import SealLine
+from dashpot.datamodel.specimen import Specimen
 from dashpot.export import FORMS, NEEDS, SUFFIXES, TARGETS, UNIT_SYSTEMS
 from dashpot.export import deck as decks
-from dashpot.export.beside import CARRIERS
-from dashpot.export.notation import packed, text
-from dashpot.fitting.dynamic import fit_dynamic
-from dashpot.records.dynamic import DynamicTest
-from dashpot.records.estimate import Residual
-from dashpot.records.fit import Fit
-from dashpot.records.seal_line import SealLine
-from dashpot.records.specimen import Specimen
+from dashpot.export.unit_systems import packed, text
+from dashpot.extensions import solver_inputs
+from dashpot.extensions.amplitude.nonlinear_elements import CARRIERS
+from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
+from dashpot.extensions.curves.dynamic.fit import fit_dynamic
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -107,7 +108,10 @@ def test_same_input_same_deck(fit, target, form, extra):
 
 
 def test_only_what_a_solver_here_runs_claims_to_be_solver_verified(fit):
-    here = {path.stem.removeprefix("test_") for path in Path(__file__).parent.glob("test_*.py")}
+    folders = (Path(__file__).parent, Path(__file__).parents[1] / "extensions/solver_inputs")
+    here = {
+        path.stem.removeprefix("test_") for folder in folders for path in folder.glob("test_*.py")
+    }
     for target, form, extra in DECKS:
         deck = write(target, fit, form=form, **extra)
         assert "not solver-verified" in deck or target in {"csv", *here - {"nastran"}}, target
@@ -557,7 +561,8 @@ def test_every_deck_has_its_row_in_the_documents():
 
 
 def test_every_file_of_a_deck_is_offered():
-    files = {path.stem for path in Path(decks.__file__).with_name("decks").glob("*.py")}
+    folders = (Path(decks.__file__).with_name("decks"), Path(solver_inputs.__file__).parent)
+    files = {path.stem for folder in folders for path in folder.glob("*.py")}
     assert files - {"__init__"} == set(DECK_NAMES) == set(TARGETS)
 
 

@@ -32,13 +32,13 @@ from kit.doors import (
 from kit.solvers import needs_ccx, run_ccx
 
 from dashpot.base.errors import ExportError
+from dashpot.datamodel.seal_line import SealLine, Shear
+from dashpot.datamodel.specimen import Specimen
 from dashpot.export import TARGETS
-from dashpot.export.line import LineStation, SpringRow, row_of
-from dashpot.records.seal_line import SealLine, Shear
-from dashpot.records.specimen import Specimen
+from dashpot.export.seal_line_springs import LineStation, SpringRow, row_of
+from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.table_1 import PAPER
 
 HERTZ = 12.71
 SHEAR = Shear(ACROSS, ALONG)

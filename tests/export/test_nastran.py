@@ -14,14 +14,14 @@ from hypothesis import strategies as st
 from kit.bulkdata import Bush, read_cards, real
 
 from dashpot.base.errors import ExportError
+from dashpot.datamodel.seal_line import SealLine
+from dashpot.datamodel.specimen import Specimen
 from dashpot.export import TARGETS, UNIT_SYSTEMS
 from dashpot.export.decks.nastran import BushComponent, bush_property
 from dashpot.export.frequency_tables import tabulate
-from dashpot.export.notation import packed
-from dashpot.records.seal_line import SealLine
-from dashpot.records.specimen import Specimen
+from dashpot.export.unit_systems import packed
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.systems.prediction import predict_frf
+from dashpot.vibration.systems.frf_prediction import predict_frf
 
 GOLDEN = Path(__file__).parent / "golden"
 positive = st.floats(-2, 2).map(lambda power: 10.0**power)

@@ -13,7 +13,11 @@ import pytest
 import dashpot as dp
 from dashpot.base.provenance import Step
 from dashpot.base.status import Status
-from dashpot.fitting.assembly import (
+from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
+from dashpot.datamodel.parameter_estimate import Nuisance
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.fitting.checks.solid import arms_supported, optimum_found
+from dashpot.fitting.fit_construction import (
     UNJUDGED,
     FoundSolid,
     assembled,
@@ -21,16 +25,12 @@ from dashpot.fitting.assembly import (
     point_estimate,
     provenance_of,
 )
-from dashpot.fitting.checks.solid import arms_supported, optimum_found
 from dashpot.fitting.relaxation import fit as fit_tests
-from dashpot.preparation.checks import force_relaxes
-from dashpot.preparation.prepare import prepare
-from dashpot.records.estimate import Nuisance
-from dashpot.records.evidence import Evidence, Provenance
-from dashpot.records.relaxation import RampHold
+from dashpot.preprocessing.checks import force_relaxes
+from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
-from dashpot.solids.table_1 import PAPER
+from dashpot.solids.demo_seals import PAPER
 
 SOURCES = Path(dp.__file__).parent
 POINT = point_estimate(PAPER, 100, 25.0, ())
@@ -133,4 +133,4 @@ def test_fits_are_made_in_one_place():
         for file in sorted(SOURCES.rglob("*.py"))
         if re.search(r"(?<!class )\bFit\($", file.read_text("utf-8"), re.MULTILINE)
     ]
-    assert made == ["fitting/assembly.py"]
+    assert made == ["fitting/fit_construction.py"]

@@ -10,7 +10,12 @@ import pytest
 from kit.fits import altered
 
 from dashpot.base.errors import DataError, FitError
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.fitting.relaxation import fit
+from dashpot.fitting.relaxation_likelihood import relaxation_data
 from dashpot.fitting.uncertainty import admissible_spectra
 from dashpot.fitting.uncertainty.admissible_spectra import (
     FAR,
@@ -22,17 +27,12 @@ from dashpot.fitting.uncertainty.prediction_bounds import (
     parameter_band,
     unseen_arm_band,
 )
-from dashpot.fitting.uncertainty.stiffness_set import distances, ratios
-from dashpot.fitting.weighed_relaxation import relaxation_data
-from dashpot.preparation.prepare import prepare
-from dashpot.records.fit import Fit
-from dashpot.records.frf import FRF
-from dashpot.records.machine import Machine
-from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.fitting.uncertainty.stiffness_region import distances, ratios
+from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
+from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER
 
 AT = np.array([0.05, 0.3, 1.0, 5.0, 12.71, 30.0])
 

@@ -9,10 +9,10 @@ from scipy.signal import lfilter
 
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.status import Status
+from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.fitting.fit_many import fit_many
 from dashpot.fitting.relaxation import fit
-from dashpot.preparation.prepare import prepare
-from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.preprocessing.prepare import prepare
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 TIME = np.arange(4101) / 100

@@ -10,7 +10,7 @@ from kit.trials import KINDS, SOUND, Bench, Kind, relaxation_test, trial
 
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.prediction_bounds import frf_band
-from dashpot.preparation.prepare import prepare
+from dashpot.preprocessing.prepare import prepare
 
 pytestmark = pytest.mark.once
 

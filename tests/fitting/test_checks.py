@@ -10,14 +10,14 @@ from kit.fits import of_noise
 
 from dashpot.base.checks import Check
 from dashpot.base.status import Status
-from dashpot.engine.inference.order import Choice
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.datamodel.specimen import Specimen
 from dashpot.fitting.checks import solid
 from dashpot.fitting.relaxation import fit
-from dashpot.preparation import checks as record_checks
-from dashpot.records.fit import Fit
-from dashpot.records.machine import Machine
-from dashpot.records.relaxation import RampHold
-from dashpot.records.specimen import Specimen
+from dashpot.numerics.inference.model_order import Choice
+from dashpot.preprocessing import checks as record_checks
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 NOISE = 5e-3

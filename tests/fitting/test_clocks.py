@@ -9,8 +9,8 @@ from kit.crafted.clocks import bench, leapt
 
 from dashpot.base.errors import FitError
 from dashpot.fitting.relaxation import fit
-from dashpot.io.readers.relaxation import read_relaxation
-from dashpot.preparation.prepare import prepare
+from dashpot.preprocessing.prepare import prepare
+from dashpot.reading.readers.relaxation import read_relaxation
 
 
 @pytest.mark.parametrize("by", [60.0, 3600.0])

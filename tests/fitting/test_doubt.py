@@ -13,22 +13,22 @@ from kit.foreign.rigs import RIGS, Record, read
 from kit.foreign.truths import TRUTHS, Seal
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.correlation import upper_factor
-from dashpot.engine.blocks.recorded import recorded_block
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.machine import USUAL, Machine
+from dashpot.datamodel.relaxation import RampHold, RelaxationTest
+from dashpot.datamodel.specimen import Specimen
 from dashpot.fitting.nonlinear_ramp.checks import TOO_LATE, TOO_LATE_TOGETHER, clocks_agree
-from dashpot.fitting.nuisance import priors, terms_of
+from dashpot.fitting.nuisance_priors import priors, terms_of
 from dashpot.fitting.relaxation import fit
-from dashpot.fitting.uncertainty.left_open import end_of_hold
+from dashpot.fitting.relaxation_likelihood import laid_out, relaxation_data, unseen
+from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_hold
 from dashpot.fitting.uncertainty.prediction_bounds import frf_band
-from dashpot.fitting.weighed_relaxation import laid_out, relaxation_data, unseen
-from dashpot.preparation.prepare import prepare
-from dashpot.records.fit import Fit
-from dashpot.records.machine import USUAL, Machine
-from dashpot.records.relaxation import RampHold, RelaxationTest
-from dashpot.records.specimen import Specimen
+from dashpot.numerics.design_matrices.displacement_correlation import upper_factor
+from dashpot.numerics.design_matrices.recorded_motion import recorded_block
+from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.table_1 import PAPER
 
 KNOWN = Machine(sync=1e-3, drift=2e-5, compliance=0.0, creep=0.0, rest=1e5)
 

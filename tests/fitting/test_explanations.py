@@ -12,18 +12,18 @@ from kit import hardening
 from kit.fits import a_fit
 
 from dashpot.base.status import Status
-from dashpot.fitting.identification.asked import KnownSolid
-from dashpot.fitting.identification.explanations import as_other_count
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.relaxation import RampHold, RelaxationTest
+from dashpot.fitting.identification.discrepancy_causes import as_other_count
 from dashpot.fitting.identification.identify import identify
+from dashpot.fitting.identification.prior_knowledge import KnownSolid
 from dashpot.fitting.relaxation import fit
-from dashpot.preparation.prepare import prepare
-from dashpot.records.fit import Fit
-from dashpot.records.frf import FRF
-from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.preprocessing.prepare import prepare
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.told.text import fit as told_text
-from dashpot.workflow.kept.archive import from_json, to_json
+from dashpot.text_output.results import fit as told_text
+from dashpot.workflow.json_archive import from_json, to_json
 
 pytestmark = pytest.mark.once
 

@@ -14,13 +14,13 @@ from kit.fits import formal_errors, of_noise
 
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.status import Status
-from dashpot.fitting.linear_gate import Holds
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.parameter_estimate import Profile, profile_interval
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.fitting.linearity import Holds
 from dashpot.fitting.relaxation import fit
-from dashpot.preparation.prepare import prepare
-from dashpot.records.estimate import Profile, profile_interval
-from dashpot.records.fit import Fit
-from dashpot.records.machine import Machine
-from dashpot.records.relaxation import RampHold
+from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation import simulate_relaxation
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -481,7 +481,7 @@ def test_the_fit_path_loads_no_scipy() -> None:
     code = """
 import sys
 import numpy as np
-from dashpot.records.relaxation import RampHold
+from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.relaxation import fit
 from dashpot.solids.maxwell import GeneralizedMaxwell
 t = np.arange(0, 1001) / 50.0

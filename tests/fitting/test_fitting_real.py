@@ -11,8 +11,8 @@ import pytest
 
 from dashpot.base.errors import FitError
 from dashpot.base.status import Status
+from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.relaxation import fit
-from dashpot.records.relaxation import RampHold
 
 RAMPS = (0.1, 1.0, 10.0, 100.0)
 

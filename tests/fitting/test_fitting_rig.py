@@ -15,16 +15,16 @@ from kit.fits import formal_errors, of_noise
 from scipy.signal import lfilter
 
 from dashpot.base.status import Status
-from dashpot.fitting.nuisance import priors
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.relaxation import RelaxationTest
+from dashpot.fitting.nuisance_priors import priors
 from dashpot.fitting.relaxation import fit
-from dashpot.preparation.prepare import prepare
-from dashpot.records.fit import Fit
-from dashpot.records.machine import Machine
-from dashpot.records.relaxation import RelaxationTest
+from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
+from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.table_1 import PAPER
 
 pytestmark = pytest.mark.once
 

@@ -24,14 +24,12 @@ from kit.trials import (
 import dashpot as dp
 from dashpot.base.errors import FitError
 from dashpot.base.sentences import sentences
-from dashpot.engine.blocks.block import frequency_block
-from dashpot.engine.blocks.recorded import recorded_block
-from dashpot.fitting.design import Design
-from dashpot.fitting.dynamic import fit_dynamic
+from dashpot.datamodel.parameter_estimate import ParameterEstimate, Residual
+from dashpot.extensions.curves.dynamic.fit import fit_dynamic
+from dashpot.fitting.design_matrix import Design
 from dashpot.fitting.fit_data import FitData, data_of
-from dashpot.fitting.fractional.choice import element, parts_from
-from dashpot.fitting.fractional.projection import ArmColumns
-from dashpot.fitting.identification.asked import KnownSolid
+from dashpot.fitting.fractional_model.family_selection import element, parts_from
+from dashpot.fitting.fractional_model.fractional_solver import ArmColumns
 from dashpot.fitting.identification.frf_data import frf_data_of
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.identification.likelihood import (
@@ -41,19 +39,21 @@ from dashpot.fitting.identification.likelihood import (
     Parameters,
 )
 from dashpot.fitting.identification.parametrisation import Element
-from dashpot.fitting.nuisance import Prior
+from dashpot.fitting.identification.prior_knowledge import KnownSolid
+from dashpot.fitting.nuisance_priors import Prior
 from dashpot.fitting.relaxation import fit
+from dashpot.fitting.relaxation_likelihood import relaxation_data
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
-from dashpot.fitting.weighed_relaxation import relaxation_data
+from dashpot.numerics.design_matrices.block import frequency_block
+from dashpot.numerics.design_matrices.recorded_motion import recorded_block
 from dashpot.plot.picture import Tag
-from dashpot.preparation.prepare import prepare
-from dashpot.records.estimate import ParameterEstimate, Residual
+from dashpot.preprocessing.prepare import prepare
 from dashpot.report.figures import lead
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.modal.peaks import find_peak
-from dashpot.vibration.systems.prediction import model_modes
-from dashpot.workflow.kept.archive import from_json, to_json
-from dashpot.workflow.response.resting import at_rest, family_checks
+from dashpot.vibration.systems.frf_prediction import model_modes
+from dashpot.workflow.json_archive import from_json, to_json
+from dashpot.workflow.response.static_equilibrium import at_rest, family_checks
 from dashpot.workflow.study import Study
 
 RESONANCE = 2 * np.pi * 12.71

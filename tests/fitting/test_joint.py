@@ -14,8 +14,11 @@ from kit.slopes import hold_slopes
 
 from dashpot.base.errors import FitError
 from dashpot.base.status import Status
-from dashpot.fitting.identification.asked import HammerRig
-from dashpot.fitting.identification.fit_assembly import _physical
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF, Kind
+from dashpot.datamodel.relaxation import RampHold, RelaxationTest
+from dashpot.datamodel.specimen import Specimen
+from dashpot.fitting.identification.fit_construction import _physical
 from dashpot.fitting.identification.frf_data import frf_data_of
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.identification.likelihood import (
@@ -27,21 +30,18 @@ from dashpot.fitting.identification.likelihood import (
     Parameters,
 )
 from dashpot.fitting.identification.parametrisation import Arms
-from dashpot.fitting.nuisance import Prior
+from dashpot.fitting.identification.prior_knowledge import HammerRig
+from dashpot.fitting.nuisance_priors import Prior
 from dashpot.fitting.relaxation import fit
-from dashpot.fitting.weighed_relaxation import relaxation_data
-from dashpot.preparation.prepare import prepare
-from dashpot.records.fit import Fit
-from dashpot.records.frf import FRF, Kind
-from dashpot.records.relaxation import RampHold, RelaxationTest
-from dashpot.records.specimen import Specimen
+from dashpot.fitting.relaxation_likelihood import relaxation_data
+from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.impact import simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.vibration.systems.prediction import predict_frf
+from dashpot.vibration.systems.frf_prediction import predict_frf
 
 pytestmark = pytest.mark.once
 

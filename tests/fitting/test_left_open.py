@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 from kit.fits import a_fit
 
+from dashpot.datamodel.bounds import EndOfHold
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.relaxation import fit
-from dashpot.preparation.prepare import prepare
-from dashpot.records.bounds import EndOfHold
-from dashpot.records.fit import Fit
-from dashpot.records.machine import Machine
-from dashpot.records.relaxation import RampHold
+from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
+from dashpot.solids.demo_seals import BROAD, PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.table_1 import BROAD, PAPER
-from dashpot.workflow.kept.archive import document, from_json, to_json
+from dashpot.workflow.json_archive import document, from_json, to_json
 
 
 def with_slow_arm(tau: float) -> GeneralizedMaxwell:

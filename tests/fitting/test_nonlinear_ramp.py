@@ -15,23 +15,23 @@ from kit.ramps import DEPTH, LAWS, Bench, cubic, foam_block, linear, motion, qlv
 from kit.slopes import hold_slopes
 
 from dashpot.base.errors import FitError
-from dashpot.engine.least_squares.problem import solved
-from dashpot.fitting.nonlinear_ramp.assembly import ramp_checks, ramp_fit
+from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.fitting.nonlinear_ramp.checks import k_inf_believable
-from dashpot.fitting.nonlinear_ramp.hold_first import nuisances
-from dashpot.fitting.nonlinear_ramp.ladder import LADDER, ramp_law
-from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
-from dashpot.fitting.nonlinear_ramp.projection import Weighted
+from dashpot.fitting.nonlinear_ramp.downsampling import ramp_obstacle, thinned
+from dashpot.fitting.nonlinear_ramp.elastic_law_estimate import RampLaw
+from dashpot.fitting.nonlinear_ramp.elastic_law_selection import LADDER, ramp_law
+from dashpot.fitting.nonlinear_ramp.fit_construction import ramp_checks, ramp_fit
+from dashpot.fitting.nonlinear_ramp.goodness_of_fit import linear_soundness, soundness
+from dashpot.fitting.nonlinear_ramp.hold_then_ramp import nuisances
 from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear, hat_integrals
-from dashpot.fitting.nonlinear_ramp.soundness import linear_soundness, soundness
-from dashpot.fitting.nonlinear_ramp.thinning import ramp_obstacle, thinned
-from dashpot.preparation.prepare import prepare
-from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.fitting.nonlinear_ramp.weighted_least_squares import Weighted
+from dashpot.numerics.least_squares.problem import solved
+from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
+from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.table_1 import PAPER
 
 pytestmark = pytest.mark.once
 

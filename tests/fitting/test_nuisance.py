@@ -9,16 +9,16 @@ import pytest
 from kit.fits import of_noise
 
 import dashpot as dp
-from dashpot.engine.blocks.block import design_block
-from dashpot.engine.inference.whitening import marginal
-from dashpot.fitting.nuisance import Prior, Terms, priors, terms_of
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.fitting.nuisance_priors import Prior, Terms, priors, terms_of
 from dashpot.fitting.relaxation import fit
-from dashpot.preparation.prepare import prepare
-from dashpot.records.relaxation import RampHold
+from dashpot.numerics.design_matrices.block import design_block
+from dashpot.numerics.inference.whitening import marginal
+from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
-from dashpot.solids.table_1 import PAPER
-from dashpot.workflow.kept.archive import from_json, to_json
+from dashpot.solids.demo_seals import PAPER
+from dashpot.workflow.json_archive import from_json, to_json
 
 
 def late(samples: int, seed: int = 1) -> RampHold:

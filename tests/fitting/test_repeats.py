@@ -12,8 +12,8 @@ import dashpot as dp
 from dashpot.base.provenance import Source
 from dashpot.fitting.checks.relaxation import same_specimen
 from dashpot.fitting.relaxation import fit as fit_tests
-from dashpot.fitting.repeats import end_stiffnesses, noise_correlation, refuse_copies
-from dashpot.preparation.prepare import prepare
+from dashpot.fitting.replicates import end_stiffnesses, noise_correlation, refuse_copies
+from dashpot.preprocessing.prepare import prepare
 
 PAPER = Seal.of_arms(196.5, (117.5, 17.8), (0.5021, 16.416))
 BENCH = Bench(hold=15.0, drift=0.2e-3)

@@ -18,9 +18,9 @@ from kit.foreign.conditioning import (
 )
 
 import dashpot as dp
-from dashpot.preparation.prepare import prepare
-from dashpot.records.fit import Fit
-from dashpot.records.relaxation import RampHold
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.preprocessing.prepare import prepare
 
 THREE = Arms("three arms", 200.0, (40.0, 30.0, 50.0), (0.3, 6.0, 40.0))
 

@@ -10,8 +10,8 @@ from kit.foreign.truths import BROAD, TABLE_1, TRUTHS, Seal, Solid, slider
 
 import dashpot as dp
 from dashpot.fitting.relaxation import fit
-from dashpot.io.readers.relaxation import read_relaxation
-from dashpot.preparation.prepare import prepare
+from dashpot.preprocessing.prepare import prepare
+from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.solids.friction import Jenkins
 
 T = np.geomspace(1e-3, 1e3, 40)

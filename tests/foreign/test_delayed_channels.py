@@ -25,9 +25,9 @@ from kit.foreign.delayed_channels import (
 from kit.foreign.kinds import Sheet
 
 import dashpot as dp
-from dashpot.kinds.cld.prepare import cld
-from dashpot.kinds.level.record import AmplitudeFit
-from dashpot.workflow.vibration.levels import of_amplitude
+from dashpot.extensions.amplitude.datamodel import AmplitudeFit
+from dashpot.extensions.amplitude.fit_files import of_amplitude
+from dashpot.extensions.materials.cld.preprocess import cld
 
 HOLD = 0.94
 """Part of the intervals that hold, of those that are said to hold in 95 of 100."""

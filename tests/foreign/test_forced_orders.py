@@ -7,9 +7,9 @@ from kit.foreign.curves import Curve
 from kit.foreign.forced_orders import KINDS, Forced, forced
 
 import dashpot as dp
-from dashpot.fitting.creep import fit_creep
-from dashpot.fitting.dynamic import fit_dynamic
-from dashpot.fitting.modulus import fit_modulus
+from dashpot.extensions.curves.creep.fit import fit_creep
+from dashpot.extensions.curves.dynamic.fit import fit_dynamic
+from dashpot.extensions.curves.modulus.fit import fit_modulus
 
 
 def fitted(one: Forced, arms: int) -> dp.Fit:

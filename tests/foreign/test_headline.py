@@ -11,7 +11,7 @@ from kit.foreign.gaps import off
 from kit.foreign.truths import TRUTHS
 
 import dashpot as dp
-from dashpot.preparation.prepare import prepare
+from dashpot.preprocessing.prepare import prepare
 
 RIGS = ("none", "white 10 mN", "skew 2 ms", "drift .5 mN/s", "hum 50 Hz")
 SHORT = ("none",)

@@ -16,7 +16,7 @@ from kit.foreign.kinds import (
 )
 from kit.foreign.truths import Seal, Solid
 
-from dashpot.io.readers.inspect import inspect_file
+from dashpot.reading.readers.inspect import inspect_file
 
 
 def same(one, other):

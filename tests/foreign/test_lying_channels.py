@@ -21,7 +21,7 @@ from kit.foreign.truths import TABLE_1, TRUTHS, Seal
 
 import dashpot as dp
 from dashpot.fitting.relaxation import fit
-from dashpot.preparation.prepare import prepare
+from dashpot.preprocessing.prepare import prepare
 
 _SOME = (TABLE_1, TRUTHS[10], TRUTHS[24])
 

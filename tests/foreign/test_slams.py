@@ -9,9 +9,9 @@ from kit.foreign.truths import Solid
 from kit.slam_memory import cubic, relaxed
 
 import dashpot as dp
-from dashpot.kinds.slam.fit import fit_slams
-from dashpot.kinds.slam.law import SlamLaw
-from dashpot.kinds.slam.record import SlamFit
+from dashpot.extensions.materials.slam.datamodel import SlamFit
+from dashpot.extensions.materials.slam.elastic_law import SlamLaw
+from dashpot.extensions.materials.slam.fit import fit_slams
 
 
 def fitted(of: SlamSet, seed: int, *, known: bool) -> SlamFit:

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 import dashpot as dp
-from dashpot.fitting.creep import fit_creep
-from dashpot.fitting.dynamic import fit_dynamic
-from dashpot.fitting.modulus import fit_modulus
+from dashpot.extensions.curves.creep.fit import fit_creep
+from dashpot.extensions.curves.dynamic.fit import fit_dynamic
+from dashpot.extensions.curves.modulus.fit import fit_modulus
 
 from .foreign.curves import Curve
 

@@ -8,9 +8,14 @@ from typing import Any
 import numpy as np
 
 from dashpot.base.status import Status
-from dashpot.records.estimate import ELEMENT, ParameterEstimate, Residual, parameter_names
-from dashpot.records.evidence import Evidence, Provenance
-from dashpot.records.fit import Fit
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
+from dashpot.datamodel.parameter_estimate import (
+    ELEMENT,
+    ParameterEstimate,
+    Residual,
+    parameter_names,
+)
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
 

@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from dashpot.base.errors import DashpotError, ReadError
-from dashpot.io.options import ReadOptions
+from dashpot.reading.read_options import ReadOptions
 
 SECONDS = 10.0
 """Processor time that no mutant may cost."""
@@ -41,12 +41,12 @@ NAMED = ReadOptions(
 
 def read_all(path: Path) -> None:
     """Give a file to every reader, without a word and with all of them."""
-    from dashpot.io.readers.dynamic import read_dynamic
-    from dashpot.io.readers.frf import read_frf
-    from dashpot.io.readers.impact import read_impact
-    from dashpot.io.readers.inspect import inspect_file
-    from dashpot.io.readers.modulus import read_modulus
-    from dashpot.io.readers.relaxation import read_relaxation
+    from dashpot.extensions.curves.dynamic.read import read_dynamic
+    from dashpot.extensions.curves.modulus.read import read_modulus
+    from dashpot.reading.readers.frf import read_frf
+    from dashpot.reading.readers.impact import read_impact
+    from dashpot.reading.readers.inspect import inspect_file
+    from dashpot.reading.readers.relaxation import read_relaxation
 
     for reader in (
         inspect_file, read_relaxation, read_impact, read_frf, read_dynamic, read_modulus,
@@ -57,21 +57,21 @@ def read_all(path: Path) -> None:
 
 
 def calibrate(path: Path) -> None:
-    from dashpot.io.formats.ati import read_calibration
+    from dashpot.extensions.formats.ati import read_calibration
 
     with contextlib.suppress(ReadError):
         read_calibration(path)
 
 
 def profile(path: Path) -> None:
-    from dashpot.io.options import load_profile
+    from dashpot.reading.read_options import load_profile
 
     with contextlib.suppress(ReadError):
         load_profile(path)
 
 
 def unpack(path: Path) -> None:
-    from dashpot.workflow.kept.archive import from_json, to_json
+    from dashpot.workflow.json_archive import from_json, to_json
 
     with contextlib.suppress(DashpotError):
         to_json(from_json(path.read_bytes()))
@@ -79,7 +79,7 @@ def unpack(path: Path) -> None:
 
 def hold(path: Path) -> None:
     """Verify the project in a zip file; a study made by hand stands in for the work done again."""
-    from dashpot.workflow.kept import project, verification
+    from dashpot.extensions.projects import project, verification
     from kit.handmade import bench_only
 
     verification.run = lambda _job: bench_only()
@@ -177,15 +177,15 @@ class _Parsers:
         return self.kept[key]
 
     def _parsed(self, what, function, raw, options):
-        from dashpot.io.child import messages, serve
+        from dashpot.extensions.formats.sandbox import child_process, message_protocol
 
         try:
             if self.apart:
                 return self.child(what, function, raw, options)
             narrow = ReadOptions(sheet=options.sheet, segment=options.segment)
-            found = serve.parsed(what, function, raw, narrow)
+            found = child_process.parsed(what, function, raw, narrow)
             with Path(os.devnull).open("wb") as out:
-                messages.send_answer(out, found)
+                message_protocol.send_answer(out, found)
         except DashpotError as error:
             return ReadError(str(error))
         return found
@@ -195,10 +195,10 @@ def main() -> None:
     """Answer each file with nothing, or with how it went wrong."""
     import resource
 
-    from dashpot.io.child import limits, process
-    from dashpot.io.formats import workbook
+    from dashpot.extensions.formats import workbook
+    from dashpot.extensions.formats.sandbox import limits, parent_process
 
-    parsers = process.in_child = workbook.in_child = _Parsers(process.in_child)
+    parsers = parent_process.in_child = workbook.in_child = _Parsers(parent_process.in_child)
     resource.setrlimit(resource.RLIMIT_AS, (limits.MEMORY, limits.MEMORY))
     out = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)

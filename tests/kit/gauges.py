@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dashpot.io.formats.ati import AXES
+from dashpot.extensions.formats.ati import AXES
 
 SHIFT = 6.096  # mm along z, a plausible tool face
 

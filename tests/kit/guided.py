@@ -72,8 +72,8 @@ def fuzzed(*words: str | Path) -> None:
 
 def planted(corpus: Path) -> set[str]:
     """Put what is kept and the good files of the tests into a corpus; return the names of those."""
-    from dashpot.io.options import ReadOptions, dump_profile
-    from dashpot.workflow.kept.archive import document
+    from dashpot.reading.read_options import ReadOptions, dump_profile
+    from dashpot.workflow.json_archive import document
     from kit.crafted import TABLE
     from kit.handmade import two_arms
     from kit.instruments import one_of_each
@@ -139,9 +139,9 @@ def fuzz() -> None:
         contextlib.redirect_stderr(quiet),
         atheris.instrument_imports(include=["dashpot"]),
     ):
-        from dashpot.io.child import process
-        from dashpot.io.formats import workbook
-    parsers = process.in_child = workbook.in_child = _Parsers(process.in_child)
+        from dashpot.extensions.formats import workbook
+        from dashpot.extensions.formats.sandbox import parent_process
+    parsers = parent_process.in_child = workbook.in_child = _Parsers(parent_process.in_child)
     path = Path(tempfile.mkdtemp()) / "fuzz"
 
     def one(content: bytes) -> None:

@@ -13,21 +13,21 @@ import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.base.provenance import Source, Step
+from dashpot.datamodel.bounds import FRFBounds, StiffnessBounds
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit_diagnostics import Certificate, OrderScore
+from dashpot.datamodel.frf import FRF, Hit
+from dashpot.datamodel.parameter_estimate import Nuisance, Residual
+from dashpot.datamodel.relaxation import RampHold, RelaxationTest
+from dashpot.datamodel.specimen import Specimen
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band
-from dashpot.records.bounds import FRFBounds, StiffnessBounds
-from dashpot.records.estimate import Nuisance, Residual
-from dashpot.records.evidence import Certificate, OrderScore
-from dashpot.records.fit import Fit
-from dashpot.records.frf import FRF, Hit
-from dashpot.records.relaxation import RampHold, RelaxationTest
-from dashpot.records.specimen import Specimen
 from dashpot.simulation.impact import Hammer, simulate_impact
+from dashpot.solids.demo_seals import BROAD, BROAD_MASS
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
-from dashpot.solids.table_1 import BROAD, BROAD_MASS
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.modal.dynamic_stiffness import dynamic_stiffness
-from dashpot.vibration.systems.prediction import predict_frf
-from dashpot.workflow.response.resting import at_rest
+from dashpot.vibration.systems.frf_prediction import predict_frf
+from dashpot.workflow.response.static_equilibrium import at_rest
 from dashpot.workflow.study import STIFFNESS_LINES, Study
 from kit.fits import a_fit, altered
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dashpot.records.frf import FRF, Kind
+from dashpot.datamodel.frf import FRF, Kind
 from kit.look_alikes import truth
 
 
@@ -261,7 +261,7 @@ def one_of_each(folder: Path) -> dict[str, bytes]:
     import h5py
     from scipy.io import savemat
 
-    from dashpot.io.write import frf_uff
+    from dashpot.reading.write import frf_uff
 
     tdms(folder / "tdms", hits=2)
     (folder / "uff frf").write_bytes(frf_uff(frf(n=10)))

@@ -7,19 +7,19 @@ from functools import cache
 import numpy as np
 
 from dashpot.base.provenance import Source
-from dashpot.kinds.level.fit import fit_amplitude
-from dashpot.kinds.level.levels import LevelFit
-from dashpot.kinds.level.prepare import sweep_of_loops
-from dashpot.kinds.level.record import AmplitudeSweep
-from dashpot.records.frf import Kind
-from dashpot.records.relaxation import RelaxationTest
-from dashpot.records.specimen import Specimen
+from dashpot.datamodel.frf import Kind
+from dashpot.datamodel.relaxation import RelaxationTest
+from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
+from dashpot.extensions.amplitude.fit import fit_amplitude
+from dashpot.extensions.amplitude.level_results import LevelFit
+from dashpot.extensions.amplitude.preprocess import sweep_of_loops
+from dashpot.extensions.amplitude.response_solver import response_at_level
 from dashpot.solids.friction import Jenkins, Kraus
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.networks import spring
-from dashpot.solids.stiffening import Cubic
+from dashpot.solids.nonlinear_springs import Cubic
 from dashpot.vibration.systems.bodies import Mount, point_mass
-from dashpot.vibration.systems.level import response_at_level
 from dashpot.vibration.systems.system import System
 
 SEAL = GeneralizedMaxwell(393.0, (235.0, 35.6), (0.502, 0.012))

@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from dashpot.base.errors import DataError
-from dashpot.io.child import limits
-from dashpot.io.options import ReadOptions
-from dashpot.io.source import Raw
-from dashpot.io.table import Column, FileTable, Question, in_memory
+from dashpot.extensions.formats.sandbox import limits
+from dashpot.reading.raw_file import Raw
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.table import Column, FileTable, Question, in_memory
 
 
 class Panic(BaseException):

@@ -1,4 +1,4 @@
-"""Every regular expression of `dashpot.io`, and the text that costs a careless one most.
+"""Every regular expression of `dashpot.reading`, and the text that costs a careless one most.
 
 Run as a script it tries each on each under a limit of CPU time that the kernel keeps: a linear
 pattern needs a tenth of a second for all texts, the swiftest quadratic one forty. The last line
@@ -15,9 +15,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from time import process_time
 
-import dashpot.io
-from dashpot.io.text.dialect import Dialect
-from dashpot.io.text.plain import PlainRows
+import dashpot.reading
+from dashpot.reading.text.dialect import Dialect
+from dashpot.reading.text.plain_rows import PlainRows
 
 SIZE = 1 << 18
 SECONDS = 4
@@ -51,11 +51,13 @@ def _inline(tree: ast.AST) -> Iterator[re.Pattern]:
 
 def patterns() -> dict[str, re.Pattern]:
     """Every pattern by its own text."""
-    root = Path(dashpot.io.__file__).parent
+    root = Path(dashpot.reading.__file__).parent
     found = [PlainRows(Dialect(";", ".", ("number",)), (0,)).blank]
     for path in sorted(root.rglob("*.py")):
         parts = path.relative_to(root).with_suffix("").parts
-        module = importlib.import_module(".".join(("dashpot.io", *parts)).removesuffix(".__init__"))
+        module = importlib.import_module(
+            ".".join(("dashpot.reading", *parts)).removesuffix(".__init__")
+        )
         for value in vars(module).values():
             found += _held(value)
         found += _inline(ast.parse(path.read_text(encoding="utf-8")))

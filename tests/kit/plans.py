@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import fields, replace
 from typing import Any
 
-from dashpot.planning.asked import HammerPlan
-from dashpot.planning.bench import Bench
+from dashpot.datamodel.machine import Machine
+from dashpot.planning.assumed_seal import SupposedSeal
 from dashpot.planning.plan import Plan, plan
-from dashpot.planning.supposed import SupposedSeal
-from dashpot.records.machine import Machine
+from dashpot.planning.plan_options import HammerPlan
+from dashpot.planning.planned_ramp_hold import Bench
 
 
 def planned(**words: Any) -> Plan:

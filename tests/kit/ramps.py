@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.records.relaxation import RampHold
+from dashpot.datamodel.relaxation import RampHold
 
 PAPER_K, PAPER_TAU = (117.5 / 196.5, 17.8 / 196.5), (59.0 / 117.5, 292.2 / 17.8)
 DEPTH = 8e-3

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.kinds.hyperelastic.record import StressStrainTest
-from dashpot.solids.hyperelastic import Hyperelastic
-from dashpot.solids.table_1 import PAPER
+from dashpot.extensions.materials.hyperelastic.datamodel import StressStrainTest
+from dashpot.extensions.materials.hyperelastic.strain_energy import Hyperelastic
+from dashpot.solids.demo_seals import PAPER
 
 RUBBER = Hyperelastic("mooney-rivlin", (0.15e6, 0.05e6))
 FOAM = Hyperelastic("hyperfoam", (0.2e6,), (8.0,), 0.0)

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from dashpot.records.creep import CreepCompliance
-from dashpot.records.dynamic import DynamicTest
-from dashpot.records.modulus import RelaxationModulus
-from dashpot.records.specimen import Specimen
+from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.curves.datamodel.creep import CreepCompliance
+from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
+from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
 
 REFERENCE = 293.15
 TEMPERATURES = REFERENCE + np.arange(-40.0, 41.0, 10.0)

@@ -524,13 +524,13 @@ def _real_poles(seal: Seal, mass: float, seals: float):
 
 def relaxation_test(one: Trial):
     """The record as `read_relaxation` would give it."""
-    from dashpot.records.relaxation import RelaxationTest
+    from dashpot.datamodel.relaxation import RelaxationTest
 
     return RelaxationTest(time=one.time, displacement=one.displacement, force=one.force, units="SI")
 
 
 def impact_test(hits: Hammering):
     """The hits as `read_impact` would give them."""
-    from dashpot.records.impact import ImpactTest
+    from dashpot.datamodel.impact import ImpactTest
 
     return ImpactTest(time=hits.time, force=hits.hammer, acceleration=hits.acceleration, units="SI")

@@ -19,7 +19,7 @@ import numpy as np
 import dashpot as dp
 from dashpot.base.errors import DashpotError
 from dashpot.fitting.relaxation import fit as fit_tests
-from dashpot.preparation.prepare import prepare
+from dashpot.preprocessing.prepare import prepare
 from kit.trials import Trial, relaxation_test
 
 #: relative errors that make a result wrong: of k(T), of K* in the informed band, of the tangent

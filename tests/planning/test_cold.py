@@ -9,13 +9,13 @@ import pytest
 from kit.plans import planned
 
 from dashpot.base.errors import DataError
-from dashpot.planning.bench import Bench, PlannedRows
-from dashpot.planning.cold import Elsewhere, elsewhere, rows_with
+from dashpot.datamodel.machine import Machine
 from dashpot.planning.plan import Plan
-from dashpot.records.machine import Machine
+from dashpot.planning.planned_ramp_hold import Bench, PlannedRows
+from dashpot.planning.temperature_repeats import Elsewhere, elsewhere, rows_with
+from dashpot.solids.demo_seals import BROAD, HIDDEN, SHIFT
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.table_1 import BROAD, HIDDEN, SHIFT
-from dashpot.solids.temperature import Arrhenius
+from dashpot.solids.shift_laws import Arrhenius
 
 ROOM = SHIFT.reference
 AT = 12.71

@@ -19,11 +19,12 @@ from kit.trials import Seal, record, relaxation_test
 
 from dashpot.base.choices import Method
 from dashpot.base.errors import DataError
-from dashpot.fitting.nuisance import priors
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.relaxation import RampHold, RelaxationTest
+from dashpot.fitting.nuisance_priors import priors
 from dashpot.fitting.relaxation import fit
-from dashpot.planning.bench import Bench
 from dashpot.planning.checks import percent
-from dashpot.planning.expected import (
+from dashpot.planning.expected_errors import (
     ExpectedArm,
     ExpectedError,
     expected_error,
@@ -31,11 +32,10 @@ from dashpot.planning.expected import (
     hammer_rows,
     record_need,
 )
-from dashpot.preparation.prepare import prepare
-from dashpot.records.machine import Machine
-from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.planning.planned_ramp_hold import Bench
+from dashpot.preprocessing.prepare import prepare
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.systems.prediction import mass_for_peak, predict_frf
+from dashpot.vibration.systems.frf_prediction import mass_for_peak, predict_frf
 
 PAPER = GeneralizedMaxwell(196.5, (117.5, 17.8), (59.0 / 117.5, 292.2 / 17.8))
 LSB = 1 / 1280

@@ -19,12 +19,16 @@ from kit.pictures import first, lines, marks
 
 from dashpot import plot
 from dashpot.base.checks import Check
-from dashpot.fitting.dynamic import fit_dynamic
-from dashpot.fitting.modulus import fit_modulus
+from dashpot.datamodel.bounds import StiffnessBounds
+from dashpot.datamodel.fit_diagnostics import AtDepth
+from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
+from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
+from dashpot.extensions.curves.dynamic.fit import fit_dynamic
+from dashpot.extensions.curves.modulus.fit import fit_modulus
 from dashpot.fitting.relaxation import fit
-from dashpot.plot.direct import averaged, quantities
+from dashpot.plot.dynamic_stiffness_figure import averaged, quantities
+from dashpot.plot.frf_lines import half_power, phase_axis, smooth, turned
 from dashpot.plot.impact import force_spectrum
-from dashpot.plot.lines import half_power, phase_axis, smooth, turned
 from dashpot.plot.picture import (
     Area,
     Dots,
@@ -42,16 +46,12 @@ from dashpot.plot.picture import (
 from dashpot.plot.relaxation import fits_to_show, fitted_force
 from dashpot.plot.svg import strip as svg_strip
 from dashpot.plot.ticks import numbers
-from dashpot.preparation.prepare import prepare
-from dashpot.records.bounds import StiffnessBounds
-from dashpot.records.dynamic import DynamicTest
-from dashpot.records.evidence import AtDepth
-from dashpot.records.modulus import RelaxationModulus
+from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.solids.demo_seals import BROAD, PAPER, PAPER_MASS
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.table_1 import BROAD, PAPER, PAPER_MASS
 from dashpot.vibration.impact.hits import HitBlock
-from dashpot.vibration.systems.prediction import predict_frf
+from dashpot.vibration.systems.frf_prediction import predict_frf
 
 S = handmade.study()
 SPRING = GeneralizedMaxwell(0.1 * (2 * np.pi * 10.0) ** 2)

@@ -15,7 +15,7 @@ from kit import handmade
 
 from dashpot import plot
 from dashpot.base.errors import ExportError
-from dashpot.plot import tokens
+from dashpot.plot import style
 from dashpot.plot.picture import FIT, Line, Panel, Picture, Scale
 
 
@@ -101,9 +101,9 @@ def test_a_name_that_is_no_id_is_refused(figure):
         plot.to_svg(replace(figure, name="a b"))
 
 
-@pytest.mark.parametrize("token", tokens.COLOURS)
+@pytest.mark.parametrize("token", style.COLOURS)
 def test_every_token_is_a_colour_in_both_themes(token):
-    assert all(re.fullmatch(r"#[0-9a-f]{6}", colour) for colour in tokens.COLOURS[token])
+    assert all(re.fullmatch(r"#[0-9a-f]{6}", colour) for colour in style.COLOURS[token])
 
 
 def luminance(colour: str) -> float:
@@ -123,7 +123,7 @@ def luminance(colour: str) -> float:
 )  # fmt: skip
 def test_letters_and_curves_stand_out_in_both_themes(theme, word, paper, least):
     # WCAG 2.2: 4.5 for words, 3 for what is drawn
-    a, b = sorted(luminance(tokens.COLOURS[name][theme]) for name in (word, paper))
+    a, b = sorted(luminance(style.COLOURS[name][theme]) for name in (word, paper))
     assert (b + 0.05) / (a + 0.05) >= least
 
 

@@ -5,8 +5,8 @@ import pytest
 from kit import handmade
 
 import dashpot as dp
+from dashpot.plot.frf_figure import frf
 from dashpot.plot.picture import Line, Span, Tag
-from dashpot.plot.vibration import frf
 
 S = handmade.study()
 

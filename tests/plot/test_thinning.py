@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dashpot.plot.thinning import extremes, means
+from dashpot.plot.downsampling import extremes, means
 
 
 def record(seed: int, size: int) -> tuple[np.ndarray, np.ndarray]:

@@ -16,7 +16,7 @@ from kit.fits import altered
 from pypdf import PdfReader
 
 from dashpot.base.checks import Check
-from dashpot.plot import tokens
+from dashpot.plot import style
 from dashpot.report import html
 
 pytest.importorskip("playwright", reason="Playwright drives the browser: pip install playwright")
@@ -100,7 +100,7 @@ COLOURS = """
 @pytest.mark.parametrize(("theme", "scheme"), [(1, "dark"), (0, "light")])
 def test_page_and_figures_follow_the_theme_that_the_reader_prefers(browser, page, theme, scheme):
     found = probe(browser, page, COLOURS, width=1366, height=768, color_scheme=scheme)
-    expected = [tokens.COLOURS[name][theme] for name in ("panel", "ink", "measured")]
+    expected = [style.COLOURS[name][theme] for name in ("panel", "ink", "measured")]
     numbers = [[int(n) for n in re.findall(r"\d+", colour)] for colour in found]
     assert numbers == [[int(c[i : i + 2], 16) for i in (1, 3, 5)] for c in expected]
 

@@ -16,21 +16,21 @@ from kit.shell import ran
 
 import dashpot as dp
 from dashpot.base.checks import Check
-from dashpot.base.facts import Fact
+from dashpot.base.reported_values import Fact
 from dashpot.base.status import Status
-from dashpot.kinds.cld.figure import cld as cld_figure
-from dashpot.kinds.cld.record import CLD
+from dashpot.datamodel.shift_factors import Shift, TemperatureShifts
+from dashpot.extensions.materials.cld.datamodel import CLD
+from dashpot.extensions.materials.cld.figure import cld as cld_figure
 from dashpot.plot.layout import arranged
 from dashpot.plot.picture import Tag
-from dashpot.records.temperature import Shift, TemperatureShifts
 from dashpot.report import html
-from dashpot.report.answer import ORDER
-from dashpot.report.judged import contents
-from dashpot.report.kind_page import Topic, by_place, kind_page, lights, row
-from dashpot.report.pages import COLOURS
-from dashpot.solids.temperature import WLF
-from dashpot.workflow.kept.archive import from_json
-from dashpot.workflow.vibration.impacts import Direct, Identified
+from dashpot.report.first_screen import ORDER
+from dashpot.report.page_content import Topic, by_place, kind_page, lights, row
+from dashpot.report.page_frame import COLOURS
+from dashpot.report.result_page import contents
+from dashpot.solids.shift_laws import WLF
+from dashpot.workflow.json_archive import from_json
+from dashpot.workflow.vibration.impact_tests import Direct, Identified
 
 pytestmark = pytest.mark.once
 

@@ -22,26 +22,26 @@ from kit.shell import ran
 from test_sentences import CODE
 
 from dashpot.base.checks import Check, Remedy
-from dashpot.base.numbers import decibels, readable, rounded, with_error
+from dashpot.base.number_format import decibels, readable, rounded, with_error
 from dashpot.base.provenance import Source, Step
 from dashpot.base.status import Status
-from dashpot.plot import tokens
-from dashpot.records.estimate import Nuisance
-from dashpot.records.evidence import Explanation, Moved
-from dashpot.records.frf import Hit
-from dashpot.records.specimen import Specimen
-from dashpot.report import answer, html
+from dashpot.datamodel.fit_diagnostics import Explanation, Moved
+from dashpot.datamodel.frf import Hit
+from dashpot.datamodel.parameter_estimate import Nuisance
+from dashpot.datamodel.specimen import Specimen
+from dashpot.plot import style
+from dashpot.report import first_screen, html
 from dashpot.report.figures import Drawn
 from dashpot.report.summary import MOST_WORDS
 from dashpot.report.tables import TextTable
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.told import text as text_of
-from dashpot.vibration.systems.prediction import model_modes
+from dashpot.text_output import results as text_of
+from dashpot.vibration.systems.frf_prediction import model_modes
 from dashpot.workflow.assumptions import ASSUMPTIONS
-from dashpot.workflow.kept.archive import from_json, to_json
+from dashpot.workflow.json_archive import from_json, to_json
 from dashpot.workflow.recommendation import recommendation
-from dashpot.workflow.response.resting import at_rest
+from dashpot.workflow.response.static_equilibrium import at_rest
 
 pytestmark = pytest.mark.once
 
@@ -185,7 +185,7 @@ def test_the_page_is_short_and_small(page, request):
 
 def test_the_page_has_dark_colours_and_paper_keeps_the_light_ones(whole):
     dark = re.search(r"@media screen and \(prefers-color-scheme:dark\)\{:root\{(.*?)\}", whole)[1]
-    for name, (_, colour) in tokens.COLOURS.items():
+    for name, (_, colour) in style.COLOURS.items():
         assert f"--{name}:{colour};" in dark
     figure = re.search(r'<figure[^>]*id="figure-lead">(.*?)</figure>', whole, re.DOTALL)[1]
     assert not re.search(r'(?:fill|stroke)="#', figure)
@@ -608,7 +608,7 @@ def test_an_inferred_mass_is_called_inferred(sketch):
     text = sketch(replace(S, mass_inferred=True))
     assert "was found from the measured FRF, so the agreement in frequency proves nothing" in text
     found = replace(S, mass_inferred=True)
-    assert answer.under_mass(found, recommendation(found))[0].endswith("found from the FRF")
+    assert first_screen.under_mass(found, recommendation(found))[0].endswith("found from the FRF")
 
 
 def test_a_fit_in_trouble_says_so_at_the_top(sketch):

@@ -8,7 +8,7 @@ from scipy import signal
 
 from dashpot.base.errors import DataError
 from dashpot.simulation.axis import Axis
-from dashpot.simulation.frames import setpoints
+from dashpot.simulation.kinematics import setpoints
 
 
 def ramp(axis: Axis, *, depth: float = 8e-3, duration: float = 1.0, hold: float = 4.0):

@@ -10,8 +10,8 @@ from scipy.integrate import solve_ivp
 
 from dashpot.base.errors import DataError
 from dashpot.simulation.impact import HalfSine, Oscillator
+from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 
 
 def test_the_poles_are_the_references():

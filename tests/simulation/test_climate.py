@@ -10,8 +10,8 @@ import pytest
 from kit.shell import ran
 
 from dashpot.base.errors import DataError
-from dashpot.io.readers.impact import read_impact
-from dashpot.io.readers.relaxation import read_relaxation
+from dashpot.reading.readers.impact import read_impact
+from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.simulation import (
     Climate,
     Hammer,
@@ -20,9 +20,9 @@ from dashpot.simulation import (
     simulate_relaxation,
     truth_json,
 )
-from dashpot.solids.table_1 import BROAD, BROAD_MASS, HIDDEN, HIDDEN_MASS, SHIFT
-from dashpot.solids.temperature import WLF, Arrhenius, FreeShifts, at_temperature
-from dashpot.vibration.systems.prediction import accelerance, mass_for_peak
+from dashpot.solids.demo_seals import BROAD, BROAD_MASS, HIDDEN, HIDDEN_MASS, SHIFT
+from dashpot.solids.shift_laws import WLF, Arrhenius, FreeShifts, at_temperature
+from dashpot.vibration.systems.frf_prediction import accelerance, mass_for_peak
 
 OMEGA = 2 * np.pi * 12.71
 # computed apart: degC, K' N/mm and loss factor at 12.71 Hz, peak Hz and 1/kg of .114829829 kg on 2

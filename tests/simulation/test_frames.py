@@ -8,7 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
-from dashpot.simulation.frames import Arm, Robot, depth_along, misalignment, setpoints, tilted, unit
+from dashpot.simulation.kinematics import (
+    Arm,
+    Robot,
+    depth_along,
+    misalignment,
+    setpoints,
+    tilted,
+    unit,
+)
 
 SLANTED = (0.0, 0.6, 0.8)
 

@@ -10,16 +10,16 @@ from kit.shell import ran
 
 import dashpot as dp
 from dashpot.base.errors import DataError
-from dashpot.io.write import write_trajectory
-from dashpot.kinds.cld.prepare import cld
-from dashpot.kinds.cld.read import read_cld
+from dashpot.extensions.materials.cld.preprocess import cld
+from dashpot.extensions.materials.cld.read import read_cld
 from dashpot.planning.setpoints import planned_trajectory
+from dashpot.reading.write import write_trajectory
 from dashpot.simulation.motion import simulate_motion, softened
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Climate, Rig
+from dashpot.solids.demo_seals import BROAD, PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.table_1 import BROAD, PAPER
-from dashpot.workflow.kept.archive import to_json
+from dashpot.workflow.json_archive import to_json
 
 
 def triangles(cycles: int, *, depth: float = 8e-3, half: float = 2.0) -> dp.files.Trajectory:

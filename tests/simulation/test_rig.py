@@ -14,7 +14,7 @@ from dashpot.simulation.axis import Axis
 from dashpot.simulation.motion import simulate_path
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig, in_steps
-from dashpot.solids.table_1 import (
+from dashpot.solids.demo_seals import (
     BROAD,
     BROAD_MASS,
     HIDDEN,

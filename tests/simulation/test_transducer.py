@@ -9,16 +9,16 @@ import pytest
 from kit.shell import ran
 
 from dashpot.base.errors import DataError
+from dashpot.extensions.formats.ati import read_calibration
 from dashpot.fitting.relaxation import fit as fit_tests
-from dashpot.io.formats.ati import read_calibration
-from dashpot.io.options import ReadOptions
-from dashpot.io.readers.relaxation import read_relaxation
-from dashpot.io.write import write_gauges
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers.relaxation import read_relaxation
+from dashpot.reading.write import write_gauges
 from dashpot.simulation.daq import Daq
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.simulation.transducer import Instrument, Transducer, nano
-from dashpot.solids.table_1 import PAPER
+from dashpot.solids.demo_seals import PAPER
 
 
 def normal(*newton: float) -> np.ndarray:

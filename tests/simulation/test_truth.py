@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 
+from dashpot.simulation.ground_truth import stamp, truth_json
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
-from dashpot.simulation.truth import stamp, truth_json
-from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER
+from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER
 
 
 def test_a_relaxation_is_stamped_and_its_truth_told():

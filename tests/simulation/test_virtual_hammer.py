@@ -9,8 +9,8 @@ import pytest
 
 from dashpot.base.errors import DataError
 from dashpot.simulation.impact import Hammer, simulate_impact
-from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
-from dashpot.vibration.systems.prediction import predict_frf
+from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS
+from dashpot.vibration.systems.frf_prediction import predict_frf
 
 
 def ratio(test):

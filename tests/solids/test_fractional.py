@@ -10,8 +10,8 @@ from dashpot.base.errors import DataError
 from dashpot.solids.fractional import FractionalZener, weights_at
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.solids.parallel import Parallel
-from dashpot.vibration.systems.prediction import model_modes
-from dashpot.workflow.kept.archive import from_json, to_json
+from dashpot.vibration.systems.frf_prediction import model_modes
+from dashpot.workflow.json_archive import from_json, to_json
 
 PARK = FractionalZener(k_0=1.0, k_inf=10.0, tau=0.01, alpha=0.5)
 OMEGA = 2 * np.pi * np.geomspace(1e-6, 1e6, 121)

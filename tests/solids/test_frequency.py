@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.table_1 import PAPER
 
 SOLIDS = (PAPER, FractionalZener(1.0, 2.0, 0.1, 0.5), PAPER + GeneralizedMaxwell(1.0, b=2.0))
 NAMES = ("complex_stiffness", "storage", "loss", "loss_factor")

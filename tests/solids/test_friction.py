@@ -11,8 +11,8 @@ from dashpot.base.errors import DataError
 from dashpot.solids.friction import Berg, Coulomb, Iwan, Jenkins, Kraus, jenkins_like
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.networks import kelvin_voigt, spring
+from dashpot.solids.nonlinear_springs import Cubic, StagedSpring
 from dashpot.solids.rate_independent import InParallel, InSeries, RateIndependent
-from dashpot.solids.stiffening import Cubic, StagedSpring
 
 ELEMENTS = (
     Jenkins(100.0, 0.05),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import dashpot as dp
-from dashpot.records.temperature import Shift, TemperatureShifts
+from dashpot.datamodel.shift_factors import Shift, TemperatureShifts
 
 REFERENCE = 296.15
 CELSIUS = np.array([-40.0, -20.0, 0.0, 40.0, 80.0]) + 273.15

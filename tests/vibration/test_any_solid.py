@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dashpot.records.frf import FRF
+from dashpot.datamodel.frf import FRF
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.vibration.comparison.compare import compare, infer_mass
 from dashpot.vibration.systems.bodies import Mount, point_mass
 from dashpot.vibration.systems.complex_modes import complex_modes, newton_modes
-from dashpot.vibration.systems.prediction import (
+from dashpot.vibration.systems.frf_prediction import (
     accelerance,
     mass_for_peak,
     model_modes,

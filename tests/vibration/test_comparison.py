@@ -12,13 +12,13 @@ from kit.fits import a_fit, altered
 
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.records.evidence import Moved
-from dashpot.records.frf import FRF, Kind
+from dashpot.datamodel.fit_diagnostics import Moved
+from dashpot.datamodel.frf import FRF, Kind
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.vibration.systems.prediction import accelerance, predict_frf
+from dashpot.vibration.systems.frf_prediction import accelerance, predict_frf
 
 PAPER = GeneralizedMaxwell(196.5, (117.5, 17.8), (59.0 / 117.5, 292.2 / 17.8))
 BROAD = PAPER + GeneralizedMaxwell(0.0, (20.0, 20.0, 20.0), (0.08, 0.016, 0.0032))

@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
-from dashpot.records.free_modes import FreeModes
+from dashpot.datamodel.free_modes import FreeModes
 from dashpot.solids import networks as net
+from dashpot.solids.demo_seals import BROAD, PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.table_1 import BROAD, PAPER
 from dashpot.vibration.systems.bodies import Body, Mount, Point, planar_body, point_mass
 from dashpot.vibration.systems.complex_modes import complex_modes, newton_modes
 from dashpot.vibration.systems.energy import energy_shares

@@ -10,12 +10,12 @@ import pytest
 from dashpot.base.checks import Remedy
 from dashpot.base.errors import DataError
 from dashpot.base.student_t import t_quantile
-from dashpot.records.frf import FRF, Hit, Kind
-from dashpot.records.impact import ImpactTest
+from dashpot.datamodel.frf import FRF, Hit, Kind
+from dashpot.datamodel.impact import ImpactTest
 from dashpot.simulation.impact import Hammer, simulate_impact
-from dashpot.vibration.impact.amplitude import trend_of_hits
+from dashpot.vibration.impact.amplitude_trend import trend_of_hits
 from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.vibration.systems.prediction import model_modes, predict_frf
+from dashpot.vibration.systems.frf_prediction import model_modes, predict_frf
 
 pytestmark = pytest.mark.once
 

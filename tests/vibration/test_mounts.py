@@ -8,9 +8,9 @@ from kit.shell import told
 
 import dashpot as dp
 from dashpot.base.errors import DataError
-from dashpot.io.write import write_frf
-from dashpot.solids.table_1 import PAPER, PAPER_MASS
-from dashpot.vibration.systems.mounts import entrained, on_heavy_mounts, on_light_mounts
+from dashpot.reading.write import write_frf
+from dashpot.solids.demo_seals import PAPER, PAPER_MASS
+from dashpot.vibration.systems.mount_mass import entrained, on_heavy_mounts, on_light_mounts
 
 pytestmark = pytest.mark.once
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from dashpot.vibration.impact.hit_quality import flat_topped, judge, second_pulse
 from dashpot.vibration.impact.hits import HitBlock
-from dashpot.vibration.impact.quality import flat_topped, judge, second_pulse
 
 BEFORE = 200
 

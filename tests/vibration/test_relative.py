@@ -9,17 +9,17 @@ from kit.shell import ran, told
 
 import dashpot as dp
 from dashpot.base.errors import DataError
+from dashpot.datamodel.base_excitation import ShakenTest
+from dashpot.datamodel.frf import Kind
 from dashpot.fitting.identification.frf_data import frf_data_of
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.uncertainty.prediction_bounds import PredictedFRF
-from dashpot.io.options import ReadOptions
-from dashpot.io.readers.frf import read_frf
-from dashpot.io.readers.shaken import read_shaken
-from dashpot.io.write import write_frf
-from dashpot.records.frf import Kind
-from dashpot.records.shaken import ShakenTest
-from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
-from dashpot.vibration.impact.shaken import estimate_transmissibility
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers.base_excitation import read_shaken
+from dashpot.reading.readers.frf import read_frf
+from dashpot.reading.write import write_frf
+from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS
+from dashpot.vibration.impact.base_excitation import estimate_transmissibility
 from dashpot.vibration.modal.dynamic_stiffness import dynamic_stiffness
 
 pytestmark = pytest.mark.once

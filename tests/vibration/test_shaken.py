@@ -8,13 +8,13 @@ import pytest
 from kit.shell import ran, told
 
 from dashpot.base.errors import DashpotError, DataError
-from dashpot.io.options import ReadOptions
-from dashpot.io.readers.shaken import read_shaken
-from dashpot.records.shaken import ShakenTest
-from dashpot.solids.table_1 import BROAD, BROAD_MASS
+from dashpot.datamodel.base_excitation import ShakenTest
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers.base_excitation import read_shaken
+from dashpot.solids.demo_seals import BROAD, BROAD_MASS
+from dashpot.vibration.impact.base_excitation import estimate_transmissibility
 from dashpot.vibration.impact.checks import channels_not_clipped
-from dashpot.vibration.impact.shaken import estimate_transmissibility
-from dashpot.workflow.vibration.impacts import modes_of_hits
+from dashpot.workflow.vibration.impact_tests import modes_of_hits
 
 pytestmark = pytest.mark.once
 

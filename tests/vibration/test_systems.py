@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
 from dashpot.solids import networks as net
+from dashpot.solids.demo_seals import SHIFT
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.table_1 import SHIFT
-from dashpot.solids.temperature import at_temperature
+from dashpot.solids.shift_laws import at_temperature
 from dashpot.vibration.systems.bodies import Body, Mount, Point, planar_body, point_mass
 from dashpot.vibration.systems.complex_modes import complex_modes, newton_modes
-from dashpot.vibration.systems.prediction import model_modes, predict_frf
+from dashpot.vibration.systems.frf_prediction import model_modes, predict_frf
 from dashpot.vibration.systems.state_space import respond
 from dashpot.vibration.systems.system import System
 

@@ -12,18 +12,18 @@ import dashpot as dp
 from dashpot.base.checks import verdict
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.base.status import Status
+from dashpot.datamodel.machine import USUAL
 from dashpot.fitting.identification.identify import identify
-from dashpot.io.readers.inspect import inspect_file
-from dashpot.io.readers.psd import read_psd
-from dashpot.io.write import frf_uff, write_frf, write_relaxation
-from dashpot.records.machine import USUAL
+from dashpot.reading.readers.inspect import inspect_file
+from dashpot.reading.readers.psd import read_psd
+from dashpot.reading.write import frf_uff, write_frf, write_relaxation
 from dashpot.simulation.relaxation import simulate_relaxation
-from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
-from dashpot.told import text
+from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS
+from dashpot.text_output import results as text
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.modal.dynamic_stiffness import dynamic_stiffness
 from dashpot.vibration.systems.random_base import random_base, random_limits
-from dashpot.workflow.vibration.measured import judged
+from dashpot.workflow.vibration.measured_frf import judged
 
 pytestmark = pytest.mark.once
 

@@ -16,26 +16,26 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.provenance import Source, Step
 from dashpot.base.status import Status
-from dashpot.io.readers.inspect import InspectedColumn, Segment
-from dashpot.io.table import Question
-from dashpot.planning.bench import Bench
+from dashpot.datamodel.frf import FRF, Hit
+from dashpot.datamodel.impact import ImpactTest
+from dashpot.datamodel.parameter_estimate import Nuisance, Profile, Residual
+from dashpot.datamodel.relaxation import RampHold, RelaxationTest
+from dashpot.datamodel.shift_factors import Shift, TemperatureShifts
+from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
+from dashpot.extensions.modes.measured_modes import MeasuredMode, MeasuredModes
 from dashpot.planning.plan import plan
-from dashpot.records.dynamic import DynamicTest
-from dashpot.records.estimate import Nuisance, Profile, Residual
-from dashpot.records.frf import FRF, Hit
-from dashpot.records.impact import ImpactTest
-from dashpot.records.relaxation import RampHold, RelaxationTest
-from dashpot.records.specimen import Specimen
-from dashpot.records.temperature import Shift, TemperatureShifts
+from dashpot.planning.planned_ramp_hold import Bench
+from dashpot.reading.readers.inspect import InspectedColumn, Segment
+from dashpot.reading.table import Question
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.temperature import WLF, Arrhenius, FreeShifts
+from dashpot.solids.shift_laws import WLF, Arrhenius, FreeShifts
 from dashpot.vibration.comparison.compare import compare
-from dashpot.vibration.systems.prediction import predict_frf
+from dashpot.vibration.systems.frf_prediction import predict_frf
 from dashpot.workflow.inspections import InspectedFile, Inspections, Preparation
 from dashpot.workflow.job import Job
-from dashpot.workflow.kept.archive import from_json, to_json
-from dashpot.workflow.vibration.impacts import ImpactResult
-from dashpot.workflow.vibration.measured_modes import MeasuredMode, MeasuredModes
+from dashpot.workflow.json_archive import from_json, to_json
+from dashpot.workflow.vibration.impact_tests import ImpactResult
 from dashpot.workflow.vibration.modes import ImpactMode
 
 SOURCE = Source("seal.csv", "0" * 64, "text", ("time [s]",), ("a note",), simulated=True)

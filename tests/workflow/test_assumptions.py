@@ -13,7 +13,7 @@ import pytest
 import dashpot
 from dashpot.base.checks import REGISTER, Check
 from dashpot.cli import COMMANDS, main
-from dashpot.cli._values import Keyed
+from dashpot.cli._param_types import Keyed
 from dashpot.workflow.assumptions import ASSUMPTIONS, Assumption
 
 ROOT = Path(__file__).parents[2]

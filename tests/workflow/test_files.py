@@ -10,26 +10,26 @@ from kit import hardening
 from kit.fits import a_fit
 
 from dashpot.base.errors import FitError, ReadError
-from dashpot.io.options import ReadOptions
-from dashpot.io.readers.relaxation import read_relaxation, relaxation_in
-from dashpot.io.text import rows
-from dashpot.io.write import write_relaxation
-from dashpot.records.frf import FRF
-from dashpot.records.specimen import Specimen
+from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.specimen import Specimen
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers.relaxation import read_relaxation, relaxation_in
+from dashpot.reading.text import rows
+from dashpot.reading.write import write_relaxation
 from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.elastic import ElasticLaw
-from dashpot.solids.table_1 import PAPER
+from dashpot.vibration.systems.frf_prediction import predict_frf
 from dashpot.vibration.systems.operating_point import operating_point
-from dashpot.vibration.systems.prediction import predict_frf
-from dashpot.workflow.examples import EXAMPLES
-from dashpot.workflow.fits import fit_files
+from dashpot.workflow.example_files import EXAMPLES
+from dashpot.workflow.fit_bench_tests import fit_files
 from dashpot.workflow.inspections import inspect_files
 from dashpot.workflow.job import HammerChoices
-from dashpot.workflow.response.predictions import predict_files
-from dashpot.workflow.response.resting import _slid
-from dashpot.workflow.shifting import ShiftChoices
-from dashpot.workflow.vibration.impacts import compare_files, identify_files, weighed
-from dashpot.workflow.vibration.measured import total_mass
+from dashpot.workflow.response.frf_prediction import predict_files
+from dashpot.workflow.response.static_equilibrium import _slid
+from dashpot.workflow.shift_options import ShiftChoices
+from dashpot.workflow.vibration.impact_tests import compare_files, identify_files, weighed
+from dashpot.workflow.vibration.measured_frf import total_mass
 
 
 @pytest.fixture(scope="module")
@@ -144,7 +144,7 @@ def test_an_inspection_and_its_reader_parse_the_numbers_once(tmp_path, monkeypat
     parsed = []
     plain = rows.load_rows
     monkeypatch.setattr(
-        "dashpot.io.formats.text.load_rows", lambda *a, **k: parsed.append(1) or plain(*a, **k)
+        "dashpot.reading.formats.text.load_rows", lambda *a, **k: parsed.append(1) or plain(*a, **k)
     )
     (found,) = inspect_files([path]).files
     assert len(parsed) == 1

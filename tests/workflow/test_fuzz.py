@@ -17,11 +17,11 @@ from kit import handmade
 from kit.fuzzing import Fuzzer
 from kit.mutants import Mutant, altered, tries, wounded
 
-from dashpot.io.options import ReadOptions, dump_profile
+from dashpot.extensions.projects import history, project
+from dashpot.reading.read_options import ReadOptions, dump_profile
 from dashpot.solids.networks import kelvin_voigt
 from dashpot.workflow.job import Job
-from dashpot.workflow.kept import history, project
-from dashpot.workflow.kept.archive import document
+from dashpot.workflow.json_archive import document
 
 pytestmark = [pytest.mark.fuzz, pytest.mark.usefixtures("mutants")]
 

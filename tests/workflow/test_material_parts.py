@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from dashpot.solids.table_1 import PAPER
+from dashpot.solids.demo_seals import PAPER
 from dashpot.workflow.job import PartChoices
-from dashpot.workflow.response.part import _factor
+from dashpot.workflow.response.part_factor import _factor
 
 
 @pytest.mark.parametrize("softening", [0.0, 0.1, 0.4])

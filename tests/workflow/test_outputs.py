@@ -15,9 +15,9 @@ from dashpot.base.atomic import write_whole
 from dashpot.base.errors import ExportError
 from dashpot.base.version import is_ours
 from dashpot.export import TARGETS
-from dashpot.io.options import ReadOptions, dump_profile
-from dashpot.io.write import frf_uff, write_frf
-from dashpot.workflow.kept.archive import to_json
+from dashpot.reading.read_options import ReadOptions, dump_profile
+from dashpot.reading.write import frf_uff, write_frf
+from dashpot.workflow.json_archive import to_json
 from dashpot.workflow.outputs import Outputs
 
 MODEL = dp.GeneralizedMaxwell(196.5, (117.5,), (0.5,))

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from dashpot.base.errors import ReadError
-from dashpot.records.dynamic import DynamicTest
-from dashpot.records.relaxation import RelaxationTest
-from dashpot.records.specimen import Specimen
-from dashpot.workflow.fits import read_test
+from dashpot.datamodel.relaxation import RelaxationTest
+from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
+from dashpot.workflow.fit_bench_tests import read_test
 
 
 def test_a_ramp_and_hold_is_a_relaxation_test(tmp_path: Path) -> None:

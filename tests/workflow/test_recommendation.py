@@ -11,9 +11,9 @@ from kit import handmade
 from kit.fits import altered
 
 from dashpot.base.checks import Check
-from dashpot.records.bounds import EndOfHold
-from dashpot.solids.table_1 import BROAD, BROAD_MASS
-from dashpot.vibration.systems.prediction import model_modes
+from dashpot.datamodel.bounds import EndOfHold
+from dashpot.solids.demo_seals import BROAD, BROAD_MASS
+from dashpot.vibration.systems.frf_prediction import model_modes
 from dashpot.workflow.recommendation import recommendation
 
 S = handmade.study()

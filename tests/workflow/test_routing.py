@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from dashpot.base.errors import ReadError
-from dashpot.kinds import KINDS
-from dashpot.workflow.examples import FILES
-from dashpot.workflow.routing import BENCH, VIBRATION, route
+from dashpot.registry import KINDS
+from dashpot.workflow.example_files import FILES
+from dashpot.workflow.fit_routing import BENCH, VIBRATION, route
 
 HITS, FRF, BASE = "impact", "frf", "transmissibility"
 
@@ -80,7 +80,7 @@ def test_what_is_not_fitted_is_refused_in_one_sentence(
 def test_every_kind_that_is_fitted_goes_one_way() -> None:
     assert not BENCH & VIBRATION
     assert {HITS, FRF, BASE} == VIBRATION
-    assert {KINDS[kind].fit for kind in BENCH} == {"workflow.fits:fit_files"}
+    assert {KINDS[kind].fit for kind in BENCH} == {"workflow.fit_bench_tests:fit_files"}
 
 
 @pytest.mark.parametrize("name", FILES)

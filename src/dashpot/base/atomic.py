@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 from dashpot.base.errors import DataError
-from dashpot.base.escapes import escaped
+from dashpot.base.escaping import escaped
 from dashpot.base.lock import is_locked
 
 PART = ".part"

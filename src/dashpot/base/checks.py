@@ -9,9 +9,9 @@ from dataclasses import dataclass, field, replace
 from types import EllipsisType
 from typing import Generic, Literal, NamedTuple, ParamSpec, get_args
 
-from dashpot.base.documents import Documented
-from dashpot.base.numbers import spelled
+from dashpot.base.number_format import spelled
 from dashpot.base.sentences import lowered, paragraph, sentence, sentences, within
+from dashpot.base.serialisation import Documented
 from dashpot.base.status import Status
 
 P = ParamSpec("P")
@@ -409,7 +409,7 @@ def criterion(
     """
 
     def enter(judge: Callable[P, Finding]) -> Criterion[P]:
-        stage = judge.__module__.removeprefix("dashpot.").partition(".checks")[0].replace(".", "/")
+        stage = _stage(judge.__module__)
         asks = question or (judge.__doc__ or "").strip().partition("\n")[0]
         title = name or judge.__name__
         made = Criterion(
@@ -421,3 +421,9 @@ def criterion(
         return made
 
     return enter
+
+
+def _stage(module: str) -> str:
+    """Return the package that a module of checks belongs to, as a path under dashpot."""
+    package = re.sub(r"\.(\w+_)?checks\b.*", "", module.removeprefix("dashpot."))
+    return package.replace(".", "/")

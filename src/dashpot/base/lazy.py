@@ -22,22 +22,28 @@ def names_of(
     """
     stub = ast.parse(Path(file).with_suffix(".pyi").read_text(encoding="utf-8"))
     homes = {
-        alias.name: resolve_name("." * line.level + (line.module or ""), package)
+        alias.asname or alias.name: (
+            resolve_name("." * line.level + (line.module or ""), package),
+            alias.name,
+        )
         for line in stub.body
         if isinstance(line, ast.ImportFrom)
         for alias in line.names
     }
 
+    for line in stub.body:  # ``public = _imported``: another public name of what a line imports
+        if isinstance(line, ast.Assign):
+            homes[ast.unparse(line.targets[0])] = homes.pop(ast.unparse(line.value))
+
     def find(name: str) -> Any:
         if name not in homes:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        if homes[name] == package:  # a room within the room
-            return import_module(f"{package}.{name}")
-        home = import_module(homes[name])
-        # a room that nobody has opened yet is no attribute of the one that it is in
-        return (
-            getattr(home, name) if hasattr(home, name) else import_module(f"{home.__name__}.{name}")
-        )
+        module, own = homes[name]
+        if module == package:  # a submodule
+            return import_module(f"{package}.{own}")
+        home = import_module(module)
+        # a submodule that nobody has imported yet is no attribute of its package
+        return getattr(home, own) if hasattr(home, own) else import_module(f"{module}.{own}")
 
     names = sorted(homes)
     return find, lambda: names, names

@@ -20,9 +20,9 @@ from functools import cache
 from importlib import import_module
 from typing import Any, Literal, NoReturn, get_args
 
-from dashpot.base.documents import Documented
 from dashpot.base.errors import DashpotError, ReadError
-from dashpot.base.escapes import escaped
+from dashpot.base.escaping import escaped
+from dashpot.base.serialisation import Documented
 
 Group = Literal["formats", "kinds", "decks"]
 GROUPS: tuple[Group, ...] = get_args(Group)

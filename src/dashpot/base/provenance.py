@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Protocol, Self
 
-from dashpot.base.documents import Documented
+from dashpot.base.serialisation import Documented
 
 SIMULATED = "simulated"
 """What a table says of a file that the virtual rig or hammer made."""

@@ -46,6 +46,12 @@ GROUPS: dict[str, dict[str, str]] = {
         "app": "The same work in a browser, on this machine alone.",
     },
 }
+_HOMES = {
+    "app": "dashpot.extensions.app.command",
+    "batch": "dashpot.extensions.batch.command",
+    "record": "dashpot.extensions.acquisition.command",
+    "verify": "dashpot.extensions.projects.command",
+}
 COMMANDS = {name: says for group in GROUPS.values() for name, says in group.items()}
 
 
@@ -58,7 +64,9 @@ class _Lazy(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in COMMANDS:
             return None
-        command: click.Command = import_module(f"dashpot.cli.{cmd_name}").command
+        command: click.Command = import_module(
+            _HOMES.get(cmd_name, f"dashpot.cli.{cmd_name}")
+        ).command
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -72,7 +80,7 @@ class _Lazy(click.Group):
         """Answer a word that is no verb with the line that is meant."""
         name, *others = args
         if name not in COMMANDS and not name.startswith("-"):
-            from dashpot.cli._former import instead
+            from dashpot.cli._deprecations import instead
 
             ctx.fail(f"There is no command '{name}'. {instead(name, others)}")
         return super().resolve_command(ctx, args)

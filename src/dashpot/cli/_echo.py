@@ -8,7 +8,7 @@ import sys
 
 import click
 
-from dashpot.base.escapes import escaped
+from dashpot.base.escaping import escaped
 
 
 def to_stdout(text: str) -> None:

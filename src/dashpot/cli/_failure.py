@@ -14,9 +14,9 @@ from pathlib import Path
 
 import click
 
-from dashpot.base.documents import Documented
 from dashpot.base.errors import DashpotError
-from dashpot.base.escapes import escaped_json
+from dashpot.base.escaping import escaped_json
+from dashpot.base.serialisation import Documented
 from dashpot.base.version import __version__
 from dashpot.cli import COMMANDS
 from dashpot.cli._echo import to_stderr, to_stdout
@@ -80,7 +80,7 @@ def _failure(error: BaseException, words: Sequence[str]) -> Failure:
     if isinstance(error, DashpotError):
         return _sentence(kind, f"{error}{_offered(error.__context__)}", BAD)
     if isinstance(error, FileNotFoundError) and error.filename:
-        from dashpot.io.source import missing
+        from dashpot.reading.raw_file import missing
 
         says = missing(os.fsdecode(error.filename)) + _offered(error)
         return _sentence("OSError", says, BAD)
@@ -110,7 +110,7 @@ def _hint(error: click.ClickException, words: Sequence[str]) -> str:
     if context is None or context.parent is None:
         return ""
     if isinstance(error, click.NoSuchOption):
-        from dashpot.cli._former import renamed
+        from dashpot.cli._deprecations import renamed
 
         name = str(context.command.name)
         after = list(words)[list(words).index(name) + 1 :] if name in words else []

@@ -12,11 +12,11 @@ import click
 
 from dashpot.base.choices import FigureSize, words
 from dashpot.base.units import Dimension
-from dashpot.cli._grammar import Opt, Verb, group, of, opt, rest
-from dashpot.cli._values import Figure, File, OneOf, Output, Scoped, Units, Wlf
-from dashpot.io.options import ReadOptions
-from dashpot.records.machine import Machine
-from dashpot.records.specimen import Specimen
+from dashpot.cli._command import Opt, Verb, group, of, opt, rest
+from dashpot.cli._param_types import Figure, File, OneOf, Output, Scoped, Units, Wlf
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.specimen import Specimen
+from dashpot.reading.read_options import ReadOptions
 from dashpot.workflow.job import Cuts, HammerChoices, Job
 
 MODEL, MASS, READING, RESULT = "Model", "Mass on seals", "Reading the files", "Result"
@@ -67,7 +67,7 @@ def reading(*, short: Sequence[str] = ("--column", "--units", "--profile")) -> l
 
 
 def _with_unit(dimension: Dimension) -> click.ParamType[object]:
-    from dashpot.cli._values import WithUnit
+    from dashpot.cli._param_types import WithUnit
 
     return WithUnit(dimension)
 

@@ -9,9 +9,9 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from dashpot.base.escapes import escaped
+from dashpot.base.escaping import escaped
 from dashpot.base.progress import listening
-from dashpot.told.screen import COLUMNS, SIZE, ScreenSize
+from dashpot.text_output.terminal_layout import COLUMNS, SIZE, ScreenSize
 
 PATIENCE, BEAT = 1.0, 0.25
 """Seconds until progress shows, and between its changes."""

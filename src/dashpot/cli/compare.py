@@ -12,12 +12,12 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.base.choices import Method, words
 from dashpot.cli import _options as options
-from dashpot.cli._grammar import group, of, opt, refuse_others, rest, verb
+from dashpot.cli._command import group, of, opt, refuse_others, rest, verb
+from dashpot.cli._command_io import Outcome, grams, typed, write_figure
+from dashpot.cli._detected_kinds import called, kinds_of, recognised, tell
 from dashpot.cli._options import MASS, VIBRATION
-from dashpot.cli._recognised import called, kinds_of, recognised, tell
-from dashpot.cli._shell import Outcome, grams, typed, write_figure
-from dashpot.cli._values import File
-from dashpot.told.layout import Text
+from dashpot.cli._param_types import File
+from dashpot.text_output.layout import Text
 from dashpot.workflow.job import Job
 
 _LOT, _SOLID = "lot", "fit"
@@ -141,7 +141,7 @@ def _frfs(first: str, others: Sequence[str], said: dict[str, Any]) -> Outcome:
 
 def _lots(first: str, second: str, quantities: tuple[str, ...]) -> Outcome:
     """Tell whether two lots differ; ``FOLDER:NAME`` is one lot of several."""
-    from dashpot.lots.comparison import compared, opened_both
+    from dashpot.extensions.batch.comparison import compared, opened_both
 
     one, other = opened_both((first, second))
     found = compared(one, other, quantities)

@@ -11,18 +11,18 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.documents import Documented
 from dashpot.base.progress import doing
+from dashpot.base.serialisation import Documented
 from dashpot.cli import _options as options
-from dashpot.cli._grammar import group, opt, rest, verb
+from dashpot.cli._command import group, opt, rest, verb
+from dashpot.cli._command_io import Outcome, claim, grams, typed, write
 from dashpot.cli._options import RESULT
-from dashpot.cli._shell import Outcome, claim, grams, typed, write
-from dashpot.cli._simulated import impact, relaxation, seal_named
-from dashpot.cli._values import Folder
-from dashpot.told.layout import Text
+from dashpot.cli._param_types import Folder
+from dashpot.cli._simulation_options import impact, relaxation, seal_named
+from dashpot.text_output.layout import Text
 
 if TYPE_CHECKING:
-    from dashpot.records.bounds import StiffnessBounds
+    from dashpot.datamodel.bounds import StiffnessBounds
     from dashpot.workflow.study import Study
 
 PAPER_FILES = (
@@ -123,7 +123,7 @@ def _paper(folder: Path, seed: int) -> Outcome:
     """Make the paper's equations, figures and table again, each beside its statement."""
     import json
 
-    from dashpot.told.paper import reproduced  # a page of help does without
+    from dashpot.extensions.paper.text import reproduced  # a page of help does without
 
     claim(folder / name for name in PAPER_FILES)
     found = workflow.reproduce(seed)
@@ -140,7 +140,7 @@ def _paper(folder: Path, seed: int) -> Outcome:
 
 def _stories(folder: Path, seed: int) -> Outcome:
     """Simulate the bench and hammer tests of two seals and run the main job on each."""
-    from dashpot.told import text as text_of
+    from dashpot.text_output import results as text_of
 
     claim(folder / f"{name}{file}" for name in NAMES for file in _files(name))
     stories = {name: _story(name, folder, seed) for name in NAMES}
@@ -190,7 +190,7 @@ def _in_the_cold(
     folder: Path, seed: int, measured: dp.FRF
 ) -> tuple[dp.Fit, dp.Comparison, StiffnessBounds]:
     """Fit the puzzling seal's tests at both temperatures, and hold them against the hammer."""
-    from dashpot.solids.table_1 import SEALS as KNOWN
+    from dashpot.solids.demo_seals import SEALS as KNOWN
 
     doing(f"the {PUZZLE} seal at 0 degC")
     made = relaxation(seal=PUZZLE, seed=seed + 1, temperature=FRIDGE, hold=COLD_HOLD)

@@ -11,20 +11,20 @@ import click
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.choices import DECKS
-from dashpot.base.documents import Documented
 from dashpot.base.errors import ExportError
 from dashpot.base.sentences import paragraph
+from dashpot.base.serialisation import Documented
 from dashpot.cli import _options as options
+from dashpot.cli._command import group, of, opt, rest, verb
+from dashpot.cli._command_io import Outcome, write
 from dashpot.cli._echo import to_stderr
-from dashpot.cli._grammar import group, of, opt, rest, verb
-from dashpot.cli._shell import Outcome, write
-from dashpot.cli._values import DENSITY, File, OneOf, Range, WithUnit
-from dashpot.records.specimen import Specimen
-from dashpot.told.layout import Text
+from dashpot.cli._param_types import DENSITY, File, OneOf, Range, WithUnit
+from dashpot.datamodel.specimen import Specimen
+from dashpot.text_output.layout import Text
 from dashpot.workflow.job import Job
 
 if TYPE_CHECKING:
-    from dashpot.records.seal_line import Shear, Stations
+    from dashpot.datamodel.seal_line import Shear, Stations
 
 LONGEST_LINE = 100.0
 """m; no car has more of one seal."""
@@ -112,7 +112,7 @@ def command(
     **choices: Any,
 ) -> Outcome:
     """Write the deck of a fit, or the card of a law."""
-    from dashpot.kinds.level.levels import LevelFit
+    from dashpot.extensions.amplitude.level_results import LevelFit
     from dashpot.solids.maxwell import Solid
 
     found = workflow.read_exported(fit)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from importlib import import_module
 from itertools import chain
 from typing import Any
 
@@ -14,19 +13,19 @@ import click
 from dashpot.base.choices import Method, RampLawAsked, words
 from dashpot.base.errors import DashpotError, ReadError
 from dashpot.cli import _options as options
-from dashpot.cli._grammar import Opt, group, of, opt, refuse_others, rest, verb
+from dashpot.cli._command import Opt, group, of, opt, refuse_others, rest, verb
+from dashpot.cli._command_io import Outcome
+from dashpot.cli._detected_kinds import kinds_of, recognised, tell
 from dashpot.cli._options import MASS, MODEL, RAMP, SOLIDS, VIBRATION, WARM
-from dashpot.cli._recognised import kinds_of, recognised, tell
-from dashpot.cli._shell import Outcome
-from dashpot.cli._values import DENSITY, File, LowHigh, OneOf, Output, Range, WithUnit
-from dashpot.fitting.identification.asked import HammerRig, KnownSolid
-from dashpot.io.options import ReadOptions
-from dashpot.kinds import KINDS, takers
-from dashpot.kinds.hyperelastic.asked import MODES, Measures
-from dashpot.kinds.indentation.indenter import Indenter
-from dashpot.kinds.slam.asked import SlamAsked
+from dashpot.cli._param_types import DENSITY, File, LowHigh, OneOf, Output, Range, WithUnit
+from dashpot.extensions.materials.hyperelastic.options import MODES, Measures
+from dashpot.extensions.materials.indentation.indenter import Indenter
+from dashpot.extensions.materials.slam.options import SlamAsked
+from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
+from dashpot.reading.read_options import ReadOptions
+from dashpot.registry import KINDS, load, takers
 from dashpot.workflow.job import Job, LevelJob, RodChoices
-from dashpot.workflow.shifting import ShiftChoices
+from dashpot.workflow.shift_options import ShiftChoices
 
 _CLD, _STRAIN, _BALL, _SLAM = "cld", "stress-strain", "indentation", "slam"
 _BENCH = SOLIDS
@@ -160,8 +159,8 @@ for _one in chain.from_iterable(_OPTIONS):
 )
 def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
     """Recognise the records, and fit what they are."""
-    from dashpot.cli.fits._given import Given
-    from dashpot.workflow.routing import route
+    from dashpot.cli.fit_handlers._request import Given
+    from dashpot.workflow.fit_routing import route
 
     if said["slam"] and said["options"].kind is None:
         said["options"] = replace(said["options"], kind=_SLAM)
@@ -179,10 +178,7 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
     if meant in {"hits", "modes"}:
         _refuse_what_needs_a_mass(context)
     _refuse_unused(context, meant)
-    module, _, name = _RUN.get(meant, "of_kind").partition(":")
-    run: Callable[[Given], Outcome] = getattr(
-        import_module(f"dashpot.cli.fits.{module}"), name or "run"
-    )
+    run: Callable[[Given], Outcome] = load(_RUN.get(meant, "cli.fit_handlers.generic_kind:run"))
     tell(found)
     return run(Given(files, kinds, said))
 
@@ -265,8 +261,16 @@ def _refuse_unused(context: click.Context, meant: str) -> None:
 
 
 _RUN = {
-    "bench": "bench", "hits": "hits", "modes": "frfs", "masses": "frfs:under_masses",
-    "joint": "joint", "level": "level", "rod": "rod", "cld": "cld",
-    "stress-strain": "hyperelastic", "indentation": "indentation", "slam": "slam",
-}  # fmt: skip
+    "bench": "cli.fit_handlers.bench_tests:run",
+    "hits": "cli.fit_handlers.hits:run",
+    "modes": "extensions.modes.fit_handler:run",
+    "masses": "extensions.modes.fit_handler:under_masses",
+    "joint": "cli.fit_handlers.joint:run",
+    "level": "extensions.amplitude.fit_handler:run",
+    "rod": "extensions.materials.rod.fit_handler:run",
+    "cld": "extensions.materials.cld.fit_handler:run",
+    "stress-strain": "extensions.materials.hyperelastic.fit_handler:run",
+    "indentation": "extensions.materials.indentation.fit_handler:run",
+    "slam": "extensions.materials.slam.fit_handler:run",
+}
 """What each of the fits that records may mean is done by, where its row does not say enough."""

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 import click
 
 from dashpot import workflow
-from dashpot.base.numbers import counted
+from dashpot.base.number_format import counted
 from dashpot.base.units import written
 from dashpot.cli import _options as options_of
-from dashpot.cli._grammar import group, opt, verb
+from dashpot.cli._command import group, opt, verb
+from dashpot.cli._command_io import Outcome, typed, write
 from dashpot.cli._options import READING, RESULT, given
-from dashpot.cli._shell import Outcome, typed, write
-from dashpot.cli._values import Output
-from dashpot.io.options import ReadOptions
-from dashpot.kinds import KINDS
-from dashpot.told.layout import Text, table
+from dashpot.cli._param_types import Output
+from dashpot.reading.read_options import ReadOptions
+from dashpot.registry import KINDS
+from dashpot.text_output.layout import Text, table
 
 if TYPE_CHECKING:
     from dashpot.workflow.inspections import InspectedFile
@@ -57,7 +57,7 @@ def command(
         raise click.UsageError("Missing argument 'FILE...'.")
     found = workflow.inspect_files(files, options=options)
     if save:
-        from dashpot.io.options import dump_profile
+        from dashpot.reading.read_options import dump_profile
 
         write(save, dump_profile(options))
     answers = [

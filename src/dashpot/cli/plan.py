@@ -10,17 +10,17 @@ from dashpot import workflow
 from dashpot.base.errors import DataError
 from dashpot.base.version import byline
 from dashpot.cli import _options as options
-from dashpot.cli._grammar import group, of, opt, rest, verb
+from dashpot.cli._command import group, of, opt, rest, verb
+from dashpot.cli._command_io import Outcome, typed, write
 from dashpot.cli._options import given
-from dashpot.cli._shell import Outcome, typed, write
-from dashpot.cli._simulated import seal_named
-from dashpot.cli._values import Direction, Output, WithUnit
-from dashpot.planning.asked import HammerPlan, PlannedRamp
-from dashpot.records.machine import Machine
-from dashpot.told.layout import Text
+from dashpot.cli._param_types import Direction, Output, WithUnit
+from dashpot.cli._simulation_options import seal_named
+from dashpot.datamodel.machine import Machine
+from dashpot.planning.plan_options import HammerPlan, PlannedRamp
+from dashpot.text_output.layout import Text
 
 if TYPE_CHECKING:
-    from dashpot.solids.temperature import TemperatureLaw
+    from dashpot.solids.shift_laws import TemperatureLaw
 
 
 _NOT_REHEARSED = (
@@ -122,7 +122,7 @@ def command(
         wanted=wanted / 100,
     )
     if setpoints is not None:
-        from dashpot.io.write import write_trajectory
+        from dashpot.reading.write import write_trajectory
 
         motion = dp.files.planned_trajectory(
             depth=bench.depth,

@@ -10,19 +10,19 @@ import click
 
 from dashpot import workflow
 from dashpot.base.choices import FrfKind, words
-from dashpot.base.documents import Documented
-from dashpot.base.options import offered
+from dashpot.base.option_fields import offered
+from dashpot.base.serialisation import Documented
 from dashpot.cli import _options as options
-from dashpot.cli._grammar import group, of, opt, refuse_others, rest, verb
+from dashpot.cli._command import group, of, opt, refuse_others, rest, verb
+from dashpot.cli._command_io import Outcome, printed, typed, write, write_figure
+from dashpot.cli._detected_kinds import recognised
 from dashpot.cli._options import MASS, RAMP
-from dashpot.cli._recognised import recognised
-from dashpot.cli._shell import Outcome, printed, typed, write, write_figure
-from dashpot.cli._values import File, OneOf, WithUnit
-from dashpot.cli.fits._given import PAGE
-from dashpot.io.options import ReadOptions
-from dashpot.kinds import KINDS, PREDICTED, KindOfTest, load
-from dashpot.kinds.slam.asked import SlamAsked
-from dashpot.told.layout import Text
+from dashpot.cli._param_types import File, OneOf, WithUnit
+from dashpot.cli.fit_handlers._request import PAGE
+from dashpot.extensions.materials.slam.options import SlamAsked
+from dashpot.reading.read_options import ReadOptions
+from dashpot.registry import KINDS, PREDICTED, KindOfTest, load
+from dashpot.text_output.layout import Text
 from dashpot.workflow.job import Job, LevelChoices, PartChoices
 
 _SOLID, _DOOR = "fit", "door"
@@ -185,7 +185,7 @@ def _under_mass(
 
 
 def _keep(found: workflow.Prediction, path: str) -> None:
-    from dashpot.io.write import write_frf
+    from dashpot.reading.write import write_frf
 
     suffix = path.lower().rpartition(".")[2]
     if path.lower().endswith(PAGE):
@@ -253,8 +253,8 @@ def _of_door(
     """How it vibrates, how it closes, or both."""
     # with the numbers, which a page of help does without
     from dashpot.base.checks import verdict
-    from dashpot.told.closing import closing_text
-    from dashpot.told.door import door
+    from dashpot.extensions.door.closing_text import closing_text
+    from dashpot.extensions.door.text import door
 
     if closed is None:
         assert found is not None  # noqa: S101

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dashpot import workflow
-from dashpot.base.documents import Documented
 from dashpot.base.progress import doing
+from dashpot.base.serialisation import Documented
 from dashpot.cli import _options as options
-from dashpot.cli._grammar import Opt, group, of, opt, rest, verb
+from dashpot.cli._command import Opt, group, of, opt, rest, verb
+from dashpot.cli._command_io import Outcome, claim, grams, note_written, typed, write
+from dashpot.cli._detected_kinds import called, kinds_of, recognised, tell
 from dashpot.cli._options import MASS, MODEL, PIECE, RAMP, said_of_all
-from dashpot.cli._recognised import called, kinds_of, recognised, tell
-from dashpot.cli._shell import Outcome, claim, grams, note_written, typed, write
-from dashpot.cli._values import Folder, Output
-from dashpot.io.options import OF_HAMMER, ReadOptions
+from dashpot.cli._param_types import Folder, Output
+from dashpot.reading.read_options import OF_HAMMER, ReadOptions
 from dashpot.workflow.job import Job
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def command(
     **choices: Any,
 ) -> Outcome:
     """Characterise a seal, check it against the hammer, and write one HTML file."""
-    from dashpot.told.text import study as told  # a page of help does without
+    from dashpot.text_output.results import study as told  # a page of help does without
 
     found = recognised(files, options)
     kinds = kinds_of(found, options)
@@ -137,8 +137,8 @@ def command(
 
 def _refuse_others(kinds: dict[str, str], tests: Sequence[str], impact: Sequence[str]) -> None:
     """Refuse what no page of a seal is about."""
-    from dashpot.io.readers.recognise import used
-    from dashpot.kinds import KINDS
+    from dashpot.reading.readers.detect_kind import used
+    from dashpot.registry import KINDS
 
     for path, kind in kinds.items():
         if path not in (*tests, *impact):

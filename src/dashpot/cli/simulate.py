@@ -9,14 +9,14 @@ from typing import Any
 import click
 
 from dashpot.base.choices import Rehearsed, words
-from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.serialisation import Documented
 from dashpot.cli import _options as options
-from dashpot.cli._grammar import group, opt, rest, verb
-from dashpot.cli._shell import Outcome, claim, typed, write
-from dashpot.cli._simulated import creep, impact, relaxation, replayed
-from dashpot.cli._values import File, OneOf, WithUnit
-from dashpot.told.layout import Text
+from dashpot.cli._command import group, opt, rest, verb
+from dashpot.cli._command_io import Outcome, claim, typed, write
+from dashpot.cli._param_types import File, OneOf, WithUnit
+from dashpot.cli._simulation_options import creep, impact, relaxation, replayed
+from dashpot.text_output.layout import Text
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 Every target is a function ``target(solid, *, units, specimen, allow, form, ...)`` of a
 bare :class:`~dashpot.solids.maxwell.Solid` or of a
-:class:`~dashpot.records.fit.Fit`, which brings its pedigree and must be worth exporting.
+:class:`~dashpot.datamodel.fit.Fit`, which brings its pedigree and must be worth exporting.
 """
 
 from __future__ import annotations
@@ -15,17 +15,23 @@ from types import MappingProxyType
 
 from dashpot.base.choices import DECKS
 from dashpot.base.errors import ExportError
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.specimen import Specimen
 from dashpot.export.deck import DeckText
-from dashpot.export.hyperelastic import hyperelastic_card
-from dashpot.export.notation import UNIT_SYSTEMS
-from dashpot.export.opening import PROBLEMS, option_of
-from dashpot.kinds.hyperelastic.record import HyperelasticFit
-from dashpot.kinds.level.levels import LevelFit
-from dashpot.records.fit import Fit
-from dashpot.records.specimen import Specimen
+from dashpot.export.deck_validation import PROBLEMS, option_of
+from dashpot.export.unit_systems import UNIT_SYSTEMS
+from dashpot.extensions.amplitude.level_results import LevelFit
+from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
+from dashpot.extensions.materials.hyperelastic.material_cards import hyperelastic_card
 from dashpot.solids.maxwell import Solid
 
-_MODULES = {name: import_module(f"dashpot.export.decks.{name}") for name in DECKS}
+_CORE = {"abaqus", "csv", "nastran", "statespace"}
+_MODULES = {
+    name: import_module(
+        f"dashpot.{'export.decks' if name in _CORE else 'extensions.solver_inputs'}.{name}"
+    )
+    for name in DECKS
+}
 FORMS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {name: module.FORMS for name, module in _MODULES.items()}
 )
@@ -133,7 +139,7 @@ def _of_seals(found: Fit | LevelFit, seals: float, compression: float | None) ->
 def _plugged(target: str) -> Callable[..., DeckText]:
     """The target that a plug-in brings."""
     from dashpot.base.plugins import named, offered_too
-    from dashpot.export.plugged import target_of
+    from dashpot.export.plugin_decks import target_of
 
     plugin = named("decks", target)
     if plugin is None:

@@ -12,15 +12,15 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import ExportError
 from dashpot.base.units import written
 from dashpot.base.version import byline
-from dashpot.export.beside import Beside
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.shift_factors import TemperatureShifts
+from dashpot.datamodel.specimen import Specimen
 from dashpot.export.checks import nominal_informed, rows_informed
 from dashpot.export.frequency_tables import Damping, Table, tabulate
-from dashpot.export.notation import UnitSystem, one_line, text
-from dashpot.export.shift import law_lines
-from dashpot.kinds.level.levels import LevelFit
-from dashpot.records.fit import Fit
-from dashpot.records.specimen import Specimen
-from dashpot.records.temperature import TemperatureShifts
+from dashpot.export.temperature_shift_cards import law_lines
+from dashpot.export.unit_systems import UnitSystem, one_line, text
+from dashpot.extensions.amplitude.level_results import LevelFit
+from dashpot.extensions.amplitude.nonlinear_elements import Beside
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 

@@ -9,14 +9,14 @@ import numpy as np
 from dashpot.base.checks import Check
 from dashpot.base.choices import Method
 from dashpot.base.errors import DashpotError, FitError
-from dashpot.engine.solver.variable_projection import solve
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.checks import relaxation as checks
-from dashpot.fitting.design import NUISANCE, Design, compressed, eq5_obstacle, solid_of
+from dashpot.fitting.design_matrix import NUISANCE, Design, compressed, eq5_obstacle, solid_of
 from dashpot.fitting.fit_data import data_of
 from dashpot.fitting.pipeline import chosen_arms
-from dashpot.preparation.filters import Filter, filter_of, filtered
-from dashpot.records.machine import Machine
-from dashpot.records.relaxation import RampHold
+from dashpot.numerics.exponential_fit.variable_projection import solve
+from dashpot.preprocessing.filters import Filter, filter_of, filtered
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 

@@ -10,15 +10,15 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import DataBlock
-from dashpot.engine.inference.covariance import Noise, Series, noise_of
-from dashpot.engine.solver.descent import Stack
-from dashpot.engine.solver.variable_projection import Solution, solve, solve_orders
-from dashpot.fitting.design import Design, bound, nuisanced, one_more, solid_of
-from dashpot.fitting.nuisance import ROUNDING
-from dashpot.fitting.uncertainty.encoder import Encoder
-from dashpot.fitting.uncertainty.estimate import estimated, residual_of, rounding
-from dashpot.records.relaxation import RampHold
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.fitting.design_matrix import Design, bound, nuisanced, one_more, solid_of
+from dashpot.fitting.nuisance_priors import ROUNDING
+from dashpot.fitting.uncertainty.encoder_resolution import Encoder
+from dashpot.fitting.uncertainty.solution_covariance import estimated, residual_of, rounding
+from dashpot.numerics.design_matrices.block import DataBlock
+from dashpot.numerics.exponential_fit.log_tau_descent import Stack
+from dashpot.numerics.exponential_fit.variable_projection import Solution, solve, solve_orders
+from dashpot.numerics.inference.covariance import Noise, Series, noise_of
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a prior whose assumed noise is within this factor of what the fit shows weighs what it should

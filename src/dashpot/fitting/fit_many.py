@@ -15,17 +15,17 @@ from dashpot.base.checks import status_of
 from dashpot.base.choices import Method
 from dashpot.base.errors import DataError
 from dashpot.base.status import Status
-from dashpot.engine.blocks.block import DataBlock
-from dashpot.engine.blocks.families import (
+from dashpot.fitting.uncertainty.batched_standard_errors import many_errors
+from dashpot.numerics.design_matrices.block import DataBlock
+from dashpot.numerics.design_matrices.hold import hold_block
+from dashpot.numerics.design_matrices.recorded_motion import recorded_block
+from dashpot.numerics.design_matrices.shared_sampling import (
     Family,
     hold_family,
     recorded_family,
     shares_correlation,
 )
-from dashpot.engine.blocks.hold import hold_block
-from dashpot.engine.blocks.recorded import recorded_block
-from dashpot.engine.solver.many_records import ManySolutions, solve_each, solve_many
-from dashpot.fitting.uncertainty.many_errors import many_errors
+from dashpot.numerics.exponential_fit.batched_solver import ManySolutions, solve_each, solve_many
 
 # fewer records than this are done sooner one by one than what they share is made
 _STACK = 4

@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 
 from dashpot.base.arrays import runs
-from dashpot.records.band_error import WELL_KNOWN, BandError
+from dashpot.datamodel.band_error import WELL_KNOWN, BandError
 
 #: lines that are sought between one that is known and one that is not, at most
 BETWEEN = 5

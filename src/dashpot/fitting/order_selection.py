@@ -7,11 +7,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from dashpot.engine.blocks.block import DataBlock
-from dashpot.engine.inference.order import bic_of_deviance, needed
-from dashpot.engine.inference.whitening import whitened_block
-from dashpot.engine.solver.variable_projection import Jacobian, Solution, solve_orders
-from dashpot.fitting.uncertainty.estimate import Score, by_record, noises_of, rounding
+from dashpot.fitting.uncertainty.solution_covariance import Score, by_record, noises_of, rounding
+from dashpot.numerics.design_matrices.block import DataBlock
+from dashpot.numerics.exponential_fit.variable_projection import Jacobian, Solution, solve_orders
+from dashpot.numerics.inference.model_order import bic_of_deviance, needed
+from dashpot.numerics.inference.whitening import whitened_block
 
 
 def in_noise_metric(

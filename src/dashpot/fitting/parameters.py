@@ -8,8 +8,8 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import FitError
-from dashpot.records.estimate import ELEMENT, parameter_names
-from dashpot.records.fit import Fit
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.parameter_estimate import ELEMENT, parameter_names
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 

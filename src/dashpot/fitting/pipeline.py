@@ -12,26 +12,14 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
-from dashpot.engine.blocks.block import DataBlock
-from dashpot.engine.inference.covariance import (
-    Noise,
-    directions,
-    nearly_white,
-    noise_gain_differs,
-    noise_gain_ratio,
-)
-from dashpot.engine.inference.order import DECISIVE, Choice, Shortage, choose
-from dashpot.engine.solver.certificate import certificate
-from dashpot.engine.solver.variable_projection import (
-    Jacobian,
-    Solution,
-    full_jacobian,
-)
-from dashpot.fitting.assembly import FoundSolid, nuisances
+from dashpot.datamodel.fit_diagnostics import Certificate, OrderScore
+from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate, Profile, Residual
 from dashpot.fitting.checks.solid import arms_enough, optimum_found, samples_independent
-from dashpot.fitting.design import solid_of
+from dashpot.fitting.design_matrix import solid_of
+from dashpot.fitting.fit_construction import FoundSolid, nuisances
 from dashpot.fitting.fit_data import First, FitData, determinable_arms, weighed
-from dashpot.fitting.uncertainty.estimate import (
+from dashpot.fitting.uncertainty.profile_intervals import profiles
+from dashpot.fitting.uncertainty.solution_covariance import (
     Score,
     SolutionEstimate,
     by_record,
@@ -39,9 +27,17 @@ from dashpot.fitting.uncertainty.estimate import (
     rounding,
     scored,
 )
-from dashpot.fitting.uncertainty.profile_intervals import profiles
-from dashpot.records.estimate import Nuisance, ParameterEstimate, Profile, Residual
-from dashpot.records.evidence import Certificate, OrderScore
+from dashpot.numerics.design_matrices.block import DataBlock
+from dashpot.numerics.exponential_fit.certificate import certificate
+from dashpot.numerics.exponential_fit.variable_projection import Jacobian, Solution, full_jacobian
+from dashpot.numerics.inference.covariance import (
+    Noise,
+    directions,
+    nearly_white,
+    noise_gain_differs,
+    noise_gain_ratio,
+)
+from dashpot.numerics.inference.model_order import DECISIVE, Choice, Shortage, choose
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 # a step that would remove less of the residual than this is rounding, whatever it does to tau

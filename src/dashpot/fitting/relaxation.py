@@ -14,15 +14,15 @@ from dashpot.base.choices import FamilyAsked, Method, RampLawAsked, ShiftLaw, Ve
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, si, written
-from dashpot.fitting.asked import Asked, checked_design, refuse_shifts
-from dashpot.fitting.assembly import (
-    UNJUDGED,
-    FoundSolid,
-    assembled,
-    nuisances,
-    point_estimate,
-    provenance_of,
+from dashpot.datamodel.bounds import EndOfHold
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit_diagnostics import Evidence
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.extensions.curves.temperatures.test_temperatures import (
+    checked_temperatures,
+    reference_of,
 )
+from dashpot.fitting.check_suite import Residuals, solid_checks
 from dashpot.fitting.checks import relaxation as checks
 from dashpot.fitting.checks.solid import (
     arms_enough,
@@ -30,10 +30,20 @@ from dashpot.fitting.checks.solid import (
     loss_factor_known,
     order_agreed,
 )
-from dashpot.fitting.design import NUISANCE, Design, block_of, bound, solid_of
+from dashpot.fitting.delay_correction import LateMotion, soundest
+from dashpot.fitting.design_matrix import NUISANCE, Design, block_of, bound, solid_of
 from dashpot.fitting.filter_bias import filter_bias
+from dashpot.fitting.fit_construction import (
+    UNJUDGED,
+    FoundSolid,
+    assembled,
+    nuisances,
+    point_estimate,
+    provenance_of,
+)
 from dashpot.fitting.fit_data import First, FitData, data_of, weighed
-from dashpot.fitting.fractional.choice import (
+from dashpot.fitting.fit_options import Asked, checked_design, refuse_shifts
+from dashpot.fitting.fractional_model.family_selection import (
     ChosenElement,
     FamilyChoice,
     beside_bent,
@@ -41,33 +51,26 @@ from dashpot.fitting.fractional.choice import (
     named,
     refuse_beside_shifts,
 )
-from dashpot.fitting.late_motion import LateMotion, soundest
-from dashpot.fitting.linear_gate import Gate, Holds, gated
+from dashpot.fitting.linearity import Gate, Holds, gated
 from dashpot.fitting.nonlinear_ramp import checks as ramp_checks
-from dashpot.fitting.nuisance import delay_prior, material, priors
+from dashpot.fitting.nuisance_priors import delay_prior, material, priors
 from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
-from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.relaxation_data import RelaxationData
-from dashpot.fitting.repeats import refuse_copies
-from dashpot.fitting.temperature.of_tests import checked_temperatures, reference_of
+from dashpot.fitting.relaxation_likelihood import fitted_data, held_data
+from dashpot.fitting.replicates import refuse_copies
 from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra
 from dashpot.fitting.uncertainty.band_limits import band_of_hold
-from dashpot.fitting.uncertainty.estimate import SolutionEstimate
-from dashpot.fitting.uncertainty.informed_band import informed_band
-from dashpot.fitting.uncertainty.left_open import end_of_hold, spectra_of_holds
-from dashpot.fitting.uncertainty.moved_by_rig import moved_by_clocks, moved_by_rig
-from dashpot.fitting.weighed_relaxation import fitted_data, held_data
-from dashpot.preparation.ramp_holds import Tests, ramp_holds
-from dashpot.records.bounds import EndOfHold
-from dashpot.records.evidence import Evidence
-from dashpot.records.fit import Fit
-from dashpot.records.relaxation import RampHold
+from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_hold, spectra_of_holds
+from dashpot.fitting.uncertainty.rig_sensitivity import moved_by_clocks, moved_by_rig
+from dashpot.fitting.uncertainty.solution_covariance import SolutionEstimate
+from dashpot.fitting.uncertainty.valid_band import informed_band
+from dashpot.preprocessing.prepare_tests import Tests, ramp_holds
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 if TYPE_CHECKING:
-    from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
-    from dashpot.fitting.temperature.reduced import Own
+    from dashpot.extensions.curves.temperatures.marginalised_data import Own
+    from dashpot.fitting.nonlinear_ramp.elastic_law_estimate import RampLaw
 
 
 class _HoldArguments(TypedDict):
@@ -101,15 +104,15 @@ def fit(
 
     ``method="full"`` answers the *recorded* motion x(t) from contact to the end of the hold, freed
     of the encoder's counts and noise where it shows any
-    (:func:`~dashpot.preparation.denoising.true_motion`). Offset and drift of the load cell and the
-    delay of the force are nuisance terms, each bound by what the record and its machine say of it
-    (:mod:`dashpot.fitting.nuisance`); the force is never filtered,
+    (:func:`~dashpot.preprocessing.denoising.true_motion`). Offset and drift of the load cell and
+    the delay of the force are nuisance terms, each bound by what the record and its machine say of
+    it (:mod:`dashpot.fitting.nuisance_priors`); the force is never filtered,
 
     .. math:: F(t) = S(t) - \delta\,\dot S(t) + F_0 + \dot F t, \qquad
               S(t) = k_\infty x(t) + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j} \dot x(u)\,du
 
     A force that lags by more than the tangent bears is answered by a motion that is as late, where
-    that makes a linear solid sound (:mod:`dashpot.fitting.late_motion`).
+    that makes a linear solid sound (:mod:`dashpot.fitting.delay_correction`).
 
     ``method="hold"`` is the paper's eq. (5) on the hold after an ideal ramp of rate A = x_h/c,
 
@@ -121,12 +124,13 @@ def fit(
     Parameters
     ----------
     tests : RampHold, RelaxationTest or sequence of them
-        What :func:`~dashpot.preparation.prepare.prepare` returns. Several tests share one solid;
+        What :func:`~dashpot.preprocessing.prepare.prepare` returns. Several tests share one solid;
         each has its own tare and drift.
     arms : int or "auto"
         Number of Maxwell arms; 0 is a spring. ``"auto"`` takes the number that BIC with the
         effective sample size and the significance of every arm both support; under noise as slow
-        as the arms, by fits in the metric of that noise (:mod:`dashpot.engine.inference.order`).
+        as the arms, by fits in the metric of that noise
+        (:mod:`dashpot.numerics.inference.model_order`).
     method : "full" or "hold"
     thorough : bool
         Add quasi-random starts; a ramp that is bent has its own.
@@ -138,8 +142,8 @@ def fit(
     law : "auto", "linear" or "nonlinear"
         Elastic law of the seal, F_e(x) in place of x. A linear solid that explains ramp and hold
         to their noise is kept. Any other record is fitted hold first
-        (:mod:`dashpot.fitting.nonlinear_ramp.ladder`): the hold decides over the arms, the ramp
-        over the law, which ``"auto"`` bends only if that matters.
+        (:mod:`dashpot.fitting.nonlinear_ramp.elastic_law_selection`): the hold decides over the
+        arms, the ramp over the law, which ``"auto"`` bends only if that matters.
     family : "maxwell", "fractional" or "auto"
         Arms; a fractional Zener solid, whose four parameters are a spectrum that is broad and
         smooth (:class:`~dashpot.solids.fractional.FractionalZener`); or the one of the two that
@@ -153,7 +157,7 @@ def fit(
         What the factor b_T of the stiffnesses may be, where the tests are of several temperatures.
     shift_law : "auto", "wlf", "arrhenius" or "free"
         The law laid through their shift factors a_T: by default by BIC, from three temperatures
-        on (``dashpot.fitting.temperature``).
+        on (``dashpot.extensions.curves.temperatures``).
     reference : float, optional
         The tested temperature whose solid is returned, K; by default that nearest to 23 degC.
 
@@ -246,7 +250,7 @@ def _of_temperatures(
 ) -> Fit:
     """Return the fit of one solid that moves with temperature, at the `at`-th of them."""
     refuse_beside_shifts(asked.family)
-    from dashpot.fitting.temperature.thermal_fit import fit_thermal  # few need it
+    from dashpot.extensions.curves.temperatures.fit_temperatures import fit_thermal  # few need it
 
     return fit_thermal(
         [_own(record, asked.law, thorough=asked.thorough) for record in records],
@@ -291,7 +295,7 @@ def _of_one_temperature(records: Sequence[RampHold], design: Design, asked: Aske
 
 def _own(record: RampHold, law: RampLawAsked, *, thorough: bool) -> Own:
     """Return one test of several temperatures with its own free fit; a bent ramp with its law."""
-    from dashpot.fitting.temperature.reduced import Own
+    from dashpot.extensions.curves.temperatures.marginalised_data import Own
 
     kelvin = record.specimen.temperature or 0.0
     data = data_of([record], Design("full"))
@@ -314,7 +318,9 @@ def _own(record: RampHold, law: RampLawAsked, *, thorough: bool) -> Own:
 
 def _law_of(records: Sequence[RampHold], law: RampLawAsked, arms: int | None = None) -> RampLaw:
     """Return the elastic law that the ramps support."""
-    from dashpot.fitting.nonlinear_ramp.ladder import ramp_law  # a sound linear fit needs none
+    from dashpot.fitting.nonlinear_ramp.elastic_law_selection import (
+        ramp_law,  # a sound linear fit needs none
+    )
 
     return ramp_law(records, law=law, arms=arms)
 
@@ -394,7 +400,7 @@ def _assembled(
 
 def _by_ramp(records: Sequence[RampHold], found: RampLaw, arms: int | None) -> Fit:
     """Return the fit hold first, with the elastic law that the ramps support."""
-    from dashpot.fitting.nonlinear_ramp.assembly import held_ramps, ramp_fit
+    from dashpot.fitting.nonlinear_ramp.fit_construction import held_ramps, ramp_fit
 
     data = held_ramps(records, found)
     hold = _hold_of(records, found)
@@ -409,7 +415,9 @@ def _by_ramp(records: Sequence[RampHold], found: RampLaw, arms: int | None) -> F
 
 def _holds_enough(records: Sequence[RampHold], found: RampLaw) -> Check:
     """Whether the holds of a bent ramp support no more arms than were asked for."""
-    from dashpot.fitting.nonlinear_ramp.ladder import supported_by_holds  # as the law itself
+    from dashpot.fitting.nonlinear_ramp.elastic_law_selection import (
+        supported_by_holds,  # as the law itself
+    )
 
     return arms_enough(supported_by_holds(records, found.hold), found.model.arms, unit="N")
 

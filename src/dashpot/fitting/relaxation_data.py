@@ -2,7 +2,7 @@ r"""The relaxation test as data to be explained, freed of what its rig adds.
 
 What a rig adds to the force of the solid is linear: an offset, a drift, the change that a late
 clock makes, what the readings of the encoder leave unknown. Each is known beforehand to within a
-standard deviation (:mod:`dashpot.fitting.nuisance`), so that all of them together add
+standard deviation (:mod:`dashpot.fitting.nuisance_priors`), so that all of them together add
 :math:`C C'` to the covariance of the noise, C their columns times their standard deviations. The
 rows are whitened for it.
 
@@ -22,10 +22,10 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import DataBlock
-from dashpot.engine.inference.whitening import marginal
-from dashpot.fitting.nuisance import Prior, Terms, kind_of
-from dashpot.records.temperature import decades, shifted_log_tau
+from dashpot.datamodel.shift_factors import decades, shifted_log_tau
+from dashpot.fitting.nuisance_priors import Prior, Terms, kind_of
+from dashpot.numerics.design_matrices.block import DataBlock
+from dashpot.numerics.inference.whitening import marginal
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 

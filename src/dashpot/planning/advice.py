@@ -9,7 +9,7 @@ from dashpot.base.checks import Check
 from dashpot.base.sentences import sentence
 from dashpot.base.units import in_unit, written
 from dashpot.planning.checks import known_to
-from dashpot.planning.expected import ExpectedError, Pulse, RecordNeed, half_sine
+from dashpot.planning.expected_errors import ExpectedError, Pulse, RecordNeed, half_sine
 
 WORTH = 0.9
 """A repeat is worth its day if it brings the standard deviation below this part of it."""

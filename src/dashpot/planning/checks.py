@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.units import written
-from dashpot.planning.expected import Pulse, RecordNeed
+from dashpot.planning.expected_errors import Pulse, RecordNeed
 
 
 @criterion("standard deviation / loss factor", "<=", source="what is wanted, 0.1 by default")

@@ -9,17 +9,15 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, sample_count
 from dashpot.base.checks import Check, Checked
-from dashpot.base.demands import positive
-from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.serialisation import Documented
 from dashpot.base.units import Quantity, si
+from dashpot.base.validators import positive
 from dashpot.planning import checks
 from dashpot.planning.advice import advice, listed, needed, remedy
-from dashpot.planning.asked import IN_SI, HammerPlan
-from dashpot.planning.bench import Bench
+from dashpot.planning.assumed_seal import SupposedSeal
 from dashpot.planning.checks import known_to, percent
-from dashpot.planning.cold import Elsewhere, elsewhere, refuse_twice
-from dashpot.planning.expected import (
+from dashpot.planning.expected_errors import (
     ExpectedArm,
     ExpectedEnd,
     ExpectedError,
@@ -32,11 +30,13 @@ from dashpot.planning.expected import (
     hammer_rows,
     record_need,
 )
-from dashpot.planning.supposed import SupposedSeal
+from dashpot.planning.plan_options import IN_SI, HammerPlan
+from dashpot.planning.planned_ramp_hold import Bench
+from dashpot.planning.temperature_repeats import Elsewhere, elsewhere, refuse_twice
+from dashpot.solids.demo_seals import SHIFT
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.table_1 import SHIFT
-from dashpot.solids.temperature import TemperatureLaw
-from dashpot.vibration.systems.prediction import mass_for_peak
+from dashpot.solids.shift_laws import TemperatureLaw
+from dashpot.vibration.systems.frf_prediction import mass_for_peak
 
 WANTED = 0.1
 FASTER = (1 / 3, 1 / 10, 1 / 30)
@@ -152,11 +152,11 @@ def plan(
 
     Supposes that the seal has an arm at :math:`\tau = 1/\omega`, where it matters most for damping,
     and asks the Cramer-Rao bound how well the relaxation test would know storage stiffness and loss
-    factor there (:mod:`dashpot.planning.expected`), with offset, drift and delay of the force known
-    before as the fit knows them. For the hammer test, how long the record must be and what the tip
-    excites.
+    factor there (:mod:`dashpot.planning.expected_errors`), with offset, drift and delay of the
+    force known before as the fit knows them. For the hammer test, how long the record must be and
+    what the tip excites.
 
-    >>> from dashpot.planning.bench import Bench
+    >>> from dashpot.planning.planned_ramp_hold import Bench
     >>> plan(Bench(ramp_time="0.1s", noise="1mN"), at="12.71Hz").at
     12.71
 
@@ -170,7 +170,7 @@ def plan(
     hammer : HammerPlan
     cold : float or sequence of float
         Temperatures, K, at which the same test is repeated: arms that are too fast for the ramp
-        are slower there (:mod:`dashpot.planning.cold`).
+        are slower there (:mod:`dashpot.planning.temperature_repeats`).
     wanted : float
         The relative standard deviation of the loss factor that would do.
 

@@ -7,8 +7,8 @@ import numpy as np
 from dashpot.base.arrays import sample_count
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
-from dashpot.records.trajectory import Trajectory
-from dashpot.simulation.frames import Point, setpoints, unit
+from dashpot.datamodel.trajectory import Trajectory
+from dashpot.simulation.kinematics import Point, setpoints, unit
 
 
 def planned_trajectory(

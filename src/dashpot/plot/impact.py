@@ -9,12 +9,12 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.units import in_unit
+from dashpot.datamodel.frf import FRF, Hit
+from dashpot.datamodel.impact import ImpactTest
+from dashpot.plot.downsampling import extremes
 from dashpot.plot.picture import REF, REJECTED, Line, Mark, Panel, Pen, Picture, Rule, Scale, Span
 from dashpot.plot.picture import around as about
-from dashpot.plot.stamps import of_frf
-from dashpot.plot.thinning import extremes
-from dashpot.records.frf import FRF, Hit
-from dashpot.records.impact import ImpactTest
+from dashpot.plot.provenance_stamp import of_frf
 from dashpot.vibration.impact.hits import HitBlock, cut_hits
 
 ACCEPTED = Pen("fit", 1.1)

@@ -28,8 +28,8 @@ from dashpot.plot.picture import (
     Span,
     Tag,
 )
+from dashpot.plot.style import BOLD, SMALL
 from dashpot.plot.ticks import between, numbers, place, written
-from dashpot.plot.tokens import BOLD, SMALL
 
 Anchor = Literal["start", "middle", "end"]
 

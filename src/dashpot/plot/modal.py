@@ -6,9 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dashpot.base.facts import NORMAL
-from dashpot.base.numbers import rounded, shown
+from dashpot.base.number_format import rounded, shown
+from dashpot.base.reported_values import NORMAL
 from dashpot.base.units import in_unit
+from dashpot.datamodel.frf import FRF, Kind, Mode
+from dashpot.extensions.modes.mass_series import SeveralMasses
+from dashpot.extensions.modes.stabilisation import DAMPING, FREQUENCY, NEW, SHAPE, Stabilisation
 from dashpot.plot.picture import (
     MEASURED,
     Dots,
@@ -23,10 +26,7 @@ from dashpot.plot.picture import (
     around,
     around_log,
 )
-from dashpot.plot.tokens import sequential
-from dashpot.records.frf import FRF, Kind, Mode
-from dashpot.vibration.modal.several_masses import SeveralMasses
-from dashpot.vibration.modal.stabilisation import DAMPING, FREQUENCY, NEW, SHAPE, Stabilisation
+from dashpot.plot.style import sequential
 
 FOUND = Pen("fit", 1.2, (7, 4))
 BEHIND = Pen("line", 1.4)

@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Protocol
 
-from dashpot.base.numbers import seals
+from dashpot.base.number_format import seals
 from dashpot.base.units import written
-from dashpot.plot import relaxation, vibration
+from dashpot.datamodel.bounds import FRFBounds
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.plot import frf_figure, relaxation
 from dashpot.plot.picture import Picture, unit_of
-from dashpot.plot.stamps import stamp
-from dashpot.records.bounds import FRFBounds
-from dashpot.records.fit import Fit
-from dashpot.records.relaxation import RampHold
+from dashpot.plot.provenance_stamp import stamp
 from dashpot.vibration.comparison.comparison import Comparison
 
 
@@ -79,13 +79,13 @@ def hero(study: Story) -> Picture:
     if c is not None:
         sources += c.measured.source
         failed = study.joint is not None and study.joint.verdict.use == "do not use"
-        curves = vibration.curves_of(c, study.joint_comparison, failed=failed)
-        view = (vibration.VIEW[0] * c.measured_hz, vibration.VIEW[1] * c.measured_hz)
-        bounds = vibration.spreads(study.frf_band)[:1]
-        upper = vibration.magnitude_panel(curves, bounds, view=view, height=210, tagged=True)
+        curves = frf_figure.curves_of(c, study.joint_comparison, failed=failed)
+        view = (frf_figure.VIEW[0] * c.measured_hz, frf_figure.VIEW[1] * c.measured_hz)
+        bounds = frf_figure.spreads(study.frf_band)[:1]
+        upper = frf_figure.magnitude_panel(curves, bounds, view=view, height=210, tagged=True)
         mass = "" if study.mass is None else f"{written(study.mass, 'g')} on "
         titled = replace(upper, title=f"Hammer test: {mass}{seals(study.seals)}")
-        strips.append((titled, vibration.phase_panel(curves, upper.x.limits)))
+        strips.append((titled, frf_figure.phase_panel(curves, upper.x.limits)))
     said = stamp(sources, study.fit.specimen, mass=study.mass, seals=study.seals)
     caption = "The relaxation test and its fit, the FRF and its prediction."
     return Picture("hero", caption, tuple(strips), 2, said, width=900.0)

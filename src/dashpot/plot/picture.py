@@ -13,7 +13,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.choices import FigureSize
-from dashpot.base.offered import verb
+from dashpot.base.result_mixins import verb
 from dashpot.base.units import in_unit, read_in
 
 COLUMN = 321.0

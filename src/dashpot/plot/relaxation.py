@@ -10,7 +10,10 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.choices import Method, words
-from dashpot.base.numbers import rounded
+from dashpot.base.number_format import rounded
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.plot.downsampling import extremes, means
 from dashpot.plot.picture import (
     BENEATH,
     FIT,
@@ -31,11 +34,8 @@ from dashpot.plot.picture import (
     around,
     unit_of,
 )
-from dashpot.plot.stamps import of_fit, of_test
-from dashpot.plot.thinning import extremes, means
-from dashpot.preparation.denoising import true_motion
-from dashpot.records.fit import Fit
-from dashpot.records.relaxation import RampHold
+from dashpot.plot.provenance_stamp import of_fit, of_test
+from dashpot.preprocessing.denoising import true_motion
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 DATA = Pen("measured", 1.2)

@@ -10,7 +10,11 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.choices import Method, words
 from dashpot.base.errors import DataError
 from dashpot.base.units import in_unit, written
-from dashpot.plot.direct import FREQUENCY, LABELS, averaged, quantities
+from dashpot.datamodel.bounds import StiffnessBounds
+from dashpot.datamodel.fit import Fit
+from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
+from dashpot.plot.dynamic_stiffness_figure import FREQUENCY, LABELS, averaged, quantities
+from dashpot.plot.frf_figure import BOUND, INTERVAL
 from dashpot.plot.picture import (
     FIT,
     Area,
@@ -29,11 +33,7 @@ from dashpot.plot.picture import (
     joint_pen,
     read_as,
 )
-from dashpot.plot.stamps import of_fit
-from dashpot.plot.vibration import BOUND, INTERVAL
-from dashpot.records.bounds import StiffnessBounds
-from dashpot.records.dynamic import DynamicTest
-from dashpot.records.fit import Fit
+from dashpot.plot.provenance_stamp import of_fit
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
 
 SECANT = Pen("ref", 1.4, (6, 3))

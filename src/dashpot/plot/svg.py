@@ -16,7 +16,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ExportError
-from dashpot.plot import tokens
+from dashpot.plot import style
 from dashpot.plot.layout import (
     Fill,
     Frame,
@@ -65,10 +65,10 @@ def to_svg(picture: Picture) -> str:
     body += map(_word, sheet.words)
     size = f"{picture.width:.0f} {sheet.height:.0f}"
     width, height = size.split()
-    return tokens.on_paper(
+    return style.on_paper(
         f'<svg xmlns="http://www.w3.org/2000/svg" role="img" aria-label="{_text(picture.caption)}" '
         f'width="{width}" height="{height}" viewBox="0 0 {size}" '
-        f'font-family="{_text(tokens.SANS)}">'
+        f'font-family="{_text(style.SANS)}">'
         f'<rect width="100%" height="100%" fill="var(--panel)"/>{"".join(body)}</svg>'
     )
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.numbers import MINUS, SUPERSCRIPTS
+from dashpot.base.number_format import MINUS, SUPERSCRIPTS
 from dashpot.plot.picture import Scale
 
 # numbers of a decade, ever more of them

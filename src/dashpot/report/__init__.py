@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, TypeGuard
 
-from dashpot.base.offered import Judged
 from dashpot.base.provenance import Step
+from dashpot.base.result_mixins import Judged
 from dashpot.plot.picture import Picture
-from dashpot.report import answer, judged, summary, tables
+from dashpot.report import first_screen, result_page, summary, tables
 from dashpot.report.figures import figures_of
-from dashpot.report.pages import COLOURS, environment, frame
+from dashpot.report.page_frame import COLOURS, environment, frame
 from dashpot.workflow.recommendation import recommendation
 from dashpot.workflow.study import Study
 
 if TYPE_CHECKING:
-    from dashpot.door.closing_result import ClosingResult
-    from dashpot.door.result import DoorResult
+    from dashpot.extensions.door.closing_result import ClosingResult
+    from dashpot.extensions.door.result import DoorResult
 
 __all__ = ["door_html", "html", "paged"]
 
@@ -50,18 +50,18 @@ def html(
         return _rendered("report.html", _contents(study))
     if _of_a_door(study):
         return door_html(study)
-    return _rendered("judged.html", judged.contents(study, lead=lead, beside=beside))
+    return _rendered("judged.html", result_page.contents(study, lead=lead, beside=beside))
 
 
 def paged(found: object) -> bool:
     """Whether a result has a page."""
-    return isinstance(found, Study) or judged.paged(found) or _of_a_door(found)
+    return isinstance(found, Study) or result_page.paged(found) or _of_a_door(found)
 
 
 def _of_a_door(found: object) -> TypeGuard[DoorResult | ClosingResult]:
     # a report of a seal loads nothing of doors
-    from dashpot.door.closing_result import ClosingResult
-    from dashpot.door.result import DoorResult
+    from dashpot.extensions.door.closing_result import ClosingResult
+    from dashpot.extensions.door.result import DoorResult
 
     return isinstance(found, DoorResult | ClosingResult)
 
@@ -72,48 +72,48 @@ def _rendered(name: str, contents: dict[str, Any]) -> str:
 
 def door_html(*results: DoorResult | ClosingResult) -> str:
     """Return the page of a door: how it vibrates, how it closes, or both."""
-    from dashpot.door.closing_result import ClosingResult
-    from dashpot.door.result import DoorResult
-    from dashpot.report import door
+    from dashpot.extensions.door import page
+    from dashpot.extensions.door.closing_result import ClosingResult
+    from dashpot.extensions.door.result import DoorResult
 
     found = next((one for one in results if isinstance(one, DoorResult)), None)
     closed = next((one for one in results if isinstance(one, ClosingResult)), None)
-    return _rendered("door.html", door.contents(found, closed))
+    return _rendered("door.html", page.contents(found, closed))
 
 
 def _contents(study: Study) -> dict[str, Any]:
     length = study.prepared.specimen.length
     stages = summary.stages(study)
     found = recommendation(study)
-    decks = answer.decks(found)
+    decks = first_screen.decks(found)
     return {
         "study": study,
         **frame(),
         "title": summary.title(study),
-        "header": answer.header(study),
+        "header": first_screen.header(study),
         "verdict": study.verdict,
         "colour": COLOURS[study.verdict.use],
-        "lights": answer.lights(study, found),
+        "lights": first_screen.lights(study, found),
         "found": found,
-        "heading": answer.heading(found),
-        "under_mass": answer.under_mass(study, found),
-        "one_seal": (*answer.rows(found.one_seal), answer.band_row(found)),
-        "about_decks": answer.about_decks(found, decks),
-        "files": answer.files(study, found, decks),
+        "heading": first_screen.heading(found),
+        "under_mass": first_screen.under_mass(study, found),
+        "one_seal": (*first_screen.rows(found.one_seal), first_screen.band_row(found)),
+        "about_decks": first_screen.about_decks(found, decks),
+        "files": first_screen.files(study, found, decks),
         "sentences": summary.sentences(study, found),
         "weighty": summary.weighty(study, found),
         "simulated": summary.simulated(study),
         "straight": summary.straight(study),
         "inferred": summary.inferred_mass(study),
         "tallies": {
-            stage: answer.tally(checks, study.weighed)
+            stage: first_screen.tally(checks, study.weighed)
             for stage, checks in summary.parts(stages, study.weighed)
         },
         "checks": tables.checks(stages, study.weighed),
         "figures": figures_of(study),
         "peaks": tables.peaks(study),
         "facts": tables.test_facts(study.prepared),
-        "solid_heading": answer.solid_heading(found),
+        "solid_heading": first_screen.solid_heading(found),
         "recommended": tables.coefficients(found.solid, length),
         "coefficients": tables.coefficients(study.fit, length),
         "orders": tables.orders(study),

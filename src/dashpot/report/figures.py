@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from dashpot import plot
+from dashpot.extensions.modes.datamodel import FRFSet
+from dashpot.extensions.modes.stabilisation import stabilisation
 from dashpot.plot.picture import Panel, joint_pen
 from dashpot.plot.svg import checked, strip, swatch
-from dashpot.records.frf_set import FRFSet
-from dashpot.vibration.modal.stabilisation import stabilisation
-from dashpot.vibration.systems.prediction import predict_frf
+from dashpot.vibration.systems.frf_prediction import predict_frf
 from dashpot.workflow.study import Study
 
 PHONE, PAPER, PAGE = 350.0, 680.0, 1204.0

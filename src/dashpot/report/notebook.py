@@ -8,19 +8,19 @@ from functools import singledispatch
 from html import escape
 
 from dashpot import plot
-from dashpot.io.readers.inspect import Inspection
-from dashpot.kinds import figure_of
-from dashpot.kinds.cld.from_files import Pieces
+from dashpot.datamodel.fit import Fit
+from dashpot.extensions.amplitude.fit_files import Levels
+from dashpot.extensions.materials.cld.fit_files import Pieces
+from dashpot.extensions.materials.rod.fit_files import Rod
+from dashpot.extensions.modes.mass_series_files import ModesByMass
 from dashpot.plot import Picture
-from dashpot.records.fit import Fit
+from dashpot.reading.readers.inspect import Inspection
+from dashpot.registry import figure_of
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.workflow.response.predictions import Prediction
+from dashpot.workflow.response.frf_prediction import Prediction
 from dashpot.workflow.study import Study
-from dashpot.workflow.vibration.impacts import Agreement, Identified
-from dashpot.workflow.vibration.levels import Levels
+from dashpot.workflow.vibration.impact_tests import Agreement, Identified
 from dashpot.workflow.vibration.modes import Modes
-from dashpot.workflow.vibration.rods import Rod
-from dashpot.workflow.vibration.under_masses import ModesByMass
 
 
 @singledispatch

@@ -9,12 +9,12 @@ from typing import Any
 
 from dashpot.base.atomic import write_whole
 from dashpot.base.choices import Drawn, words
-from dashpot.base.documents import Documented
 from dashpot.base.errors import ExportError
-from dashpot.io.write import write_frf, write_impact, write_relaxation
-from dashpot.records.frf import FRF
-from dashpot.records.impact import ImpactTest
-from dashpot.records.relaxation import RelaxationTest
+from dashpot.base.serialisation import Documented
+from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.impact import ImpactTest
+from dashpot.datamodel.relaxation import RelaxationTest
+from dashpot.reading.write import write_frf, write_impact, write_relaxation
 
 _TABLES: dict[type, Callable[..., str]] = {
     FRF: write_frf,
@@ -39,7 +39,7 @@ def save(noun: Any, path: str | Path) -> Path:
     suffix = target.suffix.lower().lstrip(".")
     writers = {"json": _document, "html": _page, "csv": _table}
     if suffix in words(Drawn):
-        from dashpot.plot.files import save as save_picture
+        from dashpot.plot.figure_files import save as save_picture
 
         save_picture(_picture(noun), target)
     elif suffix in writers:

@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.checks import GRADES, Check
-from dashpot.base.numbers import counted, hertz, readable, rounded, shown, where
+from dashpot.base.number_format import counted, hertz, readable, rounded, shown, where
 from dashpot.base.provenance import Source
-from dashpot.records.fit import Fit
-from dashpot.records.frf import FRF
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF
 from dashpot.solids.fractional import FractionalZener
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness

@@ -11,8 +11,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import GRADES, Check
 from dashpot.base.errors import DashpotError
-from dashpot.base.facts import Fact
-from dashpot.base.numbers import (
+from dashpot.base.number_format import (
     cell,
     decibels,
     duration,
@@ -22,17 +21,18 @@ from dashpot.base.numbers import (
     signed,
     words,
 )
+from dashpot.base.reported_values import Fact
 from dashpot.base.units import in_unit
-from dashpot.records.bounds import StiffnessBounds
-from dashpot.records.evidence import Moved
-from dashpot.records.fit import Fit
-from dashpot.records.frf import FRF
-from dashpot.records.relaxation import RampHold
+from dashpot.datamodel.bounds import StiffnessBounds
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit_diagnostics import Moved
+from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.relaxation import RampHold
 from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.systems.frf_prediction import model_modes
 from dashpot.vibration.systems.operating_point import operating_point
-from dashpot.vibration.systems.prediction import model_modes
 from dashpot.workflow.assumptions import ASSUMPTIONS
-from dashpot.workflow.response.resting import rival_of
+from dashpot.workflow.response.static_equilibrium import rival_of
 from dashpot.workflow.study import Study
 
 STATES = {True: "passed", None: "not judged"}

@@ -25,7 +25,7 @@ from math import ceil, erf, log, sqrt
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, median
-from dashpot.records.relaxation import quantum
+from dashpot.datamodel.relaxation import quantum
 
 # samples that say nothing of a channel
 FEWEST = 60

@@ -11,7 +11,7 @@ from dashpot.base.arrays import FloatArray, median
 from dashpot.base.errors import DataError
 from dashpot.base.sentences import sentence
 from dashpot.base.units import written
-from dashpot.records.relaxation import quantum
+from dashpot.datamodel.relaxation import quantum
 from dashpot.signals.noise import median_of_three, usual_scatter
 
 _LEAST_MOVE = 0.05

@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.demands import not_negative, picked, positive
 from dashpot.base.errors import DataError
+from dashpot.base.validators import not_negative, picked, positive
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,9 @@ from math import sqrt
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.demands import not_negative, picked, positive
 from dashpot.base.errors import DataError
 from dashpot.base.units import in_unit, written
+from dashpot.base.validators import not_negative, picked, positive
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,10 @@ from math import pi
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray, sample_count
-from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
-from dashpot.records.impact import ImpactTest
+from dashpot.base.validators import positive
+from dashpot.datamodel.impact import ImpactTest
 from dashpot.simulation.rig import Climate, in_steps
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 

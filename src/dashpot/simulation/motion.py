@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, sample_count
-from dashpot.records.relaxation import RelaxationTest
-from dashpot.records.specimen import Specimen
-from dashpot.records.trajectory import Trajectory
-from dashpot.simulation.frames import setpoints
+from dashpot.datamodel.relaxation import RelaxationTest
+from dashpot.datamodel.specimen import Specimen
+from dashpot.datamodel.trajectory import Trajectory
+from dashpot.simulation.kinematics import setpoints
 from dashpot.simulation.rig import Climate, Rig, RigTruth, in_steps, piece
 from dashpot.solids.maxwell import GeneralizedMaxwell
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.demands import positive
 from dashpot.base.units import Quantity, si
-from dashpot.records.relaxation import RelaxationTest
+from dashpot.base.validators import positive
+from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.simulation.motion import simulate_path
 from dashpot.simulation.rig import Climate, Rig, RigTruth, piece
 from dashpot.solids.maxwell import GeneralizedMaxwell

@@ -8,13 +8,13 @@ from math import pi, tan
 import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, samples
-from dashpot.base.demands import not_negative, picked
 from dashpot.base.errors import DataError
-from dashpot.records.specimen import Specimen
+from dashpot.base.validators import not_negative, picked
+from dashpot.datamodel.specimen import Specimen
 from dashpot.simulation.axis import Axis
+from dashpot.solids.demo_seals import SHIFT
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.table_1 import SHIFT
-from dashpot.solids.temperature import TemperatureLaw, at_temperature
+from dashpot.solids.shift_laws import TemperatureLaw, at_temperature
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ class Climate:
     r"""The temperature of a simulated test, and the law by which the seal follows it.
 
     The seal is thermorheologically simple, with stiffnesses in proportion to T:
-    :func:`~dashpot.solids.temperature.at_temperature`.
+    :func:`~dashpot.solids.shift_laws.at_temperature`.
 
     Attributes
     ----------

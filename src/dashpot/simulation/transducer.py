@@ -13,7 +13,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import written
 from dashpot.base.version import byline
 from dashpot.simulation.daq import Daq
-from dashpot.simulation.frames import tilted
+from dashpot.simulation.kinematics import tilted
 from dashpot.simulation.rig import Rig
 
 AXES = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")

@@ -1,19 +1,21 @@
-from dashpot.engine.sums import exponential_sum as exponential_sum
-from dashpot.fitting.spectrum import dynamic_master_curve as dynamic_master_curve
-from dashpot.fitting.spectrum import master_curve as master_curve
-from dashpot.fitting.superposition.superpose import superpose as superpose
-from dashpot.records.superposition import Superposition as Superposition
+from dashpot.extensions.curves.datamodel.superposition import Superposition as Superposition
+from dashpot.extensions.curves.relaxation_spectrum import (
+    dynamic_master_curve as dynamic_master_curve,
+)
+from dashpot.extensions.curves.relaxation_spectrum import master_curve as master_curve
+from dashpot.extensions.curves.superposition.superpose import superpose as superpose
+from dashpot.extensions.materials.hyperelastic.strain_energy import Hyperelastic as Hyperelastic
+from dashpot.numerics.exponential_sum import exponential_sum as exponential_sum
 
 from . import friction as friction
 from . import networks as networks
-from . import stiffening as stiffening
+from . import nonlinear_springs as nonlinear_springs
 from .elastic import ElasticLaw as ElasticLaw
 from .elastic import PolynomialLaw as PolynomialLaw
 from .elastic import compare_with_curve as compare_with_curve
 from .fractional import FractionalZener as FractionalZener
-from .hyperelastic import Hyperelastic as Hyperelastic
 from .maxwell import GeneralizedMaxwell as GeneralizedMaxwell
 from .parallel import Parallel as Parallel
-from .temperature import WLF as WLF
-from .temperature import Arrhenius as Arrhenius
-from .temperature import FreeShifts as FreeShifts
+from .shift_laws import WLF as WLF
+from .shift_laws import Arrhenius as Arrhenius
+from .shift_laws import FreeShifts as FreeShifts

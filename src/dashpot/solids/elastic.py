@@ -16,10 +16,10 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
-from dashpot.base.demands import positive
-from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.serialisation import Documented
 from dashpot.base.units import in_unit, written
+from dashpot.base.validators import positive
 
 # a law is gentle if its tangent at the depth, and its path, leave the secant by no more than this
 GENTLE, STRAIGHT = 0.10, 0.025

@@ -29,9 +29,9 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
-from dashpot.base.demands import positive
-from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.serialisation import Documented
+from dashpot.base.validators import positive
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.solids.parallel import Parallel
 

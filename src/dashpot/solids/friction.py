@@ -150,7 +150,7 @@ class Coulomb(RateIndependent):
         K, arms = solid.complex_stiffness(omega=omega), solid.maxwell
         if not arms.arms and not arms.b:
             return Jenkins(arms.k_inf, self.slip).stiffness(amplitude)
-        from dashpot.solids.slipping import slider_behind  # costs an import that few need
+        from dashpot.solids.coulomb_in_series import slider_behind  # costs an import that few need
 
         found = np.empty(K.shape, dtype=complex)
         for each in np.unique(omega):

@@ -11,10 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
-from dashpot.base.demands import positive
-from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.serialisation import Documented
 from dashpot.base.units import Quantity, si
+from dashpot.base.validators import positive
 
 if TYPE_CHECKING:
     from dashpot.solids.interconversion import CreepSpectrum
@@ -275,7 +275,7 @@ class GeneralizedMaxwell(Solid, Documented):
         r"""The solid at another temperature: :math:`K^*(\omega) \to b_T K^*(a_T \omega)`.
 
         Relaxation times times `a_t`, stiffnesses times `b_t`
-        (:mod:`dashpot.solids.temperature`).
+        (:mod:`dashpot.solids.shift_laws`).
         """
         positive(a_t=a_t, expected="a shift factor > 0")
         slower = replace(self, tau=tuple(a_t * tau for tau in self.tau), b=self.b * a_t)

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.serialisation import Documented
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 

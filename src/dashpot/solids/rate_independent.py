@@ -20,8 +20,8 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
-from dashpot.base.demands import picked, positive
 from dashpot.base.errors import DataError
+from dashpot.base.validators import picked, positive
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 _NODES = 400

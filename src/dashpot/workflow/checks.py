@@ -6,9 +6,9 @@ import math
 from collections.abc import Sequence
 
 from dashpot.base.checks import Finding, Remedy, criterion
-from dashpot.base.numbers import seals as numbered
+from dashpot.base.number_format import seals as numbered
 from dashpot.base.sentences import sentence
-from dashpot.records.frf import Mode
+from dashpot.datamodel.frf import Mode
 
 LISTED = 20
 """Files that a sentence names before it counts the rest."""

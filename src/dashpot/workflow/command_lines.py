@@ -7,9 +7,9 @@ from dataclasses import fields, replace
 from glob import escape
 from pathlib import Path
 
-from dashpot.base.options import words_of
-from dashpot.io.options import ReadOptions
-from dashpot.records.frf import FRF
+from dashpot.base.option_fields import words_of
+from dashpot.datamodel.frf import FRF
+from dashpot.reading.read_options import ReadOptions
 from dashpot.workflow.job import Job, LevelJob, ModesJob, with_paths
 
 FIT = "fit.json"

@@ -9,19 +9,19 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from dashpot.base.checks import Check
-from dashpot.base.documents import Documented
 from dashpot.base.errors import DashpotError
 from dashpot.base.provenance import Step
-from dashpot.io.options import ReadOptions
-from dashpot.io.readers.channels import Opened, leave_open, left_open, read_once
-from dashpot.io.readers.inspect import Inspection, inspect_opened, inspected
-from dashpot.io.readers.recognise import Recognised, look
-from dashpot.io.readers.relaxation import relaxation_in
-from dashpot.io.source import about
-from dashpot.kinds import KINDS, load
-from dashpot.preparation.prepare import prepare
-from dashpot.records.relaxation import RampHold, RelaxationTest
-from dashpot.records.specimen import Specimen
+from dashpot.base.serialisation import Documented
+from dashpot.datamodel.relaxation import RampHold, RelaxationTest
+from dashpot.datamodel.specimen import Specimen
+from dashpot.preprocessing.prepare import prepare
+from dashpot.reading.raw_file import about
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers.channels import Opened, leave_open, left_open, read_once
+from dashpot.reading.readers.detect_kind import Recognised, look
+from dashpot.reading.readers.inspect import Inspection, inspect_opened, inspected
+from dashpot.reading.readers.relaxation import relaxation_in
+from dashpot.registry import KINDS, load
 
 Reader: TypeAlias = Callable[[Opened], RelaxationTest]
 Preparer: TypeAlias = Callable[[RelaxationTest, ReadOptions], RampHold]

@@ -16,13 +16,13 @@ from dashpot.base.choices import (
     PartMode,
     RampLawAsked,
 )
-from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
-from dashpot.base.options import flags_of, like, names_files, option, part
+from dashpot.base.option_fields import flags_of, like, names_files, option, part
+from dashpot.base.serialisation import Documented
 from dashpot.base.units import si_fields
-from dashpot.io.options import ReadOptions
-from dashpot.records.machine import Machine
-from dashpot.records.specimen import Specimen
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.specimen import Specimen
+from dashpot.reading.read_options import ReadOptions
 
 J = TypeVar("J", bound=Any)
 
@@ -92,7 +92,7 @@ class HammerChoices:
 class Cuts:
     """Where a relaxation test is cut by hand, s on its own clock; found in the record where None.
 
-    The fields are arguments of :func:`~dashpot.preparation.prepare.prepare`.
+    The fields are arguments of :func:`~dashpot.preprocessing.prepare.prepare`.
     """
 
     onset: float | None = option(
@@ -233,7 +233,7 @@ class Job(Documented):
 class LevelJob:
     """Everything that decides the result of ``dashpot fit``.
 
-    The fields are the arguments of :func:`~dashpot.workflow.vibration.levels.level_files`.
+    The fields are the arguments of :func:`~dashpot.extensions.amplitude.fit_files.level_files`.
     """
 
     files: tuple[str, ...] = option((), metavar="FILE", argument=1)
@@ -295,8 +295,8 @@ class ModesJob:
     """Everything that decides the result of ``dashpot fit``.
 
     The fields are the arguments of
-    :func:`~dashpot.workflow.vibration.measured_modes.modes_files`, and of
-    :func:`~dashpot.workflow.vibration.under_masses.modes_by_mass` where there are masses.
+    :func:`~dashpot.extensions.modes.measured_modes.modes_files`, and of
+    :func:`~dashpot.extensions.modes.mass_series_files.modes_by_mass` where there are masses.
     """
 
     files: tuple[str, ...] = option((), metavar="FILE", argument=1)

@@ -8,14 +8,14 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.facts import Fact
+from dashpot.base.reported_values import Fact
+from dashpot.datamodel.bounds import StiffnessBounds
+from dashpot.datamodel.fit import Fit
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band
-from dashpot.records.bounds import StiffnessBounds
-from dashpot.records.fit import Fit
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.modal.peaks import find_peak
+from dashpot.vibration.systems.frf_prediction import model_modes, predict_frf
 from dashpot.vibration.systems.operating_point import OperatingPoint, operating_point
-from dashpot.vibration.systems.prediction import model_modes, predict_frf
 from dashpot.workflow.study import Study
 
 Quantity = Literal[

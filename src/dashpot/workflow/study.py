@@ -11,37 +11,37 @@ import numpy as np
 
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.choices import FamilyAsked, Method, RampLawAsked
-from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError, FitError
-from dashpot.base.numbers import hertz, seals
-from dashpot.base.offered import Pictured
+from dashpot.base.number_format import hertz, seals
 from dashpot.base.progress import doing
+from dashpot.base.result_mixins import Pictured
 from dashpot.base.sentences import paragraph
+from dashpot.base.serialisation import Documented
 from dashpot.base.units import Quantity, Range, si, si_range, written
-from dashpot.fitting.identification.asked import BenchFit, HammerRig
+from dashpot.datamodel.bounds import FRFBounds, StiffnessBounds
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.impact import ImpactTest
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.relaxation import RampHold, RelaxationTest
+from dashpot.datamodel.specimen import Specimen, each_specimen
 from dashpot.fitting.identification.identify import identify
+from dashpot.fitting.identification.prior_knowledge import BenchFit, HammerRig
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
-from dashpot.io.logo import read_logo
-from dashpot.io.options import ReadOptions
-from dashpot.io.readers.relaxation import read_relaxation
-from dashpot.records.bounds import FRFBounds, StiffnessBounds
-from dashpot.records.fit import Fit
-from dashpot.records.frf import FRF
-from dashpot.records.impact import ImpactTest
-from dashpot.records.machine import Machine
-from dashpot.records.relaxation import RampHold, RelaxationTest
-from dashpot.records.specimen import Specimen, each_specimen
+from dashpot.reading.logo import read_logo
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness, dynamic_stiffness
 from dashpot.vibration.modal.peaks import find_peak
+from dashpot.vibration.systems.frf_prediction import REACH, highest_peak, predict_frf
 from dashpot.vibration.systems.operating_point import OperatingPoint
-from dashpot.vibration.systems.prediction import REACH, highest_peak, predict_frf
 from dashpot.workflow.checks import hold_fit_possible, prediction_informed
-from dashpot.workflow.fits import of_order
+from dashpot.workflow.fit_bench_tests import of_order
 from dashpot.workflow.job import Cuts, Job
-from dashpot.workflow.prepared import prepared_tests
-from dashpot.workflow.response.resting import (
+from dashpot.workflow.prepare_tests import prepared_tests
+from dashpot.workflow.response.static_equilibrium import (
     AtRest,
     at_rest,
     family_checks,
@@ -49,8 +49,8 @@ from dashpot.workflow.response.resting import (
     rest_checks,
     rival_of,
 )
-from dashpot.workflow.vibration.impacts import held_against, weighed
-from dashpot.workflow.vibration.measured import read_measured, relieved, total_mass
+from dashpot.workflow.vibration.impact_tests import held_against, weighed
+from dashpot.workflow.vibration.measured_frf import read_measured, relieved, total_mass
 
 Reader: TypeAlias = Callable[[str, ReadOptions, Specimen | None], RelaxationTest]
 
@@ -258,7 +258,7 @@ def characterise(
         How many of the tested seals carry the mass; a fraction is a shorter piece.
     arms, method, law, family, filter, cycle, machine
         As in :func:`~dashpot.fitting.relaxation.fit` and
-        :func:`~dashpot.preparation.prepare.prepare`.
+        :func:`~dashpot.preprocessing.prepare.prepare`.
     cuts : Cuts, optional
         Of the relaxation test, by hand.
     band : (float, float), optional

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.io.readers.creep import read_creep
-from dashpot.io.readers.impact import read_impact
-from dashpot.io.readers.relaxation import read_relaxation
-from dashpot.preparation.creep import load_hold
-from dashpot.preparation.prepare import prepare
+from dashpot.extensions.curves.creep.preprocess import load_hold
+from dashpot.extensions.curves.creep.read import read_creep
+from dashpot.preprocessing.prepare import prepare
+from dashpot.reading.readers.impact import read_impact
+from dashpot.reading.readers.relaxation import read_relaxation
 from kit.crafted.row import CLOCK, CREPT, HIT, RUNG, TICKS, Row, Truth, table
 from kit.kinds import CLOCK as BENCH_CLOCK
 from kit.kinds import answer, ramp_and_hold

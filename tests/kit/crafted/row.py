@@ -9,17 +9,17 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from dashpot.io.options import ReadOptions
-from dashpot.io.readers.creep import read_creep
-from dashpot.io.readers.dynamic import read_dynamic
-from dashpot.io.readers.frf import read_frf
-from dashpot.io.readers.impact import read_impact
-from dashpot.io.readers.modulus import read_modulus
-from dashpot.io.readers.relaxation import read_relaxation
-from dashpot.kinds.cld.read import read_cld
-from dashpot.kinds.hyperelastic.read import read_stress_strain
-from dashpot.kinds.level.read import read_amplitude
-from dashpot.records.frf import Kind
+from dashpot.datamodel.frf import Kind
+from dashpot.extensions.amplitude.read import read_amplitude
+from dashpot.extensions.curves.creep.read import read_creep
+from dashpot.extensions.curves.dynamic.read import read_dynamic
+from dashpot.extensions.curves.modulus.read import read_modulus
+from dashpot.extensions.materials.cld.read import read_cld
+from dashpot.extensions.materials.hyperelastic.read import read_stress_strain
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers.frf import read_frf
+from dashpot.reading.readers.impact import read_impact
+from dashpot.reading.readers.relaxation import read_relaxation
 from kit.look_alikes import truth
 
 Outcome: TypeAlias = Literal["right", "noted", "asked", "refused"]

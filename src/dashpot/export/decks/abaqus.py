@@ -7,13 +7,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from dashpot.base.units import Range, si_range
+from dashpot.datamodel.seal_line import Shear, Stations
 from dashpot.export.deck import Deck, DeckText
+from dashpot.export.deck_validation import target
 from dashpot.export.frequency_tables import Table
-from dashpot.export.line import SpringRow, row_of
-from dashpot.export.notation import text
-from dashpot.export.opening import target
-from dashpot.export.shift import abaqus_shift
-from dashpot.records.seal_line import Shear, Stations
+from dashpot.export.seal_line_springs import SpringRow, row_of
+from dashpot.export.temperature_shift_cards import abaqus_shift
+from dashpot.export.unit_systems import text
 
 FORMS = ("arms", "connector", "prony")
 SUFFIX = "inp"

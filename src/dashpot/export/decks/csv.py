@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base.escapes import remark
+from dashpot.base.escaping import remark
 from dashpot.base.units import Range, si_range
 from dashpot.export.deck import Deck, DeckText
-from dashpot.export.notation import one_line, text
-from dashpot.export.opening import target
+from dashpot.export.deck_validation import target
+from dashpot.export.unit_systems import one_line, text
 
 FORMS = ("frequency", "arms")
 SUFFIX = "csv"

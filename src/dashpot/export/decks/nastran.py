@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.base.demands import positive
 from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.base.validators import positive
+from dashpot.datamodel.seal_line import Shear, Stations
 from dashpot.export.deck import Deck, DeckText
+from dashpot.export.deck_validation import target
 from dashpot.export.frequency_tables import Damping, Table
-from dashpot.export.line import SpringRow, row_of
-from dashpot.export.notation import packed
-from dashpot.export.opening import target
-from dashpot.records.seal_line import Shear, Stations
+from dashpot.export.seal_line_springs import SpringRow, row_of
+from dashpot.export.unit_systems import packed
 from dashpot.solids.maxwell import Solid
 
 FORMS = ("table", "viscous-table", "arms")
@@ -51,7 +51,7 @@ def nastran(
     units : str
         ``"SI"``, ``"mm-t-s"`` or ``"mm-kg-ms"``.
     specimen, allow
-        As in :func:`dashpot.export.opening.open_deck`.
+        As in :func:`dashpot.export.deck_validation.open_deck`.
     form : str
     frequency_range : (float, float)
         Of the tables, Hz.
@@ -61,8 +61,8 @@ def nastran(
         Frequency, Hz, of the nominal K and GE of PBUSH, which normal modes use; the geometric
         middle of the range if not given.
     line : Stations, optional
-        Puts one CBUSH at each station of a :class:`~dashpot.records.seal_line.SealLine`, each with
-        its share of the stiffness, at its compression and its normal: needs the contact length
+        Puts one CBUSH at each station of a :class:`~dashpot.datamodel.seal_line.SealLine`, each
+        with its share of the stiffness, at its compression and its normal: needs the contact length
         that the model stands for. Without it there is one CBUSH at the origin.
     shear : Shear, optional
         What the seal of that line answers across it and along it: components 2 and 3.

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from dashpot.export.deck import Deck, DeckText
-from dashpot.export.notation import text
-from dashpot.export.opening import target
+from dashpot.export.deck_validation import target
+from dashpot.export.unit_systems import text
 
 FORMS = ("octave",)
 SUFFIX = "m"

@@ -11,12 +11,12 @@ from dashpot.base.arrays import BoolArray, FloatArray, median, slow_periodogram
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.status import Status
 from dashpot.base.units import in_unit, written
+from dashpot.datamodel.bounds import EndOfHold
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
 from dashpot.fitting.checks.solid import ROUNDING, arms_said
-from dashpot.fitting.repeats import SAME_DEPTH, EndStiffness
-from dashpot.preparation.filters import Filter
-from dashpot.records.bounds import EndOfHold
-from dashpot.records.relaxation import RampHold
-from dashpot.records.temperature import SAME_TEMPERATURE
+from dashpot.fitting.replicates import SAME_DEPTH, EndStiffness
+from dashpot.preprocessing.filters import Filter
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # per factor e of time

@@ -9,8 +9,8 @@ from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.sentences import sentence
 from dashpot.base.status import Status
 from dashpot.base.units import read_in, written
-from dashpot.engine.inference.order import MAX_SE_LN_TAU, MIN_K_OVER_SE, Choice, Shortage
-from dashpot.records.band_error import WELL_KNOWN, BandError
+from dashpot.datamodel.band_error import WELL_KNOWN, BandError
+from dashpot.numerics.inference.model_order import MAX_SE_LN_TAU, MIN_K_OVER_SE, Choice, Shortage
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 MIN_TAU_RATIO = 1.5

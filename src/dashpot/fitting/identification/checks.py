@@ -9,9 +9,9 @@ import numpy as np
 
 from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.status import Status
-from dashpot.engine.inference.order import DECISIVE, MAX_SE_LN_TAU
-from dashpot.records.band_error import WELL_KNOWN, BandError
-from dashpot.records.evidence import Explanation
+from dashpot.datamodel.band_error import WELL_KNOWN, BandError
+from dashpot.datamodel.fit_diagnostics import Explanation
+from dashpot.numerics.inference.model_order import DECISIVE, MAX_SE_LN_TAU
 
 STRAINED = 2.5
 EXPLAINED = 2.0

@@ -8,13 +8,13 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.engine.blocks.block import DataBlock, design_block
-from dashpot.engine.least_squares.problem import stacked
-from dashpot.records.frf import FRF, Kind
+from dashpot.datamodel.frf import FRF, Kind
+from dashpot.numerics.design_matrices.block import DataBlock, design_block
+from dashpot.numerics.least_squares.problem import stacked
 from dashpot.solids.maxwell import Solid
-from dashpot.vibration.modal.lines import FLOOR
+from dashpot.vibration.modal.frf_lines import FLOOR
 from dashpot.vibration.modal.peaks import find_peak
-from dashpot.vibration.systems.prediction import Response
+from dashpot.vibration.systems.frf_prediction import Response
 
 # lines within this factor of the peak are fitted unless a band is given
 AROUND_THE_PEAK = 3.0

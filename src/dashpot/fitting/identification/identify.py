@@ -13,19 +13,25 @@ from dashpot.base.checks import Check
 from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import FitError
 from dashpot.base.units import Quantity, Range, si, si_range
-from dashpot.engine.blocks.block import DataBlock
-from dashpot.engine.inference.order import DECISIVE, Shortage, choose
-from dashpot.engine.solver.variable_projection import solve_orders
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF
 from dashpot.fitting.checks.solid import arms_enough
-from dashpot.fitting.fractional.choice import checked_family
-from dashpot.fitting.fractional.projection import ArmColumns
-from dashpot.fitting.identification.asked import BenchFit, HammerRig, KnownSolid
+from dashpot.fitting.fractional_model.family_selection import checked_family
+from dashpot.fitting.fractional_model.fractional_solver import ArmColumns
 from dashpot.fitting.identification.checks import dashpot_not_missed
-from dashpot.fitting.identification.explanations import disagreement, freed
-from dashpot.fitting.identification.families import Rival, chosen_rival, judged_again
-from dashpot.fitting.identification.fit_assembly import identified
+from dashpot.fitting.identification.discrepancy_causes import disagreement, freed
+from dashpot.fitting.identification.family_selection import Rival, chosen_rival, judged_again
+from dashpot.fitting.identification.fit_construction import identified
 from dashpot.fitting.identification.frf_data import FARTHEST, frf_data_of
-from dashpot.fitting.identification.given import (
+from dashpot.fitting.identification.likelihood import (
+    Candidate,
+    IdentificationProblem,
+    Parameters,
+    descend,
+)
+from dashpot.fitting.identification.parametrisation import GONE, Arms, Element, with_dashpot
+from dashpot.fitting.identification.prior_knowledge import BenchFit, HammerRig, KnownSolid
+from dashpot.fitting.identification.problem_inputs import (
     Before,
     before_hammer,
     constraints_of,
@@ -34,18 +40,12 @@ from dashpot.fitting.identification.given import (
     priors_of,
     seals_of,
 )
-from dashpot.fitting.identification.likelihood import (
-    Candidate,
-    IdentificationProblem,
-    Parameters,
-    descend,
-)
-from dashpot.fitting.identification.parametrisation import GONE, Arms, Element, with_dashpot
 from dashpot.fitting.pipeline import FURTHER
-from dashpot.fitting.repeats import refuse_copies
-from dashpot.preparation.ramp_holds import Tests, ramp_holds
-from dashpot.records.fit import Fit
-from dashpot.records.frf import FRF
+from dashpot.fitting.replicates import refuse_copies
+from dashpot.numerics.design_matrices.block import DataBlock
+from dashpot.numerics.exponential_fit.variable_projection import solve_orders
+from dashpot.numerics.inference.model_order import DECISIVE, Shortage, choose
+from dashpot.preprocessing.prepare_tests import Tests, ramp_holds
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 

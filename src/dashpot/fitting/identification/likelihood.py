@@ -27,10 +27,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.engine.inference.estimate import Estimate, estimate, white_noise
-from dashpot.engine.inference.order import bic_of_deviance, deviance
-from dashpot.engine.least_squares import problem as least_squares
-from dashpot.engine.least_squares.problem import Optimum, Parameter, Rows, solved, stacked
+from dashpot.datamodel.fit import Fit
 from dashpot.fitting.identification.frf_data import FRFData
 from dashpot.fitting.identification.parametrisation import (
     Arms,
@@ -39,12 +36,15 @@ from dashpot.fitting.identification.parametrisation import (
     at_poles,
     on_another_spring,
 )
-from dashpot.fitting.nuisance import Prior
+from dashpot.fitting.nuisance_priors import Prior
 from dashpot.fitting.relaxation_data import RelaxationData
-from dashpot.records.fit import Fit
+from dashpot.numerics.inference.covariance_estimate import Estimate, estimate, white_noise
+from dashpot.numerics.inference.model_order import bic_of_deviance, deviance
+from dashpot.numerics.least_squares import problem as least_squares
+from dashpot.numerics.least_squares.problem import Optimum, Parameter, Rows, solved, stacked
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
-from dashpot.vibration.systems.prediction import Lost, Response, residues, ringing_pole
+from dashpot.vibration.systems.frf_prediction import Lost, Response, residues, ringing_pole
 
 # one unit of the delay parameter, s: of the order of what channels differ by
 DELAY_UNIT = 1e-4

@@ -16,12 +16,12 @@ from typing import ClassVar, NamedTuple, TypeAlias
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
-from dashpot.engine.inference.order import arms_known
-from dashpot.fitting.fractional.checks import slope_known
-from dashpot.fitting.fractional.projection import ALPHA, BEYOND, SOUGHT, STEP
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.parameter_estimate import ELEMENT, parameter_names
+from dashpot.fitting.fractional_model.checks import slope_known
+from dashpot.fitting.fractional_model.fractional_solver import ALPHA, BEYOND, SOUGHT, STEP
 from dashpot.fitting.relaxation_data import RelaxationData, RelaxationRows
-from dashpot.records.estimate import ELEMENT, parameter_names
-from dashpot.records.fit import Fit
+from dashpot.numerics.inference.model_order import arms_known
 from dashpot.solids.fractional import FractionalZener, weights_at
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
@@ -140,7 +140,7 @@ class Element:
     """A fractional element: ln k_inf, ln of its own k, ln tau, alpha.
 
     At fixed relaxation times its column is a weighted sum of columns of arms, so each relaxation
-    test is asked once (:mod:`dashpot.fitting.fractional.projection`).
+    test is asked once (:mod:`dashpot.fitting.fractional_model.fractional_solver`).
 
     Attributes
     ----------

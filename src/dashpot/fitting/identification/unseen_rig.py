@@ -7,7 +7,7 @@ Each doubt is a stiffness :math:`\delta K(s)` beside the n seals, of which the a
 with the cables of accelerometers :math:`\epsilon K'` and, for their own loss,
 :math:`j\epsilon\eta_c K'`, both of the seals at the resonance; a table that gives,
 :math:`-\epsilon_t K^2/K'`; a mass that moves along, :math:`\epsilon_m m s^2`. Sizes are those of
-:data:`~dashpot.records.machine.USUAL`. A window whose decay a is known to :math:`\sigma_a` adds
+:data:`~dashpot.datamodel.machine.USUAL`. A window whose decay a is known to :math:`\sigma_a` adds
 :math:`\sigma_a\,\partial A/\partial a`.
 
 A fit is of the quiet rig; its parameters follow a doubt c by :math:`\delta\theta = C J' c`.
@@ -20,10 +20,10 @@ from dataclasses import replace
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.engine.least_squares.problem import stacked
-from dashpot.fitting.identification.asked import HammerRig
+from dashpot.datamodel.machine import USUAL
 from dashpot.fitting.identification.likelihood import Candidate
-from dashpot.records.machine import USUAL
+from dashpot.fitting.identification.prior_knowledge import HammerRig
+from dashpot.numerics.least_squares.problem import stacked
 
 # of the decay of a window, over which the response is differenced
 _STEP = 1e-3

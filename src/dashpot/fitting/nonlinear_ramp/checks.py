@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.units import in_unit, written
-from dashpot.fitting.nonlinear_ramp.soundness import Soundness
+from dashpot.fitting.nonlinear_ramp.goodness_of_fit import Soundness
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 

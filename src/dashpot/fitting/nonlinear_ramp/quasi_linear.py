@@ -15,8 +15,8 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.recorded import recursion
-from dashpot.fitting.nonlinear_ramp.thinning import ThinnedRows
+from dashpot.fitting.nonlinear_ramp.downsampling import ThinnedRows
+from dashpot.numerics.design_matrices.recorded_motion import recursion
 
 
 class QuasiLinear:

@@ -29,8 +29,8 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.base.errors import FitError
 from dashpot.base.student_t import t_quantile
-from dashpot.engine.least_squares.nonnegative_ball import NonnegativeBall
 from dashpot.fitting.relaxation_data import RelaxationRows
+from dashpot.numerics.least_squares.nonnegative_confidence_region import NonnegativeBall
 
 #: the best of all spectra leaves no more than so many times what the fit does
 FAR = 2.0

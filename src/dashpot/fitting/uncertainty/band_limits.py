@@ -20,11 +20,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.datamodel.band_error import WELL_KNOWN, BandError
 from dashpot.fitting.known_band import known_band
 from dashpot.fitting.relaxation_data import RelaxationRows
 from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra
 from dashpot.fitting.uncertainty.curve_data import CurveData
-from dashpot.records.band_error import WELL_KNOWN, BandError
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 #: a ratio is found when a step moves it by less than this part of the way from where it started

@@ -6,7 +6,7 @@ A published curve states no errors. They are
     \mathrm{cov}_{ij} = c^2 s_i s_j \sum_n h_n(\lg t_i)\, h_n(\lg t_j)
 
 with S the power of what the nearest non-negative spectrum leaves, by the rule of noise of every
-fit (:func:`~dashpot.engine.inference.covariance.noise_of`), s the size of that spectrum, and h_n
+fit (:func:`~dashpot.numerics.inference.covariance.noise_of`), s the size of that spectrum, and h_n
 straight lines between knots a quarter of a decade apart: what neighbours have in common - a load
 cell, a thermostat, grips, smoothing - is not seen in a residual.
 """
@@ -18,12 +18,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import DataBlock
-from dashpot.engine.inference.covariance import Columns, Series, noise_of
-from dashpot.engine.inference.whitening import marginal
-from dashpot.engine.least_squares.nnls import linear
-from dashpot.fitting.nuisance import Terms
+from dashpot.fitting.nuisance_priors import Terms
 from dashpot.fitting.relaxation_data import RelaxationRows
+from dashpot.numerics.design_matrices.block import DataBlock
+from dashpot.numerics.inference.covariance import Columns, Series, noise_of
+from dashpot.numerics.inference.whitening import marginal
+from dashpot.numerics.least_squares.nnls import linear
 
 #: what neighbours have in common, one standard deviation relative to their size
 COMMON = 2e-3

@@ -13,15 +13,15 @@ from dashpot.base.arrays import ComplexArray, FloatArray, samples
 from dashpot.base.choices import Method, words
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
+from dashpot.datamodel.bounds import FRFBounds, StiffnessBounds
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import Kind
 from dashpot.fitting.parameters import own, root
 from dashpot.fitting.relaxation_data import misfits
+from dashpot.fitting.relaxation_likelihood import relaxation_data
 from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra, deviance_limit
-from dashpot.fitting.uncertainty.stiffness_set import distances, ratios
-from dashpot.fitting.weighed_relaxation import relaxation_data
-from dashpot.preparation.ramp_holds import Tests, ramp_holds
-from dashpot.records.bounds import FRFBounds, StiffnessBounds
-from dashpot.records.fit import Fit
-from dashpot.records.frf import Kind
+from dashpot.fitting.uncertainty.stiffness_region import distances, ratios
+from dashpot.preprocessing.prepare_tests import Tests, ramp_holds
 from dashpot.solids.fractional import FractionalZener
 
 DRAWS = 400
@@ -79,9 +79,9 @@ def unseen_arm_band(
     A spectrum is rejected if it leaves more than 1.3 times the squared Student quantile above the
     best one, in units of the noise (:mod:`dashpot.fitting.uncertainty.admissible_spectra`).
     Offset, drift and delay are as uncertain as their priors
-    (:mod:`dashpot.fitting.nuisance`). Every line has its own limits: on simulated seals each holds
-    the truth in nearly 95 % of tests, line by line; all lines together are held less often. The
-    fit's own solid is within the limits, also where the tests would have more arms.
+    (:mod:`dashpot.fitting.nuisance_priors`). Every line has its own limits: on simulated seals each
+    holds the truth in nearly 95 % of tests, line by line; all lines together are held less often.
+    The fit's own solid is within the limits, also where the tests would have more arms.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def frf_band(
         An accelerance, 1/kg, or the transmissibility from a base that moves, relative or not.
     coupled : float
         Of mounts that weigh something, the mass that couples both ends, kg
-        (:mod:`dashpot.vibration.systems.mounts`); of a transmissibility alone.
+        (:mod:`dashpot.vibration.systems.mount_mass`); of a transmissibility alone.
     """
     mass, kind = si(mass, "mass"), Kind(kind)
     if kind is not Kind.ACCELERANCE and not kind.over_base:

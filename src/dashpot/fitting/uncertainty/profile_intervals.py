@@ -9,18 +9,18 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.student_t import t_quantile
-from dashpot.engine.blocks.block import DataBlock
-from dashpot.engine.blocks.kernels import compact_block
-from dashpot.engine.inference.covariance import nearly_white, noise_gain_differs
-from dashpot.engine.inference.profile_likelihood import BEYOND
-from dashpot.engine.inference.profile_likelihood import profiles as walked
-from dashpot.engine.inference.profile_walks import Coordinate, Profiled
-from dashpot.engine.solver.descent import Stack
-from dashpot.fitting.uncertainty.estimate import SolutionEstimate
-from dashpot.records.estimate import Profile
+from dashpot.datamodel.parameter_estimate import Profile
+from dashpot.fitting.uncertainty.solution_covariance import SolutionEstimate
+from dashpot.numerics.design_matrices.block import DataBlock
+from dashpot.numerics.design_matrices.relaxation_kernels import compact_block
+from dashpot.numerics.exponential_fit.log_tau_descent import Stack
+from dashpot.numerics.inference.covariance import nearly_white, noise_gain_differs
+from dashpot.numerics.inference.profile_likelihood import BEYOND
+from dashpot.numerics.inference.profile_likelihood import profiles as walked
+from dashpot.numerics.inference.profile_tracing import Coordinate, Profiled
 
 if TYPE_CHECKING:
-    from dashpot.engine.inference.whitening import NoiseGain
+    from dashpot.numerics.inference.whitening import NoiseGain
 
 # below this SE(ln tau) the likelihood is Gaussian for all that intervals need
 WALD_SUFFICES = 0.05
@@ -85,7 +85,7 @@ def _noise_gain(every_sample: Sequence[DataBlock], estimate: SolutionEstimate) -
     """Return the noise gain of each change of the model, None if it is about the same."""
     if nearly_white(estimate.noises) or not noise_gain_differs(estimate.noise_gain):
         return None
-    from dashpot.engine.inference.whitening import NoiseGain
+    from dashpot.numerics.inference.whitening import NoiseGain
 
     return NoiseGain(every_sample, estimate.noises, estimate.solution)
 

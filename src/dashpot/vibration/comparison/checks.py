@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base import numbers
+from dashpot.base import number_format
 from dashpot.base.checks import VERDICT_WORDS, Check, Finding, Grade, Remedy, criterion, shortly
 from dashpot.base.sentences import within
 from dashpot.base.units import GRAVITY, written
-from dashpot.records.fit import Fit
+from dashpot.datamodel.fit import Fit
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.peaks import Peak
 from dashpot.vibration.systems.operating_point import OperatingPoint
@@ -252,8 +252,8 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
     if not point.linear:
         return Finding(
             f"{says}. Its tangent stiffness there is "
-            f"{numbers.with_error(point.factor, point.factor_se or np.nan)} times the secant at "
-            f"{written(depth, 'mm', '.3g')}",
+            f"{number_format.with_error(point.factor, point.factor_se or np.nan)} times the secant "
+            f"at {written(depth, 'mm', '.3g')}",
             at,
             f"The relaxation test went to {written(depth, 'mm', '.3g')} only. Beyond, its last "
             "tangent is used",

@@ -10,15 +10,15 @@ from dashpot.base.arrays import BoolArray, ComplexArray, kept
 from dashpot.base.choices import Method, words
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.base.units import GRAVITY, Quantity, Range, si, si_range
-from dashpot.engine.inference.order import significant
-from dashpot.records.fit import Fit
-from dashpot.records.frf import FRF, Kind, Mode
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF, Kind, Mode
+from dashpot.numerics.inference.model_order import significant
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.comparison.checks import checks, conclusion
 from dashpot.vibration.comparison.comparison import ArmEvidence, Comparison
 from dashpot.vibration.modal.peaks import Peak, find_peak
+from dashpot.vibration.systems.frf_prediction import accelerance, mass_for_peak, model_modes
 from dashpot.vibration.systems.operating_point import OperatingPoint, operating_point
-from dashpot.vibration.systems.prediction import accelerance, mass_for_peak, model_modes
 
 # lines outside this factor of the measured peak are mass line, tip roll-off and drift
 AROUND_THE_PEAK = 4.0
@@ -133,7 +133,7 @@ def infer_mass(model: Solid, frf: FRF) -> tuple[float, float]:
     r"""Mass that puts the predicted peak of the accelerance on the measured one.
 
     A frequency predicted with this mass proves nothing: it was put there
-    (:func:`~dashpot.vibration.systems.prediction.mass_for_peak`).
+    (:func:`~dashpot.vibration.systems.frf_prediction.mass_for_peak`).
 
     Parameters
     ----------

@@ -8,9 +8,9 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.documents import Documented
-from dashpot.base.offered import Pictured, Series
-from dashpot.records.frf import FRF
+from dashpot.base.result_mixins import Pictured, Series
+from dashpot.base.serialisation import Documented
+from dashpot.datamodel.frf import FRF
 
 
 @dataclass(frozen=True)

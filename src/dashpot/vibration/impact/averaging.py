@@ -10,7 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.records.frf import FRF
+from dashpot.datamodel.frf import FRF
 from dashpot.vibration.impact.checks import agreement
 from dashpot.vibration.impact.estimators import (
     ChannelSpectra,
@@ -21,10 +21,10 @@ from dashpot.vibration.impact.estimators import (
     random_error,
 )
 from dashpot.vibration.impact.exponential_window import NO_WINDOW, ExponentialWindow
+from dashpot.vibration.impact.hit_quality import HitQuality, judge, remaining
 from dashpot.vibration.impact.hits import HitBlock
-from dashpot.vibration.impact.quality import HitQuality, judge, remaining
 from dashpot.vibration.impact.rocking import Combination, null_rocking
-from dashpot.vibration.modal.lines import FRFLines
+from dashpot.vibration.modal.frf_lines import FRFLines
 from dashpot.vibration.modal.peaks import mount_band
 
 FORCE_LEFT = 0.1  # -20 dB: where the force has fallen this far, the FRF ends

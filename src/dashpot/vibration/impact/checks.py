@@ -9,17 +9,17 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.checks import Check, Finding, Remedy, criterion
-from dashpot.base.numbers import with_error
+from dashpot.base.number_format import with_error
 from dashpot.base.units import GRAVITY, written
-from dashpot.engine.inference.estimate import estimate as knowledge
-from dashpot.engine.inference.estimate import white_noise
-from dashpot.engine.least_squares.problem import ordinary
-from dashpot.records.frf import FRF, Kind, Mode
-from dashpot.records.shaken import ShakenTest
-from dashpot.vibration.impact.amplitude import Trend, trend_of_hits
+from dashpot.datamodel.base_excitation import ShakenTest
+from dashpot.datamodel.frf import FRF, Kind, Mode
+from dashpot.numerics.inference.covariance_estimate import estimate as knowledge
+from dashpot.numerics.inference.covariance_estimate import white_noise
+from dashpot.numerics.least_squares.problem import ordinary
+from dashpot.vibration.impact.amplitude_trend import Trend, trend_of_hits
 from dashpot.vibration.impact.estimators import Estimator, Spectra, estimate, leave_one_out
 from dashpot.vibration.impact.exponential_window import ExponentialWindow
-from dashpot.vibration.impact.quality import HitQuality
+from dashpot.vibration.impact.hit_quality import HitQuality
 from dashpot.vibration.impact.rocking import Combination
 
 NO_TURN = 0.95

@@ -8,14 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from dashpot.base.arrays import BoolArray
-from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, Range, si, si_range, written
-from dashpot.records.checks import caution_checks
-from dashpot.records.frf import FRF, Hit
-from dashpot.records.impact import ImpactTest
-from dashpot.vibration.impact.amplitude import with_resonances
+from dashpot.base.validators import positive
+from dashpot.datamodel.checks import caution_checks
+from dashpot.datamodel.frf import FRF, Hit
+from dashpot.datamodel.impact import ImpactTest
+from dashpot.vibration.impact.amplitude_trend import with_resonances
 from dashpot.vibration.impact.averaging import Average, Choices, Window, average_hits
 from dashpot.vibration.impact.checks import checks_of, window_known
 from dashpot.vibration.impact.estimators import Estimator
@@ -24,8 +24,8 @@ from dashpot.vibration.impact.exponential_window import (
     find_window,
     without_offset,
 )
+from dashpot.vibration.impact.hit_quality import judge, moving_before
 from dashpot.vibration.impact.hits import HitBlock, calm, cut_hits
-from dashpot.vibration.impact.quality import judge, moving_before
 
 STILL = 0.003  # of the response: less motion before a hit is left as it is
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray, sample_count
-from dashpot.base.demands import not_negative
 from dashpot.base.errors import DataError
-from dashpot.records.impact import ImpactTest
+from dashpot.base.validators import not_negative
+from dashpot.datamodel.impact import ImpactTest
 from dashpot.vibration.modal.peaks import run_about
 
 TRIGGER = 0.1  # of the largest force of the test: smaller pulses are not hits

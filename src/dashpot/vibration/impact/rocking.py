@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.vibration.modal.lines import FLOOR, FRFLines, kernel
+from dashpot.vibration.modal.frf_lines import FLOOR, FRFLines, kernel
 from dashpot.vibration.modal.rational_fraction import find_poles, residues_at
 
 ABOUT = 1.2  # times their frequencies lie the lines that decide about two modes

@@ -10,8 +10,8 @@ import numpy as np
 
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.units import in_unit, written
-from dashpot.records.frf_set import ModeShape
-from dashpot.vibration.modal.stabilisation import Stabilisation
+from dashpot.extensions.modes.datamodel import ModeShape
+from dashpot.extensions.modes.stabilisation import Stabilisation
 
 STABLE = 5
 MISSED = 4.0

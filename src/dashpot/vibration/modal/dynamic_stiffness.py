@@ -8,10 +8,10 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, frozen
 from dashpot.base.checks import Check
-from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, si, si_range
-from dashpot.records.frf import FRF, Kind
+from dashpot.base.validators import positive
+from dashpot.datamodel.frf import FRF, Kind
 from dashpot.vibration.checks import causal
 from dashpot.vibration.modal.peaks import find_peak, run_about
 from dashpot.vibration.modal.sensitivity import changed

@@ -17,12 +17,12 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.errors import DataError, FitError
-from dashpot.engine.inference.estimate import estimate, white_noise
-from dashpot.engine.least_squares.problem import ordinary
-from dashpot.records.frf import FRF, Mode
-from dashpot.records.frf_set import FRFSet
+from dashpot.datamodel.frf import FRF, Mode
+from dashpot.extensions.modes.datamodel import FRFSet
+from dashpot.extensions.modes.multi_point import mode_at, shapes_of, within
+from dashpot.numerics.inference.covariance_estimate import estimate, white_noise
+from dashpot.numerics.least_squares.problem import ordinary
 from dashpot.vibration.modal.peaks import run_about
-from dashpot.vibration.modal.several_points import mode_at, shapes_of, within
 
 FEWEST_LINES = 5  # in the half-power band, for its width to be read
 HEIGHT = np.sqrt(0.5)
@@ -45,7 +45,7 @@ def find_modes(
     band: tuple[float, float] | None = None,
     count: int | None = None,
 ) -> tuple[Mode, ...]:
-    """Modes of a measured accelerance; see :meth:`dashpot.records.frf.FRF.modes`."""
+    """Modes of a measured accelerance; see :meth:`dashpot.datamodel.frf.FRF.modes`."""
     try:
         method = Method(method)
     except ValueError:

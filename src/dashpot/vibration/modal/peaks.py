@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.records.frf import FRF, Kind
+from dashpot.datamodel.frf import FRF, Kind
 
 # the parabola is laid through at least this many and at most that many lines
 FEWEST, MOST = 5, 31

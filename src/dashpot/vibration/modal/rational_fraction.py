@@ -19,10 +19,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
-from dashpot.engine.least_squares.descent import Objective, descend
-from dashpot.vibration.modal.lines import FRFLines, kernel
-from dashpot.vibration.modal.shapes import mac
-from dashpot.vibration.modal.trial import MOST_DAMPED, RATIOS, Ground, PoleTrial, Scan, scans
+from dashpot.extensions.modes.mode_shapes import mac
+from dashpot.numerics.least_squares.levenberg_marquardt import Objective, descend
+from dashpot.vibration.modal.frf_lines import FRFLines, kernel
+from dashpot.vibration.modal.pole_trial import MOST_DAMPED, RATIOS, Ground, PoleTrial, Scan, scans
 
 STEPS = 60
 ENOUGH = 0.2  # variances: what a last step may explain while modes are sought

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
-from dashpot.records.free_modes import FreeModes
+from dashpot.base.validators import positive
+from dashpot.datamodel.free_modes import FreeModes
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.solids.rate_independent import AmplitudeDependent, Linearised, amplitudes
 
@@ -126,7 +126,7 @@ class Mount:
         What stands beside the solid and answers to amplitude: friction, stiffening, both.
     amplitude : float or None
         Amplitude of the stretch, m (rad), at which every linear answer takes the friction; None
-        leaves it to :func:`~dashpot.vibration.systems.level.response_at_level`.
+        leaves it to :func:`~dashpot.extensions.amplitude.response_solver.response_at_level`.
     name : str
         Of the part that it belongs to: those of one name share its energy.
     """

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.units import GRAVITY
-from dashpot.records.compression import refuse_far
-from dashpot.records.fit import Fit
+from dashpot.base.validators import positive
+from dashpot.datamodel.compression_limits import refuse_far
+from dashpot.datamodel.fit import Fit
 from dashpot.solids.maxwell import Solid
 
 

@@ -11,11 +11,11 @@ import numpy.typing as npt
 from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
-from dashpot.records.frf import Kind, Mode
+from dashpot.datamodel.frf import Kind, Mode
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.bodies import MOTIONS, Mount, Point, Vector, point_mass, unit_vector
 from dashpot.vibration.systems.complex_modes import ComplexMode, complex_modes
-from dashpot.vibration.systems.prediction import model_modes
+from dashpot.vibration.systems.frf_prediction import model_modes
 from dashpot.vibration.systems.state_space import state_space
 from dashpot.vibration.systems.system import System
 
@@ -104,7 +104,7 @@ def random_base(
         Hz, of a table; it is 0 outside.
     coupled : float
         Of mounts that weigh something, the mass that couples both ends, kg
-        (:mod:`dashpot.vibration.systems.mounts`).
+        (:mod:`dashpot.vibration.systems.mount_mass`).
 
     Raises
     ------

@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray, samples
 from dashpot.base.errors import DataError
-from dashpot.records.free_modes import FreeModes
-from dashpot.records.frf import FRF, Kind
+from dashpot.datamodel.free_modes import FreeModes
+from dashpot.datamodel.frf import FRF, Kind
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.bodies import (
     MOTIONS,

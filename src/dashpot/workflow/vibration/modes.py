@@ -9,11 +9,11 @@ from typing import overload
 import numpy as np
 
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.documents import Documented
-from dashpot.base.facts import Fact
-from dashpot.base.numbers import counted
-from dashpot.base.offered import Pictured, Series, columns
-from dashpot.records.frf import FRF, Mode
+from dashpot.base.number_format import counted
+from dashpot.base.reported_values import Fact
+from dashpot.base.result_mixins import Pictured, Series, columns
+from dashpot.base.serialisation import Documented
+from dashpot.datamodel.frf import FRF, Mode
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class ImpactMode:
 class Modes(Pictured, Documented, Sequence[Mode]):
     """Natural frequencies, damping ratios and shapes, each with its standard error.
 
-    A sequence of :class:`~dashpot.records.frf.Mode`, the one that moves most first.
+    A sequence of :class:`~dashpot.datamodel.frf.Mode`, the one that moves most first.
 
     Attributes
     ----------

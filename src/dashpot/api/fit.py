@@ -1,0 +1,621 @@
+"""Which fit suits which records: from records to the model behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields, replace
+from inspect import signature
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, overload
+
+from dashpot.base.choices import AmplitudeLawAsked, ElasticKindAsked, FamilyAsked, ImpactLawAsked
+from dashpot.base.errors import DataError, FitError
+from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.datamodel.base_excitation import ShakenTest
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.impact import ImpactTest
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.relaxation import RampHold, RelaxationTest
+from dashpot.extensions.curves.datamodel.creep import CreepCompliance, CreepTest, LoadHold
+from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
+from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
+from dashpot.extensions.modes.datamodel import FRFSet
+from dashpot.extensions.modes.measured_modes import modes_of
+from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
+from dashpot.registry import KINDS, load, row_of
+from dashpot.workflow.fit_bench_tests import BenchAsked, fit_records
+from dashpot.workflow.fit_routing import BENCH, Fitted, route
+from dashpot.workflow.job import Cuts, HammerChoices, RodChoices, known_of_a_test
+from dashpot.workflow.shift_options import ShiftChoices
+from dashpot.workflow.vibration.impact_tests import identified, modes_of_hits
+from dashpot.workflow.vibration.measured_frf import measured_frf
+from dashpot.workflow.vibration.modes import Modes
+
+if TYPE_CHECKING:
+    from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep
+    from dashpot.extensions.amplitude.fit_files import Levels
+    from dashpot.extensions.materials.cld.datamodel import CompressionTest
+    from dashpot.extensions.materials.cld.fit_files import Pieces
+    from dashpot.extensions.materials.csr.datamodel import Aging, CounterforceTest
+    from dashpot.extensions.materials.hyperelastic.datamodel import (
+        HyperelasticFit,
+        StressStrainTest,
+    )
+    from dashpot.extensions.materials.indentation.datamodel import IndentationFit, IndentationTest
+    from dashpot.extensions.materials.slam.datamodel import SlamFit, SlamTest
+    from dashpot.extensions.modes.mass_series_files import ModesByMass
+    from dashpot.solids.part_geometry import Block, Disc
+
+Arms: TypeAlias = int | Literal["auto"]
+Elastic: TypeAlias = Literal["auto", "linear", "nonlinear", "by-depth"]
+OnBench: TypeAlias = (
+    RelaxationTest | RampHold | CreepTest | LoadHold | CreepCompliance | DynamicTest
+    | RelaxationModulus
+)  # fmt: skip
+Vibration: TypeAlias = ImpactTest | ShakenTest | FRF | FRFSet
+
+
+@overload
+def fit(
+    first: Vibration,
+    second: Vibration,
+    /,
+    *more: Vibration,
+    levels: Sequence[Quantity],
+    mass: Quantity | None = ...,
+    seals: float = ...,
+    band: Range | None = ...,
+    resonance_at: Sequence[Quantity] = ...,
+) -> Levels: ...
+@overload
+def fit(
+    record: Vibration,
+    /,
+    *,
+    mass: Quantity,
+    density: Quantity,
+    shape: str | Disc | Block,
+    arms: Arms = ...,
+    model: str = ...,
+    band: Range | None = ...,
+    lubricated: bool = ...,
+    mass_sd: Quantity | None = ...,
+    poisson: float | None = ...,
+) -> Fit: ...
+@overload
+def fit(
+    first: Vibration,
+    second: Vibration,
+    /,
+    *more: Vibration,
+    mass: list[Quantity] | tuple[Quantity, ...],
+    seals: float = ...,
+    band: Range | None = ...,
+) -> ModesByMass: ...
+@overload
+def fit(
+    first: OnBench | Vibration | Fit,
+    /,
+    *more: OnBench | Vibration | Fit,
+    mass: Quantity,
+    seals: float = ...,
+    seal_mass: Quantity | None = ...,
+    arms: Arms = ...,
+    model: str = ...,
+    band: Range | None = ...,
+    compression: Quantity | None = ...,
+    known: KnownSolid | None = ...,
+    rig: HammerRig | None = ...,
+    machine: Machine | None = ...,
+    impact_temperature: Quantity | None = ...,
+    hammer: HammerChoices | None = ...,
+) -> Fit: ...
+@overload
+def fit(
+    first: Vibration,
+    /,
+    *more: Vibration,
+    band: Range | None = ...,
+    hammer: HammerChoices | None = ...,
+) -> Modes: ...
+@overload
+def fit(
+    first: OnBench,
+    /,
+    *more: OnBench,
+    arms: Arms = ...,
+    model: str = ...,
+    elastic: Elastic = ...,
+    method: Literal["full", "hold"] = ...,
+    thorough: bool = ...,
+    filter: str | None = ...,
+    cuts: Cuts | None = ...,
+    machine: Machine | None = ...,
+    cycle: int | None = ...,
+    reference: Quantity | None = ...,
+    shift: str = ...,
+    vertical: str = ...,
+    only: Quantity | None = ...,
+) -> Fit: ...
+@overload
+def fit(
+    first: CompressionTest,
+    /,
+    *more: CompressionTest,
+    compression: Quantity | None = ...,
+    between: Range | None = ...,
+    force_limits: Range | None = ...,
+    memory: Fit | Sequence[Fit] = ...,
+    cycle: int | None = ...,
+) -> Pieces: ...
+@overload
+def fit(
+    first: StressStrainTest,
+    /,
+    *more: StressStrainTest,
+    model: str = ...,
+    terms: int | Literal["auto"] = ...,
+    poisson: float | None = ...,
+    memory: Fit | None = ...,
+    stretches: tuple[float, float] | None = ...,
+    temperature: Quantity | None = ...,
+    cycle: int | None = ...,
+) -> HyperelasticFit: ...
+@overload
+def fit(
+    first: CounterforceTest, /, *more: CounterforceTest, machine: Machine | None = ...
+) -> Aging: ...
+@overload
+def fit(
+    first: SlamTest,
+    /,
+    *more: SlamTest,
+    mass: Quantity,
+    slam: Quantity | Sequence[Quantity] = ...,
+    memory: Fit | Sequence[Fit] = ...,
+    speed_sd: float = ...,
+) -> SlamFit: ...
+@overload
+def fit(record: IndentationTest, /, *, model: str = ...) -> IndentationFit: ...
+@overload
+def fit(record: AmplitudeSweep, /, *, model: str = ...) -> AmplitudeFit: ...
+def fit(*records: Any, **how: Any) -> Any:
+    """Fit the model that suits the records; several records are of one part.
+
+    Parameters
+    ----------
+    *records : RelaxationTest, CreepTest, DynamicTest, RelaxationModulus, ImpactTest, FRF, ...
+        Tests on a bench are fitted together; hits and FRFs give modes, and with a `mass` the solid
+        under it, alone or together with tests of that solid or with their fit.
+    arms : int or "auto"
+        Number of Maxwell arms.
+    model : str
+        ``"maxwell"``, ``"fractional"`` or ``"auto"``; of other kinds a law by its name.
+    elastic : "auto", "linear", "nonlinear" or "by-depth"
+        Elastic law of the ramp.
+    method : "full" or "hold"
+        Ramp and hold as recorded, or the paper's equation (5).
+    mass : float or str, or a sequence of them
+        Of the block, kg or ``"104g"``; one for each FRF holds several masses against one solid.
+    seals : float
+        How many carry it.
+    levels : sequence
+        Of the force of each FRF, N.
+    density, shape
+        Of a rod under the mass: kg/m^3, and ``"disc:20mm,20mm"``.
+    compression, between, force_limits, memory, poisson, terms, stretches
+        As ``dashpot fit FILE --help`` says of the kind.
+
+    Returns
+    -------
+    Fit
+        Of tests on a bench, and of vibration under a mass.
+    Modes
+        Of hits and FRFs without a mass.
+    Pieces, HyperelasticFit, IndentationFit, AmplitudeFit, Levels, ModesByMass
+        Of the kinds that have a result of their own.
+
+    Raises
+    ------
+    DataError, FitError
+        If the records do not go together, or an option does not suit them.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> test, hits = dp.read("seal_8mm.csv"), dp.read("hammer.csv")
+    >>> dp.fit(test, arms=2).model.arms
+    2
+    >>> round(dp.fit(hits)[0].frequency, 1)
+    12.7
+    >>> dp.fit(test, hits, mass="114.8g", seals=2).method
+    'joint'
+    """
+    kinds = kinds_of(records)
+    mass, levels = how.get("mass"), how.get("levels") or ()
+    masses = len(mass) if isinstance(mass, list | tuple) else int(mass is not None)
+    rod = how.get("density") is not None or how.get("shape") is not None
+    meant = route(kinds, masses=masses, levels=bool(levels), rod=rod)
+    row = KINDS[next(iter(kinds.values()))] if meant not in _FITS else None
+    fitted = _FITS[meant] if row is None else load(row.fits)
+    taken = signature(fitted).parameters.keys() - {"records"}
+    strange = sorted(how.keys() - taken)
+    if strange:
+        what, takes = _CALLED.get(meant, meant), ", ".join(sorted(taken))
+        raise FitError(f"{strange[0]}= does not suit {what}. It takes {takes}")
+    return fitted(list(records), **how)
+
+
+def kinds_of(records: Sequence[Any]) -> Mapping[str, str]:
+    """Return the kind of each record by what it is called: its file, or its place.
+
+    Raises
+    ------
+    DataError
+        If there is none, or one is no record.
+    """
+    if not records:
+        raise DataError("there is nothing to fit. Give a record: dp.fit(dp.read(FILE))")
+    found: dict[str, str] = {}
+    for place, record in enumerate(records, 1):
+        if isinstance(record, list | tuple):
+            raise DataError(
+                "records are given one by one, not as a list: dp.fit(one, two), or dp.fit(*them)"
+            )
+        found[_name(record, place, found)] = kind_of(record)
+    return found
+
+
+def kind_of(record: object) -> str:
+    """Return the kind of a record, by the word of the register.
+
+    Raises
+    ------
+    DataError
+        If it is none.
+    """
+    if isinstance(record, Fit):
+        return "fit"
+    if isinstance(record, FRF):
+        return "transmissibility" if record.quantity.over_base else "frf"
+    if isinstance(record, FRFSet):
+        return "frf"
+    if isinstance(record, ShakenTest):
+        return "impact"
+    row = row_of(record)
+    if row is None:
+        said = f"'{record}'" if isinstance(record, str) else f"a {type(record).__name__}"
+        read = " Read a file first: dp.read(FILE)" if isinstance(record, str) else ""
+        raise DataError(f"{said} is no record that is fitted.{read}")
+    return row.name
+
+
+def _name(record: Any, place: int, known: Mapping[str, str]) -> str:
+    source = getattr(record, "source", None)
+    one = source[0] if isinstance(source, tuple) and source else source
+    name = getattr(one, "file", "") or f"record {place}"
+    return name if name not in known else f"{name} ({place})"
+
+
+_VIBRATION = (ImpactTest, ShakenTest, FRF, FRFSet)
+
+# -- what each meaning of `route` is done by ------------------------------------------------------
+
+
+def _bench(
+    records: list[Any],
+    *,
+    arms: Arms = "auto",
+    model: FamilyAsked = "maxwell",
+    elastic: Elastic = "auto",
+    method: Literal["full", "hold"] = "full",
+    thorough: bool = False,
+    filter: str | None = None,
+    cuts: Cuts | None = None,
+    machine: Machine | None = None,
+    cycle: int | None = None,
+    reference: Quantity | None = None,
+    shift: Any = "auto",
+    vertical: Any = "auto",
+    only: Quantity | None = None,
+) -> Fit:
+    by_depth = elastic == "by-depth"
+    shifting = ShiftChoices(
+        at=si(only, "temperature"), reference=si(reference, "temperature"), law=shift,
+        vertical=vertical,
+    )  # fmt: skip
+    asked = BenchAsked(
+        arms=arms, method=method, depth_law=by_depth, thorough=thorough,
+        law="auto" if elastic == "by-depth" else elastic, family=model, filter=filter,
+        cuts=cuts or Cuts(), machine=machine, cycle=cycle, shifting=shifting,
+    )  # fmt: skip
+    return fit_records(records, asked)[0]
+
+
+def _hits(
+    records: list[Any], *, band: Range | None = None, hammer: HammerChoices | None = None
+) -> Modes:
+    found, _ = modes_of_hits(_one(records), hammer=hammer, band=si_range(band, "frequency"))
+    return found
+
+
+def _modes(records: list[Any], *, band: Range | None = None) -> Modes:
+    return modes_of(set_of(records), band=si_range(band, "frequency"))[0]
+
+
+def _masses(
+    records: list[Any],
+    *,
+    mass: Sequence[Quantity],
+    seals: float = 1.0,
+    band: Range | None = None,
+) -> ModesByMass:
+    from dashpot.extensions.modes.mass_series_files import modes_under
+
+    return modes_under(
+        [set_of([one]) for one in records],
+        [si(one, "mass") for one in mass],
+        list(kinds_of(records)),
+        seals=seals,
+        band=si_range(band, "frequency"),
+    )
+
+
+def _joint(
+    records: list[Any],
+    *,
+    mass: Quantity | Sequence[Quantity],
+    seals: float | None = None,
+    seal_mass: Quantity | None = None,
+    arms: Arms = "auto",
+    model: FamilyAsked = "maxwell",
+    band: Range | None = None,
+    compression: Quantity | None = None,
+    known: KnownSolid | None = None,
+    rig: HammerRig | None = None,
+    machine: Machine | None = None,
+    impact_temperature: Quantity | None = None,
+    hammer: HammerChoices | None = None,
+) -> Fit:
+    (block,) = mass if isinstance(mass, list | tuple) else (mass,)
+    kilograms, hertz = si(block, "mass"), si_range(band, "frequency")
+    bench = machine and machine.on_bench
+    tests = [prepared(one, bench) for one in records if kind_of(one) in BENCH]
+    struck = [one for one in records if isinstance(one, _VIBRATION)]
+    frf = frf_of(struck, mass=kilograms, band=hertz, hammer=hammer)
+    found = identified(
+        frf,
+        tests=tests,
+        fits=[one for one in records if isinstance(one, Fit)],
+        mass=kilograms,
+        seal_mass=si(seal_mass, "mass"),
+        seals=1.0 if seals is None else seals,
+        seals_assumed=seals is None,
+        band=hertz,
+        compression=si(compression, "length"),
+        temperature=si(impact_temperature, "temperature"),
+        hammer=hammer,
+        arms=arms,
+        family=model,
+        known=known or KnownSolid(),
+        rig=(rig or HammerRig()).on(machine),
+    )
+    return replace(found.fit, evidence=replace(found.fit.evidence, checks=found.checks))
+
+
+def _level(
+    records: list[Any],
+    *,
+    levels: Sequence[Quantity] = (),
+    mass: Quantity | None = None,
+    seals: float = 1.0,
+    band: Range | None = None,
+    model: AmplitudeLawAsked = "auto",
+    resonance_at: Sequence[Quantity] = (),
+    machine: Machine | None = None,
+) -> Levels | AmplitudeFit:
+    from dashpot.extensions.amplitude.fit_files import frfs_at_levels, hits_at_levels, of_amplitude
+
+    at = [si(one, "force") for one in resonance_at]
+    kilograms, hertz = si(mass, "mass"), si_range(band, "frequency")
+    if any(isinstance(one, _VIBRATION) for one in records):
+        known_of_a_test(machine, tests=0, add="recorded loops")
+    if all(isinstance(one, ImpactTest) for one in records):
+        return hits_at_levels(records, levels, mass=kilograms, band=hertz, at=at)
+    if all(isinstance(one, FRF) for one in records):
+        return frfs_at_levels(records, levels, mass=kilograms, seals=seals, band=hertz, at=at)
+    if len(records) > 1:
+        raise FitError(
+            "one amplitude sweep is fitted at a time; only FRFs of several levels, or hits, go "
+            "together"
+        )
+    return of_amplitude(records[0], law=model, machine=machine).fit  # type: ignore[return-value]  # of a sweep
+
+
+def _rod(
+    records: list[Any],
+    *,
+    mass: Quantity,
+    density: Quantity | None = None,
+    shape: str | Disc | Block | None = None,
+    arms: Arms = "auto",
+    model: FamilyAsked = "maxwell",
+    band: Range | None = None,
+    lubricated: bool = False,
+    mass_sd: Quantity | None = None,
+    poisson: float | None = None,
+    hammer: HammerChoices | None = None,
+) -> Fit:
+    from dashpot.extensions.materials.rod.fit_files import rod_under
+
+    if density is None or shape is None:
+        raise FitError(
+            "a rod's density and shape turn motion into a modulus. Give both: density=1100, "
+            'shape="disc:20mm,20mm"'
+        )
+    kilograms, hertz = si(mass, "mass"), si_range(band, "frequency")
+    if poisson is None and not isinstance(shape, str):
+        own = {one.name: one.default for one in fields(shape)}.get("poisson")
+        poisson = None if getattr(shape, "poisson", own) == own else shape.poisson
+    found = rod_under(
+        frf_of(records, mass=kilograms, band=hertz, hammer=hammer),
+        mass=kilograms,
+        density=float(density),
+        rod=RodChoices(**shape_words(shape), lubricated=lubricated),
+        arms=arms,
+        family=model,
+        band=hertz,
+        mass_sd=si(mass_sd, "mass"),
+        poisson=poisson,
+    )
+    if found.fit is None:
+        raise FitError(found.reason)
+    return found.fit
+
+
+def _cld(
+    records: list[Any],
+    *,
+    compression: Quantity | None = None,
+    between: Range | None = None,
+    force_limits: Range | None = None,
+    memory: Fit | Sequence[Fit] = (),
+    cycle: int | None = None,
+    machine: Machine | None = None,
+) -> Pieces:
+    from dashpot.extensions.materials.cld.fit_files import cld_of
+
+    return cld_of(
+        records,
+        at=compression,
+        between=between,
+        limits=si_range(force_limits, "force"),
+        memory=[memory] if isinstance(memory, Fit) else list(memory),
+        cycle=cycle,
+        names=list(kinds_of(records)),
+        machine=machine,
+    )
+
+
+def _stress_strain(
+    records: list[Any],
+    *,
+    model: ElasticKindAsked = "auto",
+    terms: int | Literal["auto"] = "auto",
+    poisson: float | None = None,
+    memory: Fit | None = None,
+    stretches: tuple[float, float] | None = None,
+    temperature: Quantity | None = None,
+    cycle: int | None = None,
+) -> HyperelasticFit:
+    from dashpot.extensions.materials.hyperelastic.fit import fit_hyperelastic
+    from dashpot.fitting.parameters import memory_of
+
+    return fit_hyperelastic(
+        records,
+        law=model,
+        terms=terms,
+        poisson=poisson,
+        memory=None if memory is None else memory_of(memory.model),
+        cycle=cycle,
+        stretches=stretches,
+        temperature=si(temperature, "temperature"),
+    )
+
+
+def _indentation(records: list[Any], *, model: ImpactLawAsked = "auto") -> IndentationFit:
+    from dashpot.extensions.materials.indentation.fit import fit_indentation
+
+    if len(records) > 1:
+        raise FitError(
+            f"one hit of an indenter is fitted at a time, and there are {len(records)}. For a "
+            "table of all: dp.batch(FOLDER)"
+        )
+    return fit_indentation(records[0], law=model)
+
+
+_FITS: Mapping[Fitted, Callable[..., Any]] = {
+    "bench": _bench, "hits": _hits, "modes": _modes, "masses": _masses, "joint": _joint,
+    "level": _level, "rod": _rod, "cld": _cld, "stress-strain": _stress_strain,
+    "indentation": _indentation,
+}  # fmt: skip
+_CALLED: Mapping[Fitted, str] = {
+    "bench": "tests on a bench", "hits": "hits without a mass", "modes": "FRFs without a mass",
+    "masses": "FRFs under several masses", "joint": "vibration under a mass",
+    "level": "amplitudes and levels", "rod": "a rod", "cld": "load deflection",
+    "stress-strain": "stress over strain", "indentation": "an indenter's hit",
+}  # fmt: skip
+"""What an option may not suit."""
+
+
+# -- what several verbs make of a record ----------------------------------------------------------
+
+
+def prepared(test: Any, machine: Machine | None = None) -> RampHold:
+    """Return a ramp and hold as it is fitted; one that is prepared stays as it is.
+
+    Raises
+    ------
+    FitError
+        If it is another test.
+    """
+    if isinstance(test, RampHold):
+        return test
+    if not isinstance(test, RelaxationTest):
+        raise FitError(
+            f"a {type(test).__name__} is not fitted together with vibration. Fit it alone, and "
+            "give that fit: dp.fit(fit, hits, mass=...)"
+        )
+    from dashpot.preprocessing.prepare import prepare
+
+    return prepare(test, machine=machine)
+
+
+def frf_of(
+    measured: Sequence[Any],
+    *,
+    mass: float | None = None,
+    band: tuple[float, float] | None = None,
+    hammer: HammerChoices | None = None,
+) -> FRF:
+    """Return the FRF of hits, or one that was measured elsewhere, with what it says of itself."""
+    one = _one(measured)
+    if isinstance(one, FRFSet):
+        raise FitError("one FRF is fitted under a mass, that of the block: choose its point")
+    return measured_frf(one, choices=hammer or HammerChoices(), mass=mass, band=band)
+
+
+def _one(measured: Sequence[Any]) -> Any:
+    """What was measured: one record, or hits in several."""
+    if len(measured) == 1:
+        return measured[0]
+    if all(isinstance(one, ImpactTest) for one in measured):
+        return list(measured)
+    raise FitError(
+        f"{len(measured)} records of vibration are no one measurement. Give one FRF, or hits alone"
+    )
+
+
+def set_of(records: Sequence[Any]) -> FRFSet:
+    """Return FRFs as one set of points."""
+    if len(records) == 1 and isinstance(records[0], FRFSet):
+        return records[0]
+    frfs = [one for each in records for one in (each.frfs if isinstance(each, FRFSet) else (each,))]
+    return FRFSet(tuple(frfs))
+
+
+def shape_words(shape: str | Any) -> dict[str, Any]:
+    """Return the shape of a part as its options have it: ``{"disc": "20mm,20mm"}``.
+
+    Raises
+    ------
+    DataError
+        If it is no shape.
+    """
+    if not isinstance(shape, str):
+        metres = (getattr(shape, one.name) for one in fields(shape) if not one.kw_only)
+        return {type(shape).__name__.lower(): ",".join(f"{one!r}m" for one in metres)}
+    name, colon, lengths = shape.partition(":")
+    if not colon or name not in {"disc", "block", "bush", "bulb"}:
+        raise DataError(f"shape='{shape}': expected a shape with its lengths, disc:20mm,20mm")
+    return {name: lengths}

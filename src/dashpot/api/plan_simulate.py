@@ -1,0 +1,225 @@
+"""Before a test: what it will tell, and a test of a known seal to try everything on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Literal, overload
+
+from dashpot.base.choices import Method
+from dashpot.base.errors import DataError
+from dashpot.base.units import Quantity, si
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.machine import Machine
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+
+if TYPE_CHECKING:
+    from dashpot.datamodel.impact import ImpactTest
+    from dashpot.datamodel.relaxation import RelaxationTest
+    from dashpot.extensions.curves.datamodel.creep import CreepTest
+    from dashpot.planning.plan import Plan
+    from dashpot.solids.shift_laws import TemperatureLaw
+
+
+def plan(
+    *,
+    frequency: Quantity,
+    depth: Quantity = "8mm",
+    ramp: Quantity = "1s",
+    hold: Quantity = "40s",
+    rate: Quantity = "1kHz",
+    noise: Quantity = "5mN",
+    baseline: Quantity = "1s",
+    method: Method = "full",
+    machine: Machine | None = None,
+    seal: str | Fit | GeneralizedMaxwell = "paper",
+    cold: Sequence[Quantity] = (),
+    mass: Quantity | None = None,
+    seals: float = 1.0,
+    hits: int = 5,
+    wanted: float = 0.1,
+) -> Plan:
+    """Say how well a planned test will measure stiffness and loss factor at a frequency.
+
+    Parameters
+    ----------
+    frequency : float or str
+        That matters, Hz or ``"12.71Hz"``.
+    depth, ramp, hold, rate, noise, baseline, method
+        Of the ramp and hold, m, s, s, Hz, N and s.
+    machine : Machine, optional
+        What is known of the testing machine.
+    seal : str, Fit or GeneralizedMaxwell
+        A guess at the seal: ``"paper"``, ``"broad"`` or ``"hidden"``, or a solid.
+    cold : sequence of float or str
+        Temperatures at which the test is repeated, K or ``"0degC"``.
+    mass, seals, hits
+        Of a hammer test besides.
+    wanted : float
+        Relative standard deviation of the loss factor that would do.
+
+    Raises
+    ------
+    DataError
+        If a number makes no sense.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> planned = dp.plan(frequency="12.71Hz", ramp="1s", hold="40s")
+    >>> planned.expected.loss_factor_sd > 0.1
+    True
+    """
+    from dashpot.planning.assumed_seal import SupposedSeal
+    from dashpot.planning.plan import plan as planned
+    from dashpot.planning.plan_options import HammerPlan
+    from dashpot.planning.planned_ramp_hold import Bench
+
+    solid, law, _ = _known(seal)
+    bench = Bench(
+        depth=si(depth, "length"), ramp_time=si(ramp, "time"), hold_time=si(hold, "time"),
+        rate=si(rate, "frequency"), noise=si(noise, "force"), method=method,
+        baseline=si(baseline, "time"), machine=machine or Machine(),
+    )  # fmt: skip
+    return planned(
+        bench,
+        at=frequency,
+        seal=SupposedSeal(model=solid.maxwell, law=law),
+        hammer=HammerPlan(mass=si(mass, "mass"), seals=seals, hits=hits),
+        cold=[si(one, "temperature") for one in cold],
+        wanted=wanted,
+    )
+
+
+@overload
+def simulate(
+    what: Literal["relaxation"],
+    *,
+    seal: str | Fit | Solid = ...,
+    depth: Quantity = ...,
+    ramp: Quantity = ...,
+    hold: Quantity = ...,
+    rate: Quantity | None = ...,
+    temperature: Quantity | None = ...,
+    noise_free: bool = ...,
+    seed: int = ...,
+) -> RelaxationTest: ...
+@overload
+def simulate(
+    what: Literal["creep"],
+    *,
+    seal: str | Fit | Solid = ...,
+    load: Quantity = ...,
+    ramp: Quantity = ...,
+    hold: Quantity = ...,
+    rate: Quantity | None = ...,
+    temperature: Quantity | None = ...,
+    noise_free: bool = ...,
+    seed: int = ...,
+) -> CreepTest: ...
+@overload
+def simulate(
+    what: Literal["impact"],
+    *,
+    seal: str | Fit | Solid = ...,
+    mass: Quantity | None = ...,
+    seals: float = ...,
+    hits: int = ...,
+    hit_length: Quantity | None = ...,
+    rate: Quantity | None = ...,
+    temperature: Quantity | None = ...,
+    noise_free: bool = ...,
+    seed: int = ...,
+) -> ImpactTest: ...
+def simulate(
+    what: Literal["relaxation", "creep", "impact"],
+    *,
+    seal: str | Fit | Solid = "paper",
+    seed: int = 0,
+    temperature: Quantity | None = None,
+    noise_free: bool = False,
+    rate: Quantity | None = None,
+    **how: Any,
+) -> Any:
+    """Simulate a test of a known seal; the record says that it is simulated.
+
+    Parameters
+    ----------
+    what : str
+        ``"relaxation"``, ``"creep"`` or ``"impact"``.
+    seal : str, Fit or Solid
+        ``"paper"`` (its Table 1), ``"broad"`` (three faster arms) or ``"hidden"`` (one), or one's
+        own.
+    depth, load, ramp, hold : float or str
+        Of the ramp and hold, m or N, s and s.
+    mass, seals, hits, hit_length
+        Of the block, kg; how many seals carry it; and of the hits, s.
+    temperature : float or str, optional
+        Of the test, K.
+    noise_free : bool
+        Without noise, drift, bias, hum and steps.
+    seed : int
+
+    Raises
+    ------
+    DataError
+        If there is no such seal, or a word does not suit the test.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> test = dp.simulate("relaxation", seal="broad", hold="5s", noise_free=True)
+    >>> dp.fit(test, arms=2).model.arms
+    2
+    """
+    from dashpot import simulation
+
+    if what not in _TESTS:
+        raise DataError(f"'{what}' is not simulated; expected one of {', '.join(_TESTS)}")
+    instrument, words = _TESTS[what]
+    strange = sorted(how.keys() - words.keys())
+    if strange:
+        raise DataError(f"{strange[0]}= is not of a test of {what}. It takes {', '.join(words)}")
+    solid, law, block = _known(seal)
+    given = {words[name]: value for name, value in how.items()}
+    if what == "impact":
+        given = {"mass": block, "seals": 2.0} | given
+        if given["mass"] is None:
+            raise DataError('the mass under the hammer is not known for this seal: mass="104g"')
+        given["mass"] = si(given["mass"], "mass")
+    rig: Any = getattr(simulation, instrument)()
+    stated = {"rate": si(rate, "frequency"), "record": si(given.pop("record", None), "time")}
+    rig = replace(
+        rig.noise_free() if noise_free else rig,
+        **{name: one for name, one in stated.items() if one is not None},
+    )
+    climate = None
+    if temperature is not None:
+        climate = simulation.Climate(si(temperature, "temperature"), law)
+    made = getattr(simulation, f"simulate_{what}")
+    return made(solid, rig=rig, seed=seed, climate=climate, **given).test
+
+
+_TIMES = {"ramp": "ramp_time", "hold": "hold_time"}
+_TESTS: dict[str, tuple[str, dict[str, str]]] = {
+    "relaxation": ("Rig", {"depth": "depth", **_TIMES}),
+    "creep": ("Rig", {"load": "load", **_TIMES}),
+    "impact": (
+        "Hammer", {"mass": "mass", "seals": "seals", "hits": "hits", "hit_length": "record"}
+    ),
+}  # fmt: skip
+"""What is simulated: its instrument, and the words of it as the simulation has them."""
+
+
+def _known(seal: str | Fit | Solid) -> tuple[Any, TemperatureLaw, float | None]:
+    """A solid, how it follows temperature, and the block that is known to peak on two of it."""
+    from dashpot.solids.demo_seals import SEALS, SHIFT
+
+    if isinstance(seal, str):
+        if seal not in SEALS:
+            raise DataError(f"seal='{seal}': expected one of {', '.join(SEALS)}, or a solid")
+        solid, mass = SEALS[seal]
+        return solid, SHIFT, mass
+    if isinstance(seal, Fit):
+        return seal.solid, seal.temperature_law or SHIFT, None
+    return seal, SHIFT, None

@@ -1,0 +1,514 @@
+"""What a solid makes of a mass, a door or a deck, and how well that agrees with a measurement."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, overload
+
+from dashpot.api.fit import Arms, Vibration, frf_of, kind_of, prepared, shape_words
+from dashpot.api.read_save import Place
+from dashpot.base.choices import Method
+from dashpot.base.errors import DataError
+from dashpot.base.plausibility import SIZES
+from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.impact import ImpactTest
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.relaxation import RampHold, RelaxationTest
+from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.modes.datamodel import FRFSet
+from dashpot.registry import load, row_of
+from dashpot.workflow.job import Cuts, HammerChoices, LevelChoices, PartChoices
+from dashpot.workflow.response.frf_prediction import BAND, Prediction, prediction
+from dashpot.workflow.vibration.impact_tests import Agreement, agreement
+
+if TYPE_CHECKING:
+    from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
+    from dashpot.extensions.amplitude.fit_files import Levels
+    from dashpot.extensions.amplitude.level_results import LevelFit
+    from dashpot.extensions.batch.comparison import LotComparison
+    from dashpot.extensions.batch.lot import Lot
+    from dashpot.extensions.door.closing_result import ClosingResult
+    from dashpot.extensions.door.door_model import Door
+    from dashpot.extensions.door.result import DoorResult
+    from dashpot.extensions.materials.csr.datamodel import Aging
+    from dashpot.extensions.materials.csr.lifetime_prediction import Aged
+    from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
+    from dashpot.extensions.materials.slam.prediction import Slam
+    from dashpot.solids.maxwell import Solid
+    from dashpot.solids.part_geometry import Geometry
+    from dashpot.vibration.comparison.comparison import Comparison
+    from dashpot.workflow.study import Study
+
+Records: TypeAlias = RelaxationTest | RampHold | Sequence[RelaxationTest | RampHold]
+To: TypeAlias = Literal[
+    "nastran", "abaqus", "ansys", "lsdyna", "radioss", "calculix", "opensees", "adams",
+    "statespace", "csv",
+]  # fmt: skip
+
+
+@overload
+def predict(
+    solid: Fit,
+    /,
+    *,
+    mass: Quantity,
+    seals: float = ...,
+    seal_mass: Quantity | None = ...,
+    band: Range = ...,
+    lines: int = ...,
+    quantity: str = ...,
+    base: bool | str = ...,
+    relative: bool = ...,
+    compression: Quantity | None = ...,
+    temperature: Quantity | None = ...,
+    shape: str | Geometry | None = ...,
+    level: Quantity | Sequence[Quantity] = ...,
+    sweep: AmplitudeSweep | None = ...,
+    height: Quantity | None = ...,
+    record: Records = ...,
+    machine: Machine | None = ...,
+) -> Prediction: ...
+@overload
+def predict(solid: Fit, /, *, slam: Quantity, mass: Quantity, seals: float = ...) -> Slam: ...
+@overload
+def predict(
+    solid: Solid,
+    /,
+    *,
+    mass: Quantity,
+    seals: float = ...,
+    band: Range = ...,
+    lines: int = ...,
+    quantity: str = ...,
+) -> FRF: ...
+@overload
+def predict(
+    solid: Aging, /, *, temperature: Quantity, until: str | Sequence[str] = ...
+) -> Aged: ...
+@overload
+def predict(solid: Aging, /, *, temperature: Quantity, until: str, new: Fit) -> Fit: ...
+@overload
+def predict(
+    solid: Door, /, *, close: Quantity, temperature: Quantity | None = ...
+) -> ClosingResult: ...
+@overload
+def predict(
+    solid: Door, /, *, band: Range = ..., temperature: Quantity | None = ...
+) -> DoorResult: ...
+def predict(solid: Any, /, **how: Any) -> Any:
+    """Predict how a solid vibrates under a mass, on a moving base, at a level, or in a door.
+
+    Parameters
+    ----------
+    solid : Fit, a solid or Door
+        A fit brings what is known of it; a bare solid gives an FRF alone.
+    mass : float or str
+        Of the block, kg or ``"104g"``.
+    seals : float
+        How many carry it.
+    band : (float, float) or str
+        Hz, ``"1:50Hz"``.
+    base : bool or str
+        The base moves; a text says how it shakes at random: a file, or ``"0.01g^2/Hz"``.
+    compression, temperature, shape, level, sweep, record
+        As ``dashpot predict --help`` has them; `record` is the test behind the fit.
+    close : float or str
+        Of a door: the speed at its edge, m/s.
+    slam : float or str
+        Of a mass on a piece: its speed at the touch, m/s, or the height of its fall, ``"18mm"``.
+
+    Returns
+    -------
+    Prediction, FRF, Slam, DoorResult or ClosingResult
+
+    Raises
+    ------
+    DataError
+        If an option does not suit, or no one means the mass.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> found = dp.fit(dp.read("seal_8mm.csv"), arms=2)
+    >>> predicted = dp.predict(found, mass="114.8g", seals=2, band=(1, 50))
+    >>> round(predicted.modes[0].frequency, 1)
+    12.2
+    """
+    from dashpot.extensions.door.door_model import Door
+
+    row = row_of(solid)
+    if row is not None and row.predict:
+        return load(row.predict)(solid, **how)
+    if isinstance(solid, Door):
+        return _door(solid, **how)
+    if isinstance(solid, Fit) and "slam" in how:
+        slammed: Slam = load("extensions.materials.slam.prediction:predict_slam")(solid, **how)
+        return slammed
+    return _under_mass(solid, **how) if isinstance(solid, Fit) else _bare(solid, **how)
+
+
+def _door(
+    door: Door,
+    *,
+    band: Range | None = None,
+    close: Quantity | None = None,
+    temperature: Quantity | None = None,
+) -> DoorResult | ClosingResult:
+    from dashpot.extensions.door.analyse_file import door_file
+    from dashpot.extensions.door.closing_from_file import close_file
+
+    kelvin = si(temperature, "temperature")
+    if close is not None:
+        return close_file(door, si(close, "velocity"), temperature=kelvin)
+    return door_file(door, band=si_range(band, "frequency"), temperature=kelvin)
+
+
+def _bare(
+    solid: Solid,
+    *,
+    mass: Quantity,
+    seals: float = 1.0,
+    band: Range | None = None,
+    lines: int = 2001,
+    quantity: str = "accelerance",
+) -> FRF:
+    import numpy as np
+
+    from dashpot.vibration.systems.frf_prediction import predict_frf
+
+    hertz = np.linspace(*(si_range(band, "frequency") or BAND), lines)
+    kilograms = si(mass, "mass")
+    SIZES["mass"].refuse(kilograms)
+    return predict_frf(seals * solid, mass=kilograms, frequency=hertz, kind=quantity)
+
+
+def _under_mass(
+    found: Fit,
+    *,
+    mass: Quantity,
+    seals: float = 1.0,
+    seal_mass: Quantity | None = None,
+    band: Range | None = None,
+    lines: int = 2001,
+    quantity: str | None = None,
+    base: bool | str = False,
+    relative: bool = False,
+    compression: Quantity | None = None,
+    temperature: Quantity | None = None,
+    shape: str | Geometry | None = None,
+    level: Quantity | Sequence[Quantity] = (),
+    sweep: AmplitudeSweep | None = None,
+    height: Quantity | None = None,
+    record: Records = (),
+    machine: Machine | None = None,
+) -> Prediction:
+    part = PartChoices(**shape_words(shape)) if shape is not None else None
+    said = (level,) if isinstance(level, str | float | int) else tuple(level)
+    levels = tuple(f"{one!r}{'m/s^2' if base else 'N'}" if not isinstance(one, str) else one
+                   for one in said)  # fmt: skip
+    choices = LevelChoices(levels=levels, height=si(height, "length"))
+    if sweep is not None and not levels:
+        raise DataError("sweep= is what a level does to the part: add level=")
+    swept = None
+    if sweep is not None:
+        from dashpot.extensions.amplitude.amplitude_response import swept_by
+        from dashpot.extensions.amplitude.fit import fit_amplitude
+
+        swept = swept_by(fit_amplitude(sweep), sweep, choices, unit=found.unit, part=part)
+    return prediction(
+        found,
+        _behind(record, machine),
+        mass=si(mass, "mass"),
+        seal_mass=si(seal_mass, "mass"),
+        seals=seals,
+        band=si_range(band, "frequency"),
+        lines=lines,
+        kind=quantity,
+        base=bool(base),
+        relative=relative,
+        compression=si(compression, "length"),
+        temperature=si(temperature, "temperature"),
+        part=part,
+        at_level=choices,
+        swept=swept,
+        base_psd=base if isinstance(base, str) else None,
+    )
+
+
+def _behind(record: Records, machine: Machine | None = None) -> list[RampHold]:
+    """The tests behind a fit, prepared."""
+    tests = (record,) if isinstance(record, RelaxationTest | RampHold) else record
+    return [prepared(one, machine) for one in tests]
+
+
+@overload
+def compare(
+    one: Fit | Prediction,
+    other: Vibration,
+    /,
+    *,
+    mass: Quantity | None = ...,
+    seals: float | None = ...,
+    seal_mass: Quantity | None = ...,
+    band: Range | None = ...,
+    compression: Quantity | None = ...,
+    record: Records = ...,
+    hammer: HammerChoices | None = ...,
+) -> Agreement: ...
+@overload
+def compare(one: FRF, other: FRF, /, *, band: Range | None = ...) -> Comparison: ...
+@overload
+def compare(one: Lot, other: Lot, /, *, quantities: Sequence[str] = ...) -> LotComparison: ...
+def compare(one: Any, other: Any, /, **how: Any) -> Any:
+    """Hold a prediction against a measurement, an FRF against an FRF, or a lot against a lot.
+
+    Parameters
+    ----------
+    one : Fit, Prediction, FRF or Lot
+    other : ImpactTest, FRF or Lot
+    mass, seals : optional
+        Of the block, and how many carry it; a prediction knows both. Without a mass it is taken
+        from the measurement, and said so.
+    band : optional
+        Lines compared, Hz.
+
+    Raises
+    ------
+    DataError
+        If the two cannot be compared.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> found, hits = dp.fit(dp.read("seal_8mm.csv"), arms=2), dp.read("hammer.csv")
+    >>> dp.compare(found, hits, mass="114.8g", seals=2).verdict.use
+    'do not use'
+    """
+    from dashpot.extensions.batch.lot import Lot
+
+    if isinstance(one, Lot) and isinstance(other, Lot):
+        from dashpot.extensions.batch.comparison import compared
+
+        names = tuple(how.pop("quantities", ()))
+        return compared(("the first lot", one), ("the second lot", other), names, **how)
+    if isinstance(one, FRF) and isinstance(other, FRF):
+        from dashpot.vibration.comparison import compare as room
+
+        band = si_range(how.pop("band", None), "frequency")
+        return room.compare(one, other, band=band, **how)
+    measured = isinstance(other, ImpactTest | FRF) or (
+        not isinstance(other, FRFSet | Lot) and kind_of(other) == "impact"
+    )
+    if isinstance(one, Fit | Prediction) and measured:
+        return _agreement(one, other, **how)
+    raise DataError(
+        f"a {type(one).__name__} is not compared with a {type(other).__name__}. Compare a fit or a "
+        "prediction with hits or an FRF, an FRF with an FRF, or a lot with a lot"
+    )
+
+
+def _agreement(
+    one: Fit | Prediction,
+    other: Any,
+    *,
+    mass: Quantity | None = None,
+    seals: float | None = None,
+    seal_mass: Quantity | None = None,
+    band: Range | None = None,
+    compression: Quantity | None = None,
+    record: Records = (),
+    hammer: HammerChoices | None = None,
+) -> Agreement:
+    kilograms, at = si(mass, "mass"), si(compression, "length")
+    if isinstance(one, Prediction):
+        kilograms = one.moving_mass if kilograms is None else kilograms
+        seals = one.seals if seals is None else seals
+        point = one.at_rest.point
+        at = point.compression if at is None and point.given else at
+        one = one.fit
+    hertz = si_range(band, "frequency")
+    return agreement(
+        one,
+        frf_of([other], mass=kilograms, band=hertz, hammer=hammer),
+        tests=_behind(record),
+        mass=kilograms,
+        seal_mass=si(seal_mass, "mass"),
+        seals=1.0 if seals is None else seals,
+        band=hertz,
+        compression=at,
+    )
+
+
+def report(
+    *records: RelaxationTest | Vibration,
+    mass: Quantity | None = None,
+    seals: float = 1.0,
+    arms: Arms = "auto",
+    method: Method = "full",
+    model: Any = "maxwell",
+    elastic: Any = "auto",
+    band: Range | None = None,
+    filter: str | None = None,
+    cuts: Cuts | None = None,
+    cycle: int | None = None,
+    machine: Machine | None = None,
+    joint: bool = True,
+    compression: Quantity | None = None,
+    impact_temperature: Quantity | None = None,
+    hammer: HammerChoices | None = None,
+    title: str = "",
+) -> Study:
+    """Fit, predict, compare and fit together; ``.save("report.html")`` writes the page.
+
+    Parameters
+    ----------
+    *records : RelaxationTest, and ImpactTest or FRF
+        Tests of one seal, and hits or an FRF of a mass on such seals.
+    mass : float or str, optional
+        Of the block, kg; inferred from the hits, and said so, if missing.
+    seals, arms, method, model, elastic, band, filter, cuts, machine, compression
+        As ``dp.fit`` takes them.
+    joint : bool
+        Whether to fit tests and hits together, too.
+    title : str
+        Of the page.
+
+    Raises
+    ------
+    DataError, FitError
+        If there is no relaxation test, or one cannot be prepared, fitted or compared.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> study = dp.report(dp.read("seal_8mm.csv"), arms=2)
+    >>> study.fit.model.arms, study.joint
+    (2, None)
+    """
+    from dashpot.workflow.study import characterise
+
+    tests = [one for one in records if isinstance(one, RelaxationTest)]
+    struck = [one for one in records if not isinstance(one, RelaxationTest)]
+    if not tests:
+        raise DataError("a report is of a relaxation test. Give one: dp.report(test, hits)")
+    kilograms, hertz = si(mass, "mass"), si_range(band, "frequency")
+    measured = impact = None
+    if struck:
+        measured = frf_of(struck, mass=kilograms, band=hertz, hammer=hammer)
+        impact = struck[0] if isinstance(struck[0], ImpactTest) and len(struck) == 1 else None
+    found = characterise(
+        tests[0],
+        measured,
+        further=tests[1:],
+        impact=impact,
+        mass=kilograms,
+        seals=seals,
+        arms=arms,
+        method=method,
+        law=elastic,
+        family=model,
+        cuts=cuts,
+        band=hertz,
+        filter=filter,
+        cycle=cycle,
+        machine=machine,
+        joint=joint,
+        compression=compression,
+        impact_temperature=impact_temperature,
+    )
+    return replace(found, title=title)
+
+
+def export(
+    solid: Fit | Solid | HyperelasticFit | LevelFit | Levels,
+    path: Place | None = None,
+    /,
+    *,
+    to: To,
+    unit_system: Literal["SI", "mm-t-s", "mm-kg-ms"] | None = None,
+    temperature: Quantity | None = None,
+    length: Quantity | None = None,
+    seals: float = 1.0,
+    compression: Quantity | None = None,
+    band: Range | None = None,
+    form: str | None = None,
+    allow: str | Sequence[str] = (),
+    mass: Quantity | None = None,
+    **of_solver: Any,
+) -> str:
+    """Write a solid as input for a solver, and return the deck.
+
+    Parameters
+    ----------
+    solid : Fit, a solid, HyperelasticFit or Levels
+    path : path, optional
+        Where the deck is written.
+    to : str
+        The solver: ``"nastran"``, ``"abaqus"``...
+    unit_system : str
+        Of the deck: ``"SI"``, ``"mm-t-s"`` or ``"mm-kg-ms"``.
+    temperature, length : float or str
+        Of the seal, K or ``"23degC"``, and its length in contact, m or ``"50mm"``.
+    seals, compression
+        How many side by side, and about which compression they vibrate.
+    band : (float, float) or str, optional
+        Of a table, Hz.
+    allow : str or sequence of str
+        Problems to overlook, by their names, or ``"all"``; the deck says so.
+
+    Raises
+    ------
+    ExportError
+        If what the solver needs is not stated, or the data do not determine a parameter.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> found = dp.fit(dp.read("seal_8mm.csv"), arms=2)
+    >>> deck = dp.export(
+    ...     found, to="nastran", unit_system="mm-t-s", temperature="23degC", length="100mm"
+    ... )
+    >>> "PBUSHT" in deck
+    True
+    """
+    from dashpot.export import deck_for
+    from dashpot.solids.maxwell import Solid
+
+    found: Any = getattr(solid, "fit", solid) if not isinstance(solid, Fit) else solid
+    kelvin, metres = si(temperature, "temperature"), si(length, "length")
+    if metres is not None:
+        found = _of_length(found, metres)
+    choices: dict[str, Any] = {
+        "form": form, "frequency_range": si_range(band, "frequency"), "mass": si(mass, "mass"),
+        "allow": (allow,) if isinstance(allow, str) else tuple(allow), "units": unit_system,
+        **of_solver,
+    }  # fmt: skip
+    if isinstance(found, Solid):
+        choices["specimen"] = Specimen(temperature=kelvin, length=metres)
+    deck = deck_for(
+        to,
+        found,
+        seals=seals,
+        compression=si(compression, "length"),
+        temperature=kelvin,
+        **choices,
+    )
+    if path is not None:
+        from dashpot.base.atomic import write_whole
+
+        write_whole(Path(path), str(deck).encode())
+    return str(deck)
+
+
+def _of_length(found: Any, metres: float) -> Any:
+    """The fit of a piece whose length in contact is known; a bare solid has no piece."""
+    if hasattr(found, "provenance"):
+        piece = replace(found.specimen, length=metres)
+        return replace(found, provenance=replace(found.provenance, specimen=piece))
+    if hasattr(found, "specimen"):
+        return replace(found, specimen=replace(found.specimen, length=metres))
+    return found

@@ -1,0 +1,354 @@
+"""From a file to the record or the result that it holds, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict, TypeVar, Unpack, overload
+
+from dashpot.base.errors import DataError, ReadError
+from dashpot.base.result_mixins import verb
+from dashpot.base.units import Quantity, si
+from dashpot.datamodel.specimen import Specimen
+from dashpot.reading.read_options import ReadOptions, load_profile
+from dashpot.reading.readers.detect_kind import called, recognise
+from dashpot.registry import KINDS, load
+
+if TYPE_CHECKING:
+    from dashpot.datamodel.frf import FRF
+    from dashpot.datamodel.impact import ImpactTest
+    from dashpot.datamodel.relaxation import RelaxationTest
+    from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
+    from dashpot.extensions.curves.datamodel.creep import CreepCompliance, CreepTest
+    from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
+    from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
+    from dashpot.extensions.materials.cld.datamodel import CompressionTest
+    from dashpot.extensions.materials.csr.datamodel import CounterforceTest
+    from dashpot.extensions.materials.hyperelastic.datamodel import StressStrainTest
+    from dashpot.extensions.materials.indentation.datamodel import IndentationTest
+    from dashpot.extensions.materials.slam.datamodel import SlamTest
+    from dashpot.workflow.inspections import InspectedFile
+
+Place: TypeAlias = str | Path
+Column: TypeAlias = str | int | Sequence[str | int]
+N = TypeVar("N")
+
+
+class How(TypedDict, total=False):
+    """What a file leaves open and its reader says: the reading options of the command line.
+
+    Attributes
+    ----------
+    columns : mapping of str to str or int
+        The column of a role, by name or number: ``{"force": "Kraft"}``.
+    units : mapping of str to str
+        The unit of a role or a column: ``{"force": "N"}``.
+    text, part : mapping
+        ``delimiter``, ``decimal``, ``encoding``, ``skip``; ``segment``, ``cycle``, ``sheet``.
+    rate : float or str
+        Sampling rate, Hz, of a file without a clock.
+    window_decay : float or str
+        Time constant, s, of an exponential window that hits or an FRF carry; 0 if there is none.
+    calibration : path
+        Of a six-axis transducer, with `axis`.
+    profile : path
+        Answers that ``dashpot inspect --save`` has kept.
+    specimen : Specimen
+    test : str
+        Of stress over strain: ``"uniaxial"``, ``"compression"``, ``"biaxial"``, ``"planar"`` or
+        ``"volumetric"``.
+    mass, radius, radius_error, drop_height, impact_velocity : float or str
+        Of an indenter.
+    """
+
+    columns: Mapping[str, Column]
+    units: Mapping[str, str]
+    text: Mapping[str, Any]
+    part: Mapping[str, Any]
+    rate: Quantity
+    window_decay: Quantity
+    calibration: Place
+    axis: str
+    profile: Place
+    specimen: Specimen
+    test: str
+    mass: Quantity
+    radius: Quantity
+    radius_error: Quantity
+    drop_height: Quantity
+    impact_velocity: Quantity
+
+
+_INDENTER = ("mass", "radius", "radius_error", "drop_height", "impact_velocity")
+_TEXT = {"skip": "skip_rows"}
+_TAKEN: Mapping[str, Callable[[Any], Any]] = {
+    "units": dict, "axis": str, "calibration": str, "rate": lambda rate: si(rate, "frequency"),
+    "window_decay": lambda decay: si(decay, "time"),
+}  # fmt: skip
+"""What is said under the names that the reading options have, and what they take of it."""
+
+
+@overload
+def read(path: Place, *, kind: Literal["relaxation"], **how: Unpack[How]) -> RelaxationTest: ...
+@overload
+def read(
+    path: Place, *, kind: Literal["creep"], **how: Unpack[How]
+) -> CreepTest | CreepCompliance: ...
+@overload
+def read(
+    path: Place, *, kind: Literal["dma", "master-curve"], **how: Unpack[How]
+) -> DynamicTest: ...
+@overload
+def read(path: Place, *, kind: Literal["modulus"], **how: Unpack[How]) -> RelaxationModulus: ...
+@overload
+def read(
+    path: Place | Sequence[Place], *, kind: Literal["impact"], **how: Unpack[How]
+) -> ImpactTest: ...
+@overload
+def read(path: Place, *, kind: Literal["frf", "transmissibility"], **how: Unpack[How]) -> FRF: ...
+@overload
+def read(path: Place, *, kind: Literal["cld"], **how: Unpack[How]) -> CompressionTest: ...
+@overload
+def read(
+    path: Place, *, kind: Literal["stress-strain"], **how: Unpack[How]
+) -> StressStrainTest: ...
+@overload
+def read(path: Place, *, kind: Literal["csr"], **how: Unpack[How]) -> CounterforceTest: ...
+@overload
+def read(path: Place, *, kind: Literal["slam"], **how: Unpack[How]) -> SlamTest: ...
+@overload
+def read(path: Place, *, kind: Literal["indentation"], **how: Unpack[How]) -> IndentationTest: ...
+@overload
+def read(
+    path: Place, *, kind: Literal["strain-sweep", "cyclic"], **how: Unpack[How]
+) -> AmplitudeSweep: ...
+@overload
+def read(path: Place | Sequence[Place], *, kind: str | None = ..., **how: Unpack[How]) -> Any: ...
+def read(path: Place | Sequence[Place], *, kind: str | None = None, **how: Any) -> Any:
+    """Read a record, or a stored result, as what it is.
+
+    Parameters
+    ----------
+    path : path or sequence of path
+        A file; several of hits are one hammer test. A folder of a batch is a lot.
+    kind : str, optional
+        What the file is to be taken for, such as ``"relaxation"``; by default what it is
+        recognised as.
+    **how
+        What the file leaves open; see :class:`How`.
+
+    Returns
+    -------
+    RelaxationTest, ImpactTest, FRF, ... or a result
+        In SI units.
+
+    Raises
+    ------
+    ReadError
+        If the file cannot be read, or leaves open which column is what, or in which unit.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> test = dp.read("seal_8mm.csv")
+    >>> type(test).__name__, test.source.file
+    ('RelaxationTest', 'seal_8mm.csv')
+    >>> again = dp.read("seal_8mm.csv", kind="relaxation", columns={"force": 3})
+    >>> bool((again.force == test.force).all())
+    True
+    """
+    options = _options(how, kind)
+    if not isinstance(path, str | Path):
+        return _several([Path(one) for one in path], options, how)
+    found = recognise(path, options)
+    if found.stored:
+        from dashpot.workflow.json_files import stored
+
+        return stored(path)
+    if found.kind in _OWN:
+        return load(_OWN[found.kind])(path)
+    return _record(path, found.kind, options, how)
+
+
+_OWN = {
+    "door": "extensions.door.read:read_door", "lot": "extensions.batch.lot:Lot.read",
+    "profile": "reading.read_options:load_profile",
+}  # fmt: skip
+"""What is no test and no document, and who reads it."""
+
+
+def _options(how: Mapping[str, Any], kind: str | None) -> ReadOptions:
+    """The reading options that were said."""
+    unknown = sorted(how.keys() - How.__annotations__.keys())
+    if unknown:
+        raise DataError(
+            f"{unknown[0]}= says nothing of a file. Known are {', '.join(How.__annotations__)}"
+        )
+    columns = {role: _column(role, one) for role, one in (how.get("columns") or {}).items()}
+    stated: dict[str, Any] = {**columns, **(how.get("part") or {})}
+    stated |= {_TEXT.get(name, name): value for name, value in (how.get("text") or {}).items()}
+    stated |= {name: taken(how[name]) for name, taken in _TAKEN.items() if name in how}
+    known = ReadOptions.__dataclass_fields__
+    strange = next((name for name in stated if name not in known), None)
+    if strange is not None:
+        raise DataError(
+            f"'{strange}' is no role and no key of a file. Known are {', '.join(known)}"
+        )
+    options = ReadOptions(**stated | {"kind": kind})
+    return options.over(load_profile(how["profile"])) if "profile" in how else options
+
+
+def _column(role: str, said: Any) -> str | tuple[str, ...]:
+    """The name or number of a role's column as text; of accelerations there may be several."""
+    if not isinstance(said, str | int):
+        return tuple(map(str, said))
+    return (str(said),) if role == "acceleration" else str(said)
+
+
+def _record(path: Place, kind: str, options: ReadOptions, how: Mapping[str, Any]) -> Any:
+    """The record in a file of one of the kinds of the register."""
+    name = Path(path).name
+    if kind not in KINDS or not KINDS[kind].reader:
+        raise ReadError(
+            f"{name} is {called(kind)}, which holds no record. To see what is in it: "
+            f'dp.inspect("{path}")'
+        )
+    given: dict[str, Any] = {"options": options}
+    if kind in _SPECIAL:
+        return _SPECIAL[kind](path, given, how)
+    if "specimen" in how:
+        given["specimen"] = how["specimen"]
+    return load(KINDS[kind].reader)(path, **given)
+
+
+def _impact(path: Place, given: dict[str, Any], _: Mapping[str, Any]) -> Any:
+    if given["options"].base_acceleration is not None:
+        from dashpot.reading.readers.base_excitation import read_shaken
+
+        return read_shaken([path], given["options"])
+    return load(KINDS["impact"].reader)(path, **given)
+
+
+def _frf(path: Place, given: dict[str, Any], _: Mapping[str, Any]) -> Any:
+    from dashpot.extensions.modes.read_frf_set import read_frfs
+
+    found = read_frfs([path], **given)
+    return found if len(found.points) > 1 else found.frfs[0]
+
+
+def _transmissibility(path: Place, given: dict[str, Any], _: Mapping[str, Any]) -> Any:
+    return load(KINDS["transmissibility"].reader)(path, **given)
+
+
+def _stress_strain(path: Place, given: dict[str, Any], how: Mapping[str, Any]) -> Any:
+    from dashpot.extensions.materials.hyperelastic.options import MODES
+
+    word = how.get("test", "uniaxial")
+    if word not in MODES:
+        raise ReadError(f"test='{word}': expected one of {', '.join(MODES)}")
+    read_it = load(KINDS["stress-strain"].reader)
+    return read_it(path, MODES[word].mode, pressed=MODES[word].pressed, **given)
+
+
+def _indentation(path: Place, given: dict[str, Any], how: Mapping[str, Any]) -> Any:
+    from dashpot.extensions.materials.indentation.indenter import Indenter
+
+    if "mass" not in how:
+        raise ReadError(
+            f"{Path(path).name} is a hit of an indenter, whose mass makes forces of its motion. "
+            f'Give it: dp.read("{Path(path).name}", mass="5g")'
+        )
+    indenter = Indenter(**{name: how[name] for name in _INDENTER if name in how})
+    return load(KINDS["indentation"].reader)(path, indenter=indenter, **given)
+
+
+def _loops(path: Place, given: dict[str, Any], _: Mapping[str, Any]) -> Any:
+    from dashpot.extensions.amplitude.preprocess import sweep_of_loops
+    from dashpot.reading.raw_file import about
+
+    record = load(KINDS["cyclic"].reader)(path, **given)
+    with about(Path(path).name):
+        return sweep_of_loops(record)
+
+
+_SPECIAL = {
+    "impact": _impact, "frf": _frf, "transmissibility": _transmissibility,
+    "stress-strain": _stress_strain, "indentation": _indentation, "cyclic": _loops,
+}  # fmt: skip
+"""Kinds whose readers want to know something else than the options and the specimen."""
+
+
+def _several(paths: Sequence[Path], options: ReadOptions, how: Mapping[str, Any]) -> Any:
+    """Files that are one record: hits of one hammer test, or points of one structure."""
+    kinds = {path: recognise(path, options).kind for path in paths}
+    have = set(kinds.values())
+    if have == {"impact"}:
+        if options.base_acceleration is not None:
+            from dashpot.reading.readers.base_excitation import read_shaken
+
+            return read_shaken(paths, options)
+        return load(KINDS["impact"].reader)(paths, options=options)
+    if have == {"frf"}:
+        from dashpot.extensions.modes.read_frf_set import read_frfs
+
+        return read_frfs(paths, options=options)
+    if len(paths) == 1:
+        return read(paths[0], kind=options.kind, **how)
+    said = "; ".join(f"{path.name} is {called(kind)}" for path, kind in kinds.items())
+    raise ReadError(
+        f"only hits, or FRFs at several points, are one record in several files: {said}. Read "
+        "each file by itself, and fit them together: dp.fit(one, two)"
+    )
+
+
+def inspect(path: Place, *, kind: str | None = None, **how: Unpack[How]) -> InspectedFile:
+    """Say what a file is and how it would be read: columns, units, sampling, open questions.
+
+    Parameters
+    ----------
+    path : path
+    kind, **how
+        As :func:`read` takes them.
+
+    Raises
+    ------
+    ReadError
+        If the file cannot be opened or holds no table.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> dp.inspect("cld_1.csv").kind
+    'cld'
+    """
+    from dashpot.workflow.inspections import inspect_files
+
+    return inspect_files([path], options=_options(how, kind)).files[0]
+
+
+def save(noun: N, path: Place) -> N:
+    """Write a record or a result to a file, and return it.
+
+    Parameters
+    ----------
+    noun : object
+        A record or a result.
+    path : path
+        How its name ends says how it is written: ``.json``, which :func:`read` takes back;
+        ``.png``, ``.svg`` or ``.pdf``, its picture; ``.html``, its page; ``.csv``, its numbers.
+
+    Raises
+    ------
+    ExportError
+        If it cannot be written so.
+
+    Examples
+    --------
+    >>> import dashpot as dp, tempfile, pathlib
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "solid.json"
+    >>> solid = dp.save(dp.GeneralizedMaxwell(200.0, k=(100.0,), tau=(0.5,)), path)
+    >>> dp.read(path) == solid
+    True
+    """
+    verb("report.saving", "save")(noun, path)
+    return noun

@@ -1,0 +1,137 @@
+"""What a user says of the arrays that he gives: their units, in the order of the arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import field
+from types import SimpleNamespace
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from dashpot.base.errors import DataError
+from dashpot.base.serialisation import EDGE
+from dashpot.base.units import Dimension, Unit, find, from_unit, si_unit, usual
+
+SI = "SI"
+Dimensions: TypeAlias = Dimension | tuple[Dimension, ...]
+"""What an array can be of: one, or one of several, as a modulus is of a material or of a part."""
+
+
+def said_units() -> Any:
+    """Return the field of a noun that says the units of its arrays: ``"SI"``, or one for each.
+
+    Inside a noun everything is in SI, so that the field then says ``"SI"``; no document holds it.
+    """
+    return field(default="", kw_only=True, repr=False, compare=False, metadata={EDGE: SI})
+
+
+def into_si(noun: Any, **of: Dimensions) -> Mapping[str, Dimension]:
+    """Put the arrays of a frozen noun into SI by the units that were said of them, in this order.
+
+    Parameters
+    ----------
+    noun : dataclass
+        With a field of :func:`said_units`; an array that is None has no unit.
+    **of
+        What each array can be of, by the name of its field.
+
+    Returns
+    -------
+    mapping of str to str
+        What each array was said to be of; empty where all are in SI already.
+
+    Raises
+    ------
+    DataError
+        If no unit was said, or too few or too many, or one is unknown or of another dimension.
+    """
+    if noun.units == SI:
+        return {}
+    given = {name: own for name, own in of.items() if getattr(noun, name) is not None}
+    found = {
+        name: _unit(noun, name, word, own)
+        for (name, own), word in zip(given.items(), words_of(noun, given), strict=True)
+    }
+    for name, unit in found.items():
+        put_into_si(noun, name, unit)
+    object.__setattr__(noun, "units", SI)
+    return {name: unit.dimension for name, unit in found.items()}
+
+
+def words_of(noun: Any, given: Mapping[str, Dimensions]) -> list[str]:
+    """Return the words of the units, one for each array."""
+    kind, names = _called(noun), ", ".join(given)
+    example = ", ".join(usual(_several(own)[0]) for own in given.values())
+    if not noun.units:
+        raise DataError(
+            f'{kind} is made of arrays, and no array says its unit. Add units="SI", or the unit '
+            f'of each in this order ({names}): units="{example}"'
+        )
+    words = [word.strip() for word in str(noun.units).split(",")]
+    if len(words) != len(given):
+        raise DataError(
+            f'{kind}: units="{noun.units}" names {len(words)} units for {len(given)} arrays '
+            f'({names}). Name one for each, in this order: units="{example}"'
+        )
+    return words
+
+
+def _called(noun: Any) -> str:
+    return "a batch" if isinstance(noun, SimpleNamespace) else type(noun).__name__
+
+
+def _several(own: Dimensions) -> tuple[Dimension, ...]:
+    return (own,) if isinstance(own, str) else own
+
+
+def _unit(noun: Any, name: str, word: str, own: Dimensions) -> Unit:
+    known = (find(word, one) for one in _several(own))
+    unit = next((one for one in known if one is not None), None)
+    if unit is None:
+        wanted = " or ".join(_several(own))
+        example = " or ".join(dict.fromkeys(map(usual, _several(own))))
+        raise DataError(
+            f"{_called(noun)}: '{word}' is no unit of {wanted}, and {name} is one. "
+            f"Write for example {example}"
+        )
+    return unit
+
+
+def put_into_si(noun: Any, name: str, unit: Unit) -> None:
+    """Put one array of a frozen noun into SI."""
+    values = np.asarray(getattr(noun, name))
+    object.__setattr__(noun, name, from_unit(values, unit))
+
+
+def own_unit(noun: Any, said: Mapping[str, Dimension], *names: str) -> None:
+    """Set the unit of a noun that may be of a part or of a material by what was said of it.
+
+    Raises
+    ------
+    DataError
+        If one of the arrays was said to be of a part, another of a material.
+    """
+    if not said:
+        return
+    found = {si_unit(said[one]).word for one in names if one in said}
+    if len(found) > 1:
+        raise DataError(
+            f"{type(noun).__name__}: {' and '.join(names)} are in units of {' and '.join(found)}. "
+            "Give both as a modulus, or both as a stiffness"
+        )
+    object.__setattr__(noun, "unit", found.pop())
+
+
+def arrays_in_si(units: str, **given: tuple[Any, Dimension]) -> list[Any]:
+    """Return arrays in SI, each given with what it is of; None stays None.
+
+    Raises
+    ------
+    DataError
+        As :func:`into_si`.
+    """
+    holder = SimpleNamespace(units=units, **{name: values for name, (values, _) in given.items()})
+    if units != SI:
+        into_si(holder, **{name: of for name, (_, of) in given.items()})
+    return [getattr(holder, name) for name in given]

@@ -1,0 +1,255 @@
+"""A number that a user sees, stated once: name, value, doubt, unit, words; faces derive theirs."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from dashpot.base.checks import Checked
+from dashpot.base.number_format import ascii_only, known_between, rounded, symbol
+from dashpot.base.serialisation import Documented
+from dashpot.base.units import in_unit, read_in
+
+HELD, UNKNOWN = "held", "not identified"
+"""What stands in place of an error of 0, and of one without limit."""
+_WORD = re.compile(r"_(?=[a-z]{4})")
+NORMAL = 1.96
+"""Standard errors to either end of a 95 % interval."""
+AT_MOST = "at most"
+"""What stands before the upper limit of a number that nothing bounds from below."""
+LOPSIDED = 0.1
+"""An interval whose one end is that much nearer to the value than the other."""
+BESIDE = 1e-2
+"""The same, where that end stands for the value itself."""
+
+
+class Cells(NamedTuple):
+    """A fact as a row of a table: texts in the unit that people read."""
+
+    name: str
+    value: str
+    error: str
+    interval: str
+    unit: str
+
+    @property
+    def ascii(self) -> Cells:
+        """In the alphabet that every terminal has."""
+        return Cells(*map(ascii_only, self))
+
+    @property
+    def with_error(self) -> str:
+        """Value and standard error in one cell."""
+        if self.error in {"", HELD, UNKNOWN}:
+            return ", ".join(filter(None, (self.value, self.error)))
+        return f"{self.value} ± {self.error}"
+
+    @property
+    def with_limit(self) -> str:
+        """Value and standard error, or the upper limit that stands for it, in one cell."""
+        if self.interval.startswith(AT_MOST):
+            return f"{self.value}, {self.interval}"
+        return self.with_error
+
+    @property
+    def with_unit(self) -> str:
+        """Value, standard error and unit in one cell."""
+        return f"{self.with_error} {self.unit}".rstrip()
+
+
+@dataclass(frozen=True)
+class Fact(Documented):
+    """A number that a test shows, and how well it is known.
+
+    Attributes
+    ----------
+    name : str
+        Identifier, the same in every face: ``"k_1"``, ``"tau_1"``.
+    value : float
+        SI; nan where only a bound is known.
+    low, high : float
+        95 % interval, SI; nan where none is known, `low` 0 where `high` is a bound alone, and nan
+        of a value that is at most `high`; `high` infinite where `low` is a bound alone.
+    unit : str
+        Of SI; empty for a plain number.
+    error : float or None
+        Standard error: 0 of what was held, infinite of what is not identified, None of what was
+        given or has an interval alone.
+    read : str
+        The unit in which people read it; by default as :func:`~dashpot.base.units.read_in`.
+    words : str
+        How a table calls it; by default its name, in words where it is not a symbol.
+    """
+
+    keys = ("name", "value", "low", "high", "unit")
+
+    name: str
+    value: float
+    low: float = math.nan
+    high: float = math.nan
+    unit: str = ""
+    error: float | None = None
+    read: str = ""
+    words: str = ""
+
+    @classmethod
+    def known(
+        cls,
+        name: str,
+        value: float,
+        error: float | None,
+        times: float = NORMAL,
+        *,
+        of_log: bool = False,
+        unit: str = "",
+        read: str = "",
+        words: str = "",
+    ) -> Fact:
+        """A number with an interval of so many standard errors; none if the error is infinite.
+
+        That of a positive one whose logarithm has the error, ``of_log``, is a factor either way.
+        An error that is nan or None is not known.
+        """
+        if error is None or math.isnan(error) or (of_log and math.isinf(error)):
+            return cls(name, value, unit=unit, read=read, words=words)
+        half = times * error if math.isfinite(error) else math.nan
+        if not of_log:
+            return cls(name, value, value - half, value + half, unit, error, read, words)
+        factor = math.exp(min(half, 50.0))
+        return cls(name, value, value / factor, value * factor, unit, value * error, read, words)
+
+    @property
+    def reading(self) -> str:
+        """The unit in which people read it."""
+        return self.read or read_in(self.unit)
+
+    @property
+    def bounded(self) -> bool:
+        """Whether it has an interval."""
+        return not (math.isnan(self.low) and math.isnan(self.high))
+
+    @property
+    def bound_alone(self) -> bool:
+        """Whether all that is known is what it is at most."""
+        return self.low == 0 and self.error is None
+
+    @property
+    def topped(self) -> bool:
+        """Whether nothing is known of how small it may be beside its value."""
+        return math.isnan(self.low) and not math.isnan(self.high)
+
+    @property
+    def least_alone(self) -> bool:
+        """Whether all that is known is what it is at least."""
+        return math.isnan(self.value) and self.high == math.inf
+
+    @property
+    def called(self) -> str:
+        """How a table calls it."""
+        return self.words or _WORD.sub(" ", self.name)
+
+    @property
+    def symbol(self) -> str:
+        """Its name as a page prints it."""
+        return symbol(self.called)
+
+    @property
+    def word(self) -> str:
+        """The unit in which people read it, as it is printed."""
+        return "" if self.reading == "1" else self.reading.replace("*", "·")
+
+    def shown(self, value: float) -> float:
+        """A value of this fact, SI, in the unit that people read."""
+        return value if self.reading == self.unit else in_unit(value, self.reading)
+
+    @property
+    def scale(self) -> float:
+        """What a difference of 1 in SI is in the unit that people read."""
+        return self.shown(1.0) - self.shown(0.0)
+
+    @property
+    def size(self) -> float:
+        """Its standard error in the unit that people read; else a quarter of its interval.
+
+        Of a value that is at most so much half of what lies between, and a thousandth at least.
+        """
+        if self.error is not None:
+            return self.error * self.scale
+        if self.topped:
+            return max((self.high - self.value) / 2, 1e-3 * self.high) * self.scale
+        return (self.high - self.low) / 4 * self.scale
+
+    @property
+    def cells(self) -> Cells:
+        """The row that every table of it has: to two digits of its error, or of its interval."""
+        value, low, high = map(self.shown, (self.value, self.low, self.high))
+        if self.bound_alone:
+            return Cells(self.called, "", "", f"below {rounded(high)}", self.word)
+        if self.least_alone:
+            return Cells(self.called, "", "", f"at least {rounded(low)}", self.word)
+        if self.topped:
+            told, most = rounded(value, self.size), rounded(high, self.size)
+            return Cells(self.called, told, "", f"{AT_MOST} {most}", self.word)
+        error = "" if self.error is None else _error(self.size)
+        between = ""
+        if self.bounded and error not in (HELD, UNKNOWN):
+            between = known_between(value, low, high, self.size)
+        told = rounded(value, self.size, digits=4)
+        return Cells(self.called, told, error, between, self.word)
+
+    @property
+    def ends(self) -> tuple[str, str, str]:
+        """Value and both ends of the interval, each in a cell, to two digits of half of it."""
+        value, low, high = map(self.shown, (self.value, self.low, self.high))
+        if self.least_alone:
+            return "unknown", rounded(low), "no limit"
+        below, above = value - low, high - value
+        near, far = sorted((below, above))
+        if math.isfinite(far) and near <= BESIDE * far:
+            # an end that is the value itself says nothing of its digits
+            return rounded(value), rounded(low), rounded(high)
+        # of a lopsided interval each end has the digits of its own distance
+        if min(below, above) > LOPSIDED * max(below, above):
+            below = above = (high - low) / 2
+        else:
+            below, above = below or above, above or below
+        known = min(filter(math.isfinite, (below, above)), default=None)
+        return (
+            rounded(value, known),
+            rounded(low, below) if math.isfinite(low) else "unknown",
+            rounded(high, above) if math.isfinite(high) else "no limit",
+        )
+
+    @property
+    def says(self) -> str:
+        """In words, with its interval."""
+        cells = self.cells
+        if self.bound_alone or self.least_alone:
+            return f"{self.called} {cells.interval} {cells.unit}".rstrip()
+        if self.topped:
+            return f"{self.called} {cells.with_unit}, {cells.interval}"
+        own = f"{self.called} {cells.with_unit}"
+        return f"{own}, 95 % {cells.interval}" if cells.interval else own
+
+
+class Numbered(Checked):
+    """A result of named numbers, `found`, that was asked whether it can be trusted."""
+
+    found: tuple[Fact, ...]
+
+    @property
+    def facts(self) -> tuple[Fact, ...]:
+        """The numbers that it tells."""
+        return self.found
+
+    def __getitem__(self, name: str) -> Fact:
+        """One of the numbers found, by its name."""
+        return next(one for one in self.found if one.name == name)
+
+
+def _error(size: float) -> str:
+    if math.isinf(size):
+        return UNKNOWN
+    return HELD if size <= 0 else rounded(size, size)

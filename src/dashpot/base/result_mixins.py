@@ -1,0 +1,144 @@
+"""What a noun offers to whoever looks at it: verbs of rooms above its own, found when called.
+
+This is the one place where a lower room names a higher one, by words and not by an import, so that
+a noun loads nothing that it is not asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+    from dashpot.base.reported_values import Fact
+    from dashpot.plot.picture import Picture
+
+Series: TypeAlias = Mapping[str, tuple[Any, str]]
+"""Columns of one length, each with its SI unit ("" if it has none)."""
+
+LINES = 15
+"""Of a noun in a shell."""
+
+
+def verb(module: str, name: str) -> Callable[..., Any]:
+    """Return a function of a room above: ``verb("report.notebook", "picture")``."""
+    found: Callable[..., Any] = getattr(import_module(f"dashpot.{module}"), name)
+    return found
+
+
+def arrays(noun: object, **units: str) -> Series:
+    """Return arrays of a noun by their names, each with its SI unit."""
+    return {name: (getattr(noun, name), unit) for name, unit in units.items()}
+
+
+def columns(rows: Iterable[object], **units: str) -> Series:
+    """Return attributes of several things by their names, each with its SI unit."""
+    each = tuple(rows)
+    return {name: ([getattr(one, name) for one in each], unit) for name, unit in units.items()}
+
+
+class Told:
+    """A result that prints what its command prints, and writes itself to a file."""
+
+    @property
+    def kept(self) -> Any:
+        """What a file keeps of it, for other commands to read: itself, or the fit in it."""
+        return self
+
+    def __str__(self) -> str:
+        text: str = verb("text_output", "printed")(self)
+        return text
+
+    def save(self, path: str | Path) -> Path:
+        """Write it: ``.json``, ``.csv``, ``.html``, or its picture as ``.png``, ``.svg``, ``.pdf``.
+
+        Raises
+        ------
+        ExportError
+            If it is not written so.
+        """
+        saved: Path = verb("report.saving", "save")(self, path)
+        return saved
+
+
+class Described(Told):
+    """A noun that says in a few lines what it is, and gives its numbers as a table.
+
+    The dataclass that inherits it is declared ``repr=False`` and has `described`.
+    """
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """What a shell prints of it, line by line."""
+        raise NotImplementedError
+
+    @property
+    def series(self) -> Series:
+        """Its numbers as columns, the first of them their index.
+
+        None in place of numbers that it does not have; nothing at all where its facts are its
+        table.
+        """
+        return {}
+
+    def __repr__(self) -> str:
+        lines = "\n".join(self.described).split("\n")
+        cut = [*lines[: LINES - 1], "..."] if len(lines) > LINES else lines
+        return "\n".join((f"{type(self).__name__}: {cut[0]}", *cut[1:]))
+
+    def to_pandas(self) -> pd.DataFrame:
+        """The numbers as a :class:`pandas.DataFrame`; units stand in its ``attrs``.
+
+        Raises
+        ------
+        DataError
+            If pandas is not installed (``pip install "dashpot[frames]"``).
+        """
+        frame: pd.DataFrame = verb("workflow.dataframes", "to_pandas")(self)
+        return frame
+
+    def to_xarray(self) -> xr.Dataset:
+        """The numbers as an :class:`xarray.Dataset`; each variable carries its unit.
+
+        Raises
+        ------
+        DataError
+            If xarray is not installed (``pip install "dashpot[frames]"``).
+        """
+        dataset: xr.Dataset = verb("workflow.dataframes", "to_xarray")(self)
+        return dataset
+
+
+class Pictured(Described):
+    """One that has a picture, too: in a notebook it shows itself."""
+
+    def plot(self) -> Picture:
+        """Its :class:`~dashpot.plot.picture.Picture`, which :func:`dashpot.plot.save` writes."""
+        drawn: Picture = verb("report.notebook", "picture")(self)
+        return drawn
+
+    def _repr_html_(self) -> str:
+        """Its picture and its words, for a notebook."""
+        page: str = verb("report.notebook", "html")(self)
+        return page
+
+
+class Judged(Pictured):
+    """A result of a verdict: a shell shows that, and `print` all that its command prints."""
+
+    verdict: Any
+
+    @property
+    def facts(self) -> tuple[Fact, ...]:
+        """The numbers that it tells, each with its unit and how well it is known."""
+        return ()
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """The verdict."""
+        return (str(self.verdict),)

@@ -1,0 +1,186 @@
+"""Results as documents: a noun lists its attributes, and one walk makes them plain values."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from functools import cache, reduce, singledispatch
+from typing import Any, ClassVar, NamedTuple
+
+from dashpot.base.number_format import json_number
+from dashpot.base.status import Status
+
+EDGE = "edge"
+"""Of a field that no document holds: what it always is within."""
+DIGEST = "digest"
+"""The key of a digested document that shows whether the rest was edited."""
+
+
+class Documented:
+    """A noun whose document is a list of its attributes.
+
+    Attributes
+    ----------
+    schema : str
+        Its versioned name, ``"dashpot/rod@1"``; empty for a part of another document.
+    keys : tuple of str
+        ``"law"``, the attribute of this name; ``"fit.law"``, one on the way, under its last word;
+        ``"key=fit.law"``, under another; None where one on the way is. With ``"?"`` at the end
+        left out where it is None, with ``"~"`` numbers that are not finite are None.
+        ``"*fit.values"``: every item of a mapping, or of another document, under its own;
+        ``"*"``: every field of the dataclass, as where there are no keys.
+    read_back : bool
+        Whether a document with a schema holds all of the noun, so that it is read again.
+    """
+
+    schema: ClassVar[str] = ""
+    keys: ClassVar[tuple[str, ...]] = ()
+    read_back: ClassVar[bool] = True
+
+    @property
+    def digested(self) -> bool:
+        """Whether its document ends with a digest of the rest, as one does that takes such in."""
+        return False
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """Plain dictionaries, lists, texts and numbers, SI units."""
+        found: dict[str, Any] = {"schema": self.schema} if self.schema else {}
+        kind: Any = type(self)
+        for key in _keys(kind):
+            found |= key.item(self)
+        sealed = found.pop(DIGEST, None) is not None or self.digested
+        return {**found, DIGEST: digest_of(found)} if sealed else found
+
+
+class _Key(NamedTuple):
+    name: str
+    way: tuple[str, ...]
+    spread: bool
+    optional: bool
+    known: bool
+
+    @classmethod
+    def of(cls, text: str) -> _Key:
+        body = text.rstrip("?~")
+        marks = text[len(body) :]
+        name, _, path = body.lstrip("*").rpartition("=")
+        way = tuple(path.split("."))
+        return cls(name or way[-1], way, body.startswith("*"), "?" in marks, "~" in marks)
+
+    def item(self, noun: object) -> dict[str, Any]:
+        """What a document has of it: nothing where it is left out, or several items."""
+        value = plain(reduce(_attribute, self.way, noun))
+        if self.known:
+            value = numbers_or_null(value)
+        if self.spread:
+            return dict(value or {})
+        return {} if value is None and self.optional else {self.name: value}
+
+
+def _attribute(noun: Any, name: str) -> Any:
+    return None if noun is None else getattr(noun, name)
+
+
+@cache
+def _keys(kind: Any) -> tuple[_Key, ...]:
+    own = (
+        [one.name for one in fields(kind) if EDGE not in one.metadata] if is_dataclass(kind) else []
+    )
+    return tuple(
+        _Key.of(name) for text in kind.keys or ("*",) for name in (own if text == "*" else [text])
+    )
+
+
+def fields_of(kind: Any, document: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the fields of a noun out of its document: each attribute goes back its own way.
+
+    What was spread gets the whole document, and takes of it what it knows.
+    """
+    own = {one.name for one in fields(kind)}
+    found: dict[str, Any] = {name: document[name] for name in own & document.keys()}
+    found |= {one.name: one.metadata[EDGE] for one in fields(kind) if EDGE in one.metadata}
+    for key in _keys(kind) if issubclass(kind, Documented) else ():
+        first = key.way[0]
+        if first not in own or first in document:
+            continue
+        if key.spread:
+            found[first] = document
+        elif key.name in document:
+            found = _laid(found, key.way, document[key.name])
+    return found
+
+
+def _laid(place: Mapping[str, Any], way: tuple[str, ...], value: Any) -> dict[str, Any]:
+    first, *rest = way
+    return {**place, first: _laid(place.get(first, {}), tuple(rest), value) if rest else value}
+
+
+# msgspec encodes a dataclass without asking: the schema and the layout of an inner noun would be
+# lost, so this walk stays; cattrs would take a hook per noun and a dependency more
+@singledispatch
+def plain(value: Any) -> Any:
+    """Return a value as JSON holds it; a number that is not finite by its name.
+
+    >>> plain((1.5, float("inf"), {"a": 1j}))
+    [1.5, 'Infinity', {'a': {'real': 0.0, 'imag': 1.0}}]
+    """
+    if value is None or isinstance(value, str | int):
+        return value
+    if is_dataclass(value):
+        return {
+            one.name: plain(getattr(value, one.name))
+            for one in fields(value)
+            if EDGE not in one.metadata
+        }
+    if isinstance(value, complex) or getattr(getattr(value, "dtype", None), "kind", "") == "c":
+        return {"real": plain(value.real), "imag": plain(value.imag)}
+    # an array: NumPy is not needed to say what went wrong
+    return plain(value.tolist()) if hasattr(value, "tolist") else value
+
+
+@plain.register(list)
+@plain.register(tuple)
+def _(value: Any) -> Any:
+    if hasattr(value, "_fields"):
+        return {name: plain(getattr(value, name)) for name in value._fields}
+    return [plain(item) for item in value]
+
+
+plain.register(Documented, lambda value: value.document)
+plain.register(Mapping, lambda value: {str(key): plain(one) for key, one in value.items()})
+plain.register(float, lambda value: json_number(float(value)))
+plain.register(Enum, lambda value: value.value)
+plain.register(Status, lambda value: value.name.lower())
+
+NOT_FINITE = {"Infinity": math.inf, "-Infinity": -math.inf, "NaN": math.nan}
+"""JSON has no such numbers; a text that no measurement can be mistaken for stands in."""
+
+
+def numbers_or_null(value: Any) -> Any:
+    """Return plain values with null for every number that is not finite: it is not known."""
+    if isinstance(value, dict):
+        return {key: numbers_or_null(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [numbers_or_null(item) for item in value]
+    return None if isinstance(value, str) and value in NOT_FINITE else value
+
+
+def digest_of(document: dict[str, Any]) -> str:
+    """Return 16 hexadecimal digits of what a document says, however it is laid out."""
+
+    def even(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: even(item) for key, item in value.items() if key != DIGEST}
+        if isinstance(value, list):
+            return [even(item) for item in value]
+        # other programs print 1.0 as 1
+        return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
+
+    import hashlib  # where a document is written, which a page of help does without
+    import json
+
+    text = json.dumps(even(document), sort_keys=True)
+    return hashlib.sha256(text.encode("utf-8", "backslashreplace")).hexdigest()[:16]

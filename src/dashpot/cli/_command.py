@@ -1,0 +1,419 @@
+"""The grammar of the command line: verbs, options in groups, help in three steps.
+
+A verb declares its options as data: ``--help`` shows the common ones on one screen, ``--help-all``
+every one, and ``FILE --help`` those of the kind that the file is of. No page of help needs NumPy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import MISSING, Field
+from itertools import chain
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import click
+
+from dashpot.base.option_fields import flag_of, offered
+from dashpot.cli._param_types import Keyed, Scoped, type_of
+
+WIDTH = 80
+"""Columns of a page of help."""
+NAMES = 27
+"""Of them for the name of an option; what is longer stands on a line of its own."""
+LIMIT = 40
+"""Lines that the help of a verb may take."""
+
+TYPED = "dashpot.typed"
+"""Where options are kept as they were typed."""
+
+KEYED = {
+    "--column": ("ROLE=NAME", "Column of a role, by name or number: force=Kraft."),
+    "--text": ("KEY=VALUE", "delimiter, decimal, encoding or skip (lines)."),
+    "--part": ("KEY=VALUE", "segment, cycle or sheet to read."),
+    "--calibration": ("FILE[,axis=Fz]", "ATI .cal file: gauge voltages to force."),
+    "--machine": ("KEY=VALUE", "sync, drift, compliance, force-filter or oven."),
+    "--cuts": ("KEY=TIME", "onset, ramp-end or hold-end, set by hand."),
+    "--known": ("KEY=VALUE", "stiffness, frequency or damping that is known."),
+    "--label": ("KEY=VALUE", "name, lot, operator, date or notes."),
+    "--shape": ("SHAPE", "disc:20mm,20mm or block:30mm,20mm,10mm."),
+}
+"""What an option of several keys takes, and says."""
+
+
+class Fills(NamedTuple):
+    """The fields that an option fills: of the noun that a verb receives, or each by itself."""
+
+    noun: type
+    receives: str
+    fields: tuple[Field[Any], ...]
+
+
+class Opt(click.Option):
+    """An option with its group in the help, and the kinds of records that it is of."""
+
+    def __init__(
+        self,
+        *flags: str,
+        kinds: Iterable[str] = (),
+        more: bool = False,
+        fills: Fills | None = None,
+        **how: Any,
+    ) -> None:
+        super().__init__(flags, **how)
+        self.group = ""
+        self.kinds = frozenset(kinds)
+        self.unheard: frozenset[str] = frozenset()
+        """Kinds that do not take it, of an option that is of no kind alone."""
+        self.more = more
+        self.fills = fills
+
+    @property
+    def flag(self) -> str:
+        """As it is typed."""
+        return max(self.opts, key=len)
+
+    def consume_value(self, ctx: click.Context, opts: Mapping[str, Any]) -> tuple[Any, Any]:
+        value, source = super().consume_value(ctx, opts)
+        if source is click.core.ParameterSource.COMMANDLINE:
+            ctx.meta.setdefault(TYPED, {})[self.name] = value
+        return value, source
+
+    def suits(self, kinds: set[str]) -> bool:
+        """Whether it is for records of any of these kinds."""
+        if self.kinds:
+            return not self.kinds.isdisjoint(kinds)
+        return not kinds or not self.unheard >= kinds
+
+    @property
+    def names(self) -> set[str]:
+        """What a verb receives it as: its fields, or the noun that they fill."""
+        if self.fills is None:
+            return {str(self.name)}
+        return {self.fills.receives, *(one.name for one in self.fills.fields)}
+
+    def told(self, value: Any) -> Iterator[tuple[str, dict[str, Any]]]:
+        """Yield what its fields are by what click passes on, for all files ("") or for some."""
+        assert self.fills is not None  # noqa: S101
+        one = self.fills.fields[0]
+        if isinstance(self.type, Keyed):
+            yield from value or ()
+        elif isinstance(self.type, Scoped):
+            yield from ((glob, {one.name: each}) for glob, each in value or ())
+        else:
+            how = one.metadata
+            yield "", {one.name: how["parse"](value) if "parse" in how else value}
+
+    def typed(self, ctx: click.Context) -> list[str]:
+        """Return its words as they were typed; nothing where it was not."""
+        said = ctx.meta.get(TYPED, {})
+        if self.name not in said:
+            return []
+        value = said[self.name]
+        if self.is_flag:
+            return [self.flag]
+        several = value if isinstance(value, list | tuple) else (value,)
+        return [word for each in several for word in (self.flag, str(each))]
+
+
+def opt(*flags: str, kinds: str = "", **how: Any) -> Opt:
+    """Return an option; without a metavar and a type it is a flag."""
+    if "metavar" not in how and "type" not in how:
+        how["is_flag"] = True
+    return Opt(*flags, kinds=kinds.split(), **how)
+
+
+def of(
+    noun: type,
+    *names: str,
+    into: str = "",
+    leave: Sequence[str] = (),
+    kinds: str = "",
+    more: bool = False,
+    **other: Any,
+) -> list[Opt]:
+    """Return the options that these fields of a noun declare, or all.
+
+    A verb receives each, or the noun as one argument, `into`. `other` is what these options say
+    otherwise here: `help`, `default`, `required`, `metavar`.
+    """
+    every = {one.name: one for one in offered(noun) if one.name not in leave}
+    rows: dict[str, list[Field[Any]]] = {}
+    for name in names or every:
+        rows.setdefault(flag_of(every[name]), []).append(every[name])
+    return [
+        _declared(flag, Fills(noun, into, tuple(asked)), kinds=kinds, more=more, **other)
+        for flag, asked in rows.items()
+    ]
+
+
+def _declared(flag: str, fills: Fills, *, kinds: str, more: bool, **other: Any) -> Opt:
+    (one, *_), name = fills.fields, f"{fills.receives}_{fills.fields[0].name}"
+    how: dict[str, Any] = {}
+    if "under" in one.metadata or len(fills.fields) > 1:
+        metavar, says = KEYED[flag]
+        how = {"type": Keyed(flag, fills.fields), "multiple": True, "metavar": metavar}
+        how["help"] = says
+    else:
+        how = {key: one.metadata[key] for key in _PASSED if key in one.metadata}
+        how["default"] = _usual(one)
+        if "is_flag" not in how:
+            kind = how["type"] = type_of(one)
+            how.setdefault("metavar", _metavar(kind))
+    how |= other
+    how["help"] = _with_default(how.get("help") or "", how.get("default"))
+    return Opt(flag, name, kinds=kinds.split(), more=more, fills=fills, **how)
+
+
+def _metavar(kind: click.ParamType[Any]) -> str:
+    """Return what stands for a value: its words, its dimension, or a number."""
+    if isinstance(kind, click.Choice):
+        return "|".join(kind.choices)
+    return _NUMBERS.get(kind.name, kind.name.upper())
+
+
+_NUMBERS = {"float": "N", "integer": "N", "integer range": "N", "text": "NAME"}
+_PASSED = ("help", "metavar", "multiple", "is_flag")
+
+
+def _usual(one: Field[Any]) -> Any:
+    """What click takes where nothing is typed."""
+    if "is_flag" in one.metadata:
+        return False
+    if one.default is MISSING or "multiple" in one.metadata:
+        return None
+    return one.metadata.get("word") if one.default is None else one.default
+
+
+def _with_default(says: str, default: Any) -> str:
+    """Say what is usual, where that is a word or a number."""
+    if default in (None, "", False, ()) or says.endswith(")."):
+        return says
+    shown = f"{default:g}" if isinstance(default, float) else str(default)
+    return f"{says.rstrip('.')} ({shown})."
+
+
+def group(title: str, *options: Opt | Iterable[Opt]) -> list[Opt]:
+    """Return options under one title of the help."""
+    flat = list(chain.from_iterable([one] if isinstance(one, Opt) else one for one in options))
+    for one in flat:
+        one.group = title
+    return flat
+
+
+def rest(*options: Opt | Iterable[Opt]) -> list[Opt]:
+    """Return options that the short help leaves out."""
+    flat = list(chain.from_iterable([one] if isinstance(one, Opt) else one for one in options))
+    for one in flat:
+        one.more = True
+    return flat
+
+
+class Verb(click.Command):
+    """A command whose help fits a screen, and which receives nouns.
+
+    Attributes
+    ----------
+    by_kind : callable or None
+        From words of the command to the kinds of the files in them; of a verb whose options are of
+        kinds of records.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        params: Sequence[click.Parameter],
+        by_kind: Callable[[Sequence[str]], Mapping[str, str]] | None = None,
+        **how: Any,
+    ) -> None:
+        own = [
+            click.Option(["-h", "--help"], is_flag=True, expose_value=False, hidden=True),
+            click.Option(["--help-all"], is_flag=True, expose_value=False, hidden=True),
+            click.Option(["--traceback"], is_flag=True, expose_value=False, hidden=True),
+        ]
+        super().__init__(name, params=[*params, *own], add_help_option=False, **how)
+        self.by_kind = by_kind
+
+    @property
+    def options(self) -> list[Opt]:
+        """What it asks for."""
+        return [one for one in self.params if isinstance(one, Opt)]
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        words = args[: args.index("--")] if "--" in args else args
+        if {"-h", "--help", "--help-all"} & set(words):
+            files = [one for one in words if not one.startswith("-") and Path(one).is_file()]
+            click.echo(self.shown(ctx, every="--help-all" in words, files=files))
+            ctx.exit()
+        return super().parse_args(ctx, args)
+
+    def collect_usage_pieces(self, ctx: click.Context) -> list[str]:
+        named = [one.make_metavar(ctx) for one in self.params if isinstance(one, click.Argument)]
+        return [*named, "[OPTIONS]"]
+
+    def get_help(self, ctx: click.Context) -> str:
+        return self.shown(ctx)
+
+    def shown(self, ctx: click.Context, *, every: bool = False, files: Sequence[str] = ()) -> str:
+        """Return the help: the common options, all, or those of the kinds of the files."""
+        kinds = self.by_kind(files) if files and self.by_kind and not every else {}
+        have = set(kinds.values())
+        if kinds:
+            asked = [one for one in self.options if one.suits(have)]
+        else:
+            asked = [one for one in self.options if every or not one.more]
+        head = f"{_called(kinds)}. These options apply:" if kinds else self.help or ""
+        usage = f"Usage: {ctx.command_path} {' '.join(self.collect_usage_pieces(ctx))}"
+        lines = [usage, "", *_wrapped(head), "", *_groups(asked)]
+        left = len(self.options) - len(asked)
+        if left:
+            each = f"; for a file: {ctx.command_path} FILE --help"
+            again = each if self.by_kind and not kinds else ""
+            lines.append(f"{left} more: {ctx.command_path} --help-all{again}")
+        return "\n".join(lines).rstrip("\n")
+
+    def invoke(self, ctx: click.Context) -> Any:
+        from dashpot.cli._command_io import reported
+
+        assert self.callback is not None  # noqa: S101
+        if "as_json" not in ctx.params:
+            return ctx.invoke(self.callback, **self.received(ctx))
+        return reported(ctx, lambda: self.callback(**self.received(ctx)))  # type: ignore[misc]
+
+    def received(self, ctx: click.Context) -> dict[str, Any]:
+        """Return what the function of the verb receives: values, and the nouns that they fill."""
+        given: dict[str, Any] = {}
+        nouns: dict[str, tuple[type, dict[str, dict[str, Any]]]] = {}
+        for one in self.params:
+            if one.name not in ctx.params or one.name in _TOLD_APART:
+                continue
+            value = ctx.params[one.name]
+            if not isinstance(one, Opt) or one.fills is None:
+                given[one.name] = value
+                continue
+            noun, receives, asked = one.fills
+            if receives:
+                said = nouns.setdefault(receives, (noun, {}))[1]
+            else:
+                said = {"": given}
+                given |= {each.name: each.default for each in asked if each.name not in given}
+            _gather(said, one.told(value))
+        for receives, (noun, said) in nouns.items():
+            own = tuple((glob, noun(**each)) for glob, each in said.items() if glob)
+            given[receives] = noun(**said.get("", {}), **({"own": own} if own else {}))
+        return _with_profile(ctx, given)
+
+
+def _gather(said: dict[str, dict[str, Any]], told: Iterable[tuple[str, Mapping[str, Any]]]) -> None:
+    """Add what is told of fields, for all files ("") or for some, to what was said before."""
+    for scope, fields in told:
+        known = said.setdefault(scope, {})
+        for name, each in fields.items():
+            known[name] = _both(known[name], each) if name in known else each
+
+
+def _both(first: Any, then: Any) -> Any:
+    """What is told twice of a field: both units, both columns, or what was told last."""
+    if isinstance(then, dict):
+        return first | then
+    return (*first, *then) if isinstance(then, tuple) and isinstance(first, tuple) else then
+
+
+_TOLD_APART = {"as_json", "strict", "verbose", "overwrite", "opens", "size"}
+"""How a result is told, and where it may be written: what does the telling knows them."""
+
+
+def _with_profile(ctx: click.Context, given: dict[str, Any]) -> dict[str, Any]:
+    """Lay what the profiles say below what was typed."""
+    if "profile" not in given:
+        return given
+    from dashpot.cli._read_options import over_profiles
+
+    given["options"] = over_profiles(ctx, given["options"], given.pop("profile"))
+    return given
+
+
+def verb(
+    name: str, says: str, *params: click.Parameter | Iterable[click.Parameter], **how: Any
+) -> Callable[[Callable[..., Any]], Verb]:
+    """Make a verb of a function that receives its arguments and options."""
+    flat = list(
+        chain.from_iterable([one] if isinstance(one, click.Parameter) else one for one in params)
+    )
+
+    def made(function: Callable[..., Any]) -> Verb:
+        return Verb(name, params=flat, help=says, callback=function, **how)
+
+    return made
+
+
+def refuse_others(verb: Verb, ctx: click.Context, kinds: Mapping[str, str]) -> None:
+    """Refuse an option that is of other kinds of records than those that were given.
+
+    Raises
+    ------
+    click.UsageError
+        If one was typed.
+    """
+    from dashpot.cli._detected_kinds import called, overruled
+
+    have = set(kinds.values())
+    for one in verb.options:
+        if not one.suits(have) and one.typed(ctx):
+            if not one.kinds:
+                raise click.UsageError(f"{one.flag} does not suit it. {_called(kinds)}.")
+            *others, last = dict.fromkeys(called(word) for word in sorted(one.kinds))
+            wanted = f"{', '.join(others)} or {last}" if others else last
+            but = overruled(one.kinds) if len(kinds) == 1 else ""
+            raise click.UsageError(f"{one.flag} is for {wanted}. {_called(kinds)}.{but}")
+
+
+def _called(kinds: Mapping[str, str]) -> str:
+    """Return what each file is called, in a sentence."""
+    from dashpot.cli._detected_kinds import called
+
+    return "; ".join(f"{Path(path).name} is {called(word)}" for path, word in kinds.items())
+
+
+# -- how it is laid out ---------------------------------------------------------------------------
+
+
+def _groups(asked: Sequence[Opt]) -> list[str]:
+    """Return options under their titles."""
+    width = min(max(len(_named(one)) for one in asked), NAMES)
+    lines: list[str] = []
+    for title in dict.fromkeys(one.group for one in asked):
+        lines.append(f"{title}:")
+        for one in asked:
+            if one.group == title:
+                lines += _row(_named(one), one.help or "", width)
+        lines.append("")
+    return lines
+
+
+def _wrapped(text: str) -> list[str]:
+    lines: list[str] = []
+    for block in text.strip("\n").split("\n\n"):
+        if block.startswith("  "):  # commands and tables stand as they are
+            lines += block.splitlines()
+        else:
+            lines += click.formatting.wrap_text(" ".join(block.split()), WIDTH).splitlines()
+        lines.append("")
+    return lines[:-1]
+
+
+def _named(one: Opt) -> str:
+    flags = ", ".join(sorted(one.opts, key=len))
+    lead = "" if flags.startswith("-") and not flags.startswith("--") else "    "
+    return f"{lead}{flags} {one.metavar}" if one.metavar else f"{lead}{flags}"
+
+
+def _row(name: str, says: str, width: int) -> list[str]:
+    room = WIDTH - width - 4
+    lines = click.formatting.wrap_text(says, room).splitlines() or [""]
+    if len(name) <= width:
+        first = [f"  {name:<{width}}  {lines[0]}"]
+    else:
+        first = [f"  {name}", f"  {'':<{width}}  {lines[0]}"]
+    return [*first, *(f"  {'':<{width}}  {line}" for line in lines[1:])]

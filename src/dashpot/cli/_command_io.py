@@ -1,0 +1,221 @@
+"""What every command shares: its outcome, files in and out, exit codes."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import click
+
+import dashpot as dp
+from dashpot import workflow
+from dashpot.base.errors import ReadError
+from dashpot.base.escaping import escaped_json
+from dashpot.base.units import in_unit
+from dashpot.cli._echo import to_stderr, to_stdout
+from dashpot.cli._param_types import Output
+from dashpot.text_output.layout import Text
+
+if TYPE_CHECKING:
+    from dashpot.base.checks import Check, Verdict
+    from dashpot.base.serialisation import Documented
+    from dashpot.solids.shift_laws import TemperatureLaw
+    from dashpot.workflow.outputs import Outputs
+
+_WRITTEN, _TAKEN = "dashpot.written", "dashpot.stdout"
+_MAKERS = ("simulate", "demo")
+"""Commands that write records; to all others a record is somebody's measurement."""
+_SEEN = (".html", ".png", ".svg", ".pdf")
+
+
+class Outcome(NamedTuple):
+    """What a command found, for programs and as text for people, and its checks.
+
+    Attributes
+    ----------
+    found
+        What it prints as a document.
+    text
+        It is printed unless stdout is taken by what was asked for there.
+    must_pass
+        A failed check is this command's own failure, ``--strict`` or not.
+    verdict
+        Leads the text; ``--strict`` heeds its checks, or all where there is no verdict.
+    follow
+        The command that comes next, if it can be named.
+    nothing_done
+        Nothing that was given could be used: the exit code is that of bad input.
+    """
+
+    found: Documented
+    text: Text
+    checks: Sequence[Check] = ()
+    must_pass: bool = False
+    verdict: Verdict | None = None
+    follow: str = ""
+    nothing_done: bool = False
+
+    @classmethod
+    def of(cls, found: Any, *, follow: str = "") -> Outcome:
+        """What is told of a result that was judged: its text, its checks and its verdict."""
+        from dashpot.text_output import text_of
+
+        return cls(found, text_of(found), found.checks, verdict=found.verdict, follow=follow)
+
+    @property
+    def weighty(self) -> list[Check]:
+        """The checks that failed and are more than a note."""
+        judged = self.checks if self.verdict is None else self.verdict.because
+        return [check for check in judged if check.failed and check.grade != "note"]
+
+
+def reported(context: click.Context, run: Callable[[], Outcome]) -> None:
+    """Run a verb; turn its outcome into output and an exit code.
+
+    stdout gets the text or, with ``--json``, one JSON document and nothing else; then stderr says
+    what was written and what comes next. Where the outputs go is settled before any work is done;
+    what goes wrong is the group's to say.
+    """
+    from dashpot.cli._terminal import progress  # a page of help shows none
+
+    said = context.params
+    context.obj = _outputs(context, may_replace=said.get("overwrite", False))
+    as_json, written = said["as_json"], context.meta.setdefault(_WRITTEN, [])
+    try:
+        with progress():
+            outcome = run()
+            text = _printed(outcome, as_json=as_json, verbose=said.get("verbose", False))
+        if text:
+            to_stdout(text)
+    finally:
+        for path in dict.fromkeys(written):
+            to_stderr(f"wrote {path}")
+    if said.get("opens"):
+        _open(written)
+    if outcome.follow and not as_json:
+        to_stderr(f"next: {outcome.follow}")
+    if outcome.nothing_done:
+        sys.exit(2)
+    if (said.get("strict") or outcome.must_pass) and outcome.weighty:
+        sys.exit(1)
+
+
+def _printed(outcome: Outcome, *, as_json: bool, verbose: bool) -> str:
+    if as_json:
+        return printed(outcome.found)
+    if click.get_current_context().meta.get(_TAKEN):
+        return ""
+    from dashpot.cli._terminal import screen
+    from dashpot.text_output.terminal_layout import shown
+
+    told = outcome.text, outcome.verdict, outcome.checks
+    return "\n".join(shown(*told, verbose=verbose, style=click.style, size=screen()))
+
+
+def printed(found: Documented) -> str:
+    """Return a noun as the JSON that commands print and write."""
+    import json
+
+    return escaped_json(json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def _outputs(context: click.Context, *, may_replace: bool) -> Outputs:
+    """Return where a command may write, its own outputs claimed: all else it names is read."""
+    from dashpot.workflow.outputs import Outputs
+
+    kinds = {one.name: isinstance(one.type, Output) for one in context.command.params}
+    words: dict[bool, list[str]] = {True: [], False: []}
+    for name, given in context.params.items():
+        several = given if isinstance(given, tuple) else (given,)
+        words[kinds.get(name, False)] += [
+            one for one in several if isinstance(one, str) and one != "-"
+        ]
+    inputs = tuple(word for word in words[False] if Path(word).is_file())
+    found = Outputs(inputs, may_replace, makes_records=context.command.name in _MAKERS)
+    found.claim(words[True])
+    return found
+
+
+def reads(context: click.Context, path: str) -> None:
+    """Count a file among the inputs that no argument names."""
+    context.obj = replace(context.obj, inputs=(*context.obj.inputs, path))
+
+
+def claim(paths: Iterable[str | Path]) -> None:
+    """Refuse, before the work, files that no option names and that could not be written."""
+    outputs: Outputs = click.get_current_context().obj
+    outputs.claim(paths)
+
+
+def write(path: str | Path, content: str | bytes) -> None:
+    """Write a file, which the command says at its end; ``-`` is stdout.
+
+    Under ``--json`` stdout belongs to the document.
+    """
+    context = click.get_current_context()
+    if str(path) != "-":
+        outputs: Outputs = context.obj
+        outputs.write(path, content)
+        note_written(path)
+        return
+    context.meta[_TAKEN] = True
+    if not context.params["as_json"]:
+        to_stdout(content if isinstance(content, str) else content.decode())
+
+
+def note_written(path: str | Path) -> None:
+    """Remember a file that the command says at its end, and opens if it was asked to."""
+    click.get_current_context().meta.setdefault(_WRITTEN, []).append(str(path))
+
+
+def write_figure(path: str, figure: dp.plot.Picture) -> None:
+    """Write a figure as the suffix of its file says."""
+    size = click.get_current_context().params.get("size")
+    write(path, dp.plot.rendered(figure, Path(path).suffix, size=size))
+
+
+def _open(written: Sequence[str]) -> None:
+    """Open the last page or picture that was written, or say why not."""
+    pages = [path for path in written if Path(path).suffix.lower() in _SEEN]
+    if not pages:
+        to_stderr("nothing to open: name a page (-o page.html) or a picture (--plot fit.png)")
+    elif click.launch(pages[-1]):
+        to_stderr(f"{pages[-1]} could not be opened: no program for it was found")
+
+
+def typed(*words: object, why: str = "") -> str:
+    """Return a dashpot command as it is typed, with a remark that the shell overlooks."""
+    line = shlex.join(["dashpot", *(str(word) for word in words)])
+    return f"{line}  # {why}" if why else line
+
+
+def grams(mass: float) -> str:
+    """Return a mass, kg, as it is typed."""
+    return f"{in_unit(mass, 'g'):g}g"
+
+
+def read_model(path: str) -> tuple[dp.GeneralizedMaxwell, TemperatureLaw | None]:
+    """Return the solid in a JSON file that holds a fit or a model, and how it follows temperature.
+
+    ``-`` is stdin.
+    """
+    found = workflow.stored(path)
+    if isinstance(found, dp.Fit):
+        return found.model, found.temperature_law
+    if isinstance(found, dp.GeneralizedMaxwell | dp.solids.FractionalZener | dp.solids.Parallel):
+        return found.maxwell, None
+    raise ReadError(f"{workflow.told_as(path, found)}; expected a fit or a model")
+
+
+def is_json(path: str) -> bool:
+    """Tell whether a file opens like a JSON object, so that it may be a fit."""
+    from dashpot.reading.raw_file import like_json
+
+    if not Path(path).is_file():  # a look into a pipe would take its first bytes away
+        return False
+    with Path(path).open("rb") as file:
+        return like_json(file.read(64))

@@ -1,0 +1,395 @@
+"""What is typed for an option: quantities, ranges, KEY=VALUE, and values for some files alone."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
+from dataclasses import Field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from dashpot.base.choices import Drawn, words
+from dashpot.base.errors import DashpotError
+from dashpot.base.option_fields import key_of, names_files
+from dashpot.base.units import Dimension, parse_quantity, parse_range
+
+if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
+
+    from dashpot.base.plugins import Group
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """Return the sentence that names the likeliest of known words, or all of them.
+
+    >>> nearest("forc", ["force", "time"])
+    "Did you mean 'force'?"
+    >>> nearest("x", ["force", "time"])
+    'Known are force and time.'
+    """
+    from difflib import get_close_matches  # where a word was misspelt
+
+    every = list(dict.fromkeys(known))
+    near = get_close_matches(word, every, 1)
+    if near:
+        return f"Did you mean '{near[0]}'?"
+    return known_are(every)
+
+
+def known_are(words: Sequence[str]) -> str:
+    """All words there are, as a sentence."""
+    return f"Known are {', '.join(words[:-1])} and {words[-1]}." if words[1:] else ""
+
+
+class File(click.ParamType[str]):
+    """A file that the command reads; the shell completes it."""
+
+    name = "file"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        return str(value)
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        from click.shell_completion import CompletionItem
+
+        return [CompletionItem(incomplete, type=self.name)]
+
+
+class Folder(File):
+    """A folder."""
+
+    name = "dir"
+
+
+class Output(File):
+    """A file that the command writes; ``-`` is stdout.
+
+    With `suffixes` a name that ends otherwise is refused: it would say what the file is not.
+    """
+
+    def __init__(self, suffixes: Sequence[str] = ()) -> None:
+        self.suffixes = tuple(suffixes)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        suffix = Path(value).suffix.lower()
+        if self.suffixes and suffix and suffix not in self.suffixes:
+            known = " or ".join(self.suffixes)
+            self.fail(f"'{value}': this is written as {known}, not as {suffix}", param, ctx)
+        return super().convert(value, param, ctx)
+
+
+class WithUnit(click.ParamType[Any]):
+    """A number with its unit, such as ``104g``; the value passed on is in SI.
+
+    A `word` stands for no number, and is passed on as None.
+    """
+
+    _parsed: Callable[[str, Dimension], Any] = staticmethod(parse_quantity)
+
+    def __init__(self, dimension: Dimension, word: str = "") -> None:
+        self.dimension: Dimension = dimension
+        self.word = word
+        self.name = NAMED.get(dimension, dimension.replace(" ", "-"))
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if not isinstance(value, str) or value == self.word:
+            return None if value == self.word else value
+        try:
+            return self._parsed(value, self.dimension)
+        except DashpotError as error:
+            self.fail(str(error), param, ctx)
+
+    def get_missing_message(self, param: click.Parameter, ctx: click.Context | None) -> str:
+        return getattr(param, "help", None) or ""
+
+
+class Plain(click.ParamType[float]):
+    """A number without a unit: what it is counted in is said where another is given."""
+
+    name = "number"
+
+    def __init__(self, of: str, example: str) -> None:
+        self.of, self.example = of, example
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        try:
+            return float(value)
+        except ValueError:
+            self.fail(f"'{value}' is no plain number{self.of}, such as {self.example}", param, ctx)
+
+
+DENSITY = Plain(" of kg/m^3", "1000")
+
+NAMED = {"strain": "share", "force rate": "rate"}
+"""What a dimension is called in the help, where not by its own name."""
+
+
+class Range(WithUnit):
+    """Two quantities, such as ``1:50Hz``, in SI."""
+
+    _parsed = staticmethod(parse_range)
+
+    def __init__(self, dimension: Dimension, word: str = "") -> None:
+        super().__init__(dimension, word)
+        self.name = "range"
+
+
+class LowHigh(click.ParamType[Any]):
+    """Two numbers, ``LOW:HIGH``."""
+
+    name = "LOW:HIGH"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if not isinstance(value, str):
+            return value
+        try:
+            low, high = map(float, value.split(":"))
+        except ValueError:
+            self.fail(f"'{value}': expected LOW:HIGH, such as 0.7:1.5", param, ctx)
+        if not 0 < low < high:
+            self.fail(f"'{value}': expected 0 < LOW < HIGH, such as 0.7:1.5", param, ctx)
+        return low, high
+
+
+class Wlf(click.ParamType[Any]):
+    """A law of Williams, Landel and Ferry: ``C1,C2,T_r``, such as ``6.94,129.6K,23degC``."""
+
+    name = "C1,C2,T_r"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if not isinstance(value, str):
+            return value
+        from dashpot.solids.shift_laws import WLF
+
+        try:
+            c1, c2, reference = value.split(",")
+            # C_2 is a difference of temperatures: a K is a degree
+            kelvin = parse_quantity(reference.strip(), "temperature")
+            return WLF(float(c1), float(c2.strip().removesuffix("K")), kelvin)
+        except DashpotError as error:
+            self.fail(str(error), param, ctx)
+        except ValueError:
+            self.fail(f"'{value}': expected C1,C2,T_r, such as 6.94,129.6K,23degC", param, ctx)
+
+
+class Direction(click.ParamType[Any]):
+    """Three numbers, ``x,y,z``."""
+
+    name = "x,y,z"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if not isinstance(value, str):
+            return value
+        try:
+            x, y, z = map(float, value.split(","))
+        except ValueError:
+            self.fail(f"'{value}': expected x,y,z, such as 0,0,-1", param, ctx)
+        return x, y, z
+
+
+class Figure(Output):
+    """A figure's file, refused before the work if its suffix is none that is drawn."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        if Path(value).suffix.lower().lstrip(".") not in words(Drawn):
+            self.fail(f"'{value}': a figure is written as .pdf, .png or .svg", param, ctx)
+        return super().convert(value, param, ctx)
+
+
+class ArmCount(click.ParamType[Any]):
+    """A number of Maxwell arms, or ``auto``."""
+
+    name = "N"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if value == "auto" or isinstance(value, int):
+            return value
+        if not value.isdecimal():
+            self.fail(
+                f"'{value}' is not a number of arms; expected 'auto', 0, 1, 2, ...", param, ctx
+            )
+        return int(value)
+
+
+class OneOf(click.Choice[str]):
+    """One of the words of a choice, or of the plug-ins of a group; else the nearest is named."""
+
+    name = "NAME"
+
+    def __init__(self, choices: Sequence[str], *, plugins: Group | None = None) -> None:
+        super().__init__(choices)
+        self.plugins = plugins
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        if value not in self.choices and not self._plugged(str(value)):
+            says = f"'{value}' is unknown. {nearest(str(value), self.choices)}"
+            self.fail(says + self._more(), param, ctx)
+        return str(value)
+
+    def get_missing_message(self, param: click.Parameter, ctx: click.Context | None) -> str:
+        return known_are(self.choices)
+
+    def _plugged(self, value: str) -> bool:
+        if self.plugins is None:
+            return False
+        from dashpot.base.plugins import named  # no name of dashpot's own asks for metadata
+
+        return named(self.plugins, value) is not None
+
+    def _more(self) -> str:
+        if self.plugins is None:
+            return ""
+        from dashpot.base.plugins import offered_too
+
+        return offered_too(self.plugins)
+
+
+class Scoped(click.ParamType[Any]):
+    """A value for all files, or ``GLOB:VALUE`` for those whose name the pattern matches."""
+
+    def __init__(self, kind: click.ParamType[Any]) -> None:
+        self.kind = kind
+        self.name = kind.name
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if not isinstance(value, str):
+            return value
+        # one letter before a colon is a drive
+        found = re.match(r"^(?P<glob>.{2,}?):(?P<rest>(?:[A-Za-z]:)?[^:]+)$", value)
+        glob, text = (found["glob"], found["rest"]) if found else ("", value)
+        return glob, self.kind.convert(text, param, ctx)
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[click.shell_completion.CompletionItem]:
+        return self.kind.shell_complete(ctx, param, incomplete)
+
+
+class Keyed(click.ParamType[Any]):
+    """``KEY=VALUE``, or several with commas between; ``GLOB:`` before it is for some files alone.
+
+    The value passed on is the pattern and the fields that were told, in SI.
+    """
+
+    name = "KEY=VALUE"
+
+    def __init__(self, flag: str, fields: Sequence[Field[Any]]) -> None:
+        self.flag = flag
+        self.fields = {key_of(one): one for one in fields}
+        self.sign = fields[-1].metadata.get("sign", "=")
+        # the field that the option is named after is typed without a key: FILE,axis=Fz
+        self.first = next((one for one in fields if f"--{one.name}" == flag), None)
+        keys = "|".join(map(re.escape, self.fields))
+        self.between = re.compile(rf",(?=(?:{keys}){self.sign})")
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if not isinstance(value, str):
+            return value
+        glob, rest = self._scope(value)
+        said: dict[str, Any] = {}
+        for number, part in enumerate(self.between.split(rest)):
+            one, text = self._field(part, number, param, ctx)
+            each = self._converted(one, text, param, ctx)
+            said[one.name] = (*said.get(one.name, ()), each) if "multiple" in one.metadata else each
+        return glob, said
+
+    def _scope(self, value: str) -> tuple[str, str]:
+        if self.sign != "=":
+            return "", value
+        if self.first is not None:
+            found = re.match(r"^(?P<glob>[^=]{2,}?):(?P<rest>(?:[A-Za-z]:)?[^:]+)$", value)
+        else:
+            found = re.match(r"^(?P<glob>[^=]+):(?P<rest>[\w -]+=.*)$", value, re.DOTALL)
+        return (found["glob"], found["rest"]) if found else ("", value)
+
+    def _field(
+        self, part: str, number: int, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[Field[Any], str]:
+        key, sign, text = part.partition(self.sign)
+        key = re.sub(r"[ _]", "-", key.strip().lower())
+        named = [word for word in self.fields if self.first is None or f"--{word}" != self.flag]
+        if self.first is not None and number == 0 and key not in named:
+            return self.first, part
+        if not sign or not text.strip():
+            word = key if key in named else named[0]
+            self.fail(f"'{part}': write {self.flag} {word}{self.sign}VALUE", param, ctx)
+        if key not in named:
+            self.fail(f"'{key}' is unknown. {nearest(key, named)}", param, ctx)
+        return self.fields[key], text
+
+    def _converted(
+        self,
+        one: Field[Any],
+        text: str,
+        param: click.Parameter | None,
+        ctx: click.Context | None,
+    ) -> Any:
+        kind = type_of(one)
+        value = kind.convert(text, param, ctx)
+        if names_files(one) and ctx is not None:
+            with suppress(AttributeError):
+                ctx.meta.setdefault("dashpot.reads", []).append(value)
+        return value
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[click.shell_completion.CompletionItem]:
+        """Propose the keys."""
+        if self.first is not None:
+            return [click.shell_completion.CompletionItem(incomplete, type="file")]
+        return [
+            click.shell_completion.CompletionItem(f"{key}{self.sign}")
+            for key in self.fields
+            if key.startswith(incomplete)
+        ]
+
+
+class Units(Scoped):
+    """``ROLE=UNIT``, or several; ``GLOB:`` before it is for some files alone."""
+
+    def __init__(self) -> None:
+        super().__init__(click.STRING)
+        self.name = "ROLE=UNIT"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        from dashpot.reading.read_options import parse_units
+
+        if not isinstance(value, str):
+            return value
+        # a pattern has the look of a file; what else stands before a colon is a column's name
+        named = r"(?:[A-Za-z]:)?[^=:]*[*?\[./\\][^=:]*"
+        found = re.match(rf"^(?P<glob>{named}):(?P<rest>\S[^=]*=.*)$", value, re.DOTALL)
+        glob, text = (found["glob"], found["rest"]) if found else ("", value)
+        try:
+            return glob, parse_units(text)
+        except DashpotError as error:
+            self.fail(str(error), param, ctx)
+
+
+def type_of(one: Field[Any]) -> click.ParamType[Any]:
+    """Return the type of what is typed for a field."""
+    asked = one.metadata
+    if "unit" in asked:
+        kind = Range if "ends" in asked else WithUnit
+        return kind(asked["unit"], asked.get("word", ""))
+    if "choices" in asked:
+        return OneOf(tuple(asked["choices"]))
+    if names_files(one):
+        return File()
+    if "above" in asked:
+        return click.FloatRange(asked["above"], min_open=True)
+    if "word" in asked:
+        return ArmCount()
+    if "least" in asked:
+        return click.IntRange(asked["least"])
+    return _PLAIN.get(type(one.default), click.STRING)
+
+
+_PLAIN: dict[type, click.ParamType[Any]] = {bool: click.BOOL, float: click.FLOAT, int: click.INT}

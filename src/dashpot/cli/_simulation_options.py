@@ -1,0 +1,164 @@
+"""Tests of a known seal, as texts: what ``simulate``, ``demo``, ``plan`` and ``record`` share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import dashpot as dp
+from dashpot.base.errors import DataError, ReadError
+from dashpot.cli._command_io import read_model
+from dashpot.cli._param_types import nearest
+
+if TYPE_CHECKING:
+    from dashpot.solids.shift_laws import TemperatureLaw
+
+
+class SimulatedSeal(NamedTuple):
+    """A seal to simulate: its solid, the block on two of them, how it follows temperature."""
+
+    solid: dp.GeneralizedMaxwell
+    mass: float | None
+    law: TemperatureLaw
+
+
+def seal_named(name: str) -> SimulatedSeal:
+    """Return a demonstration seal, or that of a fit's JSON file."""
+    from dashpot.solids.demo_seals import SEALS, SHIFT
+
+    if name in SEALS:
+        return SimulatedSeal(*SEALS[name], SHIFT)
+    if not Path(name).exists() and not Path(name).suffix:
+        raise ReadError(f"--seal: there is no seal and no file '{name}'. {nearest(name, SEALS)}")
+    solid, law = read_model(name)
+    return SimulatedSeal(solid, None, law or SHIFT)
+
+
+def relaxation(
+    *, seal: str, depth: float = 8e-3, ramp: float = 1.0, hold: float = 40.0, **choices: Any
+) -> tuple[Any, ...]:
+    """Return a simulated relaxation test as CSV, its truth as JSON, and what gauges add to it."""
+    known, rig, climate = _bench(seal, choices)
+    made = dp.simulation.simulate_relaxation(
+        known.solid, depth=depth, ramp_time=ramp, hold_time=hold, rig=rig, climate=climate,
+        seed=choices.get("seed", 0),
+    )  # fmt: skip
+    return _told(made, choices)
+
+
+def replayed(*, seal: str, follow: str, **choices: Any) -> tuple[Any, ...]:
+    """Return the record of a motion as CSV, its truth as JSON, and what gauges add to it."""
+    known, rig, climate = _bench(seal, choices)
+    with as_it_stands(follow):
+        sent = dp.files.read_trajectory(follow)
+    made = dp.simulation.simulate_motion(
+        known.solid, sent, rig=rig, climate=climate, seed=choices.get("seed", 0)
+    )
+    return _told(made, choices)
+
+
+@contextmanager
+def as_it_stands(path: str) -> Iterator[None]:
+    """Say of a file that leaves a question open what answers it, where no option here does."""
+    try:
+        yield
+    except ReadError as error:
+        if not Path(path).is_file():
+            raise
+        raise ReadError(
+            f"{path} does not say by itself which column is what, and in which unit: give it a "
+            f"header such as 'time [s], displacement [mm], force [N]'; 'dashpot inspect {path}' "
+            "says more"
+        ) from error
+
+
+def _bench(seal: str, choices: dict[str, Any]) -> tuple[SimulatedSeal, Any, Any]:
+    """Return the seal, the rig and its climate that were asked for."""
+    given = {name: choices.get(name) for name in ("rate", "softening", "warming")}
+    known, rig, climate = _set_up(dp.simulation.Rig(), seal, choices, given)
+    if choices.get("friction"):
+        rig = replace(rig, axis=replace(rig.axis, friction=choices["friction"]))
+    return known, rig, climate
+
+
+def _told(made: Any, choices: dict[str, Any]) -> tuple[Any, ...]:
+    """Return record and truth as text; of gauges the calibration too, and what limits them."""
+    from dashpot.reading.write import write_gauges, write_relaxation
+
+    room, truth = dp.simulation, made.truth
+    if not choices.get("gauges"):
+        text = write_relaxation(made.test, comments=room.stamp(truth))
+        return text, room.truth_json(truth)
+    rig = truth.rig
+    chosen = room.Instrument(
+        daq=room.Daq(rate=rig.rate, filter=choices.get("antialias") or 0.0),
+        misaligned=choices.get("misaligned") or 0.0,
+    )
+    volts = chosen.read(made.test.time, truth.force, rig=rig, seed=truth.seed)
+    text = write_gauges(made.test, volts, comments=room.stamp(truth))
+    says = chosen.says(truth.force, rig)
+    return (
+        text, room.truth_json(truth, instrument=chosen), chosen.transducer.calibration(), says
+    )  # fmt: skip
+
+
+def creep(
+    *, seal: str, load: float = 1.0, ramp: float = 1.0, hold: float = 40.0, **choices: Any
+) -> tuple[str, str]:
+    """Return a simulated creep test as CSV, and its truth as JSON."""
+    from dashpot.reading.write import write_relaxation
+
+    known, rig, climate = _bench(seal, choices)
+    room = dp.simulation
+    made = room.simulate_creep(
+        known.solid, load=load, ramp_time=ramp, hold_time=hold, rig=rig, climate=climate,
+        seed=choices.get("seed", 0),
+    )  # fmt: skip
+    comments = (*room.stamp(made.truth), "creep test: the force is held")
+    return write_relaxation(made.test, comments=comments), room.truth_json(made.truth)
+
+
+def impact(
+    *, seal: str, mass: float | None = None, seals: float = 2.0, hits: int = 5, **choices: Any
+) -> tuple[str, str]:
+    """Return a simulated hammer test as CSV, and its truth as JSON."""
+    from dashpot.reading.write import temperature_line, write_impact
+
+    room = dp.simulation
+    given = {"record": choices.get("hit_length"), "rate": choices.get("rate")}
+    known, rig, climate = _set_up(room.Hammer(), seal, choices, given)
+    block = mass if mass is not None else known.mass
+    if block is None:
+        raise DataError(f"the mass under the hammer is not known for {seal}; add --mass")
+    made = room.simulate_impact(
+        known.solid, mass=block, seals=seals, hits=hits, rig=rig, climate=climate,
+        seed=choices.get("seed", 0),
+    )  # fmt: skip
+    kelvin = choices.get("temperature")
+    stated = () if kelvin is None else (temperature_line(kelvin),)
+    comments = (*room.stamp(made.truth), *stated)
+    return write_impact(made.test, comments=comments), room.truth_json(made.truth)
+
+
+def _set_up(
+    instrument: Any, seal: str, choices: dict[str, Any], given: dict[str, Any]
+) -> tuple[SimulatedSeal, Any, Any]:
+    """Return the seal, the instrument with what was said of it, and where the test is made."""
+    known = seal_named(seal)
+    stated = {name: value for name, value in given.items() if value is not None}
+    # what was asked for by name is there in any case
+    quiet = instrument.noise_free() if choices.get("noise_free") else instrument
+    climate = _climate(known, choices.get("temperature"), choices.get("wlf"))
+    return known, replace(quiet, **stated), climate
+
+
+def _climate(known: SimulatedSeal, temperature: float | None, law: TemperatureLaw | None) -> Any:
+    """Return where the test is made, by the seal's own law unless another is given."""
+    if temperature is None:
+        if law is not None:
+            raise DataError("--wlf needs the temperature of the test: add --temperature 0degC")
+        return None
+    return dp.simulation.Climate(temperature, law or known.law)

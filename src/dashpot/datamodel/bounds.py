@@ -1,0 +1,326 @@
+"""Between which limits the stiffness of a solid is known."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import Literal, TypeAlias, TypedDict
+
+import numpy as np
+
+from dashpot.base.arrays import ByValue, FloatArray, Frozen, frozen, increasing, samples
+from dashpot.base.errors import DataError
+from dashpot.base.number_format import duration, interval, rounded
+from dashpot.base.reported_values import Fact
+from dashpot.base.serialisation import Documented
+from dashpot.base.units import in_unit, read_in
+from dashpot.datamodel.frf import Kind
+from dashpot.solids.maxwell import Solid
+
+# naming the machine is worth a sentence if it leaves less than this part of the width
+WORTH_NAMING = 0.8
+#: a spectrum stands at 95 % if it leaves no more than that above the best, in squared noises
+STANDS = 5.0
+
+
+def naming(time: float, now: float, then: float) -> str:
+    """Say what naming the machine gives; nothing where it is not worth a sentence.
+
+    Parameters
+    ----------
+    time : float
+        T, s.
+    now, then : float
+        95 % half widths of k(T), over its value; nan where it is not known.
+    """
+    if not then < WORTH_NAMING * now:
+        return ""
+    return (
+        "Record a baseline of 10 s, and give the drift, compliance and creep of the machine and "
+        "the rest of the seal: "
+        f"k({duration(time)}) is then known to about {rounded(100 * then, digits=1)} % instead of "
+        f"{rounded(100 * now, digits=2)} %."
+    )
+
+
+# what ended, and what would have told more of it
+Ended: TypeAlias = Literal["hold", "curve", "sweep", "creep", "frf"]
+_MORE: Mapping[str, str] = MappingProxyType({
+    "hold": "Hold longer.",
+    "curve": "Measure longer.",
+    "sweep": "Sweep to lower frequencies, or fit a relaxation test beside it.",
+    "creep": "Hold the load longer.",
+    "frf": "Fit a relaxation test beside it.",
+})  # fmt: skip
+_UNKNOWN = (math.nan, math.nan)
+
+
+@dataclass(frozen=True)
+class EndOfHold(Documented):
+    r"""What a test knows of the stiffness when it ends, and what it leaves open.
+
+    Limits over every non-negative spectrum that the test does not reject, N/m, or Pa of a material.
+    Of a hold or a curve they are of the relaxation function
+    :math:`k(t) = k_\infty + \sum_j k_j e^{-t/\tau_j}`; of a sweep or an FRF of the storage
+    :math:`K'(1/t)`, of creep of force over displacement 1/J(t) after a step of force.
+
+    Attributes
+    ----------
+    time : float
+        T, the time that the seal was held, s; the longest of several tests. Of a sweep or an FRF
+        1/omega of its lowest line.
+    k_end, k_3end : (float, float)
+        k(T) and k(3 T).
+    k_inf : (float, float)
+        Where it ends. An arm slower than the hold is a spring to the test, so the lower limit is 0.
+    falling : float
+        The steepest :math:`-dk/d\ln t` at T; nan but of a hold.
+    beyond : float
+        How far the fit's own k(T) lay outside its limits before they were widened to hold it, in
+        their width; no document holds it.
+    named : float
+        Part of the width of k(T) that would be left if the drift, the compliance and the creep of
+        the machine were named; nan where they are, or it was not asked.
+    k_10end : (float, float)
+        k(10 T); nan of a hold, whose drift hides it.
+    ended : str
+        ``"hold"``, ``"curve"``, ``"sweep"``, ``"creep"`` or, of a hammer alone, ``"frf"``.
+    """
+
+    keys = ("k_inf", "k_end", "k_3end", "time", "falling", "named", "k_10end", "ended")
+
+    time: float
+    k_end: tuple[float, float]
+    k_3end: tuple[float, float]
+    k_inf: tuple[float, float]
+    falling: float = field(default=math.nan, compare=False)
+    beyond: float = field(default=0.0, repr=False, compare=False)
+    named: float = field(default=math.nan, compare=False)
+    k_10end: tuple[float, float] = field(default=_UNKNOWN, compare=False)
+    ended: Ended = "hold"
+
+    def of(self, solid: Solid, times: float = 1.0) -> float:
+        """What the limits are of, of a solid, `times` as late as T."""
+        t = times * self.time
+        if self.in_frequency:
+            return float(solid.complex_stiffness(omega=1 / t).real)
+        if self.ended == "creep":
+            return 1 / float(solid.creep(t))
+        return float(solid.relaxation(t))
+
+    def holding(self, own: Solid) -> EndOfHold:
+        """The limits, moved to hold a fit itself: nothing is printed outside its own interval."""
+        (low, high), here = self.k_end, self.of(own)
+        missed = max(low - here, here - high, 0.0)
+        return replace(
+            self,
+            k_end=_holding(self.k_end, here),
+            k_3end=_holding(self.k_3end, self.of(own, 3)),
+            k_10end=_holding(self.k_10end, self.of(own, 10)),
+            k_inf=(0.0, max(self.k_inf[1], own.k_inf)),
+            beyond=max(self.beyond, missed / max(high - low, 1e-300)),
+        )
+
+    @property
+    def in_frequency(self) -> bool:
+        """Whether it is the lowest frequency that the test ends at, and not a time."""
+        return self.ended in {"sweep", "frf"}
+
+    def widened(self, part: float) -> EndOfHold:
+        """Return the limits, each moved outwards by a part of itself."""
+
+        def wider(ends: tuple[float, float]) -> tuple[float, float]:
+            low, high = ends
+            return max(low * (1 - part), 0.0), high * (1 + part)
+
+        return replace(
+            self,
+            k_end=wider(self.k_end),
+            k_3end=wider(self.k_3end),
+            k_10end=_UNKNOWN if math.isnan(self.k_10end[0]) else wider(self.k_10end),
+            k_inf=wider(self.k_inf),
+        )
+
+    @property
+    def levels(self) -> float:
+        """Lowest k(10 T) over highest k(T): 1 of a plateau that is known."""
+        return self.k_10end[0] / max(self.k_end[1], 1e-300)
+
+    def says(self, unit: str) -> str:
+        """What is known at the end, what is not, and what would tell more; `unit` of stiffness."""
+        subject = self._subject(unit)
+        after = {
+            "hold": "after the hold", "sweep": "below the sweep", "frf": "below the band",
+        }.get(self.ended, "later on")  # fmt: skip
+        return f"{subject} {after}. {self._limits(unit, 'it')}. {self.remedy}"
+
+    def told(self, unit: str) -> str:
+        """What is known at the end, in two sentences."""
+        return self._limits(unit, self._subject(unit))
+
+    def _limits(self, unit: str, subject: str) -> str:
+        word = read_in(unit)
+        low, high = (in_unit(end, word) for end in self.k_end)
+        most = rounded(in_unit(self.k_inf[1], word), (high - low) / 4)
+        beyond = ""
+        if not math.isnan(self.k_10end[0]):
+            later = interval(*(in_unit(end, word) for end in self.k_10end))
+            beyond = f", at {self._at(10)} {later} {word}"
+        return (
+            f"At {self._at(1)} {subject} is {interval(low, high)} {word}{beyond}. It may fall "
+            f"further, and ends at {most} {word} or below"
+        )
+
+    def _at(self, times: float) -> str:
+        """When, or at which frequency, so many times as late as T."""
+        t = times * self.time
+        return f"{rounded(1 / (2 * math.pi * t))} Hz" if self.in_frequency else f"{rounded(t)} s"
+
+    def _subject(self, unit: str) -> str:
+        of_material = unit == "Pa"
+        if self.in_frequency:
+            return "the storage" if self.ended == "sweep" else "the storage stiffness"
+        if self.ended == "creep":
+            return "stress over strain" if of_material else "force over displacement"
+        return "the modulus" if of_material else "the stiffness"
+
+    @property
+    def remedy(self) -> str:
+        """What would tell more of it, and how much."""
+        return self.naming or _MORE[self.ended]
+
+    @property
+    def naming(self) -> str:
+        """What naming the machine would give, in a sentence; nothing where that is little."""
+        low, high = self.k_end
+        if not low + high > 0:
+            return ""
+        half = (high - low) / (high + low)
+        return naming(self.time, half, self.named * half)
+
+    def fact(self, solid: Solid, unit: str) -> Fact:
+        """The stiffness of a solid at the end of the test, between these limits."""
+        at = self._at(1) if self.in_frequency else duration(self.time)
+        what = "K'" if self.in_frequency else {"creep": "1/J"}.get(self.ended, "k")
+        return Fact("k_end", self.of(solid), *self.k_end, unit, words=f"{what}({at})")
+
+    def __mul__(self, count: float) -> EndOfHold:
+        """So many parts side by side."""
+
+        def scaled(ends: tuple[float, float]) -> tuple[float, float]:
+            return count * ends[0], count * ends[1]
+
+        return replace(
+            self,
+            k_end=scaled(self.k_end),
+            k_3end=scaled(self.k_3end),
+            k_10end=scaled(self.k_10end),
+            k_inf=scaled(self.k_inf),
+            falling=count * self.falling,
+        )
+
+
+def _holding(reach: tuple[float, float], value: float) -> tuple[float, float]:
+    """Limits that hold a value, where there are any."""
+    low, high = reach
+    return reach if math.isnan(low) else (min(low, value), max(high, value))
+
+
+class LeftOpen(TypedDict):
+    """Limits of stiffnesses, N/m, over every spectrum that the tests do not reject."""
+
+    k_inf: tuple[float, float]
+    k_end: tuple[float, float]
+    k_3end: tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class StiffnessBounds(ByValue):
+    """Lower and upper limits of the dynamic stiffness against frequency.
+
+    Attributes
+    ----------
+    frequency : array, shape (n,)
+        Hz, increasing.
+    storage, loss : array, shape (2, n)
+        Lowest and highest storage and loss stiffness at each frequency, N/m.
+    loss_factor : array, shape (2, n)
+        Lowest and highest loss factor, dimensionless.
+    says : str
+        What the limits hold for, in one sentence.
+    """
+
+    frequency: FloatArray
+    storage: FloatArray
+    loss: FloatArray
+    loss_factor: FloatArray
+    says: str = ""
+
+    def __post_init__(self) -> None:
+        frequency = increasing("frequency", samples("frequency", self.frequency))
+        object.__setattr__(self, "frequency", frequency)
+        for name in ("storage", "loss", "loss_factor"):
+            limits = np.asarray(getattr(self, name), dtype=float)
+            if limits.shape != (2, len(frequency)):
+                raise DataError(
+                    f"{name} has shape {limits.shape}; expected (2, {len(frequency)}): "
+                    "a lower and an upper limit at each frequency"
+                )
+            if not (limits[0] <= limits[1]).all():
+                raise DataError(f"the lower limit of {name} lies above its upper limit")
+            object.__setattr__(self, name, frozen(limits))
+
+
+@dataclass(frozen=True, eq=False)
+class FRFBounds(Frozen):
+    """Between which limits the response of a mass on a seal is predicted.
+
+    Attributes
+    ----------
+    frequency : array, shape (n,)
+        Hz.
+    magnitude : array, shape (n,)
+        Of the predicted accelerance, 1/kg, or transmissibility.
+    parameter : array, shape (2, n)
+        Lowest and highest magnitude that the standard errors of the fit allow.
+    unseen : array, shape (2, n)
+        Lowest and highest magnitude over all non-negative spectra that the relaxation tests
+        do not reject; infinite, unlimited, where one of them resonates there without loss.
+    says : str
+    peak_frequency : (float, float) or None
+        Where one of them may resonate, Hz; an upper end of infinity if nothing limits it. None if
+        it was not sought or not found.
+    peak_height : (float, float) or None
+        Between which limits the largest magnitude lies; the upper one may be infinite.
+    kind : Kind
+        Accelerance or transmissibility.
+    """
+
+    frequency: FloatArray
+    magnitude: FloatArray
+    parameter: FloatArray
+    unseen: FloatArray
+    says: str = ""
+    peak_frequency: tuple[float, float] | None = None
+    peak_height: tuple[float, float] | None = None
+    kind: Kind = Kind.ACCELERANCE
+
+    @property
+    def peak_says(self) -> str:
+        """Where and how high the test allows the peak to be, in words."""
+        if self.peak_frequency is None:
+            return "No model that the relaxation test allows has a resonance."
+        low, high = self.peak_frequency
+        most = "Hz and above" if math.isinf(high) else f"to {rounded(high, digits=3)} Hz"
+        where = (
+            "The relaxation test alone limits the resonance of a linear seal to "
+            f"{rounded(low, digits=3)} {most}"
+        )
+        if self.peak_height is None:
+            return f"{where}."
+        low, high = self.peak_height
+        unit = " 1/kg" if self.kind is Kind.ACCELERANCE else " m/m"
+        most = f"{unit} and above" if math.isinf(high) else f" to {rounded(high)}{unit}"
+        return f"{where}, and the peak to {rounded(low)}{most}."

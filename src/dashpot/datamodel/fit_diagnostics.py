@@ -1,0 +1,237 @@
+"""What stands behind a fit: orders, certificate, what moved, what would explain it, and whence."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from dashpot.base.checks import Check
+from dashpot.base.provenance import Source, Step
+from dashpot.base.reported_values import Fact
+from dashpot.datamodel.alternative_model import Alternative
+from dashpot.datamodel.band_error import BandError
+from dashpot.datamodel.bounds import EndOfHold
+from dashpot.datamodel.parameter_estimate import CreepEstimate
+from dashpot.datamodel.specimen import Specimen
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+
+@dataclass(frozen=True)
+class OrderScore:
+    """One candidate number of arms.
+
+    Attributes
+    ----------
+    arms : int
+    sse : float
+        Sum of squared residuals.
+    bic : float
+        Bayesian information criterion with the effective sample size; differences count.
+    significant : bool
+        Every arm has k > 3 SE and SE(ln tau) < 0.5. Where the noise was as slow as the arms:
+        chance does not explain what the last arm takes off the deviance.
+    model : GeneralizedMaxwell
+        The best solid with this many arms.
+    """
+
+    arms: int
+    sse: float
+    bic: float
+    significant: bool
+    model: GeneralizedMaxwell
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """How far the optimum can be from the best positive model with any number of arms.
+
+    Attributes
+    ----------
+    optimal : bool
+        True if no further arm with k > 0, at any relaxation time, lowers the SSE.
+    gap : float
+        Relative SSE that the best positive spectrum with any number of arms would still gain.
+    tau : float or None
+        Where a further arm would gain most, s.
+    says : str
+        The sentence printed with the fit.
+    """
+
+    optimal: bool
+    gap: float
+    tau: float | None
+    says: str
+
+
+@dataclass(frozen=True)
+class Moved:
+    """What a further test did to one parameter of the solid.
+
+    Attributes
+    ----------
+    name : str
+        As in ``Fit.parameters``, of the arm's place in the new model: ``"k_1"``, ``"tau_1"``.
+    before, before_se : float or None
+        Value and standard error without the further test; None for a new arm.
+    after, after_se : float
+        With it.
+    unit : str
+    before_most, after_most : float or None
+        What it is at most, of k_inf, which no test bounds from below and which has no error.
+    """
+
+    name: str
+    before: float | None
+    before_se: float | None
+    after: float
+    after_se: float | None
+    unit: str
+    before_most: float | None = None
+    after_most: float | None = None
+
+    @property
+    def was(self) -> Fact | None:
+        """What it was, as a table has it; None for a new arm."""
+        if self.before is None:
+            return None
+        high = np.nan if self.before_most is None else self.before_most
+        return Fact(self.name, self.before, high=high, unit=self.unit, error=self.before_se)
+
+    @property
+    def now(self) -> Fact:
+        """What it is, as a table has it."""
+        high = np.nan if self.after_most is None else self.after_most
+        return Fact(self.name, self.after, high=high, unit=self.unit, error=self.after_se)
+
+    @property
+    def shift(self) -> float | None:
+        """By how many of its standard errors before; None where there is none."""
+        if self.before is None or not self.before_se or not np.isfinite(self.before_se):
+            return None
+        return (self.after - self.before) / self.before_se
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """What would explain two tests that one seal does not.
+
+    Attributes
+    ----------
+    name : str
+        ``"stiffness"``, a factor of the seals under the hammer; ``"k_inf"``, such a factor of
+        their stiffness at rest alone; ``"mass"``; ``"gain"`` of acceleration over force; or one of
+        the last two with a stiffness: ``"mass and stiffness"``.
+    value, standard_error : float
+        What it would have to be.
+    unit : str
+    departure : float
+        That over what it was supposed to be, less one.
+    fall : float
+        How much lower chi-square then is.
+    explains : bool
+        Nothing else is then beyond what is known.
+    says : str
+        With its value only where it explains both tests best: one quantity has one value.
+    """
+
+    name: str
+    value: float
+    standard_error: float
+    unit: str
+    departure: float
+    fall: float
+    explains: bool
+    says: str
+
+
+@dataclass(frozen=True)
+class AtDepth:
+    """The stiffnesses of one test of several that share their relaxation times.
+
+    Attributes
+    ----------
+    depth : float
+        Compression held, m.
+    k_inf, k_inf_most : float
+        Secant equilibrium stiffness at this depth, N/m, and what it is at most, at 95 %.
+    k, k_se : tuple of float
+        Arm stiffnesses at this depth, N/m, in the order of the model's arms.
+    """
+
+    depth: float
+    k_inf: float
+    k_inf_most: float
+    k: tuple[float, ...]
+    k_se: tuple[float, ...]
+
+    def facts(self, unit: str) -> tuple[Fact, ...]:
+        """Each stiffness with its error; an arm that is nothing here is one of other depths."""
+        rest = Fact("k_inf", self.k_inf, high=self.k_inf_most, unit=unit)
+        names = (f"k_{j}" for j in range(1, len(self.k) + 1))
+        each = zip(names, self.k, self.k_se, strict=True)
+        return rest, *(Fact(name, value, unit=unit, error=error) for name, value, error in each)
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What the data support, and what they leave open.
+
+    Attributes
+    ----------
+    band : (float, float)
+        The frequencies this test can inform, Hz.
+    orders : tuple of OrderScore
+        The numbers of arms that were tried.
+    certificate : Certificate or None
+    checks : tuple of Check
+    by_depth : tuple of AtDepth
+        One per test where each has its own stiffnesses (``fit_depths``), shallowest
+        first; the fit's solid is then the deepest test's.
+    moved : tuple of Moved
+        What a further test changed, where there was an earlier fit.
+    explanations : tuple of Explanation
+        Of two tests that disagree, the best first.
+    end_of_hold : EndOfHold or None
+        What tests know of the stiffness when they end, and of where it ends.
+    creep : CreepEstimate or None
+        The compliances and retardation times that were fitted to a creep test.
+    alternative : Alternative or None
+        The best solid of the other family, where both were fitted.
+    band_error : BandError or None
+        How well stiffness and loss factor are known in the band, over all spectra that the test
+        does not reject; None where that was not asked.
+    """
+
+    band: tuple[float, float]
+    orders: tuple[OrderScore, ...] = ()
+    certificate: Certificate | None = None
+    checks: tuple[Check, ...] = ()
+    by_depth: tuple[AtDepth, ...] = ()
+    moved: tuple[Moved, ...] = ()
+    explanations: tuple[Explanation, ...] = ()
+    end_of_hold: EndOfHold | None = None
+    creep: CreepEstimate | None = None
+    alternative: Alternative | None = None
+    band_error: BandError | None = None
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """Where a fit comes from.
+
+    Attributes
+    ----------
+    method : str
+        ``"full"``, ``"hold"``, ``"frf"``, ``"joint"``, ``"dynamic"``, ``"modulus"``,
+        ``"creep"`` or ``"cld"``.
+    source : tuple of Source
+    steps : tuple of Step
+        Everything done since the raw file, with its parameters.
+    specimen : Specimen
+    """
+
+    method: str
+    source: tuple[Source, ...] = ()
+    steps: tuple[Step, ...] = ()
+    specimen: Specimen = field(default_factory=Specimen)

@@ -1,0 +1,530 @@
+"""The frequency response function."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dashpot.base.array_units import SI, put_into_si, said_units, words_of
+from dashpot.base.arrays import (
+    BoolArray,
+    ByValue,
+    ComplexArray,
+    FloatArray,
+    complex_samples,
+    increasing,
+    same_length,
+    samples,
+)
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import Source, Step
+from dashpot.base.reported_values import Fact
+from dashpot.base.result_mixins import Pictured, Series, arrays, verb
+from dashpot.base.serialisation import Documented
+from dashpot.base.units import Quantity, parse_unit
+
+if TYPE_CHECKING:
+    from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
+
+
+class Kind(StrEnum):
+    """What the FRF relates: motion per force, its inverse, or motion per base motion (ISO 2041)."""
+
+    RECEPTANCE = "receptance"  # x / F, m/N
+    MOBILITY = "mobility"  # v / F, m/(N s)
+    ACCELERANCE = "accelerance"  # a / F, 1/kg
+    DYNAMIC_STIFFNESS = "dynamic_stiffness"  # F / x, N/m
+    TRANSMISSIBILITY = "transmissibility"  # x / x of the base, both absolute
+    RELATIVE_TRANSMISSIBILITY = "relative_transmissibility"  # (x - x of the base) / x of the base
+
+    @property
+    def over_base(self) -> bool:
+        """Whether it is of a mass over a base that moves, not of a force on it."""
+        return self in _OVER_BASE
+
+
+_OVER_BASE = (Kind.TRANSMISSIBILITY, Kind.RELATIVE_TRANSMISSIBILITY)
+
+
+UNITS = {
+    Kind.RECEPTANCE: "m/N",
+    Kind.MOBILITY: "m/(N s)",
+    Kind.ACCELERANCE: "(m/s^2)/N",
+    Kind.DYNAMIC_STIFFNESS: "N/m",
+    Kind.TRANSMISSIBILITY: "m/m",
+    Kind.RELATIVE_TRANSMISSIBILITY: "m/m",
+}
+
+# a line whose random error is larger than this part of its value says nothing about a peak
+NOISY_LINE = 0.5
+# what is noise is not told from fewer quiet lines
+FEWEST = 5
+# line frequencies below this, Hz, are 0
+ZERO = 1e-9
+# a motion per force is the receptance times s to this power
+_POWERS = {Kind.RECEPTANCE: 0, Kind.MOBILITY: 1, Kind.ACCELERANCE: 2}
+
+
+@dataclass(frozen=True)
+class Hit:
+    """One hammer hit and the verdict on it.
+
+    Attributes
+    ----------
+    name : str
+        What the user calls it to accept or reject it by hand, ``"1"``, ``"2"``...
+    time : float
+        When it struck, s on the clock of its record.
+    accepted : bool
+    reasons : tuple of str
+        Why it was rejected, or what is doubtful about it, one sentence each.
+    peak : float
+        Largest force, N.
+    duration : float
+        Pulse width at 10 % of the peak, s.
+    frequency, damping_ratio, modal_mass : float or None
+        Resonance of the ringing after this hit alone, Hz, 1 and kg; None where it is not told.
+    amplitude : float or None
+        Displacement with which that ringing begins, m.
+    """
+
+    name: str
+    time: float
+    accepted: bool
+    reasons: tuple[str, ...] = ()
+    peak: float = 0.0
+    duration: float = 0.0
+    frequency: float | None = None
+    damping_ratio: float | None = None
+    modal_mass: float | None = None
+    amplitude: float | None = None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FRF(ByValue, Pictured, Documented):
+    r"""A frequency response function, measured or predicted.
+
+    Sign convention: x(t) = Re X e^{+j omega t}; the receptance of a passive system has a
+    negative imaginary part.
+
+    Attributes
+    ----------
+    frequency : array, shape (n,)
+        Hz, increasing.
+    value : complex array, shape (n,)
+        In the SI unit of `quantity`.
+    quantity : Kind
+        What it relates: ``"accelerance"``, ``"receptance"``, ``"transmissibility"``...
+    coherence : array, shape (n,) or None
+        Ordinary coherence; None when predicted or when there was one hit only.
+    sd : array, shape (n,) or None
+        Standard deviation of the real part and of the imaginary part, unit of `value`.
+    shift : float
+        The exponential window's decay a, 1/s, on force and response alike: the FRF is
+        :math:`H(s)` at :math:`s = j\omega + a`. 0 without a window.
+    shift_sd : float
+        Its standard deviation, 1/s, where the record itself told it.
+    record : float or None
+        Length of the record after the hit, s, where the response may be cut short; None for
+        a prediction or an untruncated one.
+    pulse : float
+        Rms width of the hammer's pulse, s; the record begins at its middle.
+    averages : int
+        Number of hits averaged; 0 when predicted.
+    hits : tuple of Hit
+        Every hit found, with its verdict.
+    checks, source, steps
+        As in a fit.
+    units : str
+        Of `frequency` and `value`: ``"Hz, (m/s^2)/N"``, or ``"SI"``. Within they are in SI.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> frf = dp.FRF(frequency=t, value=t + 1j, quantity="accelerance", units="Hz, (m/s^2)/N")
+    >>> frf.unit, frf.to("receptance").unit
+    ('(m/s^2)/N', 'm/N')
+    """
+
+    schema = "dashpot/frf@1"
+    keys = (
+        "frequency", "value", "kind=quantity", "coherence", "sd", "shift", "shift_sd", "record",
+        "pulse", "averages", "hits", "checks", "source", "steps",
+    )  # fmt: skip
+
+    frequency: FloatArray
+    value: ComplexArray
+    quantity: Kind = Kind.ACCELERANCE
+    coherence: FloatArray | None = None
+    sd: FloatArray | None = None
+    shift: float = 0.0
+    shift_sd: float = 0.0
+    record: float | None = None
+    pulse: float = 0.0
+    averages: int = 0
+    hits: tuple[Hit, ...] = ()
+    checks: tuple[Check, ...] = ()
+    source: tuple[Source, ...] = ()
+    steps: tuple[Step, ...] = ()
+    units: str = said_units()
+
+    def __post_init__(self) -> None:
+        self._into_si()
+        frequency = increasing("frequency", samples("frequency", self.frequency))
+        if frequency[0] < 0:
+            raise DataError(f"frequency[0] = {frequency[0]:g} Hz; expected >= 0")
+        object.__setattr__(self, "frequency", frequency)
+        object.__setattr__(self, "value", complex_samples("value", self.value))
+        object.__setattr__(self, "quantity", Kind(self.quantity))
+        for name in ("coherence", "sd"):
+            values = getattr(self, name)
+            if values is not None:
+                object.__setattr__(self, name, samples(name, values))
+        same_length(
+            frequency=self.frequency, value=self.value, coherence=self.coherence, sd=self.sd
+        )
+
+    def stiffness(self, *, mass: Quantity, seals: float = 1.0, **how: Any) -> DynamicStiffness:
+        """Stiffness, damping and loss factor of one seal under a mass, line by line.
+
+        As :func:`~dashpot.vibration.modal.dynamic_stiffness.dynamic_stiffness` finds them.
+        """
+        of = verb("vibration.modal.dynamic_stiffness", "dynamic_stiffness")
+        found: DynamicStiffness = of(self, mass, seals=seals, **how)
+        return found
+
+    def _into_si(self) -> None:
+        """Put lines and values into SI: a ratio of two units tells what the values relate."""
+        if self.units == SI:
+            return
+        hertz, of_value = words_of(self, {"frequency": "frequency", "value": "compliance"})
+        ratio = verb("reading.columns.response_units", "ratio")(of_value)
+        if ratio is None or ratio.order or ratio.kind.over_base != Kind(self.quantity).over_base:
+            raise DataError(
+                f"FRF: '{of_value}' is no unit of {Kind(self.quantity).value}. Write for example "
+                f'units="Hz, {UNITS[Kind(self.quantity)]}"'
+            )
+        if ratio.kind != self.quantity and not ratio.kind.over_base:
+            raise DataError(
+                f"FRF: '{of_value}' is a unit of {ratio.kind.value}, and the quantity is "
+                f"{Kind(self.quantity).value}. Say one of both otherwise"
+            )
+        put_into_si(self, "frequency", parse_unit(hertz, "frequency"))
+        for name in ("value", "sd"):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, ratio.factor * np.asarray(getattr(self, name)))
+        object.__setattr__(self, "units", SI)
+
+    @classmethod
+    def of_receptance(
+        cls,
+        frequency: FloatArray,
+        receptance: ComplexArray,
+        *,
+        kind: Kind | str = Kind.ACCELERANCE,
+        shift: float = 0.0,
+    ) -> FRF:
+        """The FRF, of any kind per force, whose receptance at `frequency`, Hz, is this."""
+        kind, s = Kind(kind), np.asarray(2j * np.pi * frequency + shift)
+        if kind.over_base:
+            raise DataError(
+                "a receptance alone is no transmissibility, which is of a base that moves; "
+                "expected a kind per force, such as accelerance"
+            )
+        return cls(frequency, _as_kind(receptance, s, kind), kind, shift=shift, units=SI)
+
+    @property
+    def series(self) -> Series:
+        """The response over frequency, and how well it is known."""
+        return arrays(self, frequency="Hz", value=self.unit, coherence="", sd=self.unit)
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """What it relates, where, and its highest line."""
+        size = np.abs(self.value)
+        top = int(size.argmax())
+        made = f"{self.averages} averages" if self.averages else "predicted, or of unknown averages"
+        files = ", ".join(one.file for one in self.source)
+        return (
+            (
+                f"{self.quantity}, {self.unit}, {len(self.value)} lines, "
+                f"{self.frequency[0]:.6g} to {self.frequency[-1]:.6g} Hz, "
+                f"{made}{f', {files}' if files else ''}"
+            ),
+            f"highest line: {size[top]:.5g} {self.unit} at {self.frequency[top]:.6g} Hz",
+        )
+
+    @property
+    def omega(self) -> FloatArray:
+        """Angular frequency, rad/s."""
+        return 2 * np.pi * self.frequency
+
+    @property
+    def s(self) -> ComplexArray:
+        r"""Where on the Laplace plane the values were taken: :math:`j\omega + a`, 1/s."""
+        return np.asarray(1j * self.omega + self.shift, dtype=complex)
+
+    @property
+    def struck(self) -> bool:
+        """Whether it is known to be of hits: it has them, their window, or their record."""
+        return bool(self.hits) or self.shift != 0 or self.record is not None
+
+    @property
+    def unit(self) -> str:
+        """The SI unit of `value`."""
+        return UNITS[self.quantity]
+
+    @property
+    def read(self) -> str:
+        """The same as people read it: of an accelerance 1/kg."""
+        return "1/kg" if self.quantity is Kind.ACCELERANCE else self.unit
+
+    def to(self, kind: Kind | str, *, mass: float | None = None) -> FRF:
+        r"""The same FRF as receptance, mobility, accelerance or dynamic stiffness.
+
+        Motion is differentiated by a factor s, so a windowed FRF stays exact. The line at
+        frequency 0 is dropped where it would divide by zero.
+
+        A base that moves pulls at a rigid mass as its inertia would, so that the transmissibility
+        T to it and its accelerance A are one another's measure,
+
+        .. math:: T = 1 - m A, \qquad R = T - 1 = -m A
+
+        the second, R, being the motion relative to the base.
+
+        Parameters
+        ----------
+        kind : Kind or str
+        mass : float, optional
+            kg; between a motion over a base and one per force. What follows is as well known as the
+            mass.
+
+        Raises
+        ------
+        DataError
+            If the mass cannot be, or is needed and missing.
+        """
+        kind = Kind(kind)
+        if kind is self.quantity:
+            return self
+        if kind.over_base and self.quantity.over_base:
+            # a sum with 1 keeps the scatter, and the coherence not
+            add = 1 if kind is Kind.TRANSMISSIBILITY else -1
+            return replace(self, value=self.value + add, quantity=kind, sd=self.line_scatter)
+        if kind.over_base or self.quantity.over_base:
+            return self._over_base(kind, mass)
+        old = self.only((np.abs(self.s) > 0) & (np.abs(self.value) > 0))
+        if old.quantity in _POWERS:
+            receptance = old.value / old.s ** _POWERS[old.quantity]
+        else:
+            receptance = 1 / old.value
+        value = _as_kind(receptance, old.s, kind)
+        # a relative error is the same for every kind
+        sd = None if old.sd is None else old.sd * np.abs(value) / np.abs(old.value)
+        return replace(old, value=value, quantity=kind, sd=sd)
+
+    def _over_base(self, kind: Kind, mass: float | None) -> FRF:
+        """The same to or from the motion of a mass over a base; see :meth:`to`."""
+        if mass is None or not (np.isfinite(mass) and mass > 0):
+            given = "no mass is given" if mass is None else f"mass = {mass!r} kg"
+            raise DataError(
+                "a transmissibility relates two motions, the others a motion and a force, and only "
+                f"the mass between them, > 0 kg, tells one by the other: {given} "
+                "(Python: frf.to(kind, mass=m))"
+            )
+        relative = Kind.RELATIVE_TRANSMISSIBILITY
+        if self.quantity.over_base:
+            return self.to(relative)._scaled(-1 / mass, Kind.ACCELERANCE).to(kind)
+        return self.to(Kind.ACCELERANCE)._scaled(-mass, relative).to(kind)
+
+    def _scaled(self, factor: float, kind: Kind) -> FRF:
+        """So many times as large, and of another kind."""
+        sd = None if self.sd is None else abs(factor) * self.sd
+        return replace(self, value=factor * self.value, quantity=kind, sd=sd)
+
+    @property
+    def random_sd(self) -> FloatArray | None:
+        r"""Standard deviation of the real and of the imaginary part, shape (n,); None if unknown.
+
+        The FRF's own `sd` where it has one, else from coherence and n averages,
+        :math:`|H| \sqrt{(1-\gamma^2) / (2 n \gamma^2)}` (ISO 7626-2, annex A).
+        """
+        if self.sd is not None or self.averages < 2:
+            return self.sd
+        scatter = self.scatter_of_one
+        return None if scatter is None else np.asarray(scatter / np.sqrt(self.averages))
+
+    @property
+    def scatter_of_one(self) -> FloatArray | None:
+        r"""What the coherence says of a single average, :math:`|H|\sqrt{(1-\gamma^2)/2\gamma^2}`.
+
+        Shape (n,); None without coherence. Of an FRF whose number of averages is not known it
+        tells which lines are better than others.
+        """
+        if self.coherence is None:
+            return None
+        squared = np.clip(self.coherence, 1e-6, 1.0)
+        return np.asarray(np.abs(self.value) * np.sqrt((1 - squared) / (2 * squared)))
+
+    @property
+    def line_scatter(self) -> FloatArray | None:
+        """Which lines are better known than others, by `random_sd` or what there is of it."""
+        return self.scatter_of_one if self.random_sd is None else self.random_sd
+
+    @property
+    def usable(self) -> BoolArray:
+        """Lines to hold against a model: not 0 Hz, not zero, not mere noise, shape (n,)."""
+        keep = (self.frequency > ZERO) & (np.abs(self.value) > 0)
+        sd = self.line_scatter
+        if sd is not None:
+            quiet = keep & (sd < NOISY_LINE * np.abs(self.value))
+            keep = quiet if np.count_nonzero(quiet) >= FEWEST else keep
+        return np.asarray(keep)
+
+    def only(self, keep: BoolArray) -> FRF:
+        """The chosen lines, `keep` of shape (n,)."""
+        return replace(
+            self,
+            frequency=self.frequency[keep],
+            value=self.value[keep],
+            coherence=None if self.coherence is None else self.coherence[keep],
+            sd=None if self.sd is None else self.sd[keep],
+        )
+
+    def band(self, low: float, high: float) -> FRF:
+        """The lines from `low` to `high`, Hz, both included."""
+        keep = (self.frequency >= low) & (self.frequency <= high)
+        if not keep.any():
+            raise DataError(
+                f"no line between {low:g} and {high:g} Hz; the FRF has "
+                f"{self.frequency[0]:g} to {self.frequency[-1]:g} Hz"
+            )
+        return self.only(keep)
+
+    def modes(
+        self,
+        *,
+        method: str = "rational",
+        band: tuple[float, float] | None = None,
+        count: int | None = None,
+    ) -> tuple[Mode, ...]:
+        r"""Natural frequencies, damping ratios and residues, each with its uncertainty.
+
+        The mode that carries most motion (largest residue of the receptance) comes first. All
+        methods allow for an exponential window: the poles are those of the structure.
+
+        Parameters
+        ----------
+        method : str
+            ``"rational"`` fits poles and residues, by least squares weighted by `sd`, to what a
+            record of finite length shows (:mod:`dashpot.vibration.modal.rational_fraction`). The
+            others look at the highest peak: ``"peak"`` (parabola), ``"half-power"`` (width at
+            :math:`1/\sqrt2`), ``"circle"`` (Nyquist circle of the mobility) and ``"decrement"``
+            (decay of the impulse response).
+        band : (float, float), optional
+            Hz; by default two octaves to either side of the highest peak of the receptance.
+        count : int, optional
+            Exactly this many modes (``"rational"`` only); by default those that matter.
+
+        Returns
+        -------
+        tuple of Mode
+            Empty if nothing oscillates in the band.
+
+        Raises
+        ------
+        DataError
+            If the method is unknown or the band holds too few lines.
+        FitError
+            If the lines cannot support the method: fewer than 5 in the half-power band.
+        """
+        measured = self.to(Kind.ACCELERANCE)  # what was recorded, and cut at its end
+        find_modes = verb("vibration.modal.modes", "find_modes")
+        found: tuple[Mode, ...] = find_modes(measured, method=method, band=band, count=count)
+        if self.shift_sd == 0:
+            return found
+        # a window that decays faster leaves less to the structure
+        errors = [np.hypot(one.damping_ratio_se, self.shift_sd / abs(one.pole)) for one in found]
+        return tuple(
+            replace(one, damping_ratio_se=float(error))
+            for one, error in zip(found, errors, strict=True)
+        )
+
+
+def _as_kind(receptance: ComplexArray, s: ComplexArray, kind: Kind) -> ComplexArray:
+    return receptance * s ** _POWERS[kind] if kind in _POWERS else 1 / receptance
+
+
+@dataclass(frozen=True)
+class Mode(Documented):
+    r"""One mode: a pole pair :math:`p = \omega_n(-\zeta \pm j\sqrt{1-\zeta^2})` and its residue.
+
+    Attributes
+    ----------
+    frequency : float
+        Undamped natural frequency :math:`|p|/2\pi`, Hz.
+    damping_ratio : float
+        :math:`\zeta = -\mathrm{Re}\,p / |p|`.
+    residue : complex
+        Of the receptance, m/(N s): :math:`X/F = r/(s-p) + r^*/(s-p^*) + \dots`
+    frequency_se, damping_ratio_se, residue_se : float
+        Standard errors; 0 for a model's mode, nan where a method cannot tell.
+    method : str
+        How it was found.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> round(dp.Mode(12.7, 0.0285, 0j).bandwidth, 3)
+    0.724
+    """
+
+    keys = ("frequency_hz=frequency", "damping_ratio")
+
+    frequency: float
+    damping_ratio: float
+    residue: complex
+    frequency_se: float = 0.0
+    damping_ratio_se: float = 0.0
+    residue_se: float = 0.0
+    method: str = "model"
+
+    @property
+    def facts(self) -> tuple[Fact, Fact, Fact]:
+        """Frequency, damping ratio and size of the residue, as tables have them."""
+        frequency, damping_ratio, residue = (
+            # nobody told how well a model's is known, and none is held
+            error or None
+            for error in (self.frequency_se, self.damping_ratio_se, self.residue_se)
+        )
+        return (
+            Fact.known("frequency", self.frequency, frequency, unit="Hz"),
+            Fact.known("damping ratio", self.damping_ratio, damping_ratio, unit="1", read="%"),
+            Fact.known("residue", abs(self.residue), residue, unit="m/(N s)"),
+        )
+
+    @property
+    def pole(self) -> complex:
+        """The pole in the upper half plane, 1/s."""
+        zeta = self.damping_ratio
+        return complex(-zeta, np.sqrt(max(1 - zeta**2, 0.0))) * 2 * np.pi * self.frequency
+
+    @property
+    def decay(self) -> float:
+        """How fast it dies: sigma = -Re p, 1/s."""
+        return -self.pole.real
+
+    @property
+    def bandwidth(self) -> float:
+        """Width of its peak at half power, Hz."""
+        return 2 * self.damping_ratio * self.frequency
+
+    @property
+    def modal_mass(self) -> float:
+        r"""Mass, kg, of the single degree of freedom with this residue: Re 1/(2 j omega_d r)."""
+        return float((1 / (2j * self.pole.imag * self.residue)).real)

@@ -1,0 +1,284 @@
+"""The machine, or the oven, that a test was made in, as far as its user knows it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import NamedTuple
+
+from dashpot.base.errors import DataError
+from dashpot.base.option_fields import key_of, offered, option
+from dashpot.base.units import si_fields
+from dashpot.base.validators import not_negative, picked, positive
+
+# a baseline tells the drift where it leaves less than this part of what is usual
+_TOLD = 0.7
+# two channels of one clock are together to this part of a sample
+_ONE_CLOCK = 0.01
+
+
+class Usual(NamedTuple):
+    """What a machine may do unseen if nothing is said of it: one standard deviation.
+
+    Attributes
+    ----------
+    size : float
+    of : str
+        What it is measured by.
+    source : str
+        Why so much, and no more.
+    """
+
+    size: float
+    of: str
+    source: str
+
+
+USUAL: Mapping[str, Usual] = MappingProxyType({
+    "drift over the record": Usual(
+        3.5e-3, "of the final force", "data sheets of load cells: zero drift of a warm amplifier"
+    ),
+    "drift rate": Usual(
+        2.4e-4, "1/s, of the final force, until it is warm",
+        "simulation: .5 mN/s on a seal of 1 N, one in twenty",
+    ),
+    "drift of a noisy cell": Usual(
+        0.1, "1/s, of the scatter of its readings", "simulation: a cell too large for its test"
+    ),
+    "warm after": Usual(
+        120.0, "s; later it drifts as the root of time", "amplifiers settle within minutes"
+    ),
+    "drift changes": Usual(
+        1e-3, "of the final force over the record", "a slope before contact may be another later on"
+    ),
+    "delay": Usual(5e-3, "s, and one sample at least", "two converters, each with its own filter"),
+    "give": Usual(
+        0.0125, "of the depth, under the largest force",
+        "cells give .2 to .5 mm at full scale, of which a test uses a tenth to a third",
+    ),
+    "give, named": Usual(0.1, "of the named one", "pressed steel on steel, once"),
+    "crosshead": Usual(
+        1.25e-3, "of the depth in a factor e of time after its stop",
+        "20 um in a factor e of time, of 8 mm, is two standard deviations",
+    ),
+    "earlier press": Usual(
+        0.1, "of the depth, by which a seal was pressed for long before its record",
+        "conditioning cycles to the full depth: their mean, less what a rest takes",
+    ),
+    "set": Usual(
+        0.03, "of the depth, by which its face may be lower than it was; half of a gap at most",
+        "simulation: 4 s after conditioning cycles, half of what is left",
+    ),
+    "rest after it": Usual(4.0, "s", "the time that a recorder takes to be started by hand"),
+    "folded mains": Usual(
+        5e-3, "of the largest force, as amplitude",
+        "8 mN of a seal of 1.5 N, before a converter that states no filter",
+    ),
+    "warming": Usual(0.7, "K, of the seal over its record", "a room without a chamber"),
+    "warming in a chamber": Usual(
+        0.5, "K, of the seal over its record", "what a chamber holds its temperature to"
+    ),
+    "faster by warmth": Usual(
+        0.19, "of ln a_T in a kelvin", "WLF's universal constants 75 K above a glass transition"
+    ),
+    "cable": Usual(
+        0.015, "of the stiffness of the seals at the resonance",
+        "trials: cables of accelerometers add 1 to 3 %",
+    ),
+    "loss of the cable": Usual(0.5, "its loss factor", "plasticised PVC and silicone jackets"),
+    "table": Usual(
+        5e-3, "of the give of the seals", "a bench whose own modes lie ten times higher"
+    ),
+    "mass that moves along": Usual(
+        3e-3, "of the mass", "half of a cable of 1 g, wax and a stud, on 100 to 200 g"
+    ),
+})  # fmt: skip
+"""One standard deviation each of what limits take into account, and no fitted value does.
+
+The table of a machine that nobody has described; what `Machine` names takes its place.
+"""
+
+
+@dataclass(frozen=True)
+class Machine:
+    r"""What the record cannot show of the machine, or shows badly.
+
+    Of what is None nothing is known, and `USUAL` stands for it.
+
+    Attributes
+    ----------
+    sync : float or None
+        Standard deviation of the delay between the clocks of force and displacement, s; where
+        nothing is said, one sample at least.
+    drift : float or None
+        Standard deviation of the drift of the load cell, N/s, as its data sheet gives it.
+    compliance : float or None
+        Of machine and load cell, m/N: the seal is compressed by :math:`x - C F`; 0 if the
+        displacement is measured at the seal.
+    creep : float or None
+        Standard deviation of what its crosshead settles by in a factor e of time after its stop,
+        m, where no reading shows it.
+    force_filter : float or None
+        Cut-off of a first-order low-pass in the force channel, Hz.
+    rest : float or None
+        Time for which the seal was left alone before its record began, s.
+    oven : float or None
+        Standard deviation of the temperature of an oven from what it says, K.
+    cable : float or None
+        Of a hammer's rig: standard deviation of the stiffness that the cables add beside the seals,
+        over that of the seals at the resonance; 0 if they hang free.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> dp.Machine(drift="0.2mN/s").drift
+    0.0002
+    """
+
+    sync: float | None = option(
+        None, "Uncertainty of the delay between force and displacement.", unit="time",
+        under="machine",
+    )  # fmt: skip
+    drift: float | None = option(
+        None, "Drift of the load cell, e.g. 0.2mN/s.", unit="force rate", under="machine"
+    )
+    compliance: float | None = option(
+        None, "Compliance of the machine, e.g. 50um/N.", unit="compliance", under="machine"
+    )
+    creep: float | None = option(
+        None, "Creep of the crosshead in e-fold time, e.g. 5um.", unit="length", under="machine"
+    )
+    force_filter: float | None = option(
+        None,
+        "First-order low-pass in the force channel, e.g. 10Hz.",
+        unit="frequency",
+        under="machine",
+    )
+
+    rest: float | None = option(
+        None, "Rest of the seal before the record, e.g. 10min.", unit="time", under="machine"
+    )
+    oven: float | None = option(
+        None, "Error of an oven's temperature, e.g. 1K.", unit="temperature", under="machine"
+    )
+
+    cable: float | None = option(
+        None, "Cable stiffness over the seals', e.g. 1%; 0: it hangs.", unit="strain",
+        under="machine",
+    )  # fmt: skip
+
+    @property
+    def on_bench(self) -> Machine:
+        """What is known of the machine of a relaxation test, and nothing of a hammer's rig."""
+        return self if self.cable is None else replace(self, cable=None)
+
+    def heeds(self, *names: str, of: str) -> None:
+        """Refuse what is said of the machine and a test of another kind does not heed.
+
+        Raises
+        ------
+        DataError
+        """
+        for one in offered(self):
+            if getattr(self, one.name) is not None and one.name not in names:
+                raise DataError(
+                    f"--machine {key_of(one)}= does not suit {of}. Leave it out; it takes "
+                    f"{', '.join(names)}"
+                )
+
+    def delay_sd(self, sample: float) -> float:
+        """Standard deviation of the delay of the force, s, for samples so far apart, s."""
+        filtered = 1 / (2 * math.pi * self.force_filter) if self.force_filter else 0.0
+        if self.sync is None:
+            return max(sample, USUAL["delay"].size, filtered)
+        return max(_ONE_CLOCK * sample, self.sync, filtered)
+
+    def give_sd(self, depth: float, peak: float) -> float:
+        """Standard deviation of what it gives, unsaid, under the `peak` of the force, N, in m."""
+        if self.compliance is None:
+            return USUAL["give"].size * depth
+        return USUAL["give, named"].size * self.compliance * peak
+
+    def creep_sd(self, depth: float) -> float:
+        """Standard deviation of what its crosshead settles by in a factor e of time, m."""
+        return USUAL["crosshead"].size * depth if self.creep is None else self.creep
+
+    @property
+    def rested(self) -> float:
+        """Time for which a seal was left alone before its record, at least, s."""
+        return USUAL["rest after it"].size if self.rest is None else self.rest
+
+    def drift_sd(self, final: float, duration: float, noise: float | None = None) -> float:
+        r"""Standard deviation of the drift, N/s; of a cell not described, from the final force, N.
+
+        Over a record of `duration` T, s, it may drift by :math:`3.5 \cdot 10^{-3} F_e`: what a fit
+        is bound to. A limit bears more. With the `noise` of the force s, N, that is
+
+        .. math:: \max\Bigl(3.5 \cdot 10^{-3} F_e/T,\
+                  \sqrt{(2.4 \cdot 10^{-4} F_e)^2 + (0.1\,s)^2}\,/\sqrt{1 + T/120\,\mathrm s}\Bigr)
+        """
+        if self.drift is not None:
+            return self.drift
+        usual = USUAL["drift over the record"].size * final / duration
+        if noise is None:
+            return usual
+        each = USUAL["drift rate"].size * final, USUAL["drift of a noisy cell"].size * noise
+        return max(usual, math.hypot(*each) / math.sqrt(1 + duration / USUAL["warm after"].size))
+
+    def drift_told(
+        self,
+        slope: tuple[float, float],
+        final: float,
+        duration: float,
+        noise: float | None = None,
+    ) -> tuple[float, float, bool]:
+        r"""What a baseline and the cell say of the drift together: N/s.
+
+        Mean and standard deviation, and whether the baseline told it.
+
+        A baseline with the `slope` m and its error e, N/s, may have drifted otherwise than the
+        record, by :math:`w = 10^{-3} F_e/T`. With s that of :meth:`drift_sd`
+
+        .. math:: 1/\sigma^2 = 1/s^2 + 1/(e^2 + w^2), \qquad \mu = m\,\sigma^2/(e^2 + w^2)
+
+        Where they contradict each other (:meth:`drift_conflict` above 1) there is no average: the
+        drift is then 0 with :math:`\sigma^2 = s^2 + m^2`.
+        """
+        mean, error = slope
+        usual = self.drift_sd(final, duration, noise)
+        if not math.isfinite(error) or usual == 0:
+            return 0.0, usual, False
+        if self.drift_conflict(slope, final, duration, noise) > 1:
+            return 0.0, math.hypot(usual, mean), False
+        seen = error**2 + (USUAL["drift changes"].size * final / duration) ** 2
+        sd = 1 / math.sqrt(1 / seen + 1 / usual**2)
+        return mean * sd**2 / seen, sd, sd < _TOLD * usual
+
+    def drift_conflict(
+        self,
+        slope: tuple[float, float],
+        final: float,
+        duration: float,
+        noise: float | None = None,
+    ) -> float:
+        r"""Return by how much a baseline contradicts what is known of the cell: above 1 it does.
+
+        .. math:: |m| \big/ 3\sqrt{e^2 + w^2 + s^2}
+
+        with the slope m of :meth:`drift_told`. Source: G. E. P. Box, J. R. Statist. Soc. A 143
+        (1980) 383, the prior predictive check.
+        """
+        mean, error = slope
+        if not math.isfinite(error):
+            return 0.0
+        changes = USUAL["drift changes"].size * final / duration
+        spread = math.hypot(error, changes, self.drift_sd(final, duration, noise))
+        return abs(mean) / (3 * spread) if spread > 0 else 0.0
+
+    def __post_init__(self) -> None:
+        si_fields(self)
+        known = picked(self, "sync", "drift", "compliance", "creep", "rest", "oven", "cable")
+        not_negative("machine ", **known, expected="a number >= 0 in SI units", optional=True)
+        positive("machine ", force_filter=self.force_filter, unit=" Hz", optional=True)

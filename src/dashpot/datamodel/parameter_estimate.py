@@ -1,0 +1,484 @@
+r"""From the covariance of a fit to standard errors, to intervals a reader can trust.
+
+The rows of the covariance are k in N/m and ln tau; what people read follows by the delta method:
+
+.. math:: \mathrm{SE}(\tau) = \tau\,\mathrm{SE}(\ln\tau), \qquad
+          \mathrm{Var}(\ln b) = \frac{\mathrm{Var}(k)}{k^2} + \frac{2\,\mathrm{Cov}(k, \ln\tau)}{k}
+                              + \mathrm{Var}(\ln\tau), \quad b = k\tau
+
+Intervals are Student's, symmetric in k and in ln tau (so tau > 0 always). Where a profile
+likelihood is stored it replaces them: both ends are where the deviance reaches the quantile, and
+an end that the data leave open is open. What a rig may have done unseen no deviance shows: its part
+of the covariance lengthens either side of a profile by the root of the sum of squares.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from math import exp, hypot, inf, isfinite, nan, sqrt
+from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict, cast
+
+import numpy as np
+
+from dashpot.base.arrays import ByValue, ComplexArray, FloatArray, Frozen, frozen
+from dashpot.base.errors import DataError
+from dashpot.base.reported_values import Fact
+from dashpot.base.units import read_in
+from dashpot.solids.fractional import FractionalZener
+from dashpot.solids.interconversion import CreepSpectrum
+
+if TYPE_CHECKING:
+    from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+
+Interval = tuple[float, float]
+
+#: rows of the covariance of a fractional Zener solid
+ELEMENT = ("k_inf", "k_0", "ln_tau", "alpha")
+#: rows that no number of equal solids in parallel changes
+SHAPE = ("ln_", "alpha")
+
+
+class Intervals(TypedDict):
+    """Confidence intervals in SI units, one per parameter of the model."""
+
+    k_inf: Interval
+    k: tuple[Interval, ...]
+    tau: tuple[Interval, ...]
+    b: tuple[Interval, ...]
+
+
+class StandardErrors(TypedDict):
+    """Standard errors in SI units, one per parameter of the model."""
+
+    k_inf: float
+    k: tuple[float, ...]
+    tau: tuple[float, ...]
+    b: tuple[float, ...]
+
+
+def parameter_names(arms: int, *, dashpot: bool = False) -> tuple[str, ...]:
+    """Return the names of a solid's parameters: k_inf, every k, every ln tau, and b."""
+    numbers = range(1, arms + 1)
+    names = ("k_inf", *(f"k_{j}" for j in numbers), *(f"ln_tau_{j}" for j in numbers))
+    return (*names, "b") if dashpot else names
+
+
+@dataclass(frozen=True)
+class Residual:
+    """Statistics of what the model leaves unexplained.
+
+    Attributes
+    ----------
+    n : int
+        Samples fitted.
+    sse : float
+        Sum of squared residuals, in the square of `unit`.
+    rms : float
+        Root mean square residual, in `unit`.
+    kappa : float
+        n / effective n: how many neighbouring residuals say the same thing (1 if white).
+    durbin_watson : float
+        About 2 for white residuals, towards 0 for correlated ones.
+    unit : str
+        ``"N"``; ``"1"`` where each is relative to its own value; ``"sd"`` in standard deviations of
+        the scatter of each set; else that of the modulus.
+    """
+
+    n: int
+    sse: float
+    rms: float
+    kappa: float = 1.0
+    durbin_watson: float = 2.0
+    unit: str = "N"
+
+
+@dataclass(frozen=True, eq=False)
+class Profile(Frozen):
+    """Profile likelihood of one parameter: deviance against its value.
+
+    Attributes
+    ----------
+    parameter : str
+        Name as in ``Fit.parameters``, for example ``"ln_tau_2"``; ``"ln_b_2"`` for b = k tau.
+    value, deviance : array, shape (m,)
+        Trial values, ascending, and ``(SSE(value) - SSE_min) / (kappa * s^2)``: compared
+        with the chi-square or F quantile of one degree of freedom.
+    """
+
+    parameter: str
+    value: FloatArray
+    deviance: FloatArray
+
+    def __post_init__(self) -> None:
+        if len(self.value) != len(self.deviance) or not len(self.value):
+            raise DataError(
+                f"the profile of {self.parameter} has {len(self.value)} values and "
+                f"{len(self.deviance)} deviances; expected one of each, or more"
+            )
+        super().__post_init__()
+
+    @property
+    def best(self) -> float:
+        """Where the deviance is least."""
+        return float(self.value[int(np.argmin(self.deviance))])
+
+
+@dataclass(frozen=True)
+class Nuisance:
+    """A parameter the fit needed and the user did not ask for: tare, drift, gain, delay, mass.
+
+    `prior_sd` is its standard deviation before the fit, where that is on record.
+    """
+
+    name: str
+    value: float
+    standard_error: float
+    unit: str
+    prior_sd: float | None = None
+
+    @property
+    def fact(self) -> Fact:
+        """As every table of it has it."""
+        of, read = self.unit, read_in(self.unit, fine=True)
+        return Fact.known(self.name, self.value, self.standard_error, unit=of, read=read)
+
+
+class _SolidParameter(NamedTuple):
+    """A parameter of a solid and the standard error of what was fitted: itself, or its ln."""
+
+    name: str
+    value: float
+    error: float
+    log: bool = False
+    most: float = inf
+
+    @property
+    def standard_error(self) -> float:
+        return self.value * self.error if self.log else self.error
+
+
+@dataclass(frozen=True, eq=False)
+class ParameterEstimate(ByValue):
+    """How well the parameters of a solid are known.
+
+    Attributes
+    ----------
+    parameters : tuple of str
+        Names of the rows of `covariance`: ``"k_inf"``, ``"k_1"``..., ``"ln_tau_1"``...,
+        and ``"b"`` if it was fitted; of a fractional Zener solid ``"k_inf"``, ``"k_0"``,
+        ``"ln_tau"`` and ``"alpha"``. Stiffness in N/m, ln of tau in s.
+    covariance : array, shape (p, p)
+        Of those parameters, for correlated residuals and for all that a rig may have done unseen.
+        Infinite where not identified.
+    dof : float
+        Degrees of freedom of the t quantile: effective samples less parameters.
+    residual : Residual
+    profiles : tuple of Profile
+        Where the covariance is no good guide to an interval; of the noise alone.
+    nuisance : tuple of Nuisance
+    of_noise : array, shape (p, p), or None
+        The covariance for the residuals alone, which decides what the data can tell apart; None
+        where no rig was doubted and it is all there is.
+    """
+
+    parameters: tuple[str, ...]
+    covariance: FloatArray
+    dof: float
+    residual: Residual
+    profiles: tuple[Profile, ...] = ()
+    nuisance: tuple[Nuisance, ...] = ()
+    of_noise: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        size = len(self.parameters)
+        for name in ("covariance", "of_noise"):
+            matrix = getattr(self, name)
+            if matrix is None:
+                continue
+            covariance = np.asarray(matrix, dtype=float)
+            if covariance.shape != (size, size):
+                raise DataError(
+                    f"{name} has shape {covariance.shape}, expected {(size, size)}: "
+                    "one row per parameter"
+                )
+            object.__setattr__(self, name, frozen(covariance))
+
+    @property
+    def noise_alone(self) -> ParameterEstimate:
+        """As if the rig had done nothing unseen: what the data can tell apart."""
+        if self.of_noise is None:
+            return self
+        return replace(self, covariance=self.of_noise, of_noise=None)
+
+    def with_rig(self, unseen: FloatArray) -> ParameterEstimate:
+        """With what doubts of a rig move the parameters by, a column each, shape (p, d)."""
+        return replace(
+            self,
+            covariance=self.covariance + unseen @ unseen.T,
+            of_noise=self.noise_alone.covariance,
+        )
+
+    def scaled(self, by: FloatArray) -> ParameterEstimate:
+        """Of parameters so many times as large each, shape (p,)."""
+        each = np.outer(by, by)
+        return replace(
+            self,
+            covariance=self.covariance * each,
+            of_noise=None if self.of_noise is None else self.of_noise * each,
+        )
+
+    def of_arms(self, solid: FractionalZener) -> ParameterEstimate:
+        """What is known of a fractional solid, as of the arms that stand for it: to first order."""
+        gradient = solid.arm_gradient()
+        rows = [self.parameters.index(name) for name in ELEMENT]
+
+        def of_arms(covariance: FloatArray) -> FloatArray:
+            own = covariance[np.ix_(rows, rows)]
+            if not np.isfinite(own).all():
+                return np.diag(np.full(len(gradient), inf))
+            return np.asarray(gradient @ own @ gradient.T)
+
+        return ParameterEstimate(
+            parameter_names(len(gradient) // 2),
+            of_arms(self.covariance),
+            self.dof,
+            self.residual,
+            of_noise=None if self.of_noise is None else of_arms(self.of_noise),
+        )
+
+    def errors_of_vibration(
+        self, model: GeneralizedMaxwell, s: ComplexArray
+    ) -> tuple[float, float]:
+        r"""Largest relative standard errors of :math:`|K(s)|` and of the loss factor, over s.
+
+        Infinite where a parameter of the arms is not known.
+        """
+        names = ("k_inf", *parameter_names(model.arms)[1:])
+        if not set(names) <= set(self.parameters) or model.b:
+            return inf, inf
+        rows = [self.parameters.index(name) for name in names]
+        covariance = self.covariance[np.ix_(rows, rows)]
+        if not np.isfinite(covariance).all():
+            return inf, inf
+        K = model.stiffness_at(s)
+        if not (K.real > 0).all():
+            return inf, inf
+        slopes = model.arm_slopes(s)[0] / K[:, None]
+        # d ln K = d ln |K| + j d(angle); the loss factor is the tangent of the angle
+        size, angle = (
+            np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", one, covariance, one), 0.0))
+            for one in (slopes.real, slopes.imag)
+        )
+        loss_factor = K.imag / K.real
+        known = np.where(loss_factor > 0, loss_factor, np.nan)
+        ratio = (1 + known**2) / known * angle
+        return float(size.max()), float(np.nanmax(ratio)) if np.isfinite(ratio).any() else inf
+
+    def facts(self, solid: Solid, unit: str, level: float = 0.95) -> tuple[Fact, ...]:
+        """Every parameter of a solid, its stiffnesses in `unit`, with error and interval.
+
+        ``k_inf``, then ``k_1``, ``tau_1`` and ``b_1`` = k tau of each arm, and ``b`` of a dashpot
+        beside them; ``k_inf``, ``k_0``, ``tau`` and ``alpha`` of a fractional solid.
+
+        Raises
+        ------
+        DataError
+            If `level` is not between 0 and 1.
+        """
+        units = {"k": unit, "tau": "s", "b": "N s/m" if unit == "N/m" else f"{unit} s"}
+        ends = self.ends(solid, level)
+        found = [
+            Fact(
+                row.name, float(row.value), *ends[row.name],
+                units.get(row.name.partition("_")[0], ""), row.standard_error,
+            )
+            for row in self._rows(solid)
+        ]  # fmt: skip
+        given = 0.0 if isinstance(solid, FractionalZener) else solid.maxwell.b
+        if given > 0:
+            error = self._error("b") if "b" in self.parameters else None
+            reach = nan if error is None else self.quantile(level) * error
+            low, high = max(given - reach, 0.0), given + reach
+            found.append(Fact("b", given, low, high, units["b"], error))
+        return tuple(found)
+
+    def standard_errors(self, solid: Solid) -> StandardErrors:
+        """Standard errors of k_inf, and of k, tau and b = k tau of each arm of `solid`."""
+        return cast("StandardErrors", _by_kind(self.errors(solid).items()))
+
+    def intervals(self, solid: Solid, level: float) -> Intervals:
+        """Intervals at `level` of the same, from the profile where there is one.
+
+        Raises
+        ------
+        DataError
+            If `level` is not between 0 and 1.
+        """
+        return cast("Intervals", _by_kind(self.ends(solid, level).items()))
+
+    def errors(self, solid: Solid) -> dict[str, float]:
+        """Standard errors of the parameters of `solid` by their names, SI units."""
+        return {row.name: row.standard_error for row in self._rows(solid)}
+
+    def _rows(self, solid: Solid) -> Iterator[_SolidParameter]:
+        """The parameters of a solid, those of each arm together."""
+        yield _SolidParameter("k_inf", solid.k_inf, self._error("k_inf"))
+        if isinstance(solid, FractionalZener):
+            yield _SolidParameter("k_0", solid.k_0, self._error("k_0"))
+            yield _SolidParameter("tau", solid.tau, self._error("ln_tau"), log=True)
+            yield _SolidParameter("alpha", solid.alpha, self._error("alpha"), most=1.0)
+            return
+        model = solid.maxwell
+        for j, (k, tau, b) in enumerate(zip(model.k, model.tau, model.arm_b, strict=True), start=1):
+            yield _SolidParameter(f"k_{j}", k, self._error(f"k_{j}"))
+            yield _SolidParameter(f"tau_{j}", tau, self._error(f"ln_tau_{j}"), log=True)
+            yield _SolidParameter(f"b_{j}", b, self._error_of_log_b(model, j), log=True)
+
+    def ends(self, solid: Solid, level: float) -> dict[str, Interval]:
+        """Intervals at `level` of the parameters of `solid` by their names, SI units.
+
+        Raises
+        ------
+        DataError
+            If `level` is not between 0 and 1.
+        """
+        quantile = self.quantile(level)
+        profiles = {profile.parameter: profile for profile in self.profiles}
+        noise = {row.name: row.error for row in self.noise_alone._rows(solid)}
+        found = {}
+        for row in self._rows(solid):
+            profile = profiles.get(f"ln_{row.name}" if row.log else row.name)
+            if profile is None:
+                reach = quantile * row.error if isfinite(row.error) else inf
+                at = float(np.log(row.value)) if row.log else row.value
+                low, high = at - reach, at + reach
+            else:
+                low, high = profile_interval(profile, deviance_limit=quantile**2)
+                unseen = row.error**2 - noise[row.name] ** 2 if isfinite(row.error) else 0.0
+                if unseen > 0:
+                    at, further = profile.best, quantile * sqrt(unseen)
+                    low, high = at - hypot(at - low, further), at + hypot(high - at, further)
+            ends = (_exp(low), _exp(high)) if row.log else (max(low, 0.0), min(high, row.most))
+            found[row.name] = ends
+        return found
+
+    def quantile(self, level: float) -> float:
+        """Standard errors to either end of an interval at `level`."""
+        # Student's distribution costs an import that a fit alone does not pay
+        from dashpot.base.student_t import t_quantile
+
+        if not 0.0 < level < 1.0:
+            raise DataError(f"level = {level!r}; expected a coverage between 0 and 1, such as 0.95")
+        return t_quantile(level, self.dof)
+
+    def _error(self, name: str) -> float:
+        """Standard error of one row; 0 for a parameter that was held fixed.
+
+        Where no parameter has a row, nothing was held: nothing is known of any.
+        """
+        if not self.parameters:
+            return inf
+        if name not in self.parameters:
+            return 0.0
+        row = self.parameters.index(name)
+        return sqrt(max(float(self.covariance[row, row]), 0.0))
+
+    def _error_of_log_b(self, model: GeneralizedMaxwell, arm: int) -> float:
+        if not self.parameters:
+            return inf
+        gradient = np.zeros(len(self.parameters))
+        for name, slope in ((f"k_{arm}", 1.0 / model.k[arm - 1]), (f"ln_tau_{arm}", 1.0)):
+            if name in self.parameters:
+                gradient[self.parameters.index(name)] = slope
+        used = gradient != 0.0
+        block = self.covariance[np.ix_(used, used)]
+        if not np.all(np.isfinite(block)):
+            return inf
+        return sqrt(max(float(gradient[used] @ block @ gradient[used]), 0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class CreepEstimate(Frozen):
+    r"""The compliances behind a solid that was fitted to creep, and how well they are known.
+
+    Attributes
+    ----------
+    spectrum : CreepSpectrum
+        :math:`J(t) = D_g + D_f t + \sum_i D_i (1 - e^{-t/\lambda_i})`, m/N or 1/Pa.
+    parameters : tuple of str
+        Names of the rows of `covariance`: ``"glass"``, ``"d_1"``..., ``"ln_lam_1"``..., and
+        ``"flow"`` if the solid flows.
+    covariance : array, shape (p, p)
+        Of those parameters, for correlated residuals.
+    """
+
+    spectrum: CreepSpectrum
+    parameters: tuple[str, ...]
+    covariance: FloatArray
+
+    def standard_error(self, name: str) -> float:
+        """Standard error of one parameter; of ``"lam_1"`` in s. 0 for one that was not fitted."""
+        scale, row = 1.0, name
+        if name.startswith("lam_"):
+            scale, row = self.spectrum.lam[int(name.removeprefix("lam_")) - 1], f"ln_{name}"
+        if row not in self.parameters:
+            return 0.0
+        at = self.parameters.index(row)
+        return scale * sqrt(max(float(self.covariance[at, at]), 0.0))
+
+    def facts(self, unit: str) -> tuple[Fact, ...]:
+        """The compliances, in `unit`, and times of a solid, and its flow where it flows."""
+        of, numbers = self.spectrum, range(1, len(self.spectrum.d) + 1)
+        rows = [("glass", of.glass, unit)]
+        for j, d, lam in zip(numbers, of.d, of.lam, strict=True):
+            rows += [(f"d_{j}", d, unit), (f"lam_{j}", lam, "s")]
+        if of.flow > 0:
+            rows.append(("flow", of.flow, f"{unit} per s"))
+        return tuple(
+            Fact(name, value, unit=of_it, error=self.standard_error(name))
+            for name, value, of_it in rows
+        )
+
+
+def _by_kind(each: Iterable[tuple[str, Any]]) -> dict[str, Any]:
+    """What is told of k_inf, and of k, tau and b of every arm."""
+    found: dict[str, Any] = {"k_inf": None, "k": (), "tau": (), "b": ()}
+    for name, one in each:
+        kind, _, place = name.partition("_")
+        if place.isdecimal():
+            found[kind] = (*found[kind], one)
+        else:
+            found[name] = one
+    return found
+
+
+def profile_interval(profile: Profile, *, deviance_limit: float) -> Interval:
+    """Return where the deviance crosses `deviance_limit` for good; an end it never reaches is open.
+
+    The crossing is interpolated on the square root of the deviance, which is straight where the
+    likelihood is Gaussian. Beyond a hill there may be another solution that the data do not reject,
+    two arms having changed places: the interval reaches there.
+    """
+    value, root = profile.value, np.sqrt(np.maximum(profile.deviance, 0.0))
+    limit = sqrt(deviance_limit)
+    best = int(np.argmin(root))
+    return (
+        _crossing(value[best::-1], root[best::-1], limit, -inf),
+        _crossing(value[best:], root[best:], limit, inf),
+    )
+
+
+def _crossing(value: FloatArray, root: FloatArray, limit: float, open_end: float) -> float:
+    within = np.flatnonzero(root < limit)
+    i = int(within[-1]) + 1 if within.size else 0
+    if i == len(root):
+        return open_end
+    if i == 0:
+        return float(value[0])
+    share = (limit - root[i - 1]) / (root[i] - root[i - 1])
+    return float(value[i - 1] + share * (value[i] - value[i - 1]))
+
+
+def _exp(value: float) -> float:
+    return exp(value) if value < 700.0 else inf

@@ -1,0 +1,468 @@
+"""Relaxation tests, raw and prepared."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from dashpot.base.array_units import into_si, said_units
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured, median, wave
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.base.plausibility import refuse_absurd_record
+from dashpot.base.provenance import Source, Step, of_file
+from dashpot.base.result_mixins import Described, Pictured, Series, arrays, verb
+from dashpot.base.serialisation import Documented
+from dashpot.base.units import written
+from dashpot.base.validators import positive
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.specimen import Specimen
+from dashpot.numerics.design_matrices.data_compression import uniform_step
+
+# a plate so near the depth, as a part of it, has settled; it is given a fifth of the ramp for it
+SETTLED = 0.002
+SETTLING = 0.2
+# motion left in a hold, as a part of the depth, that a fit of the hold alone can bear
+MAX_CREEP = 0.01
+# samples of a free seal that tell the zero of its force
+FEWEST_UNLOADED = 5
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RelaxationTest(ByValue, Described, Documented):
+    """A relaxation test as the machine wrote it, in SI units.
+
+    Attributes
+    ----------
+    time : array, shape (n,)
+        s, strictly increasing; any sampling.
+    displacement : array, shape (n,)
+        m, sign and zero as recorded.
+    force : array, shape (n,)
+        N, sign and zero as recorded.
+    specimen : Specimen
+    source : Source or None
+        The file it came from; None for arrays made in memory.
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+
+    Raises
+    ------
+    DataError
+        If the arrays differ in length, hold fewer than 8 samples, are not finite, or time stalls.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> test = dp.RelaxationTest(time=t, displacement=8 + 0 * t, force=t, units="s, mm, N")
+    >>> float(test.displacement[0])
+    0.008
+    """
+
+    schema = "dashpot/relaxation-test@1"
+
+    time: FloatArray
+    displacement: FloatArray
+    force: FloatArray
+    specimen: Specimen = field(default_factory=Specimen)
+    source: Source | None = None
+    units: str = said_units()
+
+    def __post_init__(self) -> None:
+        into_si(self, time="time", displacement="length", force="force")
+        hold_measured(self, "time", "displacement", "force", minimum=8)
+        refuse_absurd_record(self)
+
+    def prepare(self, **how: Any) -> RampHold:
+        """Cut, tare and judge the test, as :func:`~dashpot.preprocessing.prepare.prepare` does.
+
+        A fit does so by itself; `how` says it otherwise: ``filter``, ``machine``, ``onset``,
+        ``ramp_end``, ``hold_end``, ``cycle``.
+        """
+        ready: RampHold = verb("preprocessing.prepare", "prepare")(self, **how)
+        return ready
+
+    @property
+    def series(self) -> Series:
+        """Displacement and force over time."""
+        return arrays(self, time="s", displacement="m", force="N")
+
+    @cached_property
+    def displacement_quantum(self) -> float:
+        """The step of the displacement's readings, m; 0 if none shows."""
+        return quantum(self.displacement)
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which record it is, and how far it reaches."""
+        return (
+            of_file(self.source, len(self.time)),
+            (
+                f"{np.ptp(self.time):.5g} s; displacement spans "
+                f"{written(np.ptp(self.displacement), 'mm')}, force {np.ptp(self.force):.4g} N"
+            ),
+        )
+
+
+@dataclass(frozen=True)
+class Hum:
+    """A line of one frequency that was taken off the force.
+
+    Attributes
+    ----------
+    frequency : float
+        Hz.
+    cosine, sine : float
+        N, with the phase counted from `origin`.
+    origin : float
+        s, on the clock of the record.
+    """
+
+    frequency: float
+    cosine: float
+    sine: float
+    origin: float
+
+    @property
+    def amplitude(self) -> float:
+        """N."""
+        return float(np.hypot(self.cosine, self.sine))
+
+    def force(self, time: FloatArray) -> FloatArray:
+        """The line at times, s."""
+        omega, step = 2 * np.pi * self.frequency, uniform_step(time)
+        size = complex(self.cosine, -self.sine)
+        if step is not None:
+            at_first = np.exp(1j * omega * (time[0] - self.origin))
+            return wave(len(time), omega * step, size * at_first)
+        return np.asarray((size * np.exp(1j * omega * (time - self.origin))).real)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RampHold(ByValue, Pictured, Documented):
+    """A prepared relaxation test: the ramp and the hold known, compression positive, tared.
+
+    Made by :func:`dashpot.preprocessing.prepare.prepare`; what every fit works on.
+
+    Attributes
+    ----------
+    time : array, shape (n,)
+        s, on the clock of the raw record.
+    displacement : array, shape (n,)
+        Compression of the seal from first contact, m: what the fit takes as its input. The
+        machine's own give is off it. Zero before contact; positive is compression.
+    force : array, shape (n,)
+        Compressive force less the tare and the lines of `hum`, N; positive is compression. Not
+        filtered by default.
+    onset, ramp_end, hold_end : float
+        First contact, end of the ramp and end of the hold, s on the same clock. With several
+        ramps, the first ramp and the last hold.
+    depth : float
+        Compression held, m: the mean displacement over the hold.
+    preload : float
+        Force, N, carried at the first sample if the record starts in contact; else 0.
+    force_noise, displacement_noise : float
+        Standard deviation of the sample-to-sample scatter of each channel, N and m.
+    contact_error : float
+        Standard error of the zero of the displacement, m, where first contact had to be found
+        behind an air gap; else 0.
+    specimen, source
+        As in the raw test.
+    steps : tuple of Step
+        What preparation did, in order.
+    checks : tuple of Check
+        What preparation noticed.
+    unfiltered : RampHold or None
+        The same record before the filter that was asked for; None if none was.
+    machine : Machine
+        What the user knows of the machine.
+    hum : tuple of Hum
+        Lines found in the force and taken off it.
+    given : array, shape (n,), or None
+        What the machine gave, m, and is off `displacement`; None if nothing was taken off.
+    gap : float
+        Air that the plate crossed before first contact, m; 0 if none shows.
+    loading_start : float or None
+        Where the stand before the loading that is fitted begins, s, in a record with earlier ones:
+        all before it is followed, and not fitted. None if there is no earlier loading.
+    plate : array, shape (n,), or None
+        Compression by the plate, m, negative where it is away from first contact, in a record in
+        which it left a seal that had not recovered: `displacement` is then that of the face of the
+        seal. None if they are the same.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> ready = dp.simulate("relaxation", hold="5s", noise_free=True).prepare()
+    >>> round(ready.ramp_time, 2)
+    1.0
+    """
+
+    schema = "dashpot/ramp-hold@1"
+
+    time: FloatArray
+    displacement: FloatArray
+    force: FloatArray
+    onset: float
+    ramp_end: float
+    hold_end: float
+    depth: float
+    preload: float = 0.0
+    force_noise: float = 0.0
+    displacement_noise: float = 0.0
+    contact_error: float = 0.0
+    specimen: Specimen = field(default_factory=Specimen)
+    source: Source | None = None
+    steps: tuple[Step, ...] = ()
+    checks: tuple[Check, ...] = ()
+    unfiltered: RampHold | None = None
+    machine: Machine = field(default_factory=Machine)
+    hum: tuple[Hum, ...] = ()
+    given: FloatArray | None = None
+    gap: float = 0.0
+    loading_start: float | None = None
+    plate: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        hold_measured(self, "time", "displacement", "force", "given", "plate", minimum=8)
+        if not self.onset < self.ramp_end < self.hold_end:
+            raise DataError(
+                f"the ramp must start, end and be held in that order, found onset "
+                f"{self.onset:g} s, ramp end {self.ramp_end:g} s, hold end {self.hold_end:g} s"
+            )
+        positive(depth=self.depth, unit=" m", expected="a compression > 0")
+
+    @property
+    def series(self) -> Series:
+        """Displacement and force over time."""
+        return arrays(self, time="s", displacement="m", force="N")
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which record it is, its ramp and hold, and what preparation noticed."""
+        failed = (f"  {check.name}: {check.says}" for check in self.checks if check.failed)
+        return (
+            of_file(self.source, len(self.time)),
+            (
+                f"ramp of {written(self.depth, 'mm')} in {self.ramp_time:.4g} s from "
+                f"{self.onset:.5g} s, held {self.hold_time:.5g} s"
+            ),
+            (
+                f"noise {written(self.force_noise, 'mN', '.3g')} and "
+                f"{written(self.displacement_noise, 'um', '.3g')}"
+            ),
+            *failed,
+        )
+
+    @property
+    def ramp_time(self) -> float:
+        """Duration of the ramp, the paper's c, s."""
+        return self.ramp_end - self.onset
+
+    @property
+    def hold_time(self) -> float:
+        """Duration of the hold, s."""
+        return self.hold_end - self.ramp_end
+
+    def held_until(self, hold_end: float) -> RampHold:
+        """Return the record with an earlier end of its hold, s; its readings are the same."""
+        found = replace(self, hold_end=min(hold_end, self.hold_end))
+        vars(found)["displacement_quantum"] = self.displacement_quantum
+        return found
+
+    @cached_property
+    def step(self) -> float:
+        """From one sample to the next, s: the median."""
+        return median(np.diff(self.time))
+
+    @property
+    def travel(self) -> FloatArray:
+        """Travel of the plate from first contact, m: the encoder's readings.
+
+        Compression and what the machine gave.
+        """
+        return self.displacement if self.given is None else self.displacement + self.given
+
+    @cached_property
+    def displacement_quantum(self) -> float:
+        """The step of the displacement's readings, m; 0 if none shows."""
+        if self.plate is None:
+            return quantum(self.travel)
+        return quantum(self.plate if self.given is None else self.plate + self.given)
+
+    @cached_property
+    def start(self) -> int:
+        """The first sample of the stand before the loading that is fitted."""
+        begin = self.loading_start
+        return 0 if begin is None else int(np.searchsorted(self.time, begin))
+
+    @cached_property
+    def unloaded(self) -> slice:
+        """The samples before the ramp, or before the first of all, at which the seal is free.
+
+        Where the plate is away from the seal when the ramp begins, those; else those before it was
+        pressed for the first time.
+        """
+        if self.loading_start is None:
+            return slice(0, int(np.searchsorted(self.time, self.onset)))
+        if self.plate is not None:
+            stop = int(np.searchsorted(self.time, self.onset))
+            pressed = np.flatnonzero(self.plate[:stop] >= self.displacement[:stop] - self._clear)
+            first = int(pressed[-1]) + 1 if pressed.size else 0
+            # the last of them feel the face already
+            stop = first + 9 * (stop - first) // 10
+            if stop - first >= FEWEST_UNLOADED:
+                return slice(first, stop)
+        moved = np.flatnonzero(self.displacement != 0)
+        return slice(0, int(moved[0]) if moved.size else 0)
+
+    @property
+    def _clear(self) -> float:
+        """A plate so far from the face does not touch it, m."""
+        return max(SETTLED * self.depth, self.displacement_quantum, 5 * self.displacement_noise)
+
+    @cached_property
+    def last_loading(self) -> RampHold:
+        """The record from the stand before the loading that is fitted on, as if it were all."""
+        if self.loading_start is None:
+            return self
+        kept = slice(self.start, None)
+        found = replace(
+            self,
+            time=self.time[kept],
+            displacement=self.displacement[kept],
+            force=self.force[kept],
+            given=None if self.given is None else self.given[kept],
+            plate=None if self.plate is None else self.plate[kept],
+            loading_start=None,
+        )
+        vars(found)["displacement_quantum"] = self.displacement_quantum
+        return found
+
+    @property
+    def encoder_step(self) -> float:
+        """The step of the displacement's readings that noise leaves, m; 0 if none shows.
+
+        Noise beyond half a step dithers it away: readings then average to the truth.
+        """
+        step = self.displacement_quantum
+        return 0.0 if self.displacement_noise > 0.5 * step else step
+
+    @property
+    def depth_doubt(self) -> float:
+        r"""Relative standard deviation of the depth that the encoder's step leaves.
+
+        Depth is the difference of two readings, each uniform within one step q: :math:`q/\sqrt6`.
+        """
+        return self.encoder_step / float(np.sqrt(6.0)) / self.depth
+
+    @cached_property
+    def readings_moved(self) -> int:
+        """How many readings of the later half of the hold differ from the one before."""
+        x = self.travel[self.hold]
+        return int(np.count_nonzero(np.diff(x[len(x) // 2 :])))
+
+    @cached_property
+    def hold_creep(self) -> float:
+        """The largest motion left in the hold, to its last tenth, as a part of the depth.
+
+        Means over twelve stretches, each longer than the one before; the first fifth of a ramp
+        time is left to the plate for settling.
+        """
+        x, t = self.displacement[self.hold], self.time[self.hold] - self.ramp_end
+        edges = np.searchsorted(t, np.geomspace(SETTLING * self.ramp_time, t[-1], 13))
+        last = float(x[-max(1, len(x) // 10) :].mean())
+        means = [x[a:b].mean() for a, b in pairwise(edges) if b > a]
+        moved = [last - float(mean) for mean in means]
+        return max(moved, key=abs, default=0.0) / self.depth
+
+    @cached_property
+    def reading(self) -> FloatArray:
+        """The force with its hum, in the counts of its converter, N."""
+        lines = [line.force(self.time) for line in self.hum]
+        return np.asarray(self.force + np.sum(lines, axis=0)) if lines else self.force
+
+    @property
+    def hold(self) -> slice:
+        """The samples of the hold, ramp end included."""
+        start, stop = np.searchsorted(self.time, [self.ramp_end, self.hold_end])
+        return slice(int(start), min(int(stop) + 1, len(self.time)))
+
+    @cached_property
+    def settled(self) -> slice:
+        """The samples of the hold after the plate has settled, within a fifth of the ramp time."""
+        hold = self.hold
+        early = slice(
+            hold.start,
+            int(np.searchsorted(self.time, self.ramp_end + SETTLING * self.ramp_time)),
+        )
+        near = max(
+            SETTLED * self.depth, 0.5 * self.displacement_quantum, 5 * self.displacement_noise
+        )
+        off = np.flatnonzero(np.abs(self.displacement[early] - self.depth) > near)
+        # what is left of the swing dies away in as long again
+        late = 2 * (int(off[-1]) + 1) if off.size else 0
+        return slice(min(hold.start + late, early.stop), hold.stop)
+
+
+# samples of one speed that are a stretch, and of its ends those that a ramp does not fill
+STRETCH, PARTIAL = 4, 2
+# of the travel: a step that bears on the depth
+COARSE = 0.003
+
+
+def quantum(values: FloatArray) -> float:
+    """The step of which all differences are whole multiples; 0 if there is none to be seen.
+
+    Quantised readings repeat; where every second reading is a new one, no quantum is claimed.
+    """
+    levels = np.sort(values)
+    gaps = np.diff(levels)
+    gaps = gaps[gaps > 0]
+    if not 1 <= len(gaps) <= 0.5 * len(values) - 1:
+        return 0.0
+    # what arithmetic leaves between two equal readings is no quantum
+    gaps = gaps[gaps > 1e-9 * max(abs(levels[0]), abs(levels[-1]))]
+    if len(gaps) == 0:
+        return 0.0
+    step = float(gaps.min())
+    counts = np.round(gaps / step)
+    off = np.abs(gaps / step - counts) / counts
+    step = float(gaps.sum() / counts.sum())
+    return 0.0 if np.mean(off < 0.02) < 0.98 or _evenly_climbed(values, step) else step
+
+
+def _evenly_climbed(values: FloatArray, step: float) -> bool:
+    """True if the steps are those of a perfect ramp between perfect rests, not of a converter."""
+    moved = np.abs(np.diff(values))
+    moving = moved > 0.5 * step
+    # a converter that counts a ramp in single steps also pauses on it
+    lone = moving[1:-1] & ~(moving[:-2] & moving[2:])
+    single = np.mean(np.abs(moved[moving] / step - 1) < 0.02) > 0.9
+    if single and np.count_nonzero(lone) < 0.1 * np.count_nonzero(moving) + 4:
+        return True
+    # counts finer than that are told from a path that was sent by nothing, and cost nothing
+    return step > COARSE * float(np.ptp(values)) and _keeps_its_speeds(np.diff(values) / step)
+
+
+def _keeps_its_speeds(counts: FloatArray) -> bool:
+    """True if a path, in counts from sample to sample, is of long stretches of one speed each.
+
+    That is a motion as it was sent, with as many ramps and rests as it may have. A converter slips:
+    between two stretches of one speed a few samples move otherwise, unless the speed is a whole
+    number of counts.
+    """
+    edges = np.flatnonzero(np.abs(np.diff(counts)) > 0.1) + 1
+    starts = np.concatenate(([0], edges))
+    lengths = np.diff(np.append(starts, len(counts)))
+    speeds = counts[starts]
+    moves, long = np.abs(speeds) > 0.5, lengths >= STRETCH
+    if lengths[moves & ~long].sum() > PARTIAL * np.count_nonzero(moves & long):
+        return False
+    slips = ~long[1:-1] & (np.abs(speeds[2:] - speeds[:-2]) < 0.1)
+    return not slips.any()

@@ -1,0 +1,430 @@
+"""What tests at several temperatures say of how a solid moves with temperature."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, ByValue, FloatArray, frozen
+from dashpot.base.errors import DataError
+from dashpot.base.reported_values import Fact
+from dashpot.base.serialisation import Documented
+from dashpot.base.units import celsius, in_unit
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.shift_laws import WLF, Arrhenius, FreeShifts, TemperatureLaw
+
+# no law of free volume is trusted nearer to the glass transition, K
+ABOVE_GLASS = 10.0
+# two temperatures within so many kelvin are one
+SAME_TEMPERATURE = 0.5
+# fewer ramps and holds at as many temperatures cannot contradict one shift of all arms
+CONTRADICT = 3
+ONE_TEMPERATURE = 2.0
+"""Samples of a sweep this far apart in temperature are not one solid, K."""
+# the relaxation time, s, that is shifted by a_T however arms shift apart
+CENTRE = 0.5
+_LN10 = float(np.log(10.0))
+# part of a step between two tests by which a rubber's shifts lie off the straight line in 1/T
+_BEND = 0.03
+# of a parameter, for a slope by differences
+_STEP = 1e-6
+# how the constant of a law is called, and its unit
+_CONSTANTS = {"c1": ("C1", ""), "c2": ("C2", "K"), "energy": ("E_a", "J/mol")}
+
+
+@dataclass(frozen=True)
+class Shift:
+    """Where one temperature lies against the reference.
+
+    Attributes
+    ----------
+    temperature : float
+        K.
+    log10_a_t, se : float
+        Decadic logarithm of the shift factor of time, and its standard error.
+    b_t, b_t_se : float
+        Factor of every stiffness, and its standard error; 0 where it was held.
+    """
+
+    temperature: float
+    log10_a_t: float
+    se: float
+    b_t: float = 1.0
+    b_t_se: float = 0.0
+
+    @property
+    def facts(self) -> tuple[Fact, Fact]:
+        """Both shifts as a table has them; what was held has no error."""
+        return (
+            Fact("log10 a_T", self.log10_a_t, error=self.se or None),
+            Fact("b_T", self.b_t, error=self.b_t_se or None),
+        )
+
+
+def shifts_with(
+    temperature: FloatArray, log10_a_t: FloatArray, b_t: FloatArray, covariance: FloatArray
+) -> tuple[Shift, ...]:
+    """Return shifts with their errors; `covariance` is of log10 a_T, then of ln b_T."""
+    error, b_error = np.split(np.sqrt(np.maximum(np.diag(covariance), 0.0)), 2)
+    rows = zip(temperature, log10_a_t, error, b_t, b_t * b_error, strict=True)
+    return tuple(Shift(*map(float, row)) for row in rows)
+
+
+@dataclass(frozen=True, eq=False)
+class TemperatureShifts(ByValue, Documented):
+    """The shifts of several temperatures, and the law laid through them.
+
+    Attributes
+    ----------
+    law : TemperatureLaw
+        Of the shift factor of time.
+    shifts : tuple of Shift
+        By rising temperature; the reference is among them, with no shift and no error.
+    covariance : array, shape (2 n, 2 n)
+        Of log10 a_T of every shift, then of ln b_T of every shift; zero rows at the reference.
+    law_parameters : tuple of str
+        Names of the rows of `law_covariance`: ``("c1", "c2")``, ``("energy",)`` or none.
+    law_covariance : array, shape (p, p)
+    vertical : str
+        How stiffnesses follow the temperature: ``"free"``, ``"T/T_r"`` or ``"1"``.
+    slope : float
+        How much further each decade of relaxation time shifts: a solid whose arms all shift
+        together has 0.
+    cross : array, shape (p + 1, 2 n + 1) or empty
+        Covariance of the p parameters of the fit's solid and of `slope` with what `covariance` is
+        of and with `slope`; empty where nothing is known of it.
+    """
+
+    keys = ("reference", "*")
+
+    law: TemperatureLaw
+    shifts: tuple[Shift, ...]
+    covariance: FloatArray
+    law_parameters: tuple[str, ...] = ()
+    law_covariance: FloatArray = ()  # type: ignore[assignment]
+    vertical: str = "free"
+    slope: float = 0.0
+    cross: FloatArray = ()  # type: ignore[assignment]
+
+    def __post_init__(self) -> None:
+        for name, rows in (
+            ("covariance", 2 * len(self.shifts)),
+            ("law_covariance", len(self.law_parameters)),
+        ):
+            found = np.asarray(getattr(self, name), dtype=float).reshape(-1)
+            if found.size != rows * rows:
+                raise DataError(f"{name} has {found.size} values, expected {rows} x {rows}")
+            object.__setattr__(self, name, frozen(found.reshape(rows, rows)))
+        cross = np.asarray(self.cross, dtype=float).reshape(-1, 2 * len(self.shifts) + 1)
+        object.__setattr__(self, "cross", frozen(cross))
+        rising = [shift.temperature for shift in self.shifts]
+        if rising != sorted(set(rising)) or self.law.reference not in rising:
+            raise DataError(
+                f"shifts at {rising} K; expected rising temperatures with the reference of "
+                f"{self.law.reference:g} K among them"
+            )
+
+    @property
+    def reference(self) -> float:
+        """T_r, K: the temperature of the fit's solid."""
+        return self.law.reference
+
+    @property
+    def constants(self) -> tuple[Fact, ...]:
+        """Those of the law with their errors."""
+        errors = self.law_covariance.diagonal() ** 0.5
+        return tuple(
+            Fact(name, getattr(self.law, name), unit=unit, error=float(error), words=words)
+            for name, error in zip(self.law_parameters, errors, strict=True)
+            for words, unit in [_CONSTANTS[name]]
+        )
+
+    @property
+    def tested(self) -> tuple[float, float]:
+        """The coldest and the warmest test, K."""
+        return self.shifts[0].temperature, self.shifts[-1].temperature
+
+    @property
+    def coldest(self) -> float:
+        """Below this, K, nothing is foretold: 10 K above the glass transition, or the coldest test.
+
+        Only a WLF law says where the glass transition lies.
+        """
+        if isinstance(self.law, WLF):
+            return min(self.law.glass + ABOVE_GLASS, self.tested[0])
+        return self.tested[0] if isinstance(self.law, FreeShifts) else 0.0
+
+    def shifted(self, solid: GeneralizedMaxwell, temperature: float) -> GeneralizedMaxwell:
+        """Return the solid of the reference at T, K.
+
+        Raises
+        ------
+        DataError
+            If T is below :attr:`coldest`, or where the law says nothing.
+        """
+        if temperature < self.coldest and isinstance(self.law, WLF):
+            raise DataError(
+                f"{celsius(temperature)} is below {celsius(self.coldest)}: nearer than "
+                f"{ABOVE_GLASS:g} K to the glass transition, at about {celsius(self.law.glass)} "
+                "by the fitted law, the law fails: test there"
+            )
+        log_a, tau = float(np.log(self.law.a_t(temperature))), np.asarray(solid.tau)
+        moved = np.exp(shifted_log_tau(np.log(tau), log_a, self.slope))
+        whole = solid.shifted(float(np.exp(log_a)), self.b_t(temperature))
+        return replace(whole, tau=tuple(moved.tolist()))
+
+    def error(self, temperature: float) -> tuple[float, float]:
+        """Standard errors of ln a_T and of ln b_T at T, K."""
+        gradient = self._gradient(temperature)
+        part = self.covariance[: len(self.shifts), : len(self.shifts)]
+        if self.law_parameters:
+            part = self.law_covariance
+        variance = float(carried(gradient[None], part)[0, 0]) + self._between(temperature) ** 2
+        se = float(np.sqrt(max(variance, 0.0)))
+        errors = [shift.b_t_se / shift.b_t for shift in self.shifts]
+        at = [shift.temperature for shift in self.shifts]
+        return _LN10 * se, float(np.interp(temperature, at, errors))
+
+    def _between(self, temperature: float) -> float:
+        """How far free shifts may bend between two tests, decades: half way by 3 % of the step."""
+        at = np.array([shift.temperature for shift in self.shifts])
+        if not isinstance(self.law, FreeShifts) or not at[0] < temperature < at[-1]:
+            return 0.0
+        i = int(np.searchsorted(at, temperature, side="right")) - 1
+        part = (temperature - at[i]) / (at[i + 1] - at[i])
+        step = self.shifts[i].log10_a_t - self.shifts[i + 1].log10_a_t
+        return float(4 * part * (1 - part) * _BEND * abs(step))
+
+    def covariance_at(
+        self,
+        temperature: float,
+        names: tuple[str, ...],
+        covariance: FloatArray,
+        solid: GeneralizedMaxwell,
+    ) -> FloatArray:
+        """Return the covariance of a solid's parameters at T, K, with the doubt of its shifts.
+
+        `names`, `covariance` and `solid` are those at the reference.
+        """
+        log_a, b_t = float(np.log(self.law.a_t(temperature))), self.b_t(temperature)
+        values = {f"k_{j}": k for j, k in enumerate(solid.k, start=1)} | {"k_inf": solid.k_inf}
+        far = {
+            f"ln_tau_{j}": d for j, d in enumerate(decades(np.log(np.asarray(solid.tau))), start=1)
+        }
+        by = np.zeros((len(names), len(names) + 3))
+        for row, name in enumerate(names):
+            if name in far:
+                stretched = 1 + log_a * self.slope / _LN10
+                by[row, row] = stretched
+                by[row, -3:] = 1 + self.slope * far[name], 0.0, log_a * far[name]
+            elif name == "b":
+                a_b = float(np.exp(log_a)) * b_t
+                by[row, row] = a_b
+                by[row, -3:-1] = a_b * solid.b
+            else:
+                by[row, row] = b_t
+                by[row, -2] = b_t * values.get(name, 0.0)
+        return carried(by, self._with_shifts(temperature, covariance))
+
+    def _with_shifts(self, temperature: float, covariance: FloatArray) -> FloatArray:
+        """Covariance of a solid's parameters, of ln a_T, ln b_T at T, and of the slope."""
+        size, count = len(covariance), len(self.shifts)
+        of_a, of_b = self.error(temperature)
+        whole = np.zeros((size + 3, size + 3))
+        whole[:size, :size] = covariance
+        whole[size, size], whole[size + 1, size + 1] = of_a**2, of_b**2
+        if len(self.cross) == size + 1:
+            at = [shift.temperature for shift in self.shifts]
+            near = np.array([np.interp(temperature, at, one) for one in np.eye(count)])
+            other = np.column_stack(
+                (
+                    self.cross[:, :count] @ near * _LN10,
+                    self.cross[:, count:-1] @ near,
+                    self.cross[:, -1],
+                )
+            )
+            whole[:size, size:], whole[size:, :size] = other[:-1], other[:-1].T
+            whole[-1, size:], whole[size:, -1] = other[-1], other[-1]
+        return whole
+
+    def rates(self, temperature: float) -> tuple[float, float]:
+        """Slopes of ln a_T and of ln b_T over T between the tests about T, 1/K."""
+        at = [shift.temperature for shift in self.shifts]
+        log_a = _LN10 * np.gradient([shift.log10_a_t for shift in self.shifts], at)
+        log_b = np.gradient(np.log([shift.b_t for shift in self.shifts]), at)
+        by_a, by_b = (float(np.interp(temperature, at, one)) for one in (log_a, log_b))
+        return by_a, by_b
+
+    def referred(self, temperature: float) -> TemperatureShifts:
+        r"""Return the same shifts from another temperature, K, at which the solid then is.
+
+        With :math:`s = \log_{10} a_T` at the new reference every other shift is
+        :math:`(s_i - s)/(1 + g s)`: so the slope g stays what it is.
+
+        Raises
+        ------
+        DataError
+            Where the law says nothing.
+        """
+        at = [shift.temperature for shift in self.shifts]
+        away, b_t = float(self.law.log10_a_t(temperature)), self.b_t(temperature)
+        scale = 1 / (1 + self.slope * away)
+        every = np.array(sorted({*at, temperature}))
+        near = np.array([np.interp(temperature, at, one) for one in np.eye(len(at))])
+        turn = np.array([np.interp(every, at, one) for one in np.eye(len(at))]).T - near
+        turn[every == temperature] = 0.0
+        both = np.kron(np.diag([scale, 1.0]), turn)
+        covariance = carried(both, self.covariance)
+        # what the shift there may be off by, all others are
+        others = np.append(every != temperature, np.zeros(len(every))) * scale
+        covariance = covariance + self._between(temperature) ** 2 * np.outer(others, others)
+        error = np.sqrt(np.maximum(np.diag(covariance), 0.0)).reshape(2, -1)
+        shifts = tuple(
+            Shift(
+                kelvin,
+                0.0 if kelvin == temperature else scale * (self._log10_at(kelvin) - away),
+                float(error[0, i]),
+                self.b_t(kelvin) / b_t,
+                float(error[1, i]) * self.b_t(kelvin) / b_t,
+            )
+            for i, kelvin in enumerate(every.tolist())
+        )
+        law, by = self._law_from(temperature, shifts, scale)
+        cross = np.zeros((1, 2 * len(every) + 1))
+        if len(self.cross):
+            cross[-1, -1] = self.cross[-1, -1]
+        return replace(
+            self,
+            law=law,
+            shifts=shifts,
+            covariance=covariance,
+            law_covariance=by @ self.law_covariance @ by.T,
+            cross=cross,
+        )
+
+    def _log10_at(self, temperature: float) -> float:
+        """The shift found at a tested temperature, K, or the law's at another."""
+        near = self.nearest(temperature)
+        if near.temperature == temperature:
+            return near.log10_a_t
+        return float(self.law.log10_a_t(temperature))
+
+    def _law_from(
+        self, temperature: float, shifts: tuple[Shift, ...], scale: float
+    ) -> tuple[TemperatureLaw, FloatArray]:
+        """The same law from another temperature, and the derivatives of its constants."""
+        law = self.law
+        if isinstance(law, WLF):
+            there = law.referred(temperature)
+            # C_1' = C_1 C_2 / C_2', and C_2' moves with C_2
+            by = np.array(
+                [
+                    [scale * law.c2 / there.c2, scale * (law.c1 - there.c1) / there.c2],
+                    [0.0, 1.0],
+                ]
+            )
+            return replace(there, c1=scale * there.c1), by
+        if isinstance(law, Arrhenius):
+            return Arrhenius(scale * law.energy, temperature), np.array([[scale]])
+        every = tuple(shift.temperature for shift in shifts)
+        known = tuple(shift.log10_a_t for shift in shifts)
+        return FreeShifts(every, known, temperature), np.zeros((0, 0))
+
+    def nearest(self, temperature: float) -> Shift:
+        """The tested temperature nearest to T, K."""
+        return min(self.shifts, key=lambda shift: abs(shift.temperature - temperature))
+
+    def times(self, scale: FloatArray) -> TemperatureShifts:
+        """The shifts of a solid whose parameters are so many times those of this one."""
+        if not len(self.cross):
+            return self
+        return replace(self, cross=self.cross * np.append(scale, 1.0)[:, None])
+
+    def _gradient(self, temperature: float) -> FloatArray:
+        """Slope of log10 a_T by each parameter of the law, or by each free shift."""
+        if isinstance(self.law, FreeShifts):
+            unit = np.eye(len(self.shifts))
+            inverse = [-1 / shift.temperature for shift in self.shifts]
+            return np.array([np.interp(-1 / temperature, inverse, one) for one in unit])
+        return np.array([self._slope(name, temperature) for name in self.law_parameters])
+
+    def _slope(self, name: str, temperature: float) -> float:
+        value = float(getattr(self.law, name))
+
+        def at(factor: float) -> float:
+            law: Any = replace(self.law, **{name: factor * value})  # type: ignore[type-var]
+            return float(law.log10_a_t(temperature))
+
+        return (at(1 + _STEP) - at(1 - _STEP)) / (2 * _STEP * value)
+
+    def b_t(self, temperature: float) -> float:
+        """Factor of every stiffness at T, K: ln b straight in T between tests and beyond."""
+        if self.vertical == "1":
+            return 1.0
+        if self.vertical == "T/T_r":
+            return temperature / self.reference
+        at = np.array([shift.temperature for shift in self.shifts])
+        b = np.log([shift.b_t for shift in self.shifts])
+        if len(at) == 1:
+            return 1.0
+        i = int(np.clip(np.searchsorted(at, temperature) - 1, 0, len(at) - 2))
+        slope = (b[i + 1] - b[i]) / (at[i + 1] - at[i])
+        return float(np.exp(b[i] + slope * (temperature - at[i])))
+
+
+def near(temperature: FloatArray | None, asked: float) -> BoolArray:
+    """Return which samples lie within a kelvin of a temperature, K, shape (n,).
+
+    Raises
+    ------
+    DataError
+        If there are no temperatures, or none is that near.
+    """
+    if temperature is None:
+        raise DataError(
+            f"{celsius(asked)} was asked for, but the test has no temperatures: leave --only out"
+        )
+    within = np.abs(temperature - asked) <= ONE_TEMPERATURE / 2
+    if not within.any():
+        listed = ", ".join(
+            f"{value:.0f} degC" for value in np.unique(np.round(in_unit(temperature, "degC")))
+        )
+        raise DataError(
+            f"no sample within {ONE_TEMPERATURE / 2:g} K of {celsius(asked)}; the test has {listed}"
+        )
+    return np.asarray(within)
+
+
+def several(temperature: FloatArray | None) -> bool:
+    """Whether samples are too far apart in temperature, K, to be of one solid."""
+    known = np.zeros(0) if temperature is None else np.asarray(temperature)
+    return bool(known.size and np.ptp(known) > ONE_TEMPERATURE)
+
+
+def span(temperature: FloatArray | None) -> str:
+    """From which to which temperature, in words; nothing if there is but one."""
+    if temperature is None:
+        return ""
+    return f", {temperature.min():.5g} to {temperature.max():.5g} K"
+
+
+def carried(turn: FloatArray, covariance: FloatArray) -> FloatArray:
+    """Covariance of `turn` times what has this one; where it is infinite, so is what it reaches."""
+    unknown = np.isinf(np.diag(covariance))
+    found = np.asarray(turn @ np.where(np.isfinite(covariance), covariance, 0.0) @ turn.T)
+    reached = (turn[:, unknown] != 0).any(axis=1)
+    found[reached], found[:, reached] = 0.0, 0.0
+    found[reached, reached] = np.inf
+    return found
+
+
+def shifted_log_tau(log_tau: FloatArray, log_a: float, slope: float) -> FloatArray:
+    """Ln tau at another temperature, each decade of tau shifted by `slope` further."""
+    return np.asarray(log_tau + log_a * (1 + slope * decades(log_tau)))
+
+
+def decades(log_tau: FloatArray) -> FloatArray:
+    """Decades of tau above the one that is shifted by a_T, whatever the slope."""
+    return np.asarray((log_tau - np.log(CENTRE)) / _LN10)

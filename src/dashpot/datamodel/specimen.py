@@ -1,0 +1,128 @@
+"""What was tested."""
+
+from __future__ import annotations
+
+import datetime as dt
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+
+from dashpot.base.errors import DataError
+from dashpot.base.option_fields import option
+from dashpot.base.plausibility import SIZES
+from dashpot.base.units import in_unit, si_fields, written
+from dashpot.base.validators import picked, positive
+
+# around all doors of a car, and across the widest profile
+_SIZES = {"length": SIZES["seal length"], "height": SIZES["seal height"]}
+# K; no elastomer is tested beyond
+_COLDEST, _HOTTEST = 100.0, 550.0
+
+
+@dataclass(frozen=True)
+class Specimen:
+    """What was tested; a length or a temperature may be given with its unit, ``"100mm"``.
+
+    Attributes
+    ----------
+    length : float or None
+        Contact length of the seal under the plate, m.
+    height : float or None
+        Free height of the section, m.
+    temperature : float or None
+        Test temperature, K.
+    notes : str
+        Anything else worth keeping: material, fixing, load history.
+    name : str
+        What it is called, such as "Door seal 4711-B".
+    lot, operator : str
+        Where it comes from, and who tested it.
+    date : str
+        Of the test, ISO 8601: 2026-11-21.
+    stated_temperature : float or None
+        What the file itself says where `temperature` was given otherwise, K.
+    warmed : float or None
+        By how much the file's own column of temperature rises over the record, K.
+    rested : float or None
+        For how long it was left alone before its record began, as the file says, s.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> dp.Specimen(length="50mm", temperature="23degC").temperature
+    296.15
+    """
+
+    length: float | None = option(None, "Contact length of the seal, e.g. 50mm.", unit="length")
+    height: float | None = option(None, "Free height of the section.", unit="length")
+    temperature: float | None = option(None, "Test temperature, e.g. 23degC.", unit="temperature")
+    notes: str = option("", "Material, fixing, load history.", under="label")
+    name: str = option("", "What the specimen is called.", under="label")
+    lot: str = option("", "Its lot.", under="label")
+    operator: str = option("", "Who tested it.", under="label")
+    date: str = option("", "Date of the test, e.g. 2026-11-21.", under="label")
+    stated_temperature: float | None = None
+    warmed: float | None = None
+    rested: float | None = None
+
+    def over(self, other: Specimen) -> Specimen:
+        """What is said here, and what the other says wherever nothing is said here."""
+        said = {one.name: getattr(self, one.name) for one in fields(self)}
+        return replace(other, **{name: value for name, value in said.items() if value})
+
+    def __post_init__(self) -> None:
+        si_fields(self)
+        if self.date:
+            try:
+                dt.date.fromisoformat(self.date)
+            except ValueError:
+                raise DataError(
+                    f"specimen date = {self.date!r}; expected year-month-day, such as 2026-11-21"
+                ) from None
+        if self.temperature is not None:
+            tested_at("specimen temperature", self.temperature)
+        sizes = picked(self, *_SIZES)
+        positive("specimen ", **sizes, expected="a number > 0 in SI units", optional=True)
+        for name, size in _SIZES.items():
+            value = sizes[name] or 0.0
+            size.refuse(value, f"specimen {name} = {value:g} m", remedy="Check its unit: mm or m?")
+
+
+def tested_at(name: str, *temperatures: float) -> None:
+    """Refuse temperatures, K, that rubber is not tested at; `name` is what they are called.
+
+    Raises
+    ------
+    DataError
+        If one is out of that range: most often one in K called degC, or the other way round.
+    """
+    for kelvin in temperatures:
+        if not _COLDEST <= kelvin <= _HOTTEST:
+            below = ", below absolute zero" if kelvin < 0 else ""
+            raise DataError(
+                f"{name} = {kelvin:g} K, or {written(kelvin, 'degC', 'g')}{below}; "
+                f"expected one that rubber is tested at, {_COLDEST:g} to {_HOTTEST:g} K, or "
+                f"{in_unit(_COLDEST, 'degC'):.0f} to {written(_HOTTEST, 'degC', '.0f')}: is the "
+                "unit degC or K, the sign right?"
+            )
+
+
+def each_specimen(
+    specimen: Specimen | None, temperatures: Sequence[float], files: int
+) -> tuple[Specimen | None, ...]:
+    """Return the specimen of each file: one temperature, K, for all of them, or one for each.
+
+    Raises
+    ------
+    DataError
+        If there are more temperatures than one, and not as many as files.
+    """
+    if not temperatures:
+        return (specimen,) * files
+    if len(temperatures) not in (1, files):
+        raise DataError(
+            f"--temperature was given {len(temperatures)} times for {files} files; give it once "
+            "for all of them, or once for each, in their order"
+        )
+    each = list(temperatures) * (files if len(temperatures) == 1 else 1)
+    known = specimen or Specimen()
+    return tuple(replace(known, temperature=kelvin) for kelvin in each)

@@ -1,0 +1,309 @@
+"""Whether a solid or a fit may be written as a deck: what must be known, and what is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
+from functools import update_wrapper
+from inspect import signature
+from types import MappingProxyType
+from typing import Any, Protocol
+
+from dashpot.base.arrays import LEAST, MOST
+from dashpot.base.errors import DataError, ExportError
+from dashpot.base.sentences import paragraph
+from dashpot.base.status import Status
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.specimen import Specimen
+from dashpot.export.deck import Deck, DeckText, Exportable
+from dashpot.export.unit_systems import NO_UNITS, unit_system
+from dashpot.extensions.amplitude.level_results import LevelFit
+from dashpot.extensions.curves.temperatures.checks import temperature_tested
+
+PROBLEMS = MappingProxyType(
+    {
+        "temperature": "the test temperature is not stated",
+        "length": "the contact length is not stated: nobody can scale the stiffness to another",
+        "not_identified": "the data do not determine every parameter",
+        "prony_sum": "the relative moduli sum to 1: nothing would carry a static load",
+    }
+)
+"""What a deck is refused for; each can be overridden by name and then leaves a mark."""
+
+_REMEDIES = {
+    "temperature": "give --temperature 23degC (Python: Specimen(temperature=...), K)",
+    "length": "give --length 100mm (Python: Specimen(length=...), m)",
+    "not_identified": "fit fewer arms, or test for longer and faster",
+    "prony_sum": "export the arms, or fit with k_inf > 0",
+}
+
+
+class Target(Protocol):
+    """What writes the decks of one solver: of a solid, by :func:`open_deck`."""
+
+    def __call__(
+        self,
+        solid: Exportable,
+        *,
+        units: str | None = None,
+        specimen: Specimen | None = None,
+        allow: Collection[str] = (),
+        form: str = "",
+        **own: Any,
+    ) -> DeckText:
+        """Return the deck; `own` are the solver's own options."""
+        ...
+
+
+def option_of(argument: str) -> str:
+    """Return how an argument of a target is typed."""
+    return f"--{'band' if argument == 'frequency_range' else argument.replace('_', '-')}"
+
+
+def target(
+    *forms: str, line: tuple[str, ...] = (), **only: tuple[str, ...]
+) -> Callable[[Callable[..., DeckText]], Target]:
+    """Make what writes the cards of an opened deck a target of its name, as a decorator.
+
+    The target takes the solid and all that :func:`open_deck` asks for in place of the deck. Its
+    first form is what it writes if not told; of a seal line, the first of those that hold a
+    `line`. `only` has the forms that read an argument which others would leave unread.
+    """
+
+    def enter(cards: Callable[..., DeckText]) -> Target:
+        name, (_, *own) = cards.__name__, signature(cards).parameters.values()
+
+        def write(
+            solid: Exportable,
+            *,
+            units: str | None = None,
+            specimen: Specimen | None = None,
+            allow: Collection[str] = (),
+            form: str = "",
+            **own: Any,
+        ) -> DeckText:
+            form = form or (forms if own.get("line") is None else line)[0]
+            if own.get("line") is not None and form not in line:
+                raise ExportError(
+                    f"{name} decks hold a seal line in the form {' or '.join(line)}; found the "
+                    f"form {form}: add --form {line[0]} (Python: form='{line[0]}')"
+                )
+            for argument, able in only.items():
+                if own.get(argument) is not None and form in forms and form not in able:
+                    asked = option_of(argument)
+                    raise ExportError(
+                        f"{name} decks of the form {form} read no {asked}: leave it out, or add "
+                        f"--form {able[0]} (Python: {argument}, form='{able[0]}')"
+                    )
+            deck = open_deck(solid, name, form, forms, units=units, specimen=specimen, allow=allow)
+            return cards(deck, **own)
+
+        asked = signature(write)
+        common = list(asked.parameters.values())[:-1]
+        update_wrapper(write, cards).__signature__ = asked.replace(parameters=[*common, *own])  # type: ignore[attr-defined]
+        write.only = only  # type: ignore[attr-defined]
+        return write
+
+    return enter
+
+
+def open_deck(
+    solid: Exportable,
+    target: str,
+    form: str,
+    forms: Sequence[str],
+    *,
+    units: str | None,
+    specimen: Specimen | None = None,
+    allow: Collection[str] = (),
+) -> Deck:
+    """Return the deck of a solid or a fit, or refuse it.
+
+    A bare solid is written with "not stated" wherever its pedigree is unknown: it has nothing
+    that could be missing. A fit must know its temperature and contact length, and every
+    parameter must be identified.
+
+    Parameters
+    ----------
+    solid : Solid or Fit or LevelFit
+    target, form : str
+        ``"prony"`` is a material card of relative moduli; every other form is of a part.
+    forms : sequence of str
+        Those that the target knows.
+    units : str
+        ``"SI"``, ``"mm-t-s"`` or ``"mm-kg-ms"``.
+    specimen : Specimen, optional
+        Replaces what the fit knows of its specimen; its temperature, where the fit knows one,
+        is that which the deck is asked for.
+    allow : collection of str
+        Names from :data:`PROBLEMS` to overlook; ``"all"`` overlooks every one. Each one that
+        applies leaves an OVERRIDE line in the header.
+
+    Raises
+    ------
+    ExportError
+        If the form or the unit system is missing or unknown, the form is linear and the fit has
+        friction, or a problem is not allowed.
+    """
+    if form not in forms:
+        raise ExportError(f"{target} has no form '{form}'; expected one of {', '.join(forms)}")
+    system = unit_system(units)
+    if isinstance(solid, Fit):
+        solid = _at(solid, specimen)
+    if isinstance(solid, Fit | LevelFit):
+        deck = Deck(solid.solid, system, specimen or solid.specimen, form, solid)
+    else:
+        deck = Deck(solid, system, specimen or Specimen(), form)
+    deck.beside.refuse_unless_held(target, form)
+    unknown = sorted(set(allow) - set(PROBLEMS) - {"all"})
+    if unknown:
+        raise ExportError(
+            f"'{unknown[0]}' is nothing that could be allowed; known: {', '.join(PROBLEMS)}, all"
+        )
+    _refuse_impossible(deck)
+    fit = deck.linear_fit
+    missing = []
+    if form != "prony" and fit and fit.unit != "N/m":
+        missing.append(
+            f"the fit is of a material, in {fit.unit}, and springs and dashpots are in N/m; write "
+            "a material card: --form prony (Python: form='prony')"
+        )
+    problems = {name: (says, _REMEDIES[name]) for name, says in _problems(deck).items()}
+    return replace(
+        deck, overrides=overlooked(problems, allow, "deck", units=units, missing=missing)
+    )
+
+
+def _at(fit: Fit, specimen: Specimen | None) -> Fit:
+    """The fit at the temperature asked for; one that nobody noted is only said now."""
+    asked = None if specimen is None else specimen.temperature
+    if asked is None or (fit.temperatures is None and fit.specimen.temperature is None):
+        return fit
+    try:
+        moved = fit.at_temperature(asked)
+    except DataError as error:
+        raise ExportError(
+            f"{error}; if the temperature of the test was noted wrong, fit it again with "
+            "--temperature (Python: Specimen(temperature=...))"
+        ) from None
+    if fit.temperatures is None:
+        return moved
+    tested = temperature_tested(fit.temperatures, asked)
+    # the fit's own checks are counted, as its text counts them
+    checks = (*moved.checks, *((tested,) if tested.failed else ()))
+    return replace(moved, evidence=replace(moved.evidence, checks=checks))
+
+
+def overlooked(
+    problems: Mapping[str, tuple[str, str]],
+    allow: Collection[str],
+    what: str,
+    *,
+    units: str | None,
+    missing: Sequence[str] = (),
+) -> tuple[str, ...]:
+    """Return what is wrong and allowed; each problem comes with its remedy.
+
+    Raises
+    ------
+    ExportError
+        If anything is not allowed, no unit system was chosen, or more is `missing`, each in a
+        sentence: all at once.
+    """
+    refused = {name: both for name, both in problems.items() if not {name, "all"} & set(allow)}
+    asked = [*([NO_UNITS] if units is None else []), *missing]
+    if refused:
+        found = "; ".join(
+            f"{says} ({remedy})" for says, remedy in (problems[name] for name in refused)
+        )
+        names = ", ".join(f"'{name}'" for name in refused)
+        asked += [
+            found,
+            (
+                f"To write the {what} all the same, with a mark in its header, allow {names}: "
+                "--allow NAME for each, or --allow all"
+            ),
+        ]
+    if asked:
+        raise ExportError(". ".join([asked[0], paragraph(*asked[1:])[:-1]] if asked[1:] else asked))
+    return tuple(says for says, _ in problems.values())
+
+
+def _refuse_impossible(deck: Deck) -> None:
+    """Raise where nothing can be overlooked: there is no right number to write."""
+    model = deck.model
+    if model.k_0 == 0 and model.b == 0 and not deck.beside.parts:
+        raise ExportError("the solid has neither stiffness nor damping; there is nothing to write")
+    _refuse_extreme(deck)
+    if deck.form == "prony" and model.b > 0:
+        raise ExportError(
+            f"b = {model.b:g} N s/m: a Prony series cannot hold a parallel dashpot; "
+            "export the arms, or fit without b"
+        )
+
+
+def _refuse_extreme(deck: Deck) -> None:
+    """Raise where a number has more digits before or behind its point than a deck holds."""
+    model = deck.model
+    for name, value in (
+        ("k_inf", model.k_inf),
+        ("b", model.b),
+        *((f"k_{j}", k) for j, k in enumerate(model.k, start=1)),
+        *((f"tau_{j}", tau) for j, tau in enumerate(model.tau, start=1)),
+        *((name, abs(each)) for one in deck.beside.parts for name, each in vars(one).items()),
+    ):
+        if value != 0 and not LEAST <= value <= MOST:
+            raise ExportError(
+                f"{name} = {value:.4g} in SI units; a deck holds 0 or numbers from {LEAST:g} to "
+                f"{MOST:g}"
+            )
+
+
+def _problems(deck: Deck) -> dict[str, str]:
+    found = {}
+    if deck.fit:
+        # a material has no contact length
+        part = deck.linear_fit is None or deck.linear_fit.unit == "N/m"
+        for name in ("temperature", "length") if part else ("temperature",):
+            if getattr(deck.specimen, name) is None:
+                found[name] = PROBLEMS[name]
+        doubt = _doubt(deck.fit)
+        if doubt:
+            told = PROBLEMS["not_identified"]
+            found["not_identified"] = told if told in doubt else f"{told}: {doubt}"
+    if deck.form == "prony" and sum(round(g, 10) for g, _ in deck.prony) >= 1:
+        found["prony_sum"] = f"{PROBLEMS['prony_sum']} (k_inf = {deck.model.k_inf:.4g})"
+    return found
+
+
+def _doubt(fit: Fit | LevelFit) -> str | None:
+    """Why not every parameter of a fit is identified, or None: never of one whose verdict is "use".
+
+    What is called so may be used: an arm that single data cannot place still adds up to limits that
+    hold. k_inf is no question here; what it is at most stands in the header.
+    """
+    if fit.checks and fit.verdict.use == "use":
+        return None
+    if isinstance(fit, LevelFit) or _dense(fit):
+        # the parts are judged together, by what they leave unexplained
+        return fit.verdict.says if fit.verdict.use == "do not use" else None
+    if fit.status not in (Status.CONVERGED, Status.FEWER_ARMS):
+        return str(fit.status.value)
+    # what a rig adds to all arms alike is no reason to fit fewer: that is told in errors and limits
+    model, error = fit.model, replace(fit, estimate=fit.estimate.noise_alone).standard_error
+    if not model.k_inf > 0:
+        return "k_inf = 0, so the relaxation had not ended when the test did"
+    # a stiffness is known to three standard errors, a relaxation time to two
+    known = []
+    for j, (k, tau) in enumerate(zip(model.k, model.tau, strict=True)):
+        known.append((f"arm {j + 1} has k", k, error["k"][j], 3, fit.unit))
+        known.append((f"arm {j + 1} has tau", tau, error["tau"][j], 2, "s"))
+    for name, value, se, times, unit in known:
+        if not times * se < value:
+            return f"{name} = {value:.4g} +- {se:.2g} {unit}"
+    return None
+
+
+def _dense(fit: Fit) -> bool:
+    """Whether its arms are a table of a spectrum, of which none has an error of its own."""
+    return any(one.name == "few_arms_suffice" and one.failed for one in fit.checks)

@@ -1,0 +1,169 @@
+"""Where the springs of a deck stand: one at the origin, or three at each station of a line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.errors import ExportError
+from dashpot.datamodel.seal_line import SealSection, Shear, Stations
+from dashpot.export.deck import Deck
+from dashpot.solids.maxwell import Solid
+
+WAYS = ("normal to the line", "across it", "along it")
+"""The springs of a station, in the order of every deck: components 1, 2 and 3."""
+_DIGITS = 12
+"""Of a direction: frames that differ by rounding are one."""
+_X = (1.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class LineStation:
+    """Where a pair of nodes stands, and what is between them.
+
+    Attributes
+    ----------
+    place : (float, float, float)
+        Deck units.
+    frame : tuple of three directions
+        Normal, across and along; each square to the others, of length 1.
+    shares : (float, float, float)
+        Of the solid of each way; 0 is no spring.
+    """
+
+    place: tuple[float, ...] = (0.0, 0.0, 0.0)
+    frame: tuple[tuple[float, ...], ...] = (_X, (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    shares: tuple[float, float, float] = (1.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class SpringRow:
+    """The springs of a deck.
+
+    Attributes
+    ----------
+    solids : (Solid, Solid, Solid)
+        Of each way, SI; a station carries its share of them.
+    stations : tuple of LineStation
+    remarks : tuple of str
+        What the header says of them.
+    """
+
+    solids: tuple[Solid, Solid, Solid]
+    stations: tuple[LineStation, ...] = (LineStation(),)
+    remarks: tuple[str, ...] = ()
+
+    @cached_property
+    def shares(self) -> dict[tuple[float, float, float], int]:
+        """Every three shares that there are, and their rank."""
+        found = dict.fromkeys(one.shares for one in self.stations)
+        return {shares: rank for rank, shares in enumerate(found)}
+
+    @cached_property
+    def frames(self) -> dict[tuple[tuple[float, ...], ...], int]:
+        """Every frame in which something acts along more than the x axis, and its rank."""
+        found = dict.fromkeys(one.frame for one in self.stations)
+        turned = [frame for frame in found if self.ways > 1 or not np.allclose(frame[0], _X)]
+        return {frame: rank for rank, frame in enumerate(turned)}
+
+    @cached_property
+    def ways(self) -> int:
+        """How many of them a station may have: 1 where nothing is held sideways, else 3."""
+        return 3 if any(any(one.shares[1:]) for one in self.stations) else 1
+
+    def nodes(self, station: int, first_id: int) -> tuple[int, int]:
+        """Of a station: that of the body or frame, and that of the door; they coincide."""
+        return first_id + 2 * station, first_id + 2 * station + 1
+
+    def numbered(self, first_id: int) -> str:
+        """How a header says which nodes are whose."""
+        last = self.nodes(len(self.stations) - 1, first_id)[1]
+        return (
+            f"nodes {first_id} to {last}, two at each place: the first is the ground side, the "
+            "second the moving side"
+        )
+
+    def springs(self, shares: tuple[float, ...]) -> list[tuple[int, Solid]]:
+        """The springs of a station, each by its way, 0 to 2, and what it is, SI."""
+        rows = zip(self.solids, shares, strict=True)
+        return [(way, solid * share) for way, (solid, share) in enumerate(rows) if share > 0]
+
+
+def row_of(deck: Deck, line: Stations | None, shear: Shear | None = None) -> SpringRow:
+    """Return the springs of a deck: its solid at the origin, or its share at each station.
+
+    Raises
+    ------
+    ExportError
+        If the tested length is not known, or no station touches.
+    """
+    if line is None:
+        return SpringRow((deck.solid,) * 3)
+    metres = deck.specimen.length
+    if metres is None:
+        raise ExportError(
+            "a seal line needs the contact length that the model stands for; give "
+            "--length 100mm (Python: Specimen(length=...), m)"
+        )
+    shear = shear or Shear()
+    # what is not pressed as stated is as it was tested: its secant
+    law = None if line.compression is None else deck.elastic_law
+    per_metre = SealSection(deck.solid, None if law is None else law * (1 / metres), shear=shear)
+    ways = per_metre.ways(line)
+    # of the solid in the header where it is that, else of a metre
+    own = [isinstance(one, Solid) for one in (0.0, shear.across, shear.along)]
+    shares = [way.share / (1.0 if alone else metres) for way, alone in zip(ways, own, strict=True)]
+    carried = ways[0].share > 0
+    if not carried.any():
+        raise ExportError("no station of the seal line touches: its compression is below 0 m")
+    solids = [way.solid for way in ways]
+    return SpringRow(
+        (solids[0], solids[1], solids[2]),
+        tuple(_stations(deck, line, shares, carried, turns=not shear.holds)),
+        tuple(_remarks(deck, line, shares[0][carried], shear)),
+    )
+
+
+def _stations(
+    deck: Deck, line: Stations, shares: list[FloatArray], carried: BoolArray, *, turns: bool
+) -> list[LineStation]:
+    """Those that touch; where nothing acts sideways the frame turns about its normal at will."""
+    normal = line.normal
+    across, along = line.across, line.tangent
+    if turns:
+        along = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal), axis=1)])
+        along = along / np.linalg.norm(along, axis=1)[:, None]
+        across = np.cross(normal, along)
+    frames = np.stack((normal, across, along), axis=1).round(_DIGITS) + 0.0
+    found = []
+    for i in np.flatnonzero(carried).tolist():
+        # shares that differ by rounding are one
+        a, b, c = (float(f"{share[i]:.9g}") for share in shares)
+        frame = tuple(tuple(row) for row in frames[i].tolist())
+        place = tuple((line.place[i] / deck.units.length).tolist())
+        found.append(LineStation(place, frame, (a, b, c)))
+    return found
+
+
+def _remarks(deck: Deck, line: Stations, shares: FloatArray, shear: Shear) -> list[str]:
+    unit, word = deck.units.length, deck.units.words[0]
+    least, most = float(f"{shares.min():.9g}"), float(f"{shares.max():.9g}")
+    each = f"{least:.6g}" if least == most else f"{least:.6g} to {most:.6g}"
+    touch = (
+        f"seal line: {line.length.sum() / unit:.6g} {word}, {len(shares)} elements, "
+        f"{line.length.mean() / unit:.6g} {word} apart on average, each with {each} of the "
+        "stiffness above"
+    )
+    left = len(line.length) - len(shares)
+    if left:
+        touch += f"; {left} more do not touch and are left out"
+    sideways = [
+        f"{way}: {'a stiffness of its own' if isinstance(one, Solid) else f'{one:g} of it'}"
+        for way, one in zip(WAYS[1:], (shear.across, shear.along), strict=True)
+        if one != 0
+    ]
+    nothing = "no shear is given: the line holds nothing sideways"
+    return [touch, "; ".join(sideways) if sideways else nothing]

@@ -1,0 +1,1 @@
+"""What dashpot does beyond the paper's method; the core knows it by its registry alone."""

@@ -1,0 +1,8 @@
+from .record_to_file import record as record
+from .recorder import Block as Block
+from .recorder import Description as Description
+from .recorder import Recorder as Recorder
+from .replay_device import Paced as Paced
+from .replay_device import replay as replay
+from .replay_device import simulated as simulated
+from .serial_line import SerialLine as SerialLine

@@ -1,0 +1,117 @@
+"""dashpot record: what an instrument sends, to a file."""
+
+from __future__ import annotations
+
+import math
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import dashpot as dp
+from dashpot.base.choices import Driver, words
+from dashpot.base.errors import DataError
+from dashpot.base.progress import doing
+from dashpot.base.serialisation import Documented
+from dashpot.cli import _options as options
+from dashpot.cli._command import group, opt, verb
+from dashpot.cli._command_io import Outcome, note_written, typed
+from dashpot.cli._param_types import File, OneOf, WithUnit
+from dashpot.cli._simulation_options import as_it_stands, seal_named
+from dashpot.text_output.layout import Text
+
+_COLUMNS = "time [s], displacement [mm], force [N]"
+
+
+@dataclass(frozen=True)
+class KeptRecord(Documented):
+    """A file, how many rows it has, and what is to be said of them."""
+
+    schema = "dashpot/recorded@1"
+
+    file: str
+    rows: int
+    notes: tuple[str, ...]
+
+
+@verb(
+    "record",
+    """Record an instrument to a file that dashpot reads. It moves nothing.
+
+  dashpot record --driver serial --port /dev/ttyUSB0 --seconds 45s -o seal.csv
+
+The rig's own controller moves the plate (dashpot plan --setpoints). The file
+grows at its place and is on the disk within a second.""",
+    group(
+        "Instrument",
+        opt("--driver", type=OneOf(words(Driver)), required=True, metavar="NAME",
+            help="serial, replay or simulated."),
+        opt("--port", metavar="PORT", help="Serial port, e.g. /dev/ttyUSB0."),
+        opt("--baud", type=int, default=115200, metavar="N", help="Baud rate (115200)."),
+        opt("--columns", default=_COLUMNS, metavar="TEXT", help=f"Numbers of a line ({_COLUMNS})."),
+        opt("--from", "played", type=File(), metavar="FILE", help="The record to replay."),
+        opt("--seal", default="paper", metavar="NAME|FIT",
+            help="Seal of the simulated driver (paper)."),
+        opt("--speed", type=float, default=1.0, metavar="NUMBER", help="Speed of a replay (1)."),
+        opt("--seconds", type=WithUnit("time"), metavar="TIME",
+            help="How long, e.g. 45s; else until Ctrl-C."),
+    ),
+    options.result("The record (required).", ".csv", ".txt", plot=False, opens=False,
+                   required=True),
+)  # fmt: skip
+def command(*, driver: str, output: str, seconds: float | None, **choices: Any) -> Outcome:
+    """Read an instrument until it ends, the time is over, or Ctrl-C."""
+    if output == "-":
+        raise DataError("a record is kept in a file; give one with -o, such as -o seal.csv")
+    recorder = _device(driver, **choices)
+    device = recorder.describe().device
+    doing(f"recording from {device}; Ctrl-C ends it")
+    with _stopped_by_signals(recorder):
+        rows, notes = dp.files.recording.record(
+            recorder,
+            output,
+            seconds=math.inf if seconds is None else seconds,
+            replace=Path(output).exists(),  # what must not be written over was refused before
+        )
+    note_written(output)
+    story = Text([f"{output}: {rows} samples; {device}", *(f"! {note}" for note in notes)])
+    return Outcome(KeptRecord(output, rows, tuple(notes)), story, follow=typed("inspect", output))
+
+
+@contextmanager
+def _stopped_by_signals(recorder: dp.files.recording.Recorder) -> Iterator[None]:
+    """Let Ctrl-C end the record in good order, not between a read and its write."""
+    before = {}
+    with suppress(ValueError):  # not the main thread of whoever calls
+        for number in (signal.SIGINT, signal.SIGTERM):
+            before[number] = signal.signal(number, lambda *_: recorder.stop())
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _device(
+    driver: str,
+    *,
+    port: str | None,
+    baud: int,
+    columns: str,
+    played: str | None,
+    seal: str,
+    speed: float,
+) -> dp.files.recording.Recorder:
+    """Return the device that was asked for."""
+    if driver == "serial":
+        if port is None:
+            raise DataError("--driver serial needs the line: add --port, e.g. /dev/ttyUSB0")
+        return dp.files.recording.SerialLine(port, columns=columns.split(","), baud=baud)
+    if driver == "simulated":
+        return dp.files.recording.simulated(seal_named(seal).solid, speed=speed)
+    if played is None:
+        raise DataError("--driver replay needs the record: add --from FILE")
+    with as_it_stands(played):
+        return dp.files.recording.replay(played, speed=speed)

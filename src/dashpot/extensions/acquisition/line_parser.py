@@ -1,0 +1,202 @@
+"""Lines of numbers as an instrument sends them: what is whole, what is garbled, what is missing."""
+
+from __future__ import annotations
+
+import math
+import re
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from dashpot.base.errors import DataError
+from dashpot.base.number_format import counted
+from dashpot.base.units import find
+from dashpot.extensions.acquisition.recorder import COLUMNS, Block
+
+LONGEST = 4096
+"""Bytes of a line, at most."""
+FALLS = 10
+"""Lines in a row, earlier than the one before, after which the device has begun again."""
+_GAP = 1.5
+"""Steps of the usual size that a missing sample makes at least."""
+_KNOWN, _KEPT = 3, 101
+"""Steps of which the usual one is the median: at least, and at most."""
+_SEPARATOR = re.compile(rb"[,;\s]")
+_NAMED = re.compile(r"([^\[\]]+)\[([^\[\]]+)\]")
+
+
+def _parted(columns: Sequence[str]) -> tuple[tuple[str, ...], int | None, float]:
+    """The columns beside the time, where that stands, and its unit, s."""
+    named = [_NAMED.fullmatch(" ".join(one.split())) for one in columns]
+    words = [(one[1].strip(), one[2].strip()) for one in filter(None, named)]
+    if not words or None in named:
+        raise DataError(
+            "each column needs a name and a unit, such as 'time [s], displacement [mm], force [N]'"
+        )
+    names, channels = [name.casefold() for name, _ in words], [f"{n} [{u}]" for n, u in words]
+    if "time" not in names:
+        return tuple(channels), None, 1.0
+    at = names.index("time")
+    del channels[at]
+    if not channels:
+        raise DataError("only a time is sent; expected a displacement or a force with it")
+    unit = find(words[at][1], "time")
+    if unit is None:
+        raise DataError(f"'{words[at][1]}' is no unit of time that dashpot knows")
+    return tuple(channels), at, unit.factor
+
+
+class Lines:
+    """Bytes to blocks, and an account of what was lost.
+
+    A line holds a number for each column, separated by commas, semicolons or blanks; ``*HH`` at
+    its end is the exclusive or of the bytes before it; a device that has sent one is held to it
+    in every line. The first line is left out: nobody knows how much of it was sent before the
+    listening began.
+
+    Parameters
+    ----------
+    columns : sequence of str
+        Names with units; that of the time, if there is one, begins with ``time``. Without it the
+        clock is that of this computer.
+    clock : callable
+        Tells the seconds of this computer.
+
+    Raises
+    ------
+    DataError
+        If a column has no unit.
+    """
+
+    def __init__(
+        self, columns: Sequence[str] = COLUMNS, *, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self.channels, self._at, self._factor = _parted(columns)
+        self._width, self._clock = len(columns), clock
+        self._checked = False
+        self._rest, self._first, self._last = b"", True, -math.inf
+        self._held: tuple[float, list[float]] | None = None
+        self._steps: deque[float] = deque(maxlen=_KEPT)
+        self._median, self._counted = math.inf, 0
+        self._garbled, self._example, self._fell, self._falls = 0, "", 0, 0
+        self._gaps, self._missing, self._longest = 0, 0, 0.0
+        self.begun_again = False
+
+    def feed(self, data: bytes) -> Block:
+        """Return the samples of the lines that `data` completes."""
+        # an end of \r\n is one of \r, and an empty line
+        *lines, self._rest = (self._rest + data).replace(b"\r", b"\n").split(b"\n")
+        if len(self._rest) > LONGEST:
+            lines, self._rest = [*lines, self._rest[:LONGEST]], b""
+        if lines and self._first:
+            self._first, lines = False, lines[1:]
+        rows = [row for line in lines if (row := self._row(line.strip())) is not None]
+        clocked = self._arrived(rows) if self._at is None else self._sent(rows, self._at)
+        times = np.array([clock for clock, _ in clocked])
+        values = np.array([row for _, row in clocked]).reshape(len(clocked), len(self.channels))
+        return times, values
+
+    def notes(self) -> tuple[str, ...]:
+        """Return what was lost so far, in sentences."""
+        found = []
+        if self._at is None:
+            found.append("the device sends no time: it is that of this computer, as lines arrived")
+        if self._garbled:
+            lines = counted(self._garbled, "garbled line")
+            found.append(f"{lines} left out, first {self._example}")
+        if self._fell:
+            lines = counted(self._fell, "line")
+            found.append(f"{lines} left out that came no later than the line before")
+        if self._gaps:
+            found.append(
+                f"{counted(self._gaps, 'gap')} in the clock, {self._missing} samples missing, the "
+                f"longest gap {self._longest:.4g} s"
+            )
+        if self.begun_again:
+            found.append("the device's clock began again: the record ends there")
+        return tuple(found)
+
+    def _row(self, line: bytes) -> list[float] | None:
+        """The numbers of a line; None if it is empty or garbled."""
+        if not line:
+            return None
+        body, star, sent = line.partition(b"*")
+        try:
+            if (star or self._checked) and int(sent, 16) != _checksum(body):
+                raise ValueError
+            self._checked |= bool(star)
+            row = [float(cell) for cell in _SEPARATOR.split(body) if cell]
+        except ValueError:
+            row = []
+        if len(row) == self._width and all(map(math.isfinite, row)):
+            return row
+        self._spoiled(line[:40].decode("latin-1"))
+        return None
+
+    def _arrived(self, rows: list[list[float]]) -> list[tuple[float, list[float]]]:
+        """Rows that came together with times between the last look and now."""
+        now, last = self._clock(), self._last
+        if not rows:
+            return []
+        self._last = now
+        if math.isinf(last):
+            return [(now, rows[-1])]  # nobody knows since when the others had waited
+        part = (now - last) / len(rows)
+        return [(last + i * part, row) for i, row in enumerate(rows, start=1)]
+
+    def _sent(self, rows: list[list[float]], at: int) -> list[tuple[float, list[float]]]:
+        """Rows with the device's own times, as far as those rise.
+
+        A time far ahead of the one before is a gap if the next one follows it; if the next one
+        falls back behind it, it was garbled. Until then it is held.
+        """
+        kept = []
+        for row in rows:
+            sample = row.pop(at) * self._factor, row
+            if self._held is not None and sample[0] <= self._held[0]:
+                self._spoiled(f"time {self._held[0]:g} s")
+            elif self._held is not None:
+                kept.append(self._taken(self._held))
+            self._held = None
+            if sample[0] <= self._last:
+                self._fell, self._falls = self._fell + 1, self._falls + 1
+                self.begun_again |= self._falls >= FALLS
+            elif sample[0] - self._last > _GAP * self._usual():
+                self._held = sample
+            else:
+                kept.append(self._taken(sample))
+        return kept
+
+    def _taken(self, sample: tuple[float, list[float]]) -> tuple[float, list[float]]:
+        """A sample that is kept; its step is put in the account."""
+        step, usual = sample[0] - self._last, self._usual()
+        self._last, self._falls = sample[0], 0
+        if math.isinf(step):
+            return sample
+        if step > _GAP * usual:
+            self._gaps += 1
+            self._missing += round(step / usual) - 1
+            self._longest = max(self._longest, step)
+        else:
+            self._steps.append(step)
+            self._counted += 1
+            if self._counted >= _KNOWN and (self._counted < _KEPT or self._counted % _KEPT == 0):
+                self._median = float(np.median(self._steps))
+        return sample
+
+    def _usual(self) -> float:
+        """The usual step, s; infinite before it is known, but for the first sample of all."""
+        return 0.0 if math.isinf(self._last) else self._median
+
+    def _spoiled(self, example: str) -> None:
+        self._example = self._example or ascii(example)
+        self._garbled += 1
+
+
+def _checksum(body: bytes) -> int:
+    found = 0
+    for byte in body:
+        found ^= byte
+    return found

@@ -1,0 +1,171 @@
+"""What a recorder reads, kept: a file that every reader here takes, safe from second to second."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from collections.abc import Callable
+from datetime import datetime
+from pathlib import Path
+from typing import Self
+
+from dashpot.base.errors import ReadError
+from dashpot.base.escaping import neutral, remark
+from dashpot.base.lock import lock
+from dashpot.base.number_format import counted
+from dashpot.base.version import __version__
+from dashpot.extensions.acquisition.recorder import Block, Description, Recorder
+
+SYNCED = 1.0
+"""Seconds after which what was read is on the disk."""
+
+
+def record(
+    recorder: Recorder,
+    path: str | Path,
+    *,
+    seconds: float = math.inf,
+    replace: bool = False,
+    seen: Callable[[Block], None] | None = None,
+) -> tuple[int, tuple[str, ...]]:
+    """Write what a recorder reads to a file, until it ends, is stopped, or `seconds` are over.
+
+    The file grows at its own place, and is on the disk within a second: what kills the process
+    leaves what was read until then. Meanwhile the operating system's lock on it is held, which
+    ends with the process. What stood there is replaced when the first rows come.
+
+    Parameters
+    ----------
+    recorder : Recorder
+    path : path
+        Text; the columns are the time in s and the channels.
+    seconds : float
+        By the recorder's clock; of this computer's while nothing comes.
+    replace : bool
+        Whether a file that exists is written over.
+    seen : callable
+        Takes each block when it is in the file.
+
+    Returns
+    -------
+    rows : int
+    notes : tuple of str
+        What was lost; they stand at the file's end as well.
+
+    Raises
+    ------
+    ReadError
+        If the file exists, another process records to it, nothing came, or it cannot be written
+        any further; what was written before stands there.
+    OSError
+        If it cannot be made.
+    """
+    begun, first, rows = time.monotonic(), math.nan, 0
+    try:
+        with _Log(path, recorder.describe(), replace=replace) as log:
+            try:
+                for times, values in recorder.blocks():
+                    log.add((times, values))
+                    rows += len(times)
+                    if len(times):
+                        first = times[0] if math.isnan(first) else first
+                        if seen is not None:
+                            seen((times, values))
+                    passed = times[-1] - first if len(times) else time.monotonic() - begun
+                    if passed >= seconds:
+                        break
+            finally:
+                recorder.stop()
+                notes = recorder.describe().notes
+                log.close((f"{counted(rows, 'row')} recorded", *notes))
+    finally:
+        recorder.stop()
+    if not rows:
+        raise ReadError(
+            f"nothing came from {recorder.describe().device}{''.join('; ' + n for n in notes)}: is "
+            "it on, and are its speed and its columns as said?"
+        )
+    return rows, notes
+
+
+class _Log:
+    """A file that grows by whole rows."""
+
+    def __init__(self, path: str | Path, device: Description, *, replace: bool) -> None:
+        flags = os.O_WRONLY | os.O_CREAT | (0 if replace else os.O_EXCL)
+        try:
+            self._handle = os.open(path, flags, 0o666)
+        except FileExistsError:
+            raise ReadError(f"{path} is there already; a record is written to a new file") from None
+        self._path, self._synced = path, time.monotonic()
+        self._head = device
+        try:
+            if self._is_taken():
+                raise ReadError(
+                    f"{path}: another dashpot records to this file; stop that one, or give another "
+                    "name"
+                )
+            # an earlier record is replaced when there is something to replace it with
+            self._begun = False
+            if not os.fstat(self._handle).st_size:
+                self._begin()
+        except BaseException:
+            os.close(self._handle)
+            raise
+
+    def _is_taken(self) -> bool:
+        try:
+            return not lock(self._handle)
+        except OSError:  # a file system without locks keeps no record from being made
+            return False
+
+    def _begin(self) -> None:
+        """Take off what an earlier record left, and write the head."""
+        if self._begun:
+            return
+        self._begun = True
+        if os.fstat(self._handle).st_size:
+            os.ftruncate(self._handle, 0)
+        when = datetime.now().astimezone().isoformat(timespec="seconds")
+        self._say(f"{self._head.device}; recorded {when} with dashpot {__version__}")
+        self._write(",".join(("time [s]", *map(neutral, self._head.channels))) + "\n")
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        os.close(self._handle)
+
+    def add(self, block: Block) -> None:
+        """Write the rows of a block."""
+        if not len(block[0]):
+            return
+        self._begin()
+        rows = zip(block[0].tolist(), block[1].tolist(), strict=True)
+        self._write("".join(f"{t!r},{','.join(map(repr, row))}\n" for t, row in rows))
+        if time.monotonic() - self._synced >= SYNCED:
+            os.fsync(self._handle)
+            self._synced = time.monotonic()
+
+    def close(self, notes: tuple[str, ...]) -> None:
+        """Say at the end what was lost, and see everything on the disk."""
+        for note in notes if self._begun else ():
+            self._say(note)
+        os.fsync(self._handle)
+
+    def _say(self, what: str) -> None:
+        self._write(f"# {remark(what)}\n")
+
+    def _write(self, text: str) -> None:
+        rest, size = text.encode(), os.fstat(self._handle).st_size
+        try:
+            while rest:
+                rest = rest[os.write(self._handle, rest) :]
+        except OSError as error:
+            # half a number reads as another
+            os.ftruncate(self._handle, size)
+            raise ReadError(
+                f"{self._path} cannot be written any further: {error.strerror}; what came before "
+                "stands in it"
+            ) from None

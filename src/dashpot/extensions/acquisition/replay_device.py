@@ -1,0 +1,86 @@
+"""Records played again at their own pace: one of a file, or one of the virtual rig."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base.errors import DataError
+from dashpot.base.units import in_unit
+from dashpot.datamodel.relaxation import RelaxationTest
+from dashpot.extensions.acquisition.recorder import COLUMNS, Block, Description
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+BEAT = 0.05
+"""Seconds between two blocks."""
+
+
+class Paced:
+    """A test as if it were measured now.
+
+    Parameters
+    ----------
+    test : RelaxationTest
+    device : str
+        What it is said to come from.
+    speed : float
+        Seconds of the record in a second; infinity for all of it at once.
+    """
+
+    def __init__(self, test: RelaxationTest, device: str, *, speed: float = 1.0) -> None:
+        if not speed > 0:
+            raise DataError(f"speed = {speed!r}; expected a number > 0, such as 10")
+        self._time = test.time
+        self._values = np.column_stack([in_unit(test.displacement, "mm"), test.force])
+        # a flag: a signal's handler must not wait for a lock that its own thread holds
+        self._device, self._speed, self._over = device, speed, False
+
+    def describe(self) -> Description:
+        """Return what is played."""
+        return Description(self._device, COLUMNS[1:])
+
+    def blocks(self) -> Iterator[Block]:
+        """Yield the record's samples when their time has come."""
+        begun, sent = time.monotonic(), 0
+        while sent < len(self._time):
+            now = self._time[0] + (time.monotonic() - begun) * self._speed
+            due = int(np.searchsorted(self._time, now, side="right"))
+            yield self._time[sent:due], self._values[sent:due]
+            sent = due
+            if sent < len(self._time):
+                time.sleep(BEAT)
+            if self._over:
+                return
+
+    def stop(self) -> None:
+        """End the playing within a beat."""
+        self._over = True
+
+
+def replay(path: str | Path, *, speed: float = 1.0) -> Paced:
+    """Return the relaxation test in a file as a device.
+
+    Raises
+    ------
+    ReadError
+        If the file cannot be read.
+    """
+    from dashpot.reading.readers.relaxation import read_relaxation
+
+    test = read_relaxation(path)
+    made = "simulated; " if test.source is not None and test.source.simulated else ""
+    return Paced(test, f"{made}replayed from {Path(path).name}", speed=speed)
+
+
+def simulated(
+    seal: GeneralizedMaxwell | None = None, *, speed: float = 1.0, seed: int = 0
+) -> Paced:
+    """Return the virtual rig as a device, at work on a seal: the paper's if none is given."""
+    from dashpot.simulation.relaxation import simulate_relaxation
+    from dashpot.solids.demo_seals import PAPER
+
+    made = simulate_relaxation(PAPER if seal is None else seal, seed=seed)
+    return Paced(made.test, "simulated; a virtual indentation rig, not a measurement", speed=speed)

@@ -1,0 +1,101 @@
+"""A serial line, or a USB device that is one: opened to read, never to write."""
+
+from __future__ import annotations
+
+import os
+import select
+import stat
+from collections.abc import Iterator, Sequence
+
+from dashpot.base.errors import DataError, ReadError
+from dashpot.extensions.acquisition.line_parser import Lines
+from dashpot.extensions.acquisition.recorder import COLUMNS, Block, Description
+
+BEAT = 0.1
+"""Seconds for which a silent line is waited for."""
+
+
+class SerialLine:
+    """An instrument that sends a line of numbers for each sample.
+
+    Of the operating system's own calls: the one library for it would be a dependency for thirty
+    lines, and opens to write. Linux and macOS.
+
+    Parameters
+    ----------
+    port : str
+        Such as ``/dev/ttyUSB0``.
+    columns : sequence of str
+        What the numbers of a line are, with units.
+    baud : int
+
+    Raises
+    ------
+    ReadError
+        If it is no serial line, or cannot be opened.
+    DataError
+        If a column lacks its unit, or the line knows no such speed.
+    """
+
+    def __init__(self, port: str, *, columns: Sequence[str] = COLUMNS, baud: int = 115200) -> None:
+        self._lines, self._over = Lines(columns), False
+        self._device, self._said = f"serial line {port}, {baud} baud", ""
+        self._handle = _opened(port, baud)
+
+    def describe(self) -> Description:
+        """Return what is read, and what was lost so far."""
+        said = (self._said,) if self._said else ()
+        return Description(self._device, self._lines.channels, (*self._lines.notes(), *said))
+
+    def blocks(self) -> Iterator[Block]:
+        """Yield the samples that came, until the line is closed or the clock begins again."""
+        try:
+            while not self._over and not self._lines.begun_again:
+                ready, _, _ = select.select([self._handle], [], [], BEAT)
+                data = self._read() if ready else b""
+                if data is None:
+                    self._said = "the device closed the line"
+                    return
+                yield self._lines.feed(data)
+        finally:
+            os.close(self._handle)
+
+    def stop(self) -> None:
+        """End the reading within a tenth of a second."""
+        self._over = True
+
+    def _read(self) -> bytes | None:
+        """What has come; None at the end of the line."""
+        try:
+            return os.read(self._handle, 1 << 16) or None
+        except BlockingIOError:
+            return b""
+        except OSError:  # unplugged
+            return None
+
+
+def _opened(port: str, baud: int) -> int:
+    """The handle of a serial line, raw, 8 bits, at a speed."""
+    try:
+        import termios
+        import tty
+    except ImportError:
+        raise ReadError(
+            "a serial line is read on Linux and macOS; elsewhere let the instrument's own program "
+            "write a file, and fit it as it comes with 'dashpot batch FOLDER --watch'"
+        ) from None
+    speed = getattr(termios, f"B{baud}", None)
+    if speed is None:
+        raise DataError(f"{baud} baud is no speed of a serial line here; 115200 is usual")
+    try:
+        handle = os.open(port, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)
+    except OSError as error:
+        raise ReadError(f"{port} cannot be read: {error.strerror}") from None
+    if not stat.S_ISCHR(os.fstat(handle).st_mode) or not os.isatty(handle):
+        os.close(handle)
+        raise ReadError(f"{port} is no serial line; expected one such as /dev/ttyUSB0")
+    tty.setraw(handle)
+    how = termios.tcgetattr(handle)
+    how[4] = how[5] = speed
+    termios.tcsetattr(handle, termios.TCSANOW, how)
+    return handle

@@ -1,0 +1,294 @@
+"""Least squares of one law of amplitude: Kraus's, a cubic spring, or both."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
+from dashpot.base.choices import AmplitudeLaw, words
+from dashpot.extensions.amplitude.checks import MATTERS
+from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
+from dashpot.numerics.inference.covariance_estimate import estimate, white_noise
+from dashpot.numerics.inference.model_order import bic, deviance
+from dashpot.numerics.least_squares.nnls import linear
+from dashpot.numerics.least_squares.problem import (
+    Optimum,
+    Parameter,
+    Problem,
+    Rows,
+    ordinary,
+    solved,
+    stacked,
+)
+from dashpot.solids.friction import slipping_share
+from dashpot.solids.payne_softening import softened
+
+LAWS = words(AmplitudeLaw)
+"""Kraus's law as a factor or beside the solid, a cubic spring, and both."""
+_EXPONENTS = (0.1, 0.95)
+SET = 0.5
+"""The exponent where it cannot be known."""
+_LEFT = 3e-3
+"""Part of a modulus that laws of amplitude leave: scatter counts beyond it."""
+_PER_DECADE = 10
+_RISES = 3.0
+"""Residuals by which the storage rises again where a spring stiffens beside friction."""
+_NOTHING = 1e-20
+"""Mean square, over the size of the samples, that rounding leaves."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """A law as it fits a sweep.
+
+    Attributes
+    ----------
+    law : str
+        One of `LAWS`, or ``"none"``.
+    linear : complex array, shape (f,)
+        At a vanishing amplitude, one a frequency.
+    linear_se : complex array, shape (f,)
+        Standard errors of its real and of its imaginary part.
+    numbers : dict of str to float
+        lost, half_way, exponent and k3, those that the law has.
+    se : dict of str to float
+        Their standard errors; 0 for an exponent that was set.
+    left : complex array, shape (n,)
+        Fit less sample, over the size of the sample.
+    loss_left : float
+        What is left of the loss over the loss, rms, of the worst third of the amplitudes.
+    bic, deviance : float
+        n ln(rss/n), with and without what the parameters cost.
+    sound : bool
+        It loses stiffness with amplitude, or rises where it is said to.
+    bends : float
+        What a term of X^4 beside a cubic spring would gain in deviance.
+    """
+
+    law: str
+    linear: ComplexArray
+    linear_se: ComplexArray
+    numbers: dict[str, float]
+    se: dict[str, float]
+    left: ComplexArray
+    loss_left: float
+    bic: float
+    deviance: float
+    sound: bool
+    bends: float = 0.0
+
+    @property
+    def terms(self) -> int:
+        """How many dependences on amplitude it has."""
+        return 0 if self.law == "none" else len(self.law.split("+"))
+
+    @property
+    def loss_deviance(self) -> float:
+        """As `deviance`, of the losses alone."""
+        n, left = len(self.left), self.left.imag
+        return deviance(float(left @ left) / n, effective=n, floor=_NOTHING / n)
+
+    @property
+    def residual(self) -> float:
+        """Rms of what is left, of either part."""
+        return float(np.sqrt((np.abs(self.left) ** 2).mean() / 2))
+
+
+def fitted(sweep: AmplitudeSweep, law: str, exponent: float | None = None) -> Fitted:
+    """Fit one law to a sweep; linear levels are projected out at every trial.
+
+    Parameters
+    ----------
+    sweep : AmplitudeSweep
+    law : str
+        One of `LAWS`, or ``"none"``.
+    exponent : float, optional
+        Set; else it is found.
+    """
+    problem = _LawOnSweep(sweep, law, exponent)
+    best = solved(problem.stated, problem.starts)
+    left, n = problem.left(best), len(best.residual)
+    numbers = problem.numbers(best.values)
+    known = estimate(best, noises=[white_noise(best)])
+    law_error = known.derived(lambda values: np.array(list(problem.numbers(values).values())))
+    se = dict(zip(numbers, law_error.standard_error.tolist(), strict=True))
+    if problem.kraus and exponent is not None:
+        se["exponent"] = 0.0
+    of_levels = slice(len(best.theta), len(best.theta) + 2 * len(problem.tones))
+    levels, sd = best.values[of_levels], known.standard_error[of_levels]
+    closeness = {"effective": n, "floor": _NOTHING}
+    bends = 0.0
+    if problem.cubic:
+        bends, other = problem.bent(best)
+        # the number depends on what is taken for the spring, or for the friction beside it
+        others = [other] * (bends > MATTERS) + [problem.among_sliders()] * problem.kraus
+        se["k3"] = float(np.hypot(se["k3"], sum(abs(one - numbers["k3"]) for one in others)))
+    return Fitted(
+        law,
+        _paired(levels),
+        _paired(sd),
+        numbers,
+        se,
+        left,
+        _worst_third(sweep, left.imag * problem.size),
+        bic(best.sse / n, parameters=len(best.values), **closeness),
+        deviance(best.sse / n, **closeness),
+        numbers.get("lost", 0.0) >= 0 and problem.rises(left),
+        bends,
+    )
+
+
+def _worst_third(sweep: AmplitudeSweep, left: FloatArray) -> float:
+    """Rms of the loss that is left over the loss, in the worst third of ln X: they differ."""
+    place = np.log(sweep.amplitude)
+    third = np.floor(3 * (place - place.min()) / max(float(np.ptp(place)), 1e-12)).clip(0, 2)
+    parts = [
+        float(np.sqrt(np.sum(left[here] ** 2) / max(np.sum(sweep.loss[here] ** 2), 1e-300)))
+        for here in (third == i for i in range(3))
+        if here.any()
+    ]
+    return max(parts)
+
+
+@dataclass(frozen=True, eq=False)
+class _LawOnSweep:
+    """A law on a sweep; sought are ln X_c, the exponent and, of a factor, the share."""
+
+    sweep: AmplitudeSweep
+    law: str
+    exponent: float | None
+
+    @property
+    def kraus(self) -> bool:
+        """Whether Kraus's law is in it."""
+        return self.law not in {"none", "cubic"}
+
+    @property
+    def factor(self) -> bool:
+        """Whether that is a factor."""
+        return self.law.startswith("factor")
+
+    @property
+    def cubic(self) -> bool:
+        """Whether a cubic spring is in it."""
+        return self.law.endswith("cubic")
+
+    @property
+    def stated(self) -> Problem:
+        """Its rows, real parts first, over the size of the samples; levels are linear."""
+        X, y = self.sweep.amplitude, stacked(self.sweep.value / self.size)
+        sought = [
+            Parameter(np.log(X.min()) - 3, np.log(X.max()) + 5),
+            *[Parameter(*_EXPONENTS, 0.2)] * (self.exponent is None),
+            *[Parameter(1e-6, 1.0, 0.2)] * self.factor,
+        ]
+        return Problem(
+            lambda theta: Rows(y, stacked(self.columns(self.whole(theta)))),
+            sought if self.kraus else (),
+        )
+
+    @property
+    def starts(self) -> list[FloatArray]:
+        """Where its descents begin."""
+        low, high = np.log(self.sweep.amplitude.min()), np.log(self.sweep.amplitude.max())
+        rest = [SET] * (self.exponent is None) + [0.5] * self.factor
+        return [np.array([(1 - at) * low + at * high, *rest]) for at in (0.2, 0.5, 0.8)]
+
+    def whole(self, theta: FloatArray) -> FloatArray:
+        """Ln X_c, exponent and share, with what is set."""
+        return (
+            theta if self.exponent is None else np.insert(theta, min(1, len(theta)), self.exponent)
+        )
+
+    @cached_property
+    def size(self) -> FloatArray:
+        """What residuals are over: the sample's own size, more where its scatter is more."""
+        size, sd = np.abs(self.sweep.value), self.sweep.sd
+        return size if sd is None else np.hypot(size, sd / _LEFT)
+
+    @cached_property
+    def tones(self) -> FloatArray:
+        """Frequencies, Hz."""
+        return np.unique(self.sweep.frequency)
+
+    @cached_property
+    def chosen(self) -> BoolArray:
+        """Which sample is of which frequency, shape (n, f)."""
+        return np.asarray(self.sweep.frequency[:, None] == self.tones)
+
+    def columns(self, p: FloatArray) -> ComplexArray:
+        """What the linear coefficients multiply: levels per tone, then d, then k3."""
+        X, size = self.sweep.amplitude, self.size
+        shape = np.ones(len(X), dtype=complex)
+        if self.factor:
+            shape = softened(X, p[2], float(np.exp(p[0])), p[1])
+        levels = self.chosen * shape[:, None]
+        found = [levels, 1j * levels]
+        if self.kraus and not self.factor:
+            found.append((softened(X, 1.0, float(np.exp(p[0])), p[1]) - 1)[:, None])
+        if self.cubic:
+            found.append(0.75 * (X / X.max())[:, None] ** 2)
+        return np.asarray(np.hstack(found) / size[:, None], dtype=complex)
+
+    def left(self, best: Optimum) -> ComplexArray:
+        """Fit less sample, over the size of the sample."""
+        return -_paired(best.residual)
+
+    def bent(self, best: Optimum) -> tuple[float, float]:
+        """What a term of X^4 gains in deviance, and k3 beside it."""
+        X, n = self.sweep.amplitude, len(best.residual)
+        more = stacked((X / X.max()) ** 4 / self.size)
+        wider = ordinary(best.rows.y, np.column_stack((best.rows.A, more)))
+        gain = [
+            bic(one.sse / n, effective=n, parameters=0, floor=_NOTHING) for one in (best, wider)
+        ]
+        return gain[0] - gain[1], float(wider.beta[-2] / X.max() ** 2)
+
+    def among_sliders(self) -> float:
+        """The cubic spring beside a spectrum of sliders, any friction, in the place of Kraus's."""
+        X, K, most = self.sweep.amplitude, self.sweep.value, float(self.sweep.amplitude.max())
+        count = max(round(_PER_DECADE * np.log10(2 * most / X.min())), 2)
+        sliders = slipping_share(X[:, None], np.geomspace(X.min() / 2, most, count))
+        if self.factor:  # as much of the stiffness at every frequency
+            sliders = sliders * (self.chosen @ np.abs(K @ self.chosen))[:, None] / np.abs(K).sum()
+        spring = 0.75 * (X[:, None] / most) ** 2 * np.array([1.0, -1.0])
+        A = np.hstack((self.chosen, 1j * self.chosen, sliders, spring)) / self.size[:, None]
+        k, _ = linear(stacked(A), stacked(K / self.size), positive=True)
+        return float(k[-2] - k[-1]) / most**2
+
+    def numbers(self, values: FloatArray) -> dict[str, float]:
+        """What the law is, by name, of everything that was sought."""
+        theta, coefficients = np.split(values, [len(self.stated.parameters)])
+        found = {}
+        if self.kraus:
+            p = self.whole(theta)
+            lost = p[2] if self.factor else coefficients[2 * len(self.tones)]
+            found = {"lost": lost, "half_way": np.exp(p[0]), "exponent": p[1]}
+        if self.cubic:
+            found["k3"] = coefficients[-1] / self.sweep.amplitude.max() ** 2
+        return {name: float(one) for name, one in found.items()}
+
+    def rises(self, left: ComplexArray) -> bool:
+        """Whether the storage rises at the end, where a spring stands beside Kraus's law.
+
+        A spring that only bends how the storage falls is but another way to soften.
+        """
+        if not (self.kraus and self.cubic):
+            return True
+        size = self.size
+        storage, X = self.sweep.storage + left.real * size, self.sweep.amplitude
+        least = _RISES * float(np.sqrt((np.abs(left) ** 2).mean() / 2))
+        for here in self.chosen.T:
+            last = storage[here][X[here].argmax()]
+            if last - storage[here].min() > least * size[here].min():
+                return True
+        return False
+
+
+def _paired(values: FloatArray) -> ComplexArray:
+    """Real parts and imaginary ones behind them, as complex numbers."""
+    real, imaginary = np.split(values, 2)
+    return np.asarray(real + 1j * imaginary)

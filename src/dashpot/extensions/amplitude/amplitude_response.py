@@ -1,0 +1,498 @@
+"""A mass on a part at a level: what an amplitude sweep of the material makes of its resonance."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple, get_args
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import Source
+from dashpot.base.serialisation import Documented
+from dashpot.base.units import Dimension, si
+from dashpot.datamodel.frf import FRF, Kind
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.relaxation import RelaxationTest
+from dashpot.extensions.amplitude.checks import level_covered
+from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep
+from dashpot.extensions.amplitude.fit import fit_amplitude
+from dashpot.extensions.amplitude.preprocess import sweep_of_loops
+from dashpot.extensions.amplitude.read import read_amplitude
+from dashpot.extensions.amplitude.response_solver import mass_at_level
+from dashpot.reading.columns.kind_detection import RECOGNISED
+from dashpot.reading.raw_file import about
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers.detect_kind import recognise
+from dashpot.reading.readers.relaxation import read_relaxation
+from dashpot.registry import RESPONSES
+from dashpot.signals.segments import Loading
+from dashpot.solids.maxwell import Solid
+from dashpot.vibration.systems.mount_mass import on_heavy_mounts
+from dashpot.workflow.job import LevelChoices, PartChoices, known_of_a_test
+from dashpot.workflow.response.part_factor import height_of
+
+STRAIN_FACTORS = (1.0, 1 / np.sqrt(3))
+"""Strain of a sweep that does to the rubber what X/h of the part does: loaded alike; a part in
+shear beside a sweep in tension, by equal energy."""
+HITS = ("impact",)
+"""Kinds of files that, as responses, tell what a mass on the seals does."""
+_LOOPS = tuple(kind for kind in get_args(Loading) if kind in RECOGNISED)
+"""What a record of time, displacement and force is taken for; here it is one of loops."""
+_ALIKE = 10.0
+"""BIC within which two laws of a sweep are not told apart."""
+VANISHING = 1e-9
+"""A level, N or m/s^2, at which nothing that slips does."""
+_COARSE, _FINE, _REACH = 241, 61, (0.25, 2.5)
+"""Lines about the linear resonance, lines about the largest of these, and how far they go."""
+
+
+@dataclass(frozen=True)
+class AtLevel(Documented):
+    """The resonance of a mass at a level.
+
+    Attributes
+    ----------
+    level : float
+        Amplitude of the force, N, or of the base's acceleration, m/s^2.
+    unit : str
+    frequency, value : float
+        Of the largest magnitude, Hz, and that magnitude.
+    frequency_between, value_between : (float, float)
+        95 %: what the law leaves of storage and loss about that strain and about the one where the
+        part was measured, and the strain measures and laws that the sweep does not tell apart.
+    amplitude : float
+        Of the part's displacement there, m.
+    strain : float or None
+        That over the height; None for a part that was swept itself.
+    frf : FRF
+    """
+
+    keys = (
+        "level",
+        "unit",
+        "peak",
+        "frequency_between_hz=frequency_between",
+        "value_between",
+        "amplitude",
+        "strain",
+    )
+
+    level: float
+    unit: str
+    frequency: float
+    value: float
+    frequency_between: tuple[float, float]
+    value_between: tuple[float, float]
+    amplitude: float
+    strain: float | None
+    frf: FRF
+
+    @property
+    def peak(self) -> dict[str, float]:
+        """Its numbers by their names."""
+        return {"frequency_hz": self.frequency, "value": self.value}
+
+
+class Anchor(NamedTuple):
+    """Where the stiffness of a part was measured.
+
+    Attributes
+    ----------
+    frequency : float or None
+        Of the resonance that told its geometry, Hz; None where a shape did.
+    strain : float
+        In the unit of the sweep; 0 for a vanishing one.
+    """
+
+    frequency: float | None
+    strain: float
+
+
+_MASTER, _PER_E, _HEIGHT, _ONE_TONE = 0.02, 0.05, 0.05, 0.1
+"""Standard deviations, relative: of a stiffness, of it per e-fold of frequency, of a height, and of
+a height by the law of one frequency."""
+_ABOUT, _NEAREST, _ALONE, _VANISHES = 2.5, 4, 6, 1e-3
+
+
+@dataclass(frozen=True)
+class SweptPart(Documented):
+    """What amplitude does to parts of a material, by a sweep of it.
+
+    Attributes
+    ----------
+    laws : tuple of AmplitudeFit
+        The one that explains the sweep best, and those that it does not tell from it.
+    factors : tuple of float
+        Strain of the sweep over that of the part; the first is taken, the others are what it
+        might be.
+    height : float or None
+        m; None where the sweep is over displacement.
+    fitted_at : float
+        Amplitude of the test behind the solid, in the unit of the sweep; 0 for a vanishing one.
+    sweep : Source or None
+    record : AmplitudeSweep or None
+        The samples behind the law.
+    """
+
+    keys = (
+        "sweep.file", "law.law", "laws=names", "*law.constants", "height",
+        "strain_factors=factors", "fitted_at",
+    )  # fmt: skip
+
+    laws: tuple[AmplitudeFit, ...]
+    factors: tuple[float, ...]
+    height: float | None
+    fitted_at: float
+    sweep: Source | None
+    record: AmplitudeSweep | None = None
+
+    @property
+    def law(self) -> AmplitudeFit:
+        """The one that is taken."""
+        return self.laws[0]
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """Of the sweep."""
+        return self.law.checks
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the laws."""
+        return tuple(one.law for one in self.laws)
+
+    def stretch(self, factor: float) -> float:
+        """Displacement of the part, m, for each of the sweep's amplitude."""
+        return 1.0 if self.height is None else self.height / factor
+
+    def frf(
+        self,
+        solid: Solid,
+        law: AmplitudeFit,
+        factor: float,
+        *,
+        scale: float,
+        mass: float,
+        level: float,
+        kind: Kind,
+        frequency: FloatArray,
+        coupled: float = 0.0,
+    ) -> tuple[FRF, FloatArray]:
+        """FRF of a mass at a level, and the stretch of the part, m.
+
+        `solid` is all that carries the mass as it was measured, N/m, `scale` N/m of it for each
+        of the sweep's unit, `coupled` the mass by which the mounts couple it to a base, kg.
+        """
+        beside = law.beside(solid, scale, stretch=self.stretch(factor), since=self.fitted_at)
+        frf, stretch = mass_at_level(
+            solid, beside, mass=mass, level=level, frequency=frequency, kind=kind
+        )
+        if coupled > 0:
+            frf = on_heavy_mounts(frf, mass=mass, coupled=coupled)
+        return frf, stretch
+
+    def peak(
+        self,
+        solid: Solid,
+        law: AmplitudeFit,
+        factor: float,
+        *,
+        about: float,
+        **how: Any,
+    ) -> tuple[float, float, float]:
+        """Frequency, Hz, and height of the largest magnitude, and the stretch there, m.
+
+        Raises
+        ------
+        DataError
+            If it has no resonance near `about`, Hz.
+        """
+        answer = partial(self.frf, solid, law, factor, **how)
+        f = np.geomspace(about * _REACH[0], about * _REACH[1], _COARSE)
+        frf, _ = answer(frequency=f)
+        top = int(np.abs(frf.value).argmax())
+        if top in {0, _COARSE - 1}:
+            raise DataError(
+                f"at {how['level']:g} {unit_of(how['kind'])} no resonance is found between "
+                f"{f[0]:.4g} and {f[-1]:.4g} Hz"
+            )
+        fine = np.linspace(f[max(top - 2, 0)], f[min(top + 2, _COARSE - 1)], _FINE)
+        frf, stretch = answer(frequency=fine)
+        size = np.abs(frf.value)
+        top = min(max(int(size.argmax()), 1), _FINE - 2)
+        before, here, after = size[top - 1 : top + 2]
+        shift = (before - after) / (2 * (before - 2 * here + after))
+        return (
+            float(fine[top] + shift * (fine[1] - fine[0])),
+            float(here - shift * (before - after) / 4),
+            float(stretch[top]),
+        )
+
+    def at(
+        self,
+        solid: Solid,
+        levels: Sequence[float],
+        *,
+        scale: float,
+        mass: float,
+        kind: Kind,
+        about: float,
+        frequency: FloatArray,
+        coupled: float = 0.0,
+        anchor: Anchor | None = None,
+    ) -> tuple[AtLevel, ...]:
+        """The resonance at each level, and what strain measure, law and samples leave open of it.
+
+        `anchor` is the resonance that told the part's geometry, if one did.
+        """
+        found, known = [], anchor or Anchor(None, self.fitted_at)
+        for level in levels:
+            how: dict[str, Any] = {
+                "scale": scale, "mass": mass, "level": level, "kind": kind, "coupled": coupled,
+            }  # fmt: skip
+            each = [
+                self.peak(solid, law, factor, about=about, **how)
+                for law in self.laws
+                for factor in self.factors
+            ]
+            hz, value, moved = each[0]
+            frf, _ = self.frf(solid, self.law, self.factors[0], frequency=frequency, **how)
+            strain = moved / self.stretch(self.factors[0])
+            off_hz, off_value = self.doubt(strain, hz, known)
+            lowest, highest = (pick(one[0] for one in each) for pick in (min, max))
+            least, most = (pick(one[1] for one in each) for pick in (min, max))
+            found.append(
+                AtLevel(
+                    level,
+                    unit_of(kind),
+                    hz,
+                    value,
+                    (min(lowest, hz * np.exp(-off_hz)), max(highest, hz * np.exp(off_hz))),
+                    (min(least, value * np.exp(-off_value)), max(most, value * np.exp(off_value))),
+                    moved,
+                    None if self.height is None else moved / self.height,
+                    frf,
+                )
+            )
+        return tuple(found)
+
+    def doubt(self, strain: float, hz: float, known: Anchor) -> tuple[float, float]:
+        r"""Two standard deviations of ln f and of ln of the height at a strain of the sweep.
+
+        .. math:: s_K^2 = r'^2 + r_0'^2 + d^2 + 0.02^2 + (0.05 \ln f_0/f)^2, \qquad
+            2 s_f = s_K, \qquad 2 s_T = 2 \sqrt{r''^2 + t^2 + 0.05^2}
+
+        with r what the law leaves of storage (') and loss ('') within a factor 2.5 of a strain, 0
+        where the part's stiffness was measured, and d and t what laws of each frequency alone
+        differ by; of a sweep at one d is half of what the level does, and t is 0.1. The three
+        constants are our choice, tried on two filled rubbers.
+        """
+        if self.record is None:
+            return 0.0, 0.0
+        storage, loss = self._left(strain)
+        before, _ = self._left(known.strain)
+        differ, height = self._between_tones(strain, known.strain)
+        away = 0.0 if known.frequency is None else _PER_E * np.log(known.frequency / hz)
+        of_stiffness = np.sqrt(storage**2 + before**2 + differ**2 + _MASTER**2 + away**2)
+        return float(of_stiffness), float(2 * np.sqrt(loss**2 + height**2 + _HEIGHT**2))
+
+    def _left(self, strain: float) -> tuple[float, float]:
+        """Rms of what the law leaves of storage and of loss, relative, about a strain."""
+        assert self.record is not None  # noqa: S101
+        record, tones = self.record, np.unique(self.record.frequency)
+        model = np.zeros(len(record.amplitude), dtype=complex)
+        for i, tone in enumerate(tones):
+            here = record.frequency == tone
+            at = int(np.abs(self.law.frequency - tone).argmin()) if len(tones) > 1 else i
+            model[here] = self.law.stiffness(record.amplitude[here], tone=at)
+        away = np.abs(np.log(record.amplitude / max(strain, record.amplitude.min())))
+        near = away <= max(np.log(_ABOUT), float(np.sort(away)[min(_NEAREST, len(away)) - 1]))
+        parts = (
+            model.real / record.storage,
+            model.imag / np.where(record.loss, record.loss, np.nan),
+        )
+        left = [float(np.sqrt(np.nanmean((one[near] - 1) ** 2))) for one in parts]
+        return left[0], left[1]
+
+    def _between_tones(self, strain: float, before: float) -> tuple[float, float]:
+        """By how much laws of each frequency alone differ: ln of stiffness, and of loss factor."""
+        assert self.record is not None  # noqa: S101
+        tones = np.unique(self.record.frequency)
+        before = max(before, _VANISHES * float(self.record.amplitude.min()))
+        each = [self.record.only(self.record.frequency == tone) for tone in tones]
+        if len(each) < 2 or min(len(one.amplitude) for one in each) < _ALONE:
+            ends = self.law.stiffness([before, strain]).real
+            return 0.5 * abs(float(np.log(ends[1] / ends[0]))), _ONE_TONE
+        moved, lossy = [], []
+        for one in each:
+            alone = fit_amplitude(one, law=self.law.law if self.law.law != "none" else "auto")
+            first, last = alone.stiffness([before, strain]).tolist()
+            moved.append(float(np.log(last.real / first.real)))
+            factor = alone.linear[0].imag / alone.linear[0].real
+            lossy.append(float(np.log(max(last.imag / last.real, 1e-12) / max(factor, 1e-12))))
+        return float(np.ptp(moved)), float(np.ptp(lossy))
+
+    def covered(self, found: Sequence[AtLevel]) -> tuple[Check, ...]:
+        """Whether the sweep goes as far as the part is moved at each level."""
+        return tuple(
+            level_covered(
+                one.amplitude / self.stretch(self.factors[0]),
+                self.law.amplitudes,
+                at=f"{one.level:.4g} {one.unit}",
+                of=self.law.of,
+            )
+            for one in found
+        )
+
+
+def unit_of(kind: Kind) -> str:
+    """Of a level: of the base's acceleration or of the force."""
+    return "m/s^2" if kind.over_base else "N"
+
+
+def level_of(word: str, kind: Kind) -> float:
+    """A level as it was typed, N or m/s^2."""
+    of: Dimension = "acceleration" if kind.over_base else "force"
+    found = si(word, of)
+    if not found > 0:
+        raise DataError(f"--level {word}; expected an amplitude > 0")
+    return found
+
+
+def swept_part(
+    choices: LevelChoices,
+    *,
+    unit: str,
+    part: PartChoices | None = None,
+    options: ReadOptions | None = None,
+) -> SweptPart | None:
+    """What the user's sweep says of the parts; None where none is given.
+
+    Parameters
+    ----------
+    choices : LevelChoices
+    unit : str
+        Of the solid that was fitted: Pa or N/m.
+    part : PartChoices, optional
+
+    Raises
+    ------
+    DataError
+        If level and sweep, or a resonance and its level, do not come together, the height is not
+        known, or the sweep is of a part and the solid of a material.
+    """
+    if choices == LevelChoices(levels=choices.levels):
+        return None  # of a fit whose own law bends
+    if not choices.levels or choices.sweep is None:
+        raise DataError(
+            "--level is how far the part is moved and --sweep what this does to it; give both, or "
+            "neither (of FRFs at several levels dashpot fit tells it)"
+        )
+    if choices.resonance_level is not None and (part is None or part.resonance is None):
+        raise DataError(
+            "--resonance-level is the level at which a --resonance was measured; add that, or "
+            "leave it out"
+        )
+    kind = recognise(choices.sweep, options).kind
+    if kind in {*RESPONSES, *HITS}:
+        raise DataError(
+            f"{Path(choices.sweep).name} is of a mass ({kind}), not of the rubber; expected "
+            "storage and loss over strain or displacement, or recorded loops (of a mass at "
+            "several levels dashpot fit tells)"
+        )
+    law, record, _ = amplitude_file(choices.sweep, kind, options=options)
+    return swept_by(law, record, choices, unit=unit, part=part)
+
+
+def swept_by(
+    law: AmplitudeFit,
+    record: AmplitudeSweep,
+    choices: LevelChoices,
+    *,
+    unit: str,
+    part: PartChoices | None = None,
+) -> SweptPart:
+    """What a sweep, by its law, says of parts; the parameters are those of :func:`swept_part`."""
+    if law.unit != unit:
+        raise DataError(
+            f"the sweep is in {law.unit} and the fit in {unit}; expected both of the material, or "
+            "both of the part"
+        )
+    height = _height(choices, law, None if part is None else height_of(part))
+    factors = (choices.strain_factor,) if choices.strain_factor else _strain_factors(law.source)
+    if height is None:
+        factors = (1.0,)
+    fitted_at = 0.0
+    if choices.fitted_at is not None:
+        fitted_at = si(choices.fitted_at, "strain" if law.of == "strain" else "length")
+    return SweptPart((law, *_rivals(law, record)), factors, height, fitted_at, law.source, record)
+
+
+def amplitude_file(
+    path: str | Path,
+    kind: str,
+    *,
+    law: str = "auto",
+    options: ReadOptions | None = None,
+    machine: Machine | None = None,
+) -> tuple[AmplitudeFit, AmplitudeSweep, AmplitudeSweep | RelaxationTest]:
+    """The law of an amplitude sweep or of recorded loops, the sweep, and the record as read.
+
+    `kind` is what the file was taken for, `law` ``"auto"`` or one of
+    ``kinds.level.laws.LAWS``.
+    """
+    if kind in _LOOPS:
+        record = read_relaxation(path, options=options)
+        with about(Path(path).name):
+            swept = sweep_of_loops(record, machine)
+            return fit_amplitude(swept, law=law), swept, record
+    known_of_a_test(machine, tests=0, add="recorded loops")
+    swept = read_amplitude(path, options=options)
+    with about(Path(path).name):
+        return fit_amplitude(swept, law=law), swept, swept
+
+
+def _strain_factors(sweep: Source | None) -> tuple[float, ...]:
+    """Of parts loaded as the sweep, and otherwise: in shear beside tension, or the other way."""
+    said = " ".join(sweep.columns) if sweep else ""
+    alike, otherwise = STRAIN_FACTORS
+    return alike, 1 / otherwise if "storage: G" in said or "shear" in said.lower() else otherwise
+
+
+def _height(choices: LevelChoices, law: AmplitudeFit, height: float | None) -> float | None:
+    """Of the part, m; None where the sweep is over the part's own displacement."""
+    if law.of == "m":
+        if law.unit == "Pa":
+            raise DataError(
+                f"{choices.sweep}: a modulus over a displacement does not give the strain; write "
+                "strain into the file"
+            )
+        if choices.height is not None or choices.strain_factor is not None:
+            raise DataError(
+                "--height and --strain-factor turn the strain of a sweep into a displacement, and "
+                "this sweep is over displacement; leave them out"
+            )
+        return None
+    known = height if choices.height is None else choices.height
+    if known is None:
+        raise DataError(
+            "the sweep is over strain: the height of the part turns it into a displacement "
+            "(--height 20mm, or a shape: --shape disc:20mm,20mm)"
+        )
+    return known
+
+
+def _rivals(law: AmplitudeFit, sweep: AmplitudeSweep) -> tuple[AmplitudeFit, ...]:
+    """The law as a factor where it stands beside the solid, and so on, if the sweep allows it."""
+    kraus, plus, spring = law.law.partition("+")
+    other = {"factor": "additive", "additive": "factor"}.get(kraus, "") + plus + spring
+    scores = dict(law.orders)
+    if other not in scores or scores[other] > scores[law.law] + _ALIKE:
+        return ()
+    return (fit_amplitude(sweep, law=other),)

@@ -1,0 +1,374 @@
+"""Amplitude sweeps: storage and loss against how far a part is moved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.array_units import Dimensions, into_si, own_unit, said_units
+from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, hold_measured
+from dashpot.base.checks import Check, Checked
+from dashpot.base.errors import DataError
+from dashpot.base.number_format import ascii_only, rounded
+from dashpot.base.provenance import Source, of_file
+from dashpot.base.result_mixins import Described, Series, arrays
+from dashpot.base.serialisation import Documented
+from dashpot.base.units import in_unit, read_in, written
+from dashpot.datamodel.specimen import Specimen
+from dashpot.solids.friction import Kraus
+from dashpot.solids.maxwell import Solid
+from dashpot.solids.nonlinear_springs import Cubic
+from dashpot.solids.payne_softening import Softening, softened
+from dashpot.solids.rate_independent import AmplitudeDependent, InParallel, Since
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AmplitudeSweep(ByValue, Described):
+    """Storage and loss of one specimen at several amplitudes, at one frequency or a few.
+
+    Attributes
+    ----------
+    frequency : array, shape (n,)
+        Hz, > 0.
+    amplitude : array, shape (n,)
+        m, or a strain, > 0.
+    storage, loss : array, shape (n,)
+        Pa or N/m (`unit`).
+    unit : str
+        ``"Pa"`` or ``"N/m"``.
+    of : str
+        ``"m"`` or ``"strain"``: what the amplitude is of.
+    specimen : Specimen
+    source : Source or None
+    sd : array, shape (n,) or None
+        Standard deviation of storage and of loss, in `unit`, where it is known.
+    delay_sd : float
+        Of recorded loops: standard deviation of the delay of their force, s.
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+
+    Raises
+    ------
+    DataError
+        If the arrays differ in length, are not finite, or a frequency or amplitude is not above 0.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> sweep = dp.AmplitudeSweep(1 + 0 * t, 1 + t, 5 - t / 9, 1 + 0 * t, units="Hz, %, MPa, MPa")
+    >>> sweep.of, float(sweep.amplitude[0])
+    ('strain', 0.01)
+    """
+
+    frequency: FloatArray
+    amplitude: FloatArray
+    storage: FloatArray
+    loss: FloatArray
+    unit: str = "Pa"
+    of: str = "strain"
+    specimen: Specimen = field(default_factory=Specimen)
+    source: Source | None = None
+    sd: FloatArray | None = None
+    delay_sd: float = 0.0
+    units: str = said_units()
+
+    def __post_init__(self) -> None:
+        of: Dimensions = ("stress", "stiffness")
+        said = into_si(
+            self, frequency="frequency", amplitude=("strain", "length"), storage=of, loss=of, sd=of
+        )
+        own_unit(self, said, "storage", "loss", "sd")
+        if said:
+            object.__setattr__(self, "of", {"length": "m"}.get(said["amplitude"], "strain"))
+        hold_measured(self, "frequency", "amplitude", "storage", "loss", "sd")
+        for name, unit in (("frequency", "Hz"), ("amplitude", self.of)):
+            values = getattr(self, name)
+            bad = np.flatnonzero(values <= 0)
+            if bad.size:
+                raise DataError(f"{name}[{bad[0]}] = {values[bad[0]]:g} {unit}; expected > 0")
+        if self.unit not in {"Pa", "N/m"} or self.of not in {"m", "strain"}:
+            raise DataError(
+                f"unit '{self.unit}' of storage and loss, '{self.of}' of amplitude; expected 'Pa' "
+                "or 'N/m', and 'm' or 'strain'"
+            )
+
+    @property
+    def series(self) -> Series:
+        """Storage and loss over amplitude."""
+        unit, of = self.unit, "m" if self.of == "m" else "1"
+        return arrays(self, amplitude=of, frequency="Hz", storage=unit, loss=unit, sd=unit)
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which sweep it is, and what it covers."""
+        tones = ", ".join(f"{one:.4g}" for one in np.unique(self.frequency))
+        return (
+            of_file(self.source, len(self.frequency)),
+            (
+                f"storage and loss in {self.unit} at {tones} Hz, amplitudes of "
+                f"{self.amplitude.min():.3g} to {self.amplitude.max():.3g} {self.of}"
+            ),
+        )
+
+    @property
+    def value(self) -> ComplexArray:
+        """Complex modulus or stiffness, in `unit`."""
+        return np.asarray(self.storage + 1j * self.loss, dtype=complex)
+
+    def only(self, chosen: BoolArray) -> AmplitudeSweep:
+        """The chosen samples."""
+        names = ("frequency", "amplitude", "storage", "loss", "sd")
+        known = {name: getattr(self, name) for name in names}
+        return replace(
+            self, **{name: one[chosen] for name, one in known.items() if one is not None}
+        )
+
+
+class LinearAt(NamedTuple):
+    """Storage and loss at a frequency, each with its standard error."""
+
+    frequency_hz: float
+    storage: float
+    loss: float
+    storage_se: float
+    loss_se: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AmplitudeFit(ByValue, Described, Checked, Documented):
+    r"""What an amplitude sweep says of how stiffness and loss move with amplitude.
+
+    ``"factor"``: :math:`K^*(\omega, X) = K^*(\omega)\,\phi(X)`; ``"additive"``:
+    :math:`K^*(\omega) + d\,[\phi_1(X) - 1]`, with :math:`\phi_1` that of a share of 1;
+    ``"cubic"``: :math:`K^*(\omega) + \tfrac34 k_3 X^2`; ``"factor+cubic"`` and
+    ``"additive+cubic"``: both; ``"none"``: no dependence is seen.
+
+    Attributes
+    ----------
+    law : str
+    frequency : array, shape (f,)
+        Hz.
+    linear : complex array, shape (f,)
+        At a vanishing amplitude, in `unit`.
+    linear_se : complex array, shape (f,)
+        Standard errors of its real and of its imaginary part.
+    lost : float
+        d: share of the stiffness (factor), or stiffness in `unit` (additive), that is lost.
+    half_way : float
+        Amplitude X_c where half of it is lost.
+    exponent : float
+    se : tuple of (str, float)
+        Standard errors of lost, half_way, exponent and k3, those that the law has; 0 for an
+        exponent that was set.
+    amplitudes : (float, float)
+        The range that the sweep informs.
+    residual : float
+        Rms of what is left, over the size of the modulus.
+    orders : tuple of (str, float)
+        BIC of each law that may be: the smallest is best, and is taken unless another is as good.
+    left_out : int
+        Samples of the smallest amplitudes that scatter beyond the rest, and were left out.
+    unit, of : str
+        As in the sweep.
+    checks : tuple of Check
+    source : Source or None
+    k3 : float
+        Of the cubic spring, in `unit` per square of `of`; 0 where there is none.
+    k3_unseen : float
+        Where there is none: size up to which one stays unseen beside the law, 95 %; else 0.
+    loss_per_lag : float or None
+        What a second between the channels of recorded loops makes of the loss factor, 1/s. It does
+        so at every amplitude alike, so loops of one frequency do not tell it from loss.
+    delay_sd : float
+        Of recorded loops: standard deviation of the delay of their force, s, which every standard
+        error includes.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> X = np.geomspace(0.1, 10, 30)
+    >>> E = 5 - 2 * X / (1 + X)
+    >>> sweep = dp.AmplitudeSweep(1 + 0 * X, X, E, 0.3 + 0 * X, units="Hz, %, MPa, MPa")
+    >>> dp.fit(sweep).unit
+    'Pa'
+    """
+
+    keys = (
+        "residual", "law", "unit", "of", "loss_factor_per_lag=loss_per_lag", "delay_sd",
+        "linear=lines",
+        "*numbers", "k3_unseen", "orders=bic_by_law",
+    )  # fmt: skip
+
+    law: str
+    frequency: FloatArray
+    linear: ComplexArray
+    linear_se: ComplexArray
+    lost: float
+    half_way: float
+    exponent: float
+    se: tuple[tuple[str, float], ...]
+    amplitudes: tuple[float, float]
+    residual: float
+    orders: tuple[tuple[str, float], ...]
+    left_out: int = 0
+    unit: str = "Pa"
+    of: str = "strain"
+    checks: tuple[Check, ...] = ()
+    source: Source | None = None
+    k3: float = 0.0
+    k3_unseen: float = 0.0
+    loss_per_lag: float | None = None
+    delay_sd: float = 0.0
+
+    @property
+    def lines(self) -> tuple[LinearAt, ...]:
+        """The stiffness at a vanishing amplitude, frequency by frequency."""
+        value, se = self.linear, self.linear_se
+        rows = (self.frequency, value.real, value.imag, se.real, se.imag)
+        return tuple(map(LinearAt, *(row.tolist() for row in rows)))
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """The numbers of the law."""
+        return {name: getattr(self, name) for name, _ in self.se}
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """The numbers of the law, and their standard errors."""
+        return self.constants | {f"{name}_se": error for name, error in self.se}
+
+    @property
+    def bic_by_law(self) -> dict[str, float]:
+        """`orders` by their names."""
+        return dict(self.orders)
+
+    @property
+    def sound(self) -> str:
+        """By how much the stiffness changes over the amplitudes, and what the law leaves of it."""
+        unit, of = read_in(self.unit), read_in(self.of)
+        low, high = (in_unit(one, of) for one in self.amplitudes)
+        ends = self.stiffness(self.amplitudes).real
+        way = "falls" if ends[1] < ends[0] else "rises"
+        return (
+            f"from {low:.3g} to {high:.3g} {of} the stiffness {way} by "
+            f"{100 * abs(ends[1] / ends[0] - 1):.2g} %, to {written(float(ends[1]), unit, '.3g')}. "
+            f"The law follows it to {100 * self.residual:.2g} %"
+        )
+
+    @property
+    def series(self) -> Series:
+        """The numbers of the law."""
+        unit, long = self.unit, self.of == "m"
+        units = {
+            "lost": "1" if self.law.startswith("factor") else unit,
+            "half_way": "m" if long else "1", "exponent": "1",
+            "k3": f"{unit}/m^2" if long else unit,
+        }  # fmt: skip
+        return {
+            "parameter": (list(self.constants), ""),
+            "value": (list(self.constants.values()), ""),
+            "standard_error": ([error for _, error in self.se], ""),
+            "unit": ([units[name] for name in self.constants], ""),
+        }
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """The verdict, the law and its numbers."""
+        lines, error = [str(self.verdict)], dict(self.se)
+        unit, of = read_in(self.unit), read_in(self.of)
+        low, high = (in_unit(one, of) for one in self.amplitudes)
+        kraus = self.law.partition("+")[0]
+        if kraus in {"factor", "additive"}:
+            lost = written(self.lost, "%", ".3g") if kraus == "factor" else written(self.lost, unit)
+            half_way, doubt = (in_unit(one, of) for one in (self.half_way, error["half_way"]))
+            lines.append(
+                f"{kraus} law: {lost} of the stiffness is lost with amplitude, half of it at "
+                f"{ascii_only(rounded(half_way, doubt))} ± {doubt:.2g} {of}; exponent "
+                f"{self.exponent:.2g}"
+            )
+        if self.k3:
+            per = f"{self.unit}" + ("" if self.of == "strain" else "/m^2")
+            way = "stiffens" if self.k3 > 0 else "softens"
+            most = written(0.75 * abs(self.k3) * self.amplitudes[1] ** 2, unit, ".3g")
+            lines.append(
+                f"cubic spring: k3 = {self.k3:.4g} ± {error['k3']:.2g} {per}, which {way} by "
+                f"{most} at the largest amplitude"
+            )
+        if self.k3_unseen:
+            share = 0.75 * self.k3_unseen * self.amplitudes[1] ** 2
+            part = share / float(np.abs(self.stiffness(self.amplitudes[1])))
+            lines.append(
+                f"No cubic spring is seen. One of up to {written(share, unit, '.2g')} "
+                f"({100 * part:.2g} %) at the largest amplitude would stay unseen."
+            )
+        lines.append(
+            f"residual {100 * self.residual:.2g} % rms; valid from {low:.3g} to {high:.3g} {of}"
+        )
+        if self.left_out:
+            lines.append(
+                f"left out: {self.left_out} samples of the smallest amplitudes, which scatter"
+            )
+        return tuple(lines)
+
+    def stiffness(self, amplitude: npt.ArrayLike, *, tone: int = 0) -> ComplexArray:
+        """Complex stiffness, in `unit`, at amplitudes, at one of the frequencies."""
+        return np.asarray(self.linear[tone] * self.ratio(amplitude, tone=tone))
+
+    def ratio(self, amplitude: npt.ArrayLike, *, tone: int = 0) -> ComplexArray:
+        """Complex stiffness at amplitudes over that at a vanishing one, at one frequency."""
+        X = np.asarray(amplitude, dtype=float)
+        linear, kraus = complex(self.linear[tone]), self.law.partition("+")[0]
+        found = np.ones(X.shape, dtype=complex)
+        if kraus == "factor":
+            found = softened(X, self.lost, self.half_way, self.exponent)
+        elif kraus == "additive":
+            change = softened(X, 1.0, self.half_way, self.exponent) - 1
+            found = found + self.lost * change / linear
+        return np.asarray(found + 0.75 * self.k3 * X**2 / linear)
+
+    def beside(
+        self, solid: Solid, scale: float = 1.0, *, stretch: float = 1.0, since: float = 0.0
+    ) -> AmplitudeDependent | None:
+        """What amplitude changes of a solid that knows of none; None where none matters.
+
+        Parameters
+        ----------
+        solid : Solid
+            N/m, as it is at the amplitude `since`.
+        scale, stretch : float
+            As in `element`.
+        since : float
+            As `of`; 0 for a vanishing amplitude.
+        """
+        kraus, parts, x0 = self.law.partition("+")[0], list[AmplitudeDependent](), since * stretch
+        if kraus == "factor":
+            parts.append(Softening(solid, self.lost, self.half_way * stretch, self.exponent, x0))
+        elif kraus == "additive":
+            parts.append(Since(self.element(scale, stretch=stretch), x0))
+        if self.k3:
+            parts.append(Since(self.spring(scale, stretch=stretch), x0))
+        return InParallel(tuple(parts)) if parts else None
+
+    def spring(self, scale: float = 1.0, *, stretch: float = 1.0) -> Cubic:
+        """The cubic spring as an element beside a solid; scale and stretch as in `element`."""
+        if not self.k3:
+            raise DataError(f"the law is '{self.law}', which has no cubic spring")
+        return Cubic(self.k3 * scale / stretch**2)
+
+    def element(self, scale: float = 1.0, *, stretch: float = 1.0) -> Kraus:
+        """The additive law as an element beside a solid.
+
+        Parameters
+        ----------
+        scale : float
+            N/m for each of `unit`: 1 for a part, area over height for a material.
+        stretch : float
+            m for each of `of`: 1 for a part, the height over the strain factor for a material.
+        """
+        if not self.law.startswith("additive"):
+            raise DataError(f"the law is '{self.law}'; only an additive law stands beside a solid")
+        return Kraus(self.lost * scale, self.half_way * stretch, self.exponent)

@@ -1,0 +1,390 @@
+"""Figures of amplitude: hysteresis loops, stiffness and loss over amplitude, FRFs at levels."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.number_format import rounded
+from dashpot.base.provenance import sources_of
+from dashpot.base.units import in_unit
+from dashpot.datamodel.frf import FRF, Kind
+from dashpot.datamodel.relaxation import RelaxationTest
+from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep
+from dashpot.extensions.amplitude.fit_frfs import rows_at_level
+from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels
+from dashpot.extensions.amplitude.level_results import Elements, LevelFit
+from dashpot.extensions.amplitude.preprocess import HysteresisLoop, steady_cycles, sweep_of_loops
+from dashpot.extensions.amplitude.response import receptance_at_level
+from dashpot.plot.dynamic_stiffness_figure import FREQUENCY
+from dashpot.plot.frf_figure import SHOWN
+from dashpot.plot.picture import (
+    BENEATH,
+    FIT,
+    PREDICTED,
+    REF,
+    UPON,
+    Area,
+    Dots,
+    Line,
+    Mark,
+    Panel,
+    Pen,
+    Picture,
+    Scale,
+    Tag,
+    around,
+    around_log,
+    read_as,
+    unit_of,
+)
+from dashpot.plot.provenance_stamp import of_test
+from dashpot.plot.provenance_stamp import stamp as stamped
+from dashpot.plot.style import sequential
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.rate_independent import InParallel
+from dashpot.vibration.impact.amplitude_trend import DECAYED
+
+_HEIGHT = 240.0
+_WIDE = 860.0
+_THIN = Pen("fit", 1.2)
+_LINES = 121
+_SMALL, _MULTIPLES = 130.0, 5
+"""Height of a loop, px, and how many are shown."""
+_BINS = 16
+"""Means in a decade of amplitude."""
+
+
+def level(
+    found: AmplitudeFit | LevelFit | HitLevels,
+    records: Sequence[AmplitudeSweep | RelaxationTest | FRF],
+    *,
+    stamp: str = "",
+) -> Picture:
+    """Return the figure that suits the records in which amplitude was varied.
+
+    Parameters
+    ----------
+    found : AmplitudeFit, LevelFit or HitLevels
+    records : sequence of AmplitudeSweep, RelaxationTest or FRF
+        As fitted: one sweep, one record of loops, or the FRF of each level.
+    stamp : str
+        What the figure says of its origin; by default files, specimen and date.
+    """
+    if isinstance(found, HitLevels):
+        return hits_as_levels(found, stamp=stamp)
+    if isinstance(found, LevelFit):
+        frfs = [one for one in records if isinstance(one, FRF)]
+        return frfs_at_levels(found, frfs, stamp=stamp)
+    first = records[0]
+    if isinstance(first, RelaxationTest):
+        return loops(first, found, stamp=stamp)
+    assert isinstance(first, AmplitudeSweep)  # noqa: S101
+    return amplitude_sweep(first, found, stamp=stamp)
+
+
+def loops(test: RelaxationTest, fit: AmplitudeFit | None = None, *, stamp: str = "") -> Picture:
+    """Hysteresis loops of several amplitudes, side by side, each over its own amplitude.
+
+    How steep a loop is, is its stiffness, how wide, its loss. With a fit its ellipses beneath them,
+    and stiffness and loss over amplitude above.
+
+    Parameters
+    ----------
+    test : RelaxationTest
+        Harmonic cycles at several amplitudes.
+    fit : AmplitudeFit, optional
+        Of those loops.
+    stamp : str
+        What the figure says of its origin; by default file, specimen and date.
+    """
+    shown = _apart(steady_cycles(test))
+    word, mm = unit_of(np.array([one.amplitude for one in shown]), "m")
+    drawn: list[tuple[str, list[Line]]] = []
+    for one in shown:
+        curves = [] if fit is None else [(BENEATH, "fitted loop", *_ellipse(one, fit))]
+        curves.append((UPON, "measured", one.displacement, one.force))
+        X = one.amplitude
+        lines = [
+            Line(_closed(x) / X, in_unit(_closed(F) / X, "N/mm"), pen, name)
+            for pen, name, x, F in curves
+        ]
+        drawn.append((f"{mm * X:.3g} {word}", lines))
+    above = [] if fit is None else _over_amplitude(sweep_of_loops(test), fit)
+    caption = "Hysteresis loops, each over its own amplitude X: force F over displacement x" + (
+        "." if fit is None else ", and stiffness and loss over amplitude."
+    )
+    strips = tuple((panel,) for panel in (*above, *_looped(drawn)))
+    rows = tuple(count for count in (len(above), len(drawn)) if count)
+    return Picture("loops", caption, strips, 2, stamp or of_test(test), width=_WIDE, rows=rows)
+
+
+def _looped(drawn: Sequence[tuple[str, Sequence[Line]]]) -> Iterator[Panel]:
+    """Small multiples on one pair of scales."""
+    every = [one for _, lines in drawn for one in lines]
+    x = Scale("x/X, 1", around(*(one.x for one in every)), ticks=(-1, 0, 1))
+    y = Scale("F/X, N/mm", around(*(one.y for one in every)))
+    for title, lines in drawn:
+        yield Panel(x, y, tuple(lines), title=title, height=_SMALL)
+
+
+def amplitude_sweep(
+    sweep: AmplitudeSweep, fit: AmplitudeFit | None = None, *, stamp: str = ""
+) -> Picture:
+    """Storage and loss over amplitude, one colour a frequency, with the law that was fitted.
+
+    Parameters
+    ----------
+    sweep : AmplitudeSweep
+    fit : AmplitudeFit, optional
+    stamp : str
+        What the figure says of its origin; by default file, specimen and date.
+    """
+    strips = tuple((panel,) for panel in _over_amplitude(sweep, fit))
+    caption = "Storage and loss over amplitude, measured, and the law fitted to them."
+    stamp = stamp or stamped(sources_of([sweep]), sweep.specimen)
+    return Picture("amplitude", caption, strips, 2, stamp, width=_WIDE)
+
+
+def frfs_at_levels(fit: LevelFit, frfs: Sequence[FRF], *, stamp: str = "") -> Picture:
+    """The FRF at every level with its fit and the backbone, and stiffness and loss over amplitude.
+
+    Stiffness and loss are those of one seal at the middle of the band: what the arms change from
+    there to each line is taken off the measured ones, which are means of near amplitudes with two
+    standard errors. Shaded is the 95 % interval.
+
+    Parameters
+    ----------
+    fit : LevelFit
+    frfs : sequence of FRF
+        What it was fitted to.
+    stamp : str
+        What the figure says of its origin; by default files, mass and seals.
+    """
+    said = stamp or stamped(fit.source, mass=fit.mass, seals=fit.seals)
+    strips = ((_magnitudes(fit, frfs),), *((one,) for one in _informed(fit, frfs)))
+    caption = (
+        "The FRF at each level with the one solid that follows them all and its backbone, and "
+        "stiffness and loss of one seal over its amplitude."
+    )
+    return Picture("levels", caption, strips, 3, said, width=1100.0)
+
+
+def hits_as_levels(found: HitLevels, *, stamp: str = "") -> Picture:
+    """Frequency and damping of every hit over the motion that it made, with their lines.
+
+    Shaded is the 95 % interval of the line, dashed what no hit tested.
+
+    Parameters
+    ----------
+    found : HitLevels
+    stamp : str
+        What the figure says of its origin; by default the files.
+    """
+    hits = [one for one in found.frf.hits if one.amplitude]
+    X = DECAYED * np.array([one.amplitude for one in hits])
+    low, high = found.amplitudes
+    dense = np.geomspace(low / 2, high * 2, 80)
+    within = (dense >= low * 0.999) & (dense <= high * 1.001)
+    word, mm = unit_of(X, "m")
+    across = Scale(f"amplitude of motion, {word}", around_log(mm * dense, margin=1.0), log=True)
+    strips = []
+    f, zeta = [one.frequency for one in hits], [one.damping_ratio for one in hits]
+    for name, scale, values, line, power in (
+        ("resonance, Hz", 1.0, f, found.trend.stiffness_line, 0.5),
+        ("damping ratio, %", 100.0, zeta, found.trend.damping_line, 1.0),
+    ):
+        ends = np.array([line.at(float(x)) for x in np.log2(dense)])
+        middle, lower, upper = (
+            scale * np.exp(power * (ends[:, 0] + way * ends[:, 1])) for way in (0, -1, 1)
+        )
+        dots = scale * np.array(values, dtype=float)
+        marks = (
+            Area(mm * dense, lower, upper, "fit", "95 % interval"),
+            Line(mm * dense, np.where(within, np.nan, middle), PREDICTED, "extrapolated"),
+            Line(mm * dense, np.where(within, middle, np.nan), FIT, "fit"),
+            Dots(mm * X, dots, "measured", "measured"),
+        )
+        limits = around(dots, lower[within], upper[within], margin=0.3)
+        strips.append((Panel(across, Scale(name, limits), marks, height=_HEIGHT),))
+    caption = "The resonance of every hit over the motion that it made."
+    said = stamp or stamped(found.frf.source)
+    return Picture("hits", caption, tuple(strips), 2, said, width=_WIDE)
+
+
+def _apart(cycles: Sequence[HysteresisLoop]) -> list[HysteresisLoop]:
+    """A cycle of each amplitude, the smallest first; of many, as many as stand in a row."""
+    found: list[HysteresisLoop] = []
+    for one in sorted(cycles, key=lambda one: one.amplitude):
+        if not found or one.amplitude > 1.1 * found[-1].amplitude:
+            found.append(one)
+    chosen = np.linspace(0, len(found) - 1, min(len(found), _MULTIPLES)).round().astype(int)
+    return [found[i] for i in chosen]
+
+
+def _ellipse(one: HysteresisLoop, fit: AmplitudeFit) -> tuple[FloatArray, FloatArray]:
+    """The loop of the fitted stiffness, m and N."""
+    turn = np.exp(1j * np.linspace(0, 2 * np.pi, 181))
+    tone = int(np.abs(fit.frequency - one.frequency).argmin())
+    K = complex(fit.stiffness(one.amplitude, tone=tone))
+    return one.amplitude * turn.real, (K * one.amplitude * turn).real
+
+
+def _closed(values: FloatArray) -> FloatArray:
+    return np.append(values, values[0])
+
+
+def _over_amplitude(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> list[Panel]:
+    """Storage and loss, one colour a frequency; the law dashed where it was not measured."""
+    of, word, mm = "strain", "%", 100.0
+    if sweep.of != "strain":
+        of, (word, mm) = "displacement", unit_of(sweep.amplitude, "m")
+    letter, (unit, scale) = "E" if sweep.unit == "Pa" else "K", read_as(sweep.unit)
+    tones, tone = np.unique(sweep.frequency.round(6), return_inverse=True)
+    low, high = float(sweep.amplitude.min()), float(sweep.amplitude.max())
+    dense = np.geomspace(low / 1.5, high * 1.5, 200)
+    across = Scale(f"amplitude of {of}, {word}", around_log(mm * dense, margin=1.0), log=True)
+    value, panels = scale * sweep.value, []
+    for name, part in ((f"storage {letter}′", np.real), (f"loss {letter}″", np.imag)):
+        marks: list[Mark] = []
+        for i, colour in enumerate(sequential(len(tones))):
+            here = tone == i
+            label = "measured" if len(tones) == 1 else f"{tones[i]:.3g} Hz"
+            marks.append(Dots(mm * sweep.amplitude[here], part(value[here]), colour, label))
+        if fit is not None:
+            for i in range(len(fit.frequency)):
+                curve = part(scale * fit.stiffness(dense, tone=i))
+                within = (dense >= fit.amplitudes[0]) & (dense <= fit.amplitudes[1])
+                marks += [
+                    Line(mm * dense, np.where(within, np.nan, curve), PREDICTED, "extrapolated"),
+                    Line(mm * dense, np.where(within, curve, np.nan), FIT, "fit"),
+                ]
+        shown = [one.y for one in marks if isinstance(one, Line | Dots)]
+        panels.append(Panel(across, Scale(f"{name}, {unit}", around(*shown)), tuple(marks),
+                            height=_HEIGHT))  # fmt: skip
+    return panels
+
+
+def _magnitudes(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
+    """Magnitudes as measured, the fit at each level, and the backbone."""
+    kind = frfs[0].quantity
+    unit, scale = SHOWN[kind]
+    dense = np.linspace(*fit.band, _LINES)
+    marks: list[Mark] = []
+    fits: list[Mark] = []
+    tags: list[Mark] = []
+    shown = []
+    for i in np.argsort(fit.levels):
+        colour = sequential(len(frfs))[int(np.searchsorted(np.sort(fit.levels), fit.levels[i]))]
+        lines = frfs[i].to(kind, mass=fit.mass).band(*fit.band)
+        over_base = frfs[i].quantity.over_base
+        force = fit.levels[i] * (fit.mass if over_base else 1.0)
+        said = f"{fit.levels[i]:.3g} {'m/s²' if over_base else 'N'}"
+        size = scale * np.abs(lines.value)
+        curve = receptance_at_level(fit, force, dense).to(kind, mass=fit.mass)
+        y = scale * np.abs(curve.value)
+        top = int(np.argmax(y))
+        peak = f"{said}: {rounded(float(dense[top]), digits=4)} Hz, {rounded(float(y[top]))} {unit}"
+        marks.append(Dots(lines.frequency, size, colour, "" if fits else "measured"))
+        tags.append(Tag(float(dense[top]), float(y[top]), peak, colour))
+        fits.append(Line(dense, y, _THIN, "" if fits else "fit"))
+        shown += [size, y]
+    limits = around_log(*shown)
+    f, height = _backbone(fit, kind)
+    inside = (f >= fit.band[0]) & (f <= fit.band[1])
+    spine = Line(np.where(inside, f, np.nan), scale * height, REF, "backbone")
+    label = f"{kind.value.replace('_', ' ')}, {unit}"
+    return Panel(
+        Scale(FREQUENCY, fit.band), Scale(label, limits, log=True), (spine, *fits, *marks, *tags),
+        title="at each level", height=_HEIGHT,
+    )  # fmt: skip
+
+
+def _backbone(fit: LevelFit, kind: Kind) -> tuple[FloatArray, FloatArray]:
+    r"""Where the motion is a quarter turn behind the force, Hz, and how large it is there.
+
+    .. math:: m\omega^2 = n K'(\omega, X), \qquad H = \frac{1}{j n K''(\omega, X)}
+    """
+    X = np.geomspace(*fit.amplitudes, 60)
+    omega = np.full(len(X), 2 * np.pi * float(np.mean(fit.band)))
+    for _ in range(50):
+        omega = np.sqrt(fit.seals * fit.stiffness(omega=omega, amplitude=X).real / fit.mass)
+    loss = fit.seals * fit.stiffness(omega=omega, amplitude=X).imag
+    with np.errstate(divide="ignore"):
+        receptance = 1 / loss
+    f = omega / (2 * np.pi)
+    if kind is Kind.TRANSMISSIBILITY:
+        return f, np.hypot(1.0, fit.mass * omega**2 * receptance)
+    if kind is Kind.DYNAMIC_STIFFNESS:
+        return f, loss
+    if kind is Kind.RELATIVE_TRANSMISSIBILITY:
+        return f, fit.mass * omega**2 * receptance
+    power = {Kind.RECEPTANCE: 0, Kind.MOBILITY: 1, Kind.ACCELERANCE: 2}[kind]
+    return f, receptance * omega**power
+
+
+def _informed(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
+    """Storage and loss of one seal over its amplitude, at the middle of the band."""
+    middle = np.pi * (fit.band[0] + fit.band[1])
+    rows = [
+        rows_at_level(frf, level, fit.mass, fit.seals, fit.band)
+        for frf, level in zip(frfs, fit.levels, strict=True)
+    ]
+    omega, X, K, weight = (np.concatenate(each) for each in zip(*rows, strict=True))
+    solid = fit.solid.complex_stiffness(omega=np.append(omega, middle))
+    at, mean, error = _means(X, K - solid[:-1] + solid[-1], weight / fit.residual)
+    dense = np.geomspace(*fit.amplitudes, 60)
+    curve = fit.stiffness(omega=middle, amplitude=dense)
+    word, mm = unit_of(X, "m")
+    across = Scale(f"amplitude of displacement, {word}", around_log(mm * dense, margin=1.1),
+                  log=True)  # fmt: skip
+    panels = []
+    ends = _interval(fit, middle, dense)
+    for i, (name, part) in enumerate((("storage K′", np.real), ("loss K″", np.imag))):
+        low, high = in_unit(ends[:, i], "N/mm")
+        y = in_unit(part(curve), "N/mm")
+        marks = (
+            Area(mm * dense, low, high, "fit", "95 % interval"),
+            Line(mm * dense, y, FIT, "fit"),
+            Dots(
+                mm * at,
+                in_unit(part(mean), "N/mm"),
+                "measured",
+                "measured",
+                error=in_unit(2 * error, "N/mm"),
+            ),
+        )
+        pad = max(float(np.ptp(y)), 0.1 * float(np.abs(y).max()))
+        limits = around(y - 0.3 * pad, y + 0.3 * pad, low, high)
+        title = f"one seal at {middle / 2 / np.pi:.3g} Hz"
+        panels.append(
+            Panel(across, Scale(f"{name}, N/mm", limits), marks, title=title, height=_HEIGHT)
+        )
+    return panels
+
+
+def _interval(fit: LevelFit, omega: float, X: FloatArray) -> FloatArray:
+    """95 % interval of storage and loss over amplitude, N/m, shape (2, 2, n)."""
+
+    def both(solid: GeneralizedMaxwell, beside: Elements) -> FloatArray:
+        K = InParallel((solid, *beside)).equivalent(omega, X)
+        return np.array((K.real, K.imag))
+
+    return fit.interval(both)
+
+
+def _means(
+    X: FloatArray, K: FloatArray, weight: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Means over near amplitudes, weighted, and their standard errors (of each part)."""
+    bins = np.floor(_BINS * np.log10(X / X.min())).astype(int)
+    where = np.unique(bins, return_inverse=True)[1]
+    w = weight**2
+    total = np.bincount(where, w)
+
+    def mean(values: FloatArray) -> FloatArray:
+        return np.bincount(where, w * values) / total
+
+    return mean(X), mean(K.real) + 1j * mean(K.imag), np.sqrt(1 / total / 2)

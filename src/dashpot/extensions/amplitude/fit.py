@@ -1,0 +1,237 @@
+"""From an amplitude sweep to how stiffness and loss move with amplitude."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, median
+from dashpot.base.checks import Check
+from dashpot.base.errors import FitError
+from dashpot.base.provenance import sources_of
+from dashpot.base.reported_values import NORMAL
+from dashpot.datamodel.checks import caution_checks
+from dashpot.extensions.amplitude.amplitude_laws import LAWS, SET, Fitted, fitted
+from dashpot.extensions.amplitude.checks import (
+    FAR_ENOUGH,
+    MATTERS,
+    amplitudes_spread,
+    law_followed,
+    level_matters,
+    loss_followed,
+    softening_seen,
+    spring_cubic,
+    spring_unseen,
+    ways_agree,
+)
+from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep
+from dashpot.fitting.nuisance_priors import Prior, error_by_delay
+
+_LEAST = 6
+"""Samples: two numbers of a level, three of the law, one to spare."""
+_WORDS = {
+    "factor": "Kraus's law",
+    "additive": "friction",
+    "cubic": "a cubic spring",
+    "factor+cubic": "Kraus's law and a cubic spring",
+    "additive+cubic": "friction and a cubic spring",
+}
+_PARTED = 2.0
+"""Difference of BIC below which two laws are not told apart (Kass and Raftery 1995)."""
+_STRAY = 5.0
+"""A leading sample so many robust SD off is of an instrument that is not yet in its range."""
+
+
+def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
+    r"""Fit how stiffness and loss move with amplitude: Kraus's law, a cubic spring, or both.
+
+    Least squares on complex residuals over the size of the modulus; a linear complex level for
+    each frequency, one share, half-way amplitude and exponent of Kraus's law with tied loss for
+    all, and one :math:`\tfrac34 k_3 X^2`. A law is taken where it explains what is left without it
+    by 2 ln L > 20, a spring beside Kraus's law where it makes the storage rise again: else it
+    is but another way to soften. Kraus's law is a factor, or stands beside the solid: BIC chooses
+    where frequencies differ enough to tell; at one frequency the two are the same curve, and the
+    factor is taken for a modulus, the element beside the solid for a stiffness. Where the sweep
+    ends below twice X_c the exponent is set to 0.5.
+
+    Source: G. Kraus (1984); the tie of the loss is the rule of broad friction,
+    :math:`K'' = -(2/\pi)\,dK'/d\ln X`.
+
+    Parameters
+    ----------
+    sweep : AmplitudeSweep
+    law : str
+        ``"auto"`` or one of `LAWS`.
+
+    Raises
+    ------
+    FitError
+        If there are too few samples, or not two for each frequency.
+    """
+    if len(sweep.amplitude) < _LEAST:
+        raise FitError(
+            f"{len(sweep.amplitude)} amplitudes; a law of amplitude needs {_LEAST} or more"
+        )
+    tones = len(np.unique(sweep.frequency))
+    if 2 * tones > len(sweep.amplitude):
+        raise FitError(
+            f"{len(sweep.amplitude)} samples at {tones} frequencies; expected two amplitudes or "
+            "more at each: the effects of frequency and of amplitude cannot be separated"
+        )
+    back = _way_back(sweep)
+    tried = _ranked(sweep, law)
+    stray = _strays(sweep, tried[0].left)
+    if stray.any() and np.count_nonzero(~stray) >= _LEAST:
+        sweep = sweep.only(~stray)
+        tried = _ranked(sweep, law)
+    plain, best = fitted(sweep, "none"), tried[0]
+    reach = float(sweep.amplitude.max()) / best.numbers.get("half_way", np.nan)
+    if reach < FAR_ENOUGH:
+        best = fitted(sweep, best.law, SET)
+    gain, by = plain.deviance - best.deviance, _WORDS[best.law]
+    if gain <= MATTERS:  # nothing moves with amplitude
+        best = plain
+    range_ = (float(sweep.amplitude.min()), float(sweep.amplitude.max()))
+    followed = law_followed(best.residual)
+    checks: list[Check] = [
+        level_matters(gain, range_, sweep.of, by, followed=bool(followed.passed)),
+        amplitudes_spread(range_[1] / range_[0], sweep.of),
+        followed,
+        loss_followed(best.loss_left),
+    ]
+    if "lost" in best.numbers:
+        checks.insert(2, softening_seen(reach))
+    if back is not None:
+        checks.append(ways_agree(back))
+    unseen = 0.0
+    if "k3" in best.numbers:
+        checks.append(spring_cubic(best.bends))
+    else:
+        unseen = _unseen(sweep, best)
+        top = sweep.amplitude == sweep.amplitude.max()
+        storage = float(sweep.storage[top].min())
+        checks.append(spring_unseen(0.75 * unseen * range_[1] ** 2 / max(storage, 1e-300)))
+    linear_se, se = _errors_with_delay(sweep, best)
+    return AmplitudeFit(
+        best.law,
+        np.unique(sweep.frequency),
+        best.linear,
+        linear_se,
+        best.numbers.get("lost", 0.0),
+        best.numbers.get("half_way", np.nan),
+        best.numbers.get("exponent", np.nan),
+        tuple(se.items()),
+        range_,
+        best.residual,
+        tuple((one.law, one.bic) for one in (plain, *tried)),
+        int(np.count_nonzero(stray)),
+        sweep.unit,
+        sweep.of,
+        (*checks, *caution_checks(sources_of([sweep]))),
+        sweep.source,
+        best.numbers.get("k3", 0.0),
+        unseen,
+        delay_sd=sweep.delay_sd,
+    )
+
+
+def _errors_with_delay(
+    sweep: AmplitudeSweep, best: Fitted
+) -> tuple[ComplexArray, dict[str, float]]:
+    r"""Standard errors of the levels and of the law's numbers with those by a delay of the force.
+
+    Of a force that is late by :math:`\delta` every stiffness is turned by
+    :math:`e^{-j\omega\delta}`, whatever the amplitude: no law parts that from loss.
+    """
+    held = SET if best.se.get("exponent") == 0 else None
+
+    def numbers(later: float) -> FloatArray:
+        K = sweep.value * np.exp(-2j * np.pi * sweep.frequency * later)
+        turned = replace(sweep, storage=K.real, loss=K.imag, units="SI")
+        one = fitted(turned, best.law, held)
+        return np.array([*one.linear.real, *one.linear.imag, *one.numbers.values()])
+
+    def levels(later: float) -> FloatArray:
+        L = best.linear * np.exp(-2j * np.pi * np.unique(sweep.frequency) * later)
+        return np.array([*L.real, *L.imag, *best.numbers.values()])
+
+    if not sweep.delay_sd:
+        return best.linear_se, best.se
+    delay = Prior(0.0, sweep.delay_sd)
+    # a law that stands beside the solid may take part of the turn, or leave it all to the solid
+    by_delay = np.maximum(error_by_delay(numbers, delay), error_by_delay(levels, delay))
+    storage, loss, law = np.split(by_delay, [len(best.linear), 2 * len(best.linear)])
+    linear_se = np.hypot(best.linear_se.real, storage) + 1j * np.hypot(best.linear_se.imag, loss)
+    wide = zip(best.se.items(), law.tolist(), strict=True)
+    return linear_se, {name: float(np.hypot(own, by)) for (name, own), by in wide}
+
+
+def _unseen(sweep: AmplitudeSweep, best: Fitted) -> float:
+    """Size of a cubic spring that might stand beside a law that has none, 95 %."""
+    law = "cubic" if best.law == "none" else f"{best.law}+cubic"
+    held = best.numbers.get("exponent") if best.se.get("exponent") == 0 else None
+    beside = fitted(sweep, law, held)
+    return abs(beside.numbers["k3"]) + NORMAL * beside.se["k3"]
+
+
+def _ranked(sweep: AmplitudeSweep, law: str) -> list[Fitted]:
+    """The laws that may be, the best first; of two that BIC does not part the one at home here.
+
+    One with a spring that is but another way to soften is not among them, whatever its BIC.
+    """
+    home = "factor" if sweep.unit == "Pa" else "additive"
+    tried = [fitted(sweep, each) for each in LAWS if law in {"auto", each}]
+    spring = next((one for one in tried if one.law == "cubic"), None)
+
+    def cost(one: Fitted) -> float:
+        return one.deviance + MATTERS * one.terms
+
+    def sound(one: Fitted) -> bool:
+        if one.terms < 2 or spring is None:
+            return one.sound
+        # friction beside a spring shows in the loss, another kind of spring in the storage alone
+        return one.sound and spring.loss_deviance - one.loss_deviance > MATTERS / 2
+
+    tried = [one for one in tried if sound(one)] or tried
+    least = min(map(cost, tried))
+    return sorted(
+        tried,
+        key=lambda one: (
+            cost(one) > least + _PARTED,
+            one.terms,
+            home not in one.law,
+            cost(one),
+        ),
+    )
+
+
+def _way_back(sweep: AmplitudeSweep) -> float | None:
+    """Change of the modulus at the same amplitude on the way down; None if there is no such way."""
+    found = []
+    for tone in np.unique(sweep.frequency):
+        rows = np.flatnonzero(sweep.frequency == tone)
+        X, size = np.log(sweep.amplitude[rows]), np.abs(sweep.value[rows])
+        top = int(np.argmax(X))
+        up, down = slice(0, top + 1), slice(top + 1, None)
+        if np.any(np.diff(X[up]) <= 0) or np.any(np.diff(X[top:]) > 0):
+            continue
+        met = (X[down] >= X[0]) & (X[down] < X[top])
+        if top >= 2 and np.count_nonzero(met) >= 3:
+            before = np.interp(X[down][met], X[up], size[up])
+            found.append(float(median(size[down][met] / before)) - 1)
+    return max(found, key=abs) if found else None
+
+
+def _strays(sweep: AmplitudeSweep, left: ComplexArray) -> BoolArray:
+    """The smallest amplitudes of a frequency whose residual is beyond the scatter of the rest."""
+    size = np.abs(left)
+    limit = _STRAY * 1.4826 * median(size)
+    out = np.zeros(len(size), dtype=bool)
+    for tone in np.unique(sweep.frequency):
+        rows = np.flatnonzero(sweep.frequency == tone)
+        for i in rows[np.argsort(sweep.amplitude[rows])]:
+            if size[i] <= limit:
+                break
+            out[i] = True
+    return out

@@ -1,0 +1,329 @@
+"""From files to what stiffness and damping do with amplitude, and to a mass at another level."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, median
+from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.errors import ReadError
+from dashpot.base.provenance import Source
+from dashpot.base.result_mixins import Judged, Series, columns
+from dashpot.base.serialisation import Documented
+from dashpot.base.units import Quantity, si
+from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.impact import ImpactTest
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.relaxation import RelaxationTest
+from dashpot.extensions.amplitude.amplitude_response import HITS, amplitude_file
+from dashpot.extensions.amplitude.checks import level_covered, levels_as_struck
+from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep
+from dashpot.extensions.amplitude.fit import fit_amplitude
+from dashpot.extensions.amplitude.fit_frfs import fit_levels
+from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels, hits_as_levels
+from dashpot.extensions.amplitude.level_results import Elements, LevelFit, PeakAtLevel
+from dashpot.extensions.amplitude.preprocess import sweep_of_loops
+from dashpot.extensions.amplitude.response import resonance_at_level
+from dashpot.reading.raw_file import about
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers.detect_kind import recognise
+from dashpot.reading.readers.frf import read_frf
+from dashpot.reading.readers.impact import read_impacts
+from dashpot.registry import RESPONSES
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.vibration.impact.hits import cut_hits
+from dashpot.workflow.job import known_of_a_test
+from dashpot.workflow.vibration.measured_frf import as_measured
+
+
+@dataclass(frozen=True, repr=False)
+class Levels(Judged, Documented):
+    """What ``dashpot fit`` found.
+
+    Attributes
+    ----------
+    fit : AmplitudeFit, LevelFit or HitLevels
+    at : tuple of PeakAtLevel
+        The levels that were asked for.
+    checks : tuple of Check
+    records : tuple of AmplitudeSweep, RelaxationTest or FRF
+        What it was found from: one sweep, one record of loops, or the FRF of each level.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> hits = dp.simulate("impact", hits=4)
+    >>> type(dp.fit(hits, hits, levels=["3N", "3N"])).__name__  # doctest: +SKIP
+    'Levels'
+    """
+
+    schema = "dashpot/levels@1"
+    keys = ("fit.amplitudes", "verdict", "checks", "*fit", "at=asked?")
+
+    fit: AmplitudeFit | LevelFit | HitLevels
+    at: tuple[PeakAtLevel, ...]
+    checks: tuple[Check, ...]
+    records: tuple[AmplitudeSweep | RelaxationTest | FRF, ...]
+
+    @property
+    def series(self) -> Series:
+        """As of the fit; of hits each with its motion, resonance and damping."""
+        if isinstance(self.fit, HitLevels):
+            return columns(
+                self.fit.hits, name="", peak="N", amplitude="m", frequency_hz="Hz", damping_ratio=""
+            )
+        return self.fit.series
+
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of it."""
+        return verdict(self.checks, sound=self.fit.sound)
+
+    @property
+    def source(self) -> tuple[Source, ...]:
+        """The files."""
+        given = self.fit.source
+        if isinstance(given, Source):
+            return (given,)
+        return given or ()
+
+    @property
+    def loss_per_lag(self) -> float | None:
+        """As of the fit of recorded loops."""
+        return self.fit.loss_per_lag if isinstance(self.fit, AmplitudeFit) else None
+
+    @property
+    def asked(self) -> tuple[PeakAtLevel, ...] | None:
+        """The levels that were asked for; None where none can be."""
+        return None if isinstance(self.fit, AmplitudeFit) else self.at
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """``dashpot/levels@1``; of FRFs as their fit writes it, which is read again."""
+        if isinstance(self.fit, LevelFit):
+            return replace(self.fit, checks=self.checks, at=self.at).document
+        return super().document
+
+
+def level_files(
+    files: Sequence[str | Path],
+    *,
+    levels: Sequence[Quantity] = (),
+    mass: float | None = None,
+    seals: float = 1.0,
+    band: tuple[float, float] | None = None,
+    at: Sequence[float] = (),
+    law: str = "auto",
+    motion: str = "absolute",
+    machine: Machine | None = None,
+    options: ReadOptions | None = None,
+) -> Levels:
+    """Find how stiffness and damping move with amplitude.
+
+    Parameters
+    ----------
+    files : sequence of path
+        One amplitude sweep, one record of loops, FRFs of one mass at several levels, or hits of
+        different height.
+    levels : sequence of str or float
+        Of the FRFs: amplitude of the force, N, one for each file; of transmissibilities that of
+        the base's acceleration, m/s^2. Of hammer files: peak force of their hits, N, which is held
+        against the records; these count.
+    mass : float, optional
+        Under those FRFs, kg; or what was struck, held against the mass that the hits show.
+    seals : float
+    band : (float, float), optional
+        Lines taken, or where the resonance of the hits lies, Hz.
+    at : sequence of float
+        Levels at which the resonance of that mass, or of the one that was struck, is wanted, N.
+    law : str
+        Of an amplitude sweep or loops: ``"auto"`` or one of ``kinds.level.laws.LAWS``.
+    motion : str
+        Of the mass in transmissibilities: ``"absolute"``, or ``"relative"`` to the base.
+    machine : Machine, optional
+        What is known of the machine that drove recorded loops: its `sync`.
+    options : ReadOptions, optional
+        What the user said of the files.
+    """
+    kinds = [recognise(path, options).kind for path in files]
+    if any(kind in RESPONSES or kind in HITS for kind in kinds):
+        known_of_a_test(machine, tests=0, add="recorded loops")
+    if all(kind in RESPONSES for kind in kinds):
+        _refuse_law(law, "FRFs")
+        frfs = [as_measured(read_frf(path, options=options), motion) for path in files]
+        return frfs_at_levels(frfs, levels, mass=mass, seals=seals, band=band, at=at)
+    struck = all(kind in HITS for kind in kinds)
+    _refuse_mixture(files, kinds)
+    asked = {
+        "--level": levels, "--mass": mass is not None, "--seals": seals != 1,
+        "--relative": motion != "absolute", "--band": band is not None, "--resonance-at": at,
+    }  # fmt: skip
+    _refuse_given(files[0], asked, *(_OF_HITS if struck else ()))
+    if struck:
+        _refuse_law(law, "hits")
+        return _of_hits(files, levels, mass=mass, band=band, at=at, options=options)
+    if len(files) > 1:
+        raise ReadError("one amplitude sweep at a time; only FRFs of several levels go together")
+    found, _, record = amplitude_file(files[0], kinds[0], law=law, options=options, machine=machine)
+    return _swept(found, record)
+
+
+def of_amplitude(
+    record: AmplitudeSweep | RelaxationTest, *, law: str = "auto", machine: Machine | None = None
+) -> Levels:
+    """Find what a sweep of amplitudes, or a record of loops, says of stiffness and damping."""
+    if isinstance(record, RelaxationTest):
+        sweep = sweep_of_loops(record, machine)
+    else:
+        sweep = record
+        known_of_a_test(machine, tests=int(sweep.delay_sd > 0), add="recorded loops")
+        if machine is not None and machine.sync is not None:
+            machine.heeds("sync", of="recorded loops")
+            sweep = replace(sweep, delay_sd=machine.sync, units="SI")
+    return _swept(fit_amplitude(sweep, law=law), record)
+
+
+def _swept(found: AmplitudeFit, record: AmplitudeSweep | RelaxationTest) -> Levels:
+    if isinstance(record, RelaxationTest):
+        found = replace(found, loss_per_lag=float(2 * np.pi * found.frequency.max()))
+    return Levels(found, (), found.checks, (record,))
+
+
+_OF_HITS = ("--level", "--mass", "--band", "--resonance-at")
+"""Options that belong to FRFs, and to hits too."""
+
+
+def _refuse_given(path: str | Path, asked: Mapping[str, object], *but: str) -> None:
+    """Refuse options of FRFs that were given with a file that is none."""
+    given = [flag for flag, said in asked.items() if said and flag not in but]
+    if given:
+        raise ReadError(
+            f"{given[0]} belongs to FRFs of a mass, and {Path(path).name} is another kind of "
+            "file; leave it out"
+        )
+
+
+def _refuse_law(law: str, whose: str) -> None:
+    if law != "auto":
+        raise ReadError(f"--model is of an amplitude sweep, and {whose} take no law; leave it out")
+
+
+def _refuse_mixture(files: Sequence[str | Path], kinds: Sequence[str]) -> None:
+    """Held and dying motions are not of one fit."""
+    driven, struck = (
+        [Path(path).name for path, kind in zip(files, kinds, strict=True) if kind in which]
+        for which in (RESPONSES, HITS)
+    )
+    if driven and struck:
+        raise ReadError(
+            f"{driven[0]} is an FRF and {struck[0]} holds hits, whose motion dies away: its lines "
+            "have no one amplitude, and the two are not fitted together; give the FRFs alone and "
+            "the hits alone, and compare the resonance that each tells at one level "
+            "(--resonance-at)"
+        )
+
+
+def _forces(levels: Sequence[Quantity], tests: int) -> list[float]:
+    """Peak forces that are said of so many hammer tests, N."""
+    if levels and len(levels) != tests:
+        raise ReadError(
+            f"{tests} hammer files and {len(levels)} levels; expected the peak force of the "
+            "hits of each file, in their order, or none (--level): hits show how hard they are"
+        )
+    forces = [si(level, "force") for level in levels]
+    if not all(0 < one < np.inf for one in forces):
+        raise ReadError(f"a level of {min(forces):g} N; expected a peak force > 0 (--level)")
+    return forces
+
+
+def _of_hits(
+    files: Sequence[str | Path],
+    levels: Sequence[Quantity],
+    *,
+    mass: float | None,
+    band: tuple[float, float] | None,
+    at: Sequence[float],
+    options: ReadOptions | None,
+) -> Levels:
+    _forces(levels, len(files))
+    tests = read_impacts(list(files), options=options)
+    with about(", ".join(Path(path).name for path in files)):
+        return hits_at_levels(tests, levels, mass=mass, band=band, at=at)
+
+
+def hits_at_levels(
+    tests: Sequence[ImpactTest],
+    levels: Sequence[Quantity] = (),
+    *,
+    mass: float | None = None,
+    band: tuple[float, float] | None = None,
+    at: Sequence[float] = (),
+) -> Levels:
+    """Find what hits of different height say; the parameters are those of :func:`level_files`."""
+    said = _forces(levels, len(tests))
+    frf = estimate_frf(tests, resonance_band=band, mass=mass)
+    found = hits_as_levels(frf, band=band)
+    if said:
+        counts = np.cumsum([len(cut_hits([test])) for test in tests])[:-1]
+        peaks_of = np.split(np.array([one.peak for one in frf.hits]), counts)
+        struck = [median(each) for each in peaks_of]
+        found = replace(found, checks=(levels_as_struck(said, struck), *found.checks))
+    peaks = []
+    for level in at:
+        hz, receptance, about_hz, about_receptance = found.resonance(level)
+        peaks.append(
+            PeakAtLevel(level, hz, receptance, about_hz, about_receptance, level * receptance)
+        )
+    covered = tuple(
+        level_covered(one.amplitude, found.amplitudes, at=f"{one.level:.4g} N") for one in peaks
+    )
+    return Levels(found, tuple(peaks), (*found.checks, *covered), (frf,))
+
+
+def frfs_at_levels(
+    frfs: Sequence[FRF],
+    levels: Sequence[Quantity],
+    *,
+    mass: float | None,
+    seals: float = 1.0,
+    band: tuple[float, float] | None = None,
+    at: Sequence[float] = (),
+) -> Levels:
+    """Find what FRFs of one mass at several levels say; parameters as of :func:`level_files`."""
+    if mass is None or len(levels) != len(frfs):
+        raise ReadError(
+            f"{len(frfs)} FRFs, {len(levels)} levels and {'no' if mass is None else 'a'} mass; "
+            "expected the mass (--mass) and the level of each FRF, in their order (--level 0.05N "
+            "--level 0.5N)"
+        )
+    found = fit_levels(frfs, levels, mass=mass, seals=seals, band=band)
+    peaks = tuple(_peak(found, level) for level in at)
+    covered = tuple(
+        level_covered(one.amplitude, found.amplitudes, at=f"{one.level:.4g} N") for one in peaks
+    )
+    return Levels(found, peaks, (*found.checks, *covered), tuple(frfs))
+
+
+def _peak(found: LevelFit, level: float) -> PeakAtLevel:
+    """The largest motion of the mass at a level, and what the draws say of it."""
+
+    def largest(solid: GeneralizedMaxwell, beside: Elements) -> FloatArray:
+        hz, X = resonance_at_level(found, level, of=(solid, beside))
+        return np.array((hz, X / level))
+
+    frequency, receptance = largest(found.solid, found.beside).tolist()
+    (least_hz, least), (most_hz, most) = found.interval(largest).tolist()
+    return PeakAtLevel(
+        level,
+        frequency,
+        receptance,
+        (least_hz, most_hz),
+        (least, most),
+        receptance * level,
+    )

@@ -1,0 +1,345 @@
+"""From FRFs at several levels to arms, sliders and a spring: linear, with the amplitude."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, get_args
+
+import numpy as np
+
+from dashpot.base.arrays import ComplexArray, FloatArray, IndexArray
+from dashpot.base.errors import DataError
+from dashpot.base.plausibility import SIZES, short
+from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.datamodel.frf import FRF, Kind
+from dashpot.extensions.amplitude.checks import (
+    LOST,
+    MATTERS,
+    amplitudes_spread,
+    level_matters,
+    levels_followed,
+    levels_held,
+)
+from dashpot.extensions.amplitude.level_results import LevelFit, Parts
+from dashpot.extensions.amplitude.response import stiffness_at, with_third_harmonic
+from dashpot.numerics.least_squares.nnls import linear
+from dashpot.numerics.least_squares.problem import stacked
+from dashpot.solids.friction import Jenkins, slipping_share
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.nonlinear_springs import Cubic
+from dashpot.vibration.modal.frf_lines import FLOOR
+
+_PER_DECADE = 10
+_FINER = 8
+"""A second grid between the neighbours of every slider found: a sharp one leaves 0.05 % without."""
+_NOTHING = 1e-9
+_THIRD = float(np.sqrt(20 * np.log(2)))
+"""Median size of a third difference over the rms size of complex noise (Rayleigh)."""
+_NEAR = 20
+"""Neighbouring lines that are taken to be known alike."""
+_DRAWS = 60
+_PASSES = 2
+_STEP = 1e-4
+_LEAST = 8
+"""Lines at a level."""
+
+Term = Literal["friction", "a cubic spring"]
+_TERMS: tuple[tuple[Term, ...], ...] = (
+    (),
+    ("friction",),
+    ("a cubic spring",),
+    ("friction", "a cubic spring"),
+)
+
+
+def fit_levels(
+    frfs: Sequence[FRF],
+    levels: Sequence[Quantity],
+    *,
+    mass: Quantity,
+    seals: float = 1.0,
+    band: Range | None = None,
+    seed: int = 0,
+) -> LevelFit:
+    r"""Fit one solid, its friction and its stiffening to FRFs of one mass at several levels.
+
+    Each line is a measured stiffness at a measured amplitude, and every unknown is linear in it:
+
+    .. math:: \frac{F_i}{X_i} + m\omega_i^2 = k_\infty
+        + \sum_j k_j \frac{j\omega_i\tau_j}{1 + j\omega_i\tau_j}
+        + \sum_s k_s\, J(|X_i|; x_s) + \tfrac34 k_3 |X_i|^2, \qquad k \ge 0
+
+    over grids of tau and of yield displacements (J of a Jenkins element), weighted by X over F;
+    k_3 of a cubic spring has either sign. Friction, the spring, or both are taken where each
+    explains what is left without it by 2 ln L > 20. No balance of harmonics is needed, but for the
+    third one of the spring; noise of the amplitude does no harm (5 %: 0.4 % of the stiffness).
+
+    Parameters
+    ----------
+    frfs : sequence of FRF
+        Per force, or transmissibilities.
+    levels : sequence of str or float
+        Amplitude of the force at each, N, constant over the lines; of a transmissibility that of
+        the ground's acceleration, m/s^2.
+    mass : str or float
+        kg.
+    seals : float
+        That carry it.
+    band : str or (float, float), optional
+        Hz.
+    seed : int
+        Of the draws that say how well all is known.
+
+    Raises
+    ------
+    DataError
+        If the levels do not belong to the FRFs, or a level has too few lines.
+    """
+    if len(frfs) != len(levels) or not frfs:
+        raise DataError(
+            f"{len(frfs)} FRFs and {len(levels)} levels; expected one level for each FRF"
+        )
+    kilograms = si(mass, "mass")
+    sizes = [_level(frf, level) for frf, level in zip(frfs, levels, strict=True)]
+    rows = [
+        rows_at_level(frf, size, kilograms, seals, si_range(band, "frequency"))
+        for frf, size in zip(frfs, sizes, strict=True)
+    ]
+    omega, X, K, weight = (np.concatenate(each) for each in zip(*rows, strict=True))
+    low, high = float(X.min()) / 2, float(X.max())
+    SIZES["amplitude"].refuse(
+        high,
+        f"at the levels given a seal would move by {short(high, 'm')}",
+        remedy="Check the levels and their unit, such as --level 20mN, and the mass.",
+    )
+    count = max(round(_PER_DECADE * np.log10(high / low)), 2)
+    inertia, yields = kilograms / seals, np.geomspace(low, high, count + 1)[:-1]
+    known = weight * np.abs(K - inertia * omega**2)
+    problem = _LineData(omega, X, weight, known, inertia, yields)
+    tried = [problem.solved(K, terms) for terms in _TERMS]
+    plain, best = tried[0], min(tried, key=lambda one: one.deviance + MATTERS * len(one.terms))
+    draws = _draws(problem, K, best, seed)
+    solid, beside = best.parts
+    range_ = (float(X.min()), high)
+    begins = np.cumsum([len(each[0]) for each in rows])[:-1]
+    followed = levels_followed(best.residual, _noise(problem, K, begins))
+    gains = {" and ".join(one.terms): plain.deviance - one.deviance for one in tried[1:]}
+    by = " and ".join(best.terms)
+    return LevelFit(
+        solid,
+        beside,
+        range_,
+        (float(omega.min() / 2 / np.pi), float(omega.max() / 2 / np.pi)),
+        best.residual,
+        plain.residual,
+        draws,
+        kilograms,
+        seals,
+        tuple(sizes),
+        (
+            levels_held([_name(one, i) for i, one in enumerate(frfs, 1) if one.struck]),
+            level_matters(
+                gains.get(by) or max(gains[one] for one in get_args(Term)),
+                range_,
+                "m",
+                by,
+                followed=bool(followed.passed),
+            ),
+            amplitudes_spread(range_[1] / range_[0], "m"),
+            followed,
+        ),
+        tuple(one for frf in frfs for one in frf.source),
+        tuple(gains.items()),
+    )
+
+
+def _name(frf: FRF, number: int) -> str:
+    return ", ".join(one.file for one in frf.source) or f"FRF {number}"
+
+
+def _draws(
+    problem: _LineData, K: ComplexArray, best: _TermsOptimum, seed: int
+) -> tuple[Parts, ...]:
+    """The same fit of records that chance might have given."""
+    rng, inertia = np.random.default_rng(seed), problem.inertia * problem.omega**2
+    direct = K + best.left / best.problem.weight - inertia  # F/X of the fit itself
+    scatter = best.residual / np.sqrt(2)
+    known = replace(problem, weight=best.problem.weight, bent=best.problem.bent)
+    found = []
+    for _ in range(_DRAWS):
+        # one error of the FRF is in the stiffness and in the amplitude
+        off = 1 + scatter * (rng.normal(size=len(K)) + 1j * rng.normal(size=len(K))) / problem.known
+        again = replace(known, X=problem.X / np.abs(off))
+        found.append(again.solved(direct * off + inertia, best.terms, passes=0).parts)
+    return tuple(found)
+
+
+@dataclass(frozen=True, eq=False)
+class _TermsOptimum:
+    """Coefficients >= 0 of one set of terms, and the weighted residual."""
+
+    problem: _LineData
+    terms: tuple[Term, ...]
+    k: FloatArray
+    left: ComplexArray
+
+    @property
+    def residual(self) -> float:
+        """Rms of what is left of F/X."""
+        return float(np.sqrt((np.abs(self.left) ** 2).mean()))
+
+    @property
+    def deviance(self) -> float:
+        """Minus twice the log likelihood, but for a constant."""
+        rss = 2 * len(self.left) * float(np.log(max(self.residual**2, 1e-20)))
+        return rss - 4 * float(np.log(self.problem.weight).sum())
+
+    @property
+    def parts(self) -> Parts:
+        """The solid and what stands beside it; what is nothing is left out."""
+        problem, k = self.problem, self.k
+        least = _NOTHING * float(k.sum())
+        arms, rest = k[1 : 1 + len(problem.tau)], k[1 + len(problem.tau) :]
+        solid = GeneralizedMaxwell(
+            float(k[0]), tuple(arms[arms > least]), tuple(problem.tau[arms > least])
+        )
+        beside: list[Jenkins | Cubic] = []
+        if "friction" in self.terms:
+            beside += [
+                Jenkins(float(each), float(each * at))
+                for each, at in zip(rest, problem.yields, strict=False)
+                if each > least
+            ]
+        if "a cubic spring" in self.terms and rest[-2] != rest[-1]:
+            beside.append(Cubic(float(rest[-2] - rest[-1]) / problem.X.max() ** 2))
+        return solid, tuple(beside)
+
+
+@dataclass(frozen=True, eq=False)
+class _LineData:
+    omega: FloatArray
+    X: FloatArray
+    weight: FloatArray
+    #: of each line, beside most: at most 1
+    known: FloatArray
+    #: of one seal, kg
+    inertia: float
+    #: yield displacements, m: beyond the largest amplitude a slider is a spring
+    yields: FloatArray
+    #: what the third harmonic makes of the stiffness of a cubic spring
+    bent: ComplexArray | float = 1.0
+
+    @property
+    def tau(self) -> FloatArray:
+        """Relaxation times that the band can tell from a spring and a dashpot, s."""
+        low, high = 1 / self.omega.max() / 30, 1 / self.omega.min() * 30
+        return np.geomspace(low, high, round(_PER_DECADE / 2 * np.log10(high / low)) + 1)
+
+    def solved(
+        self, K: ComplexArray, terms: tuple[Term, ...], *, passes: int = _PASSES
+    ) -> _TermsOptimum:
+        """Solved; sliders on a coarse grid, then on a finer one about those found there."""
+        found = self._solve(K, terms)
+        count = len(self.tau) + 1
+        sliders = found.k[count : count + len(self.yields)] if "friction" in terms else np.zeros(0)
+        active = np.flatnonzero(sliders > _NOTHING * float(found.k.sum()))
+        if len(active):
+            step = self.yields[1] / self.yields[0]
+            near = step ** (np.arange(-_FINER, _FINER + 1) / _FINER)
+            finer = np.unique((self.yields[active, None] * near).round(15))
+            found = replace(self, yields=finer)._solve(K, terms)
+        for _ in range(passes if terms else 0):
+            found = found.problem.about(found.parts, K)._solve(K, terms)
+        return found
+
+    def about(self, parts: Parts, K: ComplexArray) -> _LineData:
+        r"""With what is known once a solution is: the third harmonic, and what its X do.
+
+        A relative error e of the FRF is an error :math:`-e F/X` of K and, through the amplitude
+        at which it is taken to be, :math:`-\mathrm{Re}(e)\, dK/d\ln X`.
+        """
+        X, h = self.X, _STEP
+        up, down = (stiffness_at(parts, self.omega, X * at, self.inertia) for at in (1 + h, 1 - h))
+        slope, direct = (up - down) / (2 * h), K - self.inertia * self.omega**2
+        size = np.abs(direct) ** 2 + np.abs(slope) ** 2 / 2 + (direct * slope.conj()).real
+        bent = with_third_harmonic(parts, self.omega, X, self.inertia)
+        return replace(self, weight=self.known / np.sqrt(size), bent=bent)
+
+    def _columns(self, terms: tuple[Term, ...]) -> ComplexArray:
+        product = 1j * self.omega[:, None] * self.tau
+        found = [np.ones((len(self.X), 1), dtype=complex), product / (1 + product)]
+        if "friction" in terms:
+            found.append(slipping_share(self.X[:, None], self.yields))
+        if "a cubic spring" in terms:  # it stiffens, or it softens
+            square = 0.75 * (self.X / self.X.max()) ** 2 * self.bent
+            found.append(square[:, None] * np.array([1.0, -1.0]))
+        return np.hstack(found)
+
+    def _solve(self, K: ComplexArray, terms: tuple[Term, ...]) -> _TermsOptimum:
+        A = self._columns(terms) * self.weight[:, None]
+        y = K * self.weight
+        k, _ = linear(stacked(A), stacked(y), positive=True)
+        return _TermsOptimum(self, terms, k, np.asarray(A @ k - y))
+
+
+def _level(frf: FRF, level: Quantity) -> float:
+    """Amplitude of the force, N, or of the ground's acceleration, m/s^2."""
+    size = si(level, "acceleration" if frf.quantity.over_base else "force")
+    if not size > 0:
+        raise DataError(f"level = {level!r}; expected an amplitude > 0")
+    return size
+
+
+def rows_at_level(
+    frf: FRF, level: float, mass: float, seals: float, band: tuple[float, float] | None = None
+) -> tuple[FloatArray, FloatArray, ComplexArray, FloatArray]:
+    """Frequencies rad/s, amplitudes m, stiffness of one seal N/m, weights: usable lines.
+
+    Raises
+    ------
+    DataError
+        If they are too few.
+    """
+    lines = frf.only(frf.usable)
+    lines = lines if band is None else lines.band(*band)
+    if len(lines.value) < _LEAST:
+        raise DataError(
+            f"{len(lines.value)} usable lines at the level {level:g}; expected {_LEAST} or more"
+        )
+    pull = mass * level if lines.quantity.over_base else level
+    receptance = lines.to(Kind.RECEPTANCE, mass=mass)
+    direct = 1 / receptance.value
+    K = (direct + mass * lines.omega**2) / seals
+    weight = seals / np.abs(direct) * _knowledge(lines)
+    return lines.omega, np.abs(receptance.value) * pull, K, np.asarray(weight)
+
+
+def _knowledge(lines: FRF) -> FloatArray:
+    """How well lines are known beside most, by the error that the FRF states: at most 1."""
+    if lines.line_scatter is None:
+        return np.ones(len(lines.value))
+    relative = np.maximum(lines.line_scatter / np.abs(lines.value), FLOOR)
+    return np.asarray(np.minimum(np.median(relative) / relative, 1.0))
+
+
+def _noise(problem: _LineData, K: ComplexArray, parts: IndexArray) -> float | None:
+    """Relative scatter of F/X from line to line: what no smooth stiffness follows.
+
+    By third differences within a level (which begin at `parts`), sqrt(20) times the scatter: an
+    FRF need not state its error; of neighbours, as lines beside a resonance are often worse known
+    than those on it, and at most what leaves nothing explained. None with too few lines.
+    """
+    left = [
+        np.diff(k, 3) * (weight[1:-2] + weight[2:-1]) / 2
+        for k, weight in zip(np.split(K, parts), np.split(problem.weight, parts), strict=True)
+        if len(k) >= _LEAST
+    ]
+    if not left:
+        return None
+    near = [
+        one for each in left for one in np.array_split(np.abs(each), max(len(each) // _NEAR, 1))
+    ]
+    size = [min(float(np.median(one)) / _THIRD, LOST) for one in near]
+    rms = np.sqrt(np.average(np.square(size), weights=[len(one) for one in near]))
+    return max(float(rms), FLOOR)

@@ -1,0 +1,184 @@
+"""Hits of different height as levels: what they say of a level that is asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.checks import Check, Checked
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import Source
+from dashpot.base.serialisation import Documented
+from dashpot.base.units import in_unit, written
+from dashpot.datamodel.checks import caution_checks
+from dashpot.datamodel.frf import FRF
+from dashpot.vibration.impact.amplitude_trend import RegressionLine, Trend, trend_of_hits
+from dashpot.vibration.impact.checks import (
+    amplitude_linear,
+    hits_enough,
+    mass_line,
+    softening_detectable,
+)
+
+_ROUNDS = 20
+
+
+class StruckAt(NamedTuple):
+    """A hit: its peak, N, and the motion, m, resonance, Hz, and damping ratio after it."""
+
+    name: str
+    peak: float | None
+    amplitude: float | None
+    frequency_hz: float | None
+    damping_ratio: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class HitLevels(Checked, Documented):
+    """What hits of different height say of how a resonance moves with amplitude.
+
+    Attributes
+    ----------
+    frf : FRF
+        With its hits, each with its own resonance.
+    trend : Trend
+    checks : tuple of Check
+    """
+
+    keys = ("hits", "per_doubling")
+
+    frf: FRF
+    trend: Trend
+    checks: tuple[Check, ...]
+
+    @property
+    def source(self) -> tuple[Source, ...]:
+        """The files of the hits."""
+        return self.frf.source
+
+    @property
+    def amplitudes(self) -> tuple[float, float]:
+        """Of the motion that the resonances of the hits are of, m."""
+        return self.trend.amplitudes
+
+    @property
+    def sound(self) -> str:
+        """By how much stiffness and damping change as the motion doubles, and where."""
+        low, high = self.amplitudes
+        return (
+            f"from {in_unit(low, 'mm'):.3g} to {written(high, 'mm', '.3g')} a doubled motion "
+            f"changes the stiffness by {_with_error(self.trend.stiffness_line)}, the damping "
+            f"ratio by {_with_error(self.trend.damping_line)}"
+        )
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """The verdict, the trend, and what it could have found."""
+        trend = self.trend
+        low, high = self.amplitudes
+        return (
+            str(self.verdict),
+            (
+                f"{trend.stiffness_line.dof + 2} hits, motion of {in_unit(low, 'mm'):.3g} to "
+                f"{written(high, 'mm', '.3g')}: per doubling the stiffness changes by "
+                f"{_with_error(trend.stiffness_line)}, the damping ratio by "
+                f"{_with_error(trend.damping_line)}"
+            ),
+            (
+                f"four of five such tests find {100 * trend.stiffness_found:.2g} % of stiffness "
+                f"and {100 * trend.damping_found:.2g} % of damping per doubling"
+            ),
+            *(check.told for check in self.checks if check.failed),
+        )
+
+    @property
+    def hits(self) -> tuple[StruckAt, ...]:
+        """The hits that count."""
+        return tuple(
+            StruckAt(one.name, one.peak, one.amplitude, one.frequency, one.damping_ratio)
+            for one in self.frf.hits
+            if one.accepted
+        )
+
+    @property
+    def per_doubling(self) -> dict[str, RegressionLine]:
+        """The trends of stiffness and damping by their names."""
+        return {"stiffness": self.trend.stiffness_line, "damping": self.trend.damping_line}
+
+    def resonance(
+        self, level: float
+    ) -> tuple[float, float, tuple[float, float], tuple[float, float]]:
+        r"""Resonance under a steady force: frequency, Hz, motion over force, m/N; 95 % of both.
+
+        .. math:: X = \frac{F}{2 m \zeta(X)\, \omega_n(X)^2}
+
+        with the modal mass m, and frequency and damping of the trend at X.
+
+        Parameters
+        ----------
+        level : float
+            Amplitude of the force, N.
+
+        Raises
+        ------
+        DataError
+            If the damping of the trend is so large there that nothing resonates.
+        """
+        trend = self.trend
+
+        def along(x: float, stiffness: float = 0.0, damping: float = 0.0) -> tuple[float, float]:
+            squared, off = trend.stiffness_line.at(x)
+            ratio, wide = trend.damping_line.at(x)
+            # a whole decay is of no one amplitude: which, is known to a doubling
+            off = float(np.hypot(off, trend.stiffness))
+            wide = float(np.hypot(np.hypot(wide, trend.damping), 2 * trend.mass_se))
+            natural = float(np.exp((squared + stiffness * off) / 2))
+            zeta = float(np.exp(ratio + damping * wide))
+            hz = natural * float(np.sqrt(max(1 - 2 * zeta**2, 0.0)))
+            return hz, 1 / (2 * trend.mass * zeta * (2 * np.pi * natural) ** 2)
+
+        x = trend.stiffness_line.middle
+        for _ in range(_ROUNDS):
+            hz, receptance = along(x)
+            x = float(np.log2(level * receptance))
+        if hz == 0:
+            low, high = self.amplitudes
+            raise DataError(
+                f"at {level:g} N the line through the damping of the hits, of "
+                f"{in_unit(low, 'mm'):.3g} to {written(high, 'mm', '.3g')}, leaves no resonance: "
+                "it does not reach so far; hit so that the seal moves as it does at that level"
+            )
+        least_hz, most_hz = (along(x, stiffness=way)[0] for way in (-1.0, 1.0))
+        least, most = (along(x, damping=way)[1] for way in (1.0, -1.0))
+        return hz, receptance, (least_hz, most_hz), (least, most)
+
+
+def hits_as_levels(frf: FRF, *, band: tuple[float, float] | None = None) -> HitLevels:
+    """Regress the resonance of every hit on its amplitude.
+
+    Raises
+    ------
+    DataError
+        If there is no mode, or too few hits of different height.
+    """
+    modes, trend = frf.modes(band=band), trend_of_hits(frf.hits)
+    if not modes or trend is None:
+        told = sum(one.amplitude is not None for one in frf.hits)
+        raise DataError(
+            f"{told} hits whose resonance is told, and too few or too alike in height; expected "
+            "four or more, from soft to hard"
+        )
+    checks = (
+        *(check for check in frf.checks if check.name == mass_line.name),
+        hits_enough(frf),
+        amplitude_linear(trend, modes[0]),
+        softening_detectable(trend),
+        *caution_checks(frf.source),
+    )
+    return HitLevels(frf, trend, checks)
+
+
+def _with_error(line: RegressionLine) -> str:
+    return f"{100 * line.slope:+.2g} ± {100 * line.se:.1g} %"

@@ -1,0 +1,293 @@
+"""What FRFs at several levels say of a solid and its friction."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple, TypeAlias, overload
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray
+from dashpot.base.checks import Check, Checked
+from dashpot.base.number_format import counted
+from dashpot.base.provenance import Source, Step
+from dashpot.base.reported_values import Fact
+from dashpot.base.result_mixins import Described, Series
+from dashpot.base.serialisation import Documented
+from dashpot.base.units import Quantity, in_unit, written
+from dashpot.datamodel.specimen import Specimen
+from dashpot.solids.friction import Jenkins
+from dashpot.solids.maxwell import GeneralizedMaxwell, angular
+from dashpot.solids.nonlinear_springs import Cubic
+from dashpot.solids.rate_independent import InParallel, RateIndependent
+
+Elements: TypeAlias = tuple[RateIndependent, ...]
+"""What stands beside a solid: sliders and a cubic spring."""
+Parts: TypeAlias = tuple[GeneralizedMaxwell, Elements]
+"""A solid, and what stands beside it."""
+
+
+@dataclass(frozen=True)
+class PeakAtLevel:
+    """The resonance of a mass at a level that was asked for.
+
+    Attributes
+    ----------
+    level : float
+        Amplitude of the force, N.
+    frequency, receptance : float
+        Of the largest motion, Hz, and that motion over the force, m/N.
+    frequency_interval, receptance_interval : (float, float)
+        95 %.
+    amplitude : float
+        Of the seal's displacement there, m.
+    """
+
+    level: float
+    frequency: float
+    receptance: float
+    frequency_interval: tuple[float, float]
+    receptance_interval: tuple[float, float]
+    amplitude: float
+
+    @property
+    def facts(self) -> tuple[Fact, Fact]:
+        """Where the motion is largest, and how large it is per force."""
+        at = f"at {self.level:.4g} N"
+        return (
+            Fact(f"peak {at}", self.frequency, *self.frequency_interval, "Hz"),
+            Fact(f"motion {at}", self.receptance, *self.receptance_interval, "m/N"),
+        )
+
+
+class CubicFound(NamedTuple):
+    """A cubic spring, N/m^3, with its 95 % interval."""
+
+    k3: float
+    interval: tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LevelFit(ByValue, Described, Checked, Documented):
+    """Arms, sliders and a spring of one seal that follow its FRFs at several levels.
+
+    Attributes
+    ----------
+    solid : GeneralizedMaxwell
+        What does not depend on the level; its single arms mean little beyond the band.
+    beside : tuple of Jenkins or Cubic
+        What stands beside it: friction, a spectrum over yield displacements, and a spring that
+        stiffens or softens; none where it is not seen.
+    amplitudes : (float, float)
+        Range of displacement amplitudes of the seal that the lines cover, m.
+    band : (float, float)
+        Hz.
+    residual : float
+        Rms of what is left of F/X, relative, over every line.
+    linear_residual : float
+        As `residual`, of arms alone.
+    draws : tuple of (GeneralizedMaxwell, tuple of Jenkins or Cubic)
+        The same fit of records that chance might have given: what is known of anything that
+        follows from the solid and what stands beside it. None of a fit that was read from a file.
+    mass : float
+        On all seals, kg.
+    seals : float
+    levels : tuple of float
+        Amplitude of the force at each FRF, N; over a base that moves, of its acceleration, m/s^2.
+    checks : tuple of Check
+    source : tuple of Source
+    orders : tuple of (str, float)
+        2 ln L of each explanation that was tried, over arms alone.
+    specimen : Specimen
+    steps : tuple of Step
+        What was made of it since.
+    at : tuple of PeakAtLevel
+        The levels that were asked for.
+    """
+
+    schema = "dashpot/levels@1"
+    keys = (
+        "amplitudes", "verdict", "checks", "residual", "mass", "seals", "band_hz=band",
+        "linear_residual", "model=solid", "sliders", "cubic", "orders=two_ln_l", "levels", "source",
+        "at",
+    )  # fmt: skip
+
+    solid: GeneralizedMaxwell
+    beside: Elements
+    amplitudes: tuple[float, float]
+    band: tuple[float, float]
+    residual: float
+    linear_residual: float
+    draws: tuple[Parts, ...]
+    mass: float
+    seals: float = 1.0
+    levels: tuple[float, ...] = ()
+    checks: tuple[Check, ...] = ()
+    source: tuple[Source, ...] = ()
+    orders: tuple[tuple[str, float], ...] = ()
+    specimen: Specimen = field(default_factory=Specimen)
+    steps: tuple[Step, ...] = ()
+    at: tuple[PeakAtLevel, ...] = ()
+
+    @property
+    def series(self) -> Series:
+        """What stands side by side: the spring at rest, arms, sliders and a cubic spring."""
+        no, solid = math.nan, self.solid
+        arms = zip(solid.k, solid.tau, strict=True)
+        rows = [
+            ("k_inf", solid.k_inf, no, no, no),
+            *((f"arm {j}", k, tau, no, no) for j, (k, tau) in enumerate(arms, 1)),
+            *(
+                (f"slider {j}", one.k, no, one.yields_at, no)
+                for j, one in enumerate(self.sliders, 1)
+            ),
+            *[("cubic", no, no, no, self.k3)] * bool(self.k3),
+        ]
+        units = {"element": "", "k": "N/m", "tau": "s", "yields_at": "m", "k3": "N/m^3"}
+        each = zip(units.items(), zip(*rows, strict=True), strict=True)
+        return {name: (list(values), unit) for (name, unit), values in each}
+
+    @property
+    def digested(self) -> bool:
+        """Its document shows whether it was edited."""
+        return True
+
+    @property
+    def sliders(self) -> tuple[Jenkins, ...]:
+        """The friction beside the solid."""
+        return tuple(one for one in self.beside if isinstance(one, Jenkins))
+
+    @property
+    def k3(self) -> float:
+        """Of the cubic spring beside the solid, N/m^3; 0 where there is none."""
+        return _k3(self.solid, self.beside)
+
+    @property
+    def k3_interval(self) -> tuple[float, float]:
+        """95 %, N/m^3."""
+        low, high = self.interval(_k3).tolist()
+        return low, high
+
+    @property
+    def cubic(self) -> CubicFound | None:
+        """The cubic spring, where there is one."""
+        return CubicFound(self.k3, self.k3_interval) if self.k3 else None
+
+    @property
+    def two_ln_l(self) -> dict[str, float]:
+        """`orders` by their names."""
+        return dict(self.orders)
+
+    @overload
+    def stiffness(
+        self, *, amplitude: npt.ArrayLike, frequency: Quantity | npt.ArrayLike
+    ) -> ComplexArray: ...
+    @overload
+    def stiffness(self, *, amplitude: npt.ArrayLike, omega: npt.ArrayLike) -> ComplexArray: ...
+    def stiffness(
+        self, *bare: object, amplitude: Any = None, frequency: Any = None, omega: Any = None
+    ) -> ComplexArray:
+        """Complex stiffness of one seal, N/m, at amplitudes, m, and Hz or rad/s."""
+        at = angular(*bare, frequency=frequency, omega=omega)
+        return InParallel((self.solid, *self.beside)).equivalent(at, amplitude)
+
+    def interval(
+        self, follows: Callable[[GeneralizedMaxwell, Elements], npt.ArrayLike]
+    ) -> FloatArray:
+        """95 % interval of what follows from the solid and what is beside it (basic bootstrap).
+
+        The fit leans to the side on which its draws lean: they are reflected about it. Shape
+        (2,) of a number, (2, n) of several; not known, NaN, without draws.
+        """
+        here = np.asarray(follows(self.solid, self.beside))
+        if not self.draws:
+            return np.full((2, *here.shape), np.nan)
+        drawn = np.array([np.asarray(follows(*draw), dtype=float) for draw in self.draws])
+        return np.asarray(2 * here - np.quantile(drawn, [0.975, 0.025], axis=0))
+
+    def in_parallel(self, count: float) -> LevelFit:
+        """So many seals side by side, as one; a fraction is a shorter piece."""
+
+        def of(solid: GeneralizedMaxwell, beside: Elements) -> Parts:
+            return solid * count, tuple(one * count for one in beside)
+
+        solid, beside = of(self.solid, self.beside)
+        length = None if self.specimen.length is None else count * self.specimen.length
+        made = Step("parallel", (("count", f"{count:g}"),), f"{count:g} such seals in parallel")
+        return replace(
+            self,
+            solid=solid,
+            beside=beside,
+            draws=tuple(of(*draw) for draw in self.draws),
+            seals=self.seals / count,
+            specimen=replace(self.specimen, length=length),
+            steps=(*self.steps, made),
+        )
+
+    def covers(self, amplitude: npt.ArrayLike) -> BoolArray:
+        """Whether amplitudes, m, lie in the range that the lines inform."""
+        low, high = self.amplitudes
+        X = np.asarray(amplitude)
+        return np.asarray((low <= X) & (high >= X))
+
+    @property
+    def sound(self) -> str:
+        """By how much the stiffness changes with amplitude, and where the lines cover it."""
+        low, high = self.amplitudes
+        ends = self.stiffness(
+            amplitude=[low, high], omega=np.pi * (self.band[0] + self.band[1])
+        ).real
+        way = "falls" if ends[1] < ends[0] else "rises"
+        return (
+            f"from {in_unit(low, 'mm'):.3g} to {written(high, 'mm', '.3g')} the stiffness of one "
+            f"seal {way} by {100 * abs(ends[1] / ends[0] - 1):.2g} %, from "
+            f"{in_unit(ends[0], 'N/mm'):.4g} to {written(ends[1], 'N/mm')}"
+        )
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """The verdict, and what moves with amplitude by how much."""
+        low, high = self.amplitudes
+        middle = np.pi * (self.band[0] + self.band[1])
+        ends = self.stiffness(omega=middle, amplitude=[low, high])
+        factor = ends.imag / ends.real
+        return (
+            str(self.verdict),
+            (
+                f"one seal, {in_unit(low, 'mm'):.3g} to {written(high, 'mm', '.3g')} at "
+                f"{middle / 2 / np.pi:.4g} Hz: stiffness {in_unit(ends[0].real, 'N/mm'):.4g} to "
+                f"{written(ends[1].real, 'N/mm')}, loss factor {factor[0]:.3g} to {factor[1]:.3g}"
+            ),
+            (
+                f"model: {counted(self.solid.arms, 'Maxwell arm')} and "
+                f"{counted(len(self.sliders), 'friction slider')}; residual "
+                f"{100 * self.residual:.2g} % ({100 * self.linear_residual:.2g} % without sliders)"
+            ),
+            (
+                "A mass wrong by 1 % makes the stiffness wrong by 1 %. The resonance of this mass "
+                "stays right; that of another mass moves by 0.5 %."
+            ),
+            *self._stiffening,
+            *(check.told for check in self.checks if check.failed),
+        )
+
+    @property
+    def _stiffening(self) -> tuple[str, ...]:
+        if not self.k3:
+            return ()
+        low, high = self.k3_interval
+        way = "stiffens" if self.k3 > 0 else "softens"
+        share = 0.75 * self.k3 * self.amplitudes[1] ** 2
+        return (
+            (
+                f"it {way} as a cubic spring, k3 = {self.k3:.4g} N/m^3 ({low:.4g} to {high:.4g}): "
+                f"{written(share, 'N/mm', '+.3g')} at the largest amplitude"
+            ),
+        )
+
+
+def _k3(_: GeneralizedMaxwell, beside: Elements) -> float:
+    return sum(one.k3 for one in beside if isinstance(one, Cubic))

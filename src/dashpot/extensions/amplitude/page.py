@@ -1,0 +1,164 @@
+"""The page of a fit of several levels, and its numbers in the units of people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from dashpot import plot
+from dashpot.base.arrays import FloatArray
+from dashpot.base.number_format import rounded
+from dashpot.base.reported_values import Fact
+from dashpot.extensions.amplitude.datamodel import AmplitudeFit
+from dashpot.extensions.amplitude.fit_files import Levels
+from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels
+from dashpot.extensions.amplitude.level_results import Elements, LevelFit
+from dashpot.plot.picture import unit_of
+from dashpot.report.page_content import KindPage, Topic, group, lights, who
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.rate_independent import InParallel
+
+_FINEST = 1e-6
+"""Part of a number to which it is known at best: no sweep has more digits."""
+
+
+def page(found: Levels) -> KindPage:
+    """What the page of levels holds."""
+    fit = found.fit
+    stiff = {"level_matters", "softening_seen", "law_followed", "levels_followed", "spring_unseen"}
+    loss = {"loss_followed"}
+    asked = [Topic("Record"), Topic("Stiffness", stiff)]
+    if any(one.name in loss for one in found.checks):
+        asked.append(Topic("Damping", loss))
+    low, high = fit.amplitudes
+    word, scale = unit_of(np.array(fit.amplitudes), "m")
+    if isinstance(fit, AmplitudeFit) and fit.of == "strain":
+        word, scale = "%", 100.0
+    every = ("Amplitudes", f"{rounded(scale * low)} to {rounded(scale * high)} {word}")
+    frequencies: tuple[tuple[str, str], ...] = ()
+    if isinstance(fit, AmplitudeFit):
+        told = ", ".join(rounded(one) for one in fit.frequency[:4].tolist())
+        frequencies = (("Frequency", f"{told} Hz"),)
+    picture = plot.level(fit, found.records)
+    return KindPage(
+        about="levels of a hammer or shaker" if picture.name == "levels" else "amplitude sweep",
+        strip=(*who(getattr(found.records[0], "specimen", None)), *frequencies, every),
+        lights=lights(found.checks, *asked),
+        answers="Stiffness and loss with amplitude",
+        picture=picture,
+        told="What amplitude does",
+        groups=(group("", numbers(found)),),
+        note=beyond(found),
+        sources=tuple(dict.fromkeys(found.source)),
+    )
+
+
+def numbers(found: Levels) -> list[Fact]:
+    """What moves with amplitude, and the resonance at every level that was asked for."""
+    fit = found.fit
+    if isinstance(fit, AmplitudeFit):
+        return [*_of_law(fit)]
+    rows = _of_hits(fit) if isinstance(fit, HitLevels) else _of_levels(fit)
+    return [*rows, *(row for one in found.at for row in one.facts)]
+
+
+def beyond(found: Levels) -> str:
+    """What the fit leaves, and where nothing is known of it."""
+    fit = found.fit
+    if isinstance(fit, AmplitudeFit):
+        word, scale = _amplitude(fit)
+        said = f"Leaves {rounded(100 * fit.residual, digits=2)} % rms"
+        if fit.left_out:
+            said += f", less {fit.left_out} samples of the smallest amplitudes, which scatter"
+    elif isinstance(fit, HitLevels):
+        word, scale = unit_of(np.array(fit.amplitudes), "m")
+        said = (
+            f"Four of five such tests find {rounded(100 * fit.trend.stiffness_found, digits=2)} % "
+            f"of stiffness and {rounded(100 * fit.trend.damping_found, digits=2)} % of damping per "
+            "doubling"
+        )
+    else:
+        word, scale = unit_of(np.array(fit.amplitudes), "m")
+        arms, sliders = fit.solid.arms, len(fit.sliders)
+        said = (
+            f"{arms} arm{'s' * (arms != 1)}, {sliders} slider{'s' * (sliders != 1)}"
+            f"{' and a cubic spring' * bool(fit.k3)} leave "
+            f"{rounded(100 * fit.residual, digits=2)} % of F/X, arms alone "
+            f"{rounded(100 * fit.linear_residual, digits=2)} %"
+        )
+    low, high = (rounded(scale * end) for end in fit.amplitudes)
+    return f"{said}. Nothing is known beyond {low} to {high} {word}."
+
+
+def _of_law(fit: AmplitudeFit) -> Iterator[Fact]:
+    """Storage and loss at a vanishing amplitude, and the law's own numbers."""
+    letter = "E" if fit.unit == "Pa" else "K"
+    for hz, value, error in zip(
+        fit.frequency.tolist(), fit.linear.tolist(), fit.linear_se.tolist(), strict=True
+    ):
+        size = abs(value)
+        yield _known(f"{letter}′, {hz:.4g} Hz", value.real, error.real, fit.unit, size=size)
+        yield _known(f"{letter}″, {hz:.4g} Hz", value.imag, error.imag, fit.unit, size=size)
+    error_of = dict(fit.se)
+    word, stretch = _amplitude(fit)
+    if fit.k3:
+        # per square of an amplitude it is a number that nobody has seen: what it adds is
+        most = 0.75 * fit.amplitudes[1] ** 2
+        said = f"cubic spring, at {rounded(stretch * fit.amplitudes[1])} {word}"
+        yield _known(said, most * fit.k3, most * error_of["k3"], fit.unit)
+    if "lost" not in error_of:
+        return
+    lost = ("1", "%") if fit.law.startswith("factor") else (fit.unit, "")
+    yield _known("lost", fit.lost, error_of["lost"], *lost)
+    said, si = ("strain", "1") if fit.of == "strain" else ("amplitude", "m")
+    yield _known(f"half lost, {said}", fit.half_way, error_of["half_way"], si, word)
+    # one that was set is not known
+    yield _known("exponent", fit.exponent, error_of["exponent"] or np.inf, "")
+
+
+def _of_hits(fit: HitLevels) -> Iterator[Fact]:
+    """How stiffness and damping change for twice the motion."""
+    for name, line in (
+        ("stiffness per doubling", fit.trend.stiffness_line),
+        ("damping per doubling", fit.trend.damping_line),
+    ):
+        yield _known(name, line.slope, line.se, "1", "%")
+
+
+def _amplitude(fit: AmplitudeFit) -> tuple[str, float]:
+    """The word and the factor in which an amplitude is read."""
+    if fit.of == "strain":
+        return "%", 100.0
+    return unit_of(np.array(fit.amplitudes), "m")
+
+
+def _known(
+    name: str, value: float, error: float, unit: str, read: str = "", *, size: float = 0.0
+) -> Fact:
+    """A number with its error; `size` is what it is a part of."""
+    error = max(error, _FINEST * max(abs(value), size))
+    return Fact.known(name, value, error, unit=unit, read=read)
+
+
+def _of_levels(fit: LevelFit) -> Iterator[Fact]:
+    """Storage and loss factor of one seal at the ends of its amplitudes, mid-band."""
+    omega = np.pi * (fit.band[0] + fit.band[1])
+    X = np.array(fit.amplitudes)
+
+    def read(solid: GeneralizedMaxwell, beside: Elements) -> FloatArray:
+        K = InParallel((solid, *beside)).equivalent(omega, X)
+        return np.array((K.real, K.imag / K.real))
+
+    value, (low, high) = read(fit.solid, fit.beside), fit.interval(read)
+    for i, (name, unit) in enumerate((("K′", "N/m"), ("loss factor", ""))):
+        for j, at in enumerate(X.tolist()):
+            word, mm = unit_of(np.array(at), "m")
+            said = f"{name}, {rounded(mm * at, digits=2)} {word}"
+            yield Fact(said, float(value[i, j]), float(low[i, j]), float(high[i, j]), unit)
+    if fit.k3:
+        word, mm = unit_of(X[1], "m")
+        share = 0.75 * X[1] ** 2
+        said = f"cubic spring, {rounded(mm * X[1], digits=2)} {word}"
+        low_end, high_end = (share * end for end in fit.k3_interval)
+        yield Fact(said, share * fit.k3, low_end, high_end, "N/m")

@@ -1,0 +1,626 @@
+r"""A mass pressed on a seal whose elastic law bends, and which it may leave: even harmonics.
+
+With x the compression, P what presses at rest and F a force on the mass,
+
+.. math:: m \ddot x = P + F \cos\omega t - f, \qquad
+    f = \max(0, G * F_e(x)), \qquad G(s) = K(s)/K(0), \qquad F_e(x \le 0) = 0
+
+All arms answer the path :math:`F_e(x(t))` of the relaxed force (Fung), and go on relaxing while the
+mass is off the seal. The steady answer :math:`x = c_0 + \operatorname{Re}\sum c_h e^{jh\omega t}`
+solves, for h = 0 to H,
+
+.. math:: f_h - (h\omega)^2 m\, c_h = P\,\delta_{h0} + F\,\delta_{h1}
+
+by alternating between frequency and time: :math:`G(jh\omega)` acts on every harmonic of
+:math:`F_e(x)`, as 1 on the mean, for the mean is relaxed, and contact ends after it. The answer is
+followed from rest as the level rises. Whether it lasts, its Floquet multipliers tell: harmonic
+balance finds orbits that do not as readily. Source: M. Krack and J. Gross, *Harmonic Balance for
+Nonlinear Vibration Problems*, 2019, chapters 2 to 4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import pairwise
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray
+from dashpot.base.errors import DataError
+from dashpot.base.plausibility import SIZES, short
+from dashpot.base.units import GRAVITY, Quantity, si, written
+from dashpot.base.validators import positive
+from dashpot.extensions.amplitude.harmonic_balance import Alternation, newton
+from dashpot.solids.elastic import ElasticLaw, PolynomialLaw
+from dashpot.solids.maxwell import Solid
+
+BendingLaw: TypeAlias = ElasticLaw | PolynomialLaw
+
+HARMONICS = 10
+"""Of the lines of a sweep; one orbit takes as many as it needs."""
+SHOWN = 5
+"""Harmonics that are told."""
+_MOST, _SETTLED = 80, 1e-7
+"""Harmonics at most, and what twice as many may change of those shown, of the largest."""
+_PER_HARMONIC, _FEWEST = 32, 256
+"""Samples of a cycle for each harmonic, and at least."""
+_FLOQUET_STEPS = 256
+_JUMP, _HALVES, _STEP = 0.2, 8, 1e-5
+"""Part of the first harmonic by which neighbours differ that may be two answers, and how often the
+last step along one is halved to find where it ends; step of frequency for a slope."""
+_STEPS, _SHORTEST, _WIDEST = 400, 1e-5, 0.5
+"""Steps of the level at most, the least of them, and how far an answer may lie from where the
+tangent points, in steps."""
+_STEPS_OF_SWEEP = 450
+"""Steps of the level at most along all lines of a sweep: some 2 s. A mass that keeps to its seal
+takes 30, one that leaves it for most of the cycle 400."""
+
+
+@dataclass(frozen=True, eq=False)
+class Orbit(ByValue):
+    """The steady answer of a pressed mass to a force at one frequency.
+
+    Attributes
+    ----------
+    frequency, level : float
+        Hz; amplitude of the force, N.
+    rest : float
+        Compression without the force, m.
+    harmonics : complex array, shape (H + 1,)
+        Of the compression, m, the mean first: the real part of each turns with the force's phase.
+    multiplier : complex
+        The largest Floquet multiplier: by how much a small disturbance grows in a period.
+    lost : float
+        Part of the cycle in which nothing presses.
+    least, most : float
+        Compressions between which it swings, m; a seal that has not caught up lets go above 0.
+    """
+
+    frequency: float
+    level: float
+    rest: float
+    harmonics: ComplexArray
+    multiplier: complex
+    lost: float
+    least: float
+    most: float
+
+    @property
+    def amplitudes(self) -> FloatArray:
+        """Of the harmonics, m; the mean as it is."""
+        return np.abs(self.harmonics)
+
+    @property
+    def shown(self) -> FloatArray:
+        """Amplitudes of the mean and of the first :data:`SHOWN` harmonics, m."""
+        return self.amplitudes[: SHOWN + 1]
+
+    @property
+    def phases(self) -> FloatArray:
+        """Of those against the force, rad."""
+        return np.angle(self.harmonics[: SHOWN + 1])
+
+    @property
+    def shift(self) -> float:
+        """Mean compression less that at rest, m: below 0 the seal opens when shaken."""
+        return float(self.harmonics[0].real) - self.rest
+
+    @property
+    def growth(self) -> float:
+        """Size of the largest multiplier; below 1 the answer lasts."""
+        return abs(self.multiplier)
+
+    @property
+    def stable(self) -> bool:
+        """Whether a small disturbance dies away."""
+        return self.growth < 1
+
+    def refuse_unstable(self) -> None:
+        """Refuse an answer that no test would show.
+
+        Raises
+        ------
+        DataError
+        """
+        if self.stable:
+            return
+        lasts = (
+            "it answers at twice the period, or without one"
+            if self.multiplier.real < 0
+            else "it jumps to another answer, or has none"
+        )
+        raise DataError(
+            f"at {self.level:.4g} N and {self.frequency:.5g} Hz the steady answer at the drive's "
+            f"period is unstable: a disturbance grows by {self.growth:.4g} in a period, so "
+            f"{lasts}. Ask for a lower level, or another frequency"
+        )
+
+
+class Jump(NamedTuple):
+    """The last answer of a branch before its end, and the one to which a sweep then jumps."""
+
+    before: Orbit
+    after: Orbit
+
+
+class Balanced(NamedTuple):
+    """An answer of the balance, and whether the seal presses at each sample."""
+
+    unknown: FloatArray
+    pressing: BoolArray
+    path: FloatArray
+
+
+@dataclass(frozen=True)
+class PreloadedMass:
+    """A mass pressed on a seal.
+
+    Attributes
+    ----------
+    mass : float
+        kg.
+    law : ElasticLaw or PolynomialLaw
+        Relaxed force of all that carries it.
+    solid : Solid
+        Whose arms answer that force; its own stiffness does not matter.
+    preload : float or None
+        N; by default the weight.
+
+    Raises
+    ------
+    DataError
+        If the preload pulls, nothing carries it, or several compressions do.
+
+    Examples
+    --------
+    >>> from dashpot.solids.elastic import PolynomialLaw
+    >>> from dashpot.solids.demo_seals import PAPER
+    >>> law = PolynomialLaw((120.0, 1e4, 8e5))
+    >>> shaken = PreloadedMass(0.1040426, 2 * law, PAPER).shaken(level="0.6N", frequency=9.5)
+    >>> round(1e3 * float(shaken.shift), 3), (1e3 * shaken.amplitudes[:3]).round(3).tolist()
+    (-0.251, [2.937, 2.032, 0.209])
+    """
+
+    mass: float
+    law: BendingLaw
+    solid: Solid
+    preload: float | None = None
+
+    def __post_init__(self) -> None:
+        positive("PreloadedMass: ", mass=self.mass)
+        if not self.pressed > 0:
+            raise DataError(
+                f"a preload of {self.pressed:.4g} N pulls: nothing holds the mass at rest; "
+                "expected a force that presses, > 0"
+            )
+        if not self.solid.k_inf > 0:
+            raise DataError(
+                "the solid relaxes to nothing: no compression carries a mass at rest; expected one "
+                "with k_inf > 0"
+            )
+        if len(self._rests) > 1:
+            listed = ", ".join(written(one, "mm", ".4g") for one in self._rests)
+            raise DataError(
+                f"the elastic law is not monotone: {self.pressed:.4g} N rests at {listed}; "
+                "expected a law that rises over all the compressions meant, or another preload"
+            )
+
+    @property
+    def pressed(self) -> float:
+        """What presses at rest, N."""
+        return self.mass * GRAVITY if self.preload is None else self.preload
+
+    @cached_property
+    def _rests(self) -> tuple[float, ...]:
+        return self.law.rests(self.pressed)
+
+    @property
+    def rest(self) -> float:
+        """Compression at rest, m."""
+        return self._rests[0]
+
+    def shaken(self, *, level: Quantity, frequency: Quantity) -> Orbit:
+        """The steady answer to a harmonic force, in as many harmonics as it takes.
+
+        Parameters
+        ----------
+        level : str or float
+            Amplitude of the force, N.
+        frequency : str or float
+            Hz.
+
+        Raises
+        ------
+        DataError
+            If the answer at the drive's period is unstable, none is reached (the last level that
+            has one is said), or the mass would move farther than in any test.
+        """
+        F, hz = si(level, "force"), si(frequency, "frequency")
+        positive("shaken: ", level=F, frequency=hz)
+        line = _PressedBalance(self, hz, F, HARMONICS)
+        found = line.followed()
+        while 2 * line.most <= _MOST:
+            finer = _PressedBalance(self, hz, F, 2 * line.most)
+            more = finer.from_start(line.widened(found.unknown, finer.most))
+            if more is None:
+                break
+            coarse, fine = line.harmonics(found.unknown), finer.harmonics(more.unknown)
+            moved = np.abs(fine[: SHOWN + 1] - coarse[: SHOWN + 1]).max()
+            line, found = finer, more
+            if moved <= _SETTLED * np.abs(fine).max():
+                break
+        orbit = line.orbit(found)
+        orbit.refuse_unstable()
+        return orbit
+
+    def sweep(
+        self, *, level: float, frequency: FloatArray, start: Orbit | None = None
+    ) -> tuple[Orbit, ...]:
+        """The answers to a force, N, over frequencies, Hz, in their order, :data:`HARMONICS` each.
+
+        Each goes on from the one before, the first from `start`, where that leads to one that
+        lasts, else it is followed from rest. Those that do not last are among them; lines without
+        one are left out.
+
+        Raises
+        ------
+        DataError
+            If its answers change so often along the frequencies that no sweep follows them.
+        """
+        found: list[Orbit] = []
+        before, steps = start, 0
+        for hz in np.asarray(frequency, dtype=float).tolist():
+            orbit = None if before is None else self._near(before, hz, level)
+            if orbit is None or not orbit.stable:
+                line = _PressedBalance(self, hz, level, HARMONICS)
+                try:
+                    near = line.followed()
+                except DataError:
+                    before = None
+                    continue
+                finally:
+                    steps += line.steps
+                    if steps > _STEPS_OF_SWEEP:
+                        self._refuse_bouncing(level, hz)
+                orbit = line.orbit(near)
+            before = orbit if orbit.stable else None
+            found.append(orbit)
+        return tuple(found)
+
+    def _refuse_bouncing(self, level: float, hz: float) -> None:
+        raise DataError(
+            f"at {level:.4g} N the mass, which {self.pressed:.4g} N presses, bounces on the seal: "
+            f"up to {hz:.4g} Hz its answers change from line to line; expected a level that leaves "
+            "it on the seal. Ask for a lower level"
+        )
+
+    def jumps(self, swept: Sequence[Orbit]) -> tuple[Jump, ...]:
+        """Where a sweep leaves one answer that lasts for another.
+
+        Beyond the jump both last, so that a sweep the other way meets the other one.
+        """
+        found = []
+        for last, after in pairwise(swept):
+            if not (last.stable and after.stable and _apart(after, last) > _JUMP):
+                continue
+            back = self._near(after, last.frequency, after.level)
+            if back is None or not back.stable or _apart(back, last) <= _SAME:
+                continue
+            before, beyond = last, after.frequency
+            for _ in range(_HALVES):
+                middle = 0.5 * (before.frequency + beyond)
+                on = self._near(before, middle, before.level)
+                if on is None or not on.stable or _apart(on, before) > _JUMP:
+                    beyond = middle
+                else:
+                    before = on
+            there = self._near(after, beyond, after.level) or after
+            found.append(Jump(before, there))
+        return tuple(found)
+
+    def changes(self, orbit: Orbit, others: Sequence[PreloadedMass]) -> ComplexArray:
+        r"""Return by how much its harmonics would change on others instead, to first order.
+
+        .. math:: \Delta z = -\left(\frac{\partial R}{\partial z}\right)^{-1} R'(z)
+
+        with R' what the balance of the other leaves. Shape (others, H + 1), m.
+        """
+        line = _PressedBalance(self, orbit.frequency, orbit.level, len(orbit.harmonics) - 1)
+        z = line.real(orbit.harmonics)
+        left = [
+            _PressedBalance(other, orbit.frequency, orbit.level, line.most).balance(z, 1.0)
+            for other in others
+        ]
+        moved = -np.linalg.solve(line.slope(z), np.reshape(left, (-1, len(z))).T).T
+        return np.array([line.harmonics(one) for one in moved]).reshape(-1, line.most + 1)
+
+    def end_changes(self, orbit: Orbit, others: Sequence[PreloadedMass]) -> FloatArray:
+        r"""By how much the end of its branch would move on others, Hz, shape (others,).
+
+        .. math:: \Delta f = -\frac{w \cdot R'}{w \cdot \partial R/\partial f}
+
+        with w what the slope of the balance no longer reaches there, its left null vector.
+        """
+        line = _PressedBalance(self, orbit.frequency, orbit.level, len(orbit.harmonics) - 1)
+        z = line.real(orbit.harmonics)
+        w = np.linalg.svd(line.slope(z))[0][:, -1]
+
+        def left(of: PreloadedMass, hz: float) -> float:
+            return float(w @ _PressedBalance(of, hz, orbit.level, line.most).balance(z, 1.0))
+
+        here, step = orbit.frequency, _STEP * orbit.frequency
+        by_frequency = (left(self, here + step) - left(self, here - step)) / (2 * step)
+        return np.array([-left(other, here) / by_frequency for other in others])
+
+    def _near(self, orbit: Orbit, hz: float, level: float) -> Orbit | None:
+        """The answer at a frequency to which that at another leads."""
+        line = _PressedBalance(self, hz, level, len(orbit.harmonics) - 1)
+        found = line.from_start(line.real(orbit.harmonics))
+        return None if found is None else line.orbit(found)
+
+
+_SAME = 1e-5
+"""Part of the first harmonic within which two answers are one."""
+
+
+def _apart(one: Orbit, other: Orbit) -> float:
+    """By how much two answers differ, of the larger first harmonic."""
+    first = max(abs(one.harmonics[1]), abs(other.harmonics[1]))
+    return float(np.abs(one.harmonics[:3] - other.harmonics[:3]).max() / first)
+
+
+@lru_cache(maxsize=8)
+def _transforms(most: int) -> tuple[Alternation, FloatArray]:
+    """Between harmonics and samples of a cycle, and the samples of each real unknown."""
+    cycle = Alternation(range(most + 1), max(_FEWEST, _PER_HARMONIC * most))
+    turn = cycle.turn.T
+    return cycle, np.hstack((turn.real, -turn.imag[:, 1:]))
+
+
+@lru_cache(maxsize=8)
+def _gauss_points(most: int) -> tuple[float, FloatArray, ComplexArray]:
+    """The step of phase, two points in each, shape (steps, 2), and the harmonics there."""
+    width = 2 * np.pi / _FLOQUET_STEPS
+    first = np.arange(_FLOQUET_STEPS)[:, None] + 0.5
+    phase = width * (first + np.array([-1, 1]) / np.sqrt(12))
+    return width, phase, np.exp(1j * phase[..., None] * np.arange(most + 1))
+
+
+class _PressedBalance:
+    """The balance of one frequency and level, in real unknowns.
+
+    They are the mean, then the real and then the imaginary parts of the harmonics 1 to H, m.
+    """
+
+    def __init__(self, of: PreloadedMass, hz: float, level: float, most: int) -> None:
+        self.of, self.hz, self.level, self.most = of, hz, level, most
+        h, omega = np.arange(most + 1), 2 * np.pi * hz
+        self.cycle, self.basis = _transforms(most)
+        self.samples = len(self.basis)
+        self.inertia = -of.mass * (h * omega) ** 2
+        s = 1j * omega * np.arange(self.samples // 2 + 1)
+        self.arms = np.asarray(of.solid.stiffness_at(s) / of.solid.k_inf)
+        self.arms[0] = 1.0  # the mean is relaxed
+        self.size = of.pressed + level
+        self.steps = 0
+
+    def harmonics(self, z: FloatArray) -> ComplexArray:
+        """Complex, of the real unknowns."""
+        return np.asarray(z[: self.most + 1] + 1j * np.append(0.0, z[self.most + 1 :]))
+
+    def widened(self, z: FloatArray, most: int) -> FloatArray:
+        """The unknowns with more harmonics, of 0."""
+        more = np.zeros(most - self.most)
+        return np.concatenate((z[: self.most + 1], more, z[self.most + 1 :], more))
+
+    def real(self, value: ComplexArray) -> FloatArray:
+        """The real unknowns, of complex ones."""
+        return np.concatenate((value.real, value.imag[1:]))
+
+    def _armed(self, path: FloatArray) -> FloatArray:
+        """A relaxed force over a cycle with the arms, samples first."""
+        shape = (-1,) + (1,) * (path.ndim - 1)
+        value = np.fft.rfft(path, axis=0) * self.arms.reshape(shape)
+        return np.asarray(np.fft.irfft(value, self.samples, axis=0))
+
+    def pressing(self, z: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Compression, m, and what presses were the seal glued, N, over a cycle."""
+        x = self.basis @ z
+        return x, self._armed(self.of.law.force(np.maximum(x, 0.0)))
+
+    def balance(self, z: FloatArray, share: float) -> FloatArray:
+        """What is left of the forces, N, at a share of the level."""
+        force = np.maximum(self.pressing(z)[1], 0.0)
+        left = self.cycle.harmonics_of(force) + self.inertia * self.harmonics(z)
+        left[0] -= self.of.pressed
+        left[1] -= share * self.level
+        return self.real(left)
+
+    def slope(self, z: FloatArray) -> FloatArray:
+        """Of the balance by the unknowns, N/m."""
+        x, glued = self.pressing(z)
+        tangent = np.where(x > 0, self.of.law.tangent(np.maximum(x, 0.0)), 0.0)
+        force = np.where(glued > 0, self._armed((tangent * self.basis.T).T).T, 0.0)
+        # samples last
+        left = self.cycle.harmonics_of(force)
+        H = self.most
+        each = np.arange(H + 1)
+        left[each, each] += self.inertia
+        left[each[1:], H + each[1:]] += 1j * self.inertia[1:]
+        return np.concatenate((left.real, left.imag[1:]))
+
+    def at_rest(self) -> FloatArray:
+        z = np.zeros(2 * self.most + 1)
+        z[0] = self.of.rest
+        return z
+
+    def from_start(self, z: FloatArray) -> Balanced | None:
+        """The answer near some unknowns."""
+        found = newton(
+            lambda z: self.balance(z, 1.0),
+            lambda z, r: np.asarray(np.linalg.solve(self.slope(z), r)),
+            z,
+            size=self.size,
+            most=15,
+        )
+        return None if found is None else self._balanced(found)
+
+    def _balanced(self, z: FloatArray) -> Balanced:
+        x, glued = self.pressing(z)
+        return Balanced(z, glued > 0, x)
+
+    def followed(self) -> Balanced:
+        """The answer that rest becomes as the level rises: by arc length, past every fold.
+
+        Raises
+        ------
+        DataError
+            If none is reached.
+        """
+        z, done, reached, n = self.at_rest(), 0.0, 0.0, 2 * self.most + 1
+        turned = (-1.0) ** np.arange(self.most + 1)
+        half = np.concatenate((turned, turned[1:], [-1.0]))
+        toward = self._toward(z, np.append(np.zeros(n), 1.0))
+        # lengths over those of the linear answer, and of the level
+        scale, step = np.append(np.full(n, np.abs(toward[1:n]).max()), 1.0), 2.0
+        tangent = toward / np.linalg.norm(toward / scale)
+        for _ in range(_STEPS):
+            left = float((1 - done) / tangent[n]) if tangent[n] > 0 else np.inf
+            last = left <= step
+            length = min(left, step)
+            self.steps += 1
+            found = self._stepped(z, done, tangent, length, scale, last=last)
+            if found is None:
+                step = length / 2
+                if step < _SHORTEST:
+                    break
+                continue
+            if last:
+                return self._balanced(found[:n])
+            if found[n] > 1:  # the level lies between, and is met from below
+                step = length / 2
+                continue
+            if found[n] < 0:  # the same motion half a period later: light arms turn it in one step
+                found, tangent = half * found, half * tangent
+            z, done = found[:n], float(found[n])
+            reached = max(reached, done)
+            toward = self._toward(z, tangent / scale**2)
+            tangent = toward / np.linalg.norm(toward / scale)
+            step = 1.5 * length
+        raise DataError(
+            f"at {self.hz:.5g} Hz no steady answer at the drive's period is reached above "
+            f"{reached * self.level:.4g} N, and {self.level:.4g} N was asked for; ask for a lower "
+            "level, or another frequency"
+        )
+
+    def _toward(self, z: FloatArray, before: FloatArray) -> FloatArray:
+        """Direction of the curve of answers, of unknowns and share, whose product with `before`
+        is 1.
+        """
+        n = len(z)
+        border = np.zeros((n + 1, n + 1))
+        border[:n, :n], border[1, n], border[n] = self.slope(z), -self.level, before
+        return np.asarray(np.linalg.solve(border, np.append(np.zeros(n), 1.0)))
+
+    def _stepped(
+        self,
+        z: FloatArray,
+        done: float,
+        tangent: FloatArray,
+        length: float,
+        scale: FloatArray,
+        *,
+        last: bool,
+    ) -> FloatArray | None:
+        """The answer a step along the curve, at the whole level if it is the last."""
+        n = len(z)
+        ahead = np.append(z, done) + length * tangent
+        across = tangent / scale**2
+        if last:
+            across, ahead[n] = np.append(np.zeros(n), 1.0), 1.0
+
+        def residual(u: FloatArray) -> FloatArray:
+            return np.append(self.balance(u[:n], float(u[n])) / self.size, across @ (u - ahead))
+
+        def step(u: FloatArray, r: FloatArray) -> FloatArray:
+            border = np.zeros((n + 1, n + 1))
+            border[:n, :n], border[1, n], border[n] = self.slope(u[:n]), -self.level, across
+            border[:n] /= self.size
+            return np.asarray(np.linalg.solve(border, r))
+
+        found = newton(residual, step, ahead, size=1.0, most=10)
+        if found is None:
+            return None
+        off = float(np.linalg.norm((found - ahead) / scale))
+        return found if off <= _WIDEST * length else None
+
+    def orbit(self, found: Balanced) -> Orbit:
+        """The noun of an answer.
+
+        Raises
+        ------
+        DataError
+            If it moves farther than in any test.
+        """
+        far = float(np.abs(self.harmonics(found.unknown)[1:]).max())
+        SIZES["amplitude"].refuse(
+            max(far, SIZES["amplitude"].hard[0]),
+            f"at a level of {short(self.level, 'N')} the mass would move by {short(far, 'm')}",
+            remedy="Check the level and its unit, and the mass.",
+        )
+        return Orbit(
+            self.hz,
+            self.level,
+            self.of.rest,
+            self.harmonics(found.unknown),
+            self._multiplier(found.unknown),
+            float((~found.pressing).mean()),
+            float(found.path.min()),
+            float(found.path.max()),
+        )
+
+    def _multiplier(self, z: FloatArray) -> complex:
+        r"""The largest Floquet multiplier.
+
+        Of place, speed and what each arm remembers, :math:`\tau \dot y = F_e(x) - y`, by Magnus
+        steps of fourth order, each a Padé fraction that damps however fast an arm is.
+        """
+        solid, law = self.of.solid.maxwell, self.of.law
+        omega, n = 2 * np.pi * self.hz, _FLOQUET_STEPS
+        g, tau = (np.asarray(one) for one in (solid.k, solid.tau))
+        g = g / solid.k_inf
+        at_once, dash = 1 + g.sum(), solid.b / solid.k_inf
+        width, phase, turn = _gauss_points(self.most)
+        x = (turn @ self.harmonics(z)).real
+        pressed = np.maximum(x, 0.0)
+        tangent = np.where(x > 0, law.tangent(pressed), 0.0)
+        samples = 2 * np.pi * np.arange(self.samples) / self.samples
+        on = np.interp(phase, samples, self.pressing(z)[1], period=2 * np.pi) > 0
+        bend = np.gradient(tangent.ravel(), phase.ravel()).reshape(x.shape)  # dF_e'/dphase
+        K = float(law.tangent(self.of.rest))
+        m = self.of.mass * omega**2
+        A = np.zeros((n, 2, 2 + len(g), 2 + len(g)))
+        A[..., 0, 1] = 1.0
+        A[..., 1, 0] = -1.0 * on * (at_once * tangent + dash * omega * bend) / m
+        A[..., 1, 1] = -1.0 * on * dash * omega * tangent / m
+        A[..., 1, 2:] = on[..., None] * g * K / m
+        A[..., 2:, 0] = tangent[..., None] / K / (omega * tau)
+        A[..., range(2, 2 + len(g)), range(2, 2 + len(g))] = -1 / (omega * tau)
+        first, second = A[:, 0], A[:, 1]
+        whole = width / 2 * (first + second) + np.sqrt(3) / 12 * width**2 * (
+            second @ first - first @ second
+        )
+        square, one = whole @ whole / 12, np.eye(2 + len(g))
+        steps = np.linalg.solve(one - whole / 2 + square, one + whole / 2 + square)
+        while len(steps) > 1:  # a power of two of them, the later on the left
+            steps = steps[1::2] @ steps[::2]
+        found = np.linalg.eigvals(steps[0])
+        return complex(found[np.abs(found).argmax()])
+
+
+def largest(orbits: Sequence[Orbit], harmonic: int = 1) -> Orbit:
+    """The orbit of a sweep that lasts and has the most of a harmonic."""
+    return max((one for one in orbits if one.stable), key=lambda one: one.amplitudes[harmonic])

@@ -1,0 +1,447 @@
+"""A mass at a level on a seal whose own elastic law bends: its resonance, harmonics and shift."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.errors import DataError
+from dashpot.base.reported_values import NORMAL, Fact
+from dashpot.base.serialisation import Documented
+from dashpot.base.units import written
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF, Kind
+from dashpot.extensions.amplitude.amplitude_response import unit_of
+from dashpot.extensions.amplitude.preloaded_mass import Jump, Orbit, PreloadedMass, largest
+from dashpot.fitting.parameters import off_by_error
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.maxwell import Solid
+from dashpot.vibration.systems.mount_mass import on_heavy_mounts
+
+_LINES, _FINE, _REACH = 121, 21, (0.25, 2.5)
+"""Lines over the band and about the linear resonance, about the largest of these, and how far the
+search goes."""
+_TOLD, _SLIGHT, _WIDE = 3, 1e-3, 1.0
+"""Harmonics that a text tells, the part of the first below which one is not known, and the half
+width of an interval, in parts of the value, from which on it is none."""
+_SHALLOW = 1e-3
+"""Part of the tested compression below which no contact was tested."""
+Ends = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class LevelInterval(Documented):
+    """What the errors of the solid and of its elastic law leave open of a resonance: 95 %.
+
+    Where a sweep jumps down from the resonance its height is not told, and no number whose errors
+    are as large as itself: those are no longer small, as the delta method takes them to be.
+
+    Attributes
+    ----------
+    frequency : (float, float)
+        Hz.
+    value : (float, float) or None
+    shift : (float, float) or None
+        Of the mean, m.
+    harmonics : tuple of ((float, float) or None), or None
+        Amplitudes, m, the mean first; not of those below a thousandth of the first, which tell how
+        a law bends between its knots.
+    magnitude : array, shape (2, n)
+        Of the response, at the lines of the FRF.
+    """
+
+    keys = ("frequency_hz=frequency", "value", "mean_shift=shift", "harmonics")
+
+    frequency: Ends
+    value: Ends | None
+    shift: Ends | None
+    harmonics: tuple[Ends | None, ...] | None
+    magnitude: FloatArray
+
+
+@dataclass(frozen=True)
+class PreloadedLevel(Documented):
+    """The resonance of a pressed mass at a level, as a rising frequency meets it.
+
+    Attributes
+    ----------
+    level : float
+        Amplitude of the force, N, or of the base's acceleration, m/s^2.
+    unit : str
+    frequency, value : float
+        Of the largest magnitude of answers that last, Hz, and that magnitude.
+    orbit : Orbit
+        The answer there.
+    doubled : Orbit
+        That with the largest second harmonic.
+    unsteady : tuple of (float, float)
+        Between which frequencies no answer at the drive's period lasts, Hz.
+    jumps : tuple of Jump
+        Where a rising frequency leaves one answer for another, which a falling one keeps.
+    frf : FRF
+        First harmonics over the band.
+    interval : LevelInterval or None
+        Where the errors of the fit are known.
+    """
+
+    keys = (
+        "level", "unit", "peak", "amplitude", "orbit.rest", "mean_shift=orbit.shift",
+        "harmonics=orbit.shown", "phases=orbit.phases", "floquet=orbit.growth",
+        "lost_contact=orbit.lost", "compression=deepest", "second_harmonic", "unsteady",
+        "jumps_hz", "interval", "response",
+    )  # fmt: skip
+
+    level: float
+    unit: str
+    frequency: float
+    value: float
+    orbit: Orbit
+    doubled: Orbit
+    unsteady: tuple[tuple[float, float], ...]
+    jumps: tuple[Jump, ...]
+    frf: FRF
+    interval: LevelInterval | None
+
+    @property
+    def peak(self) -> dict[str, float]:
+        """Its numbers by their names."""
+        return {"frequency_hz": self.frequency, "value": self.value}
+
+    @property
+    def amplitude(self) -> float:
+        """First harmonic of the compression there, m."""
+        return float(self.orbit.amplitudes[1])
+
+    @property
+    def second_harmonic(self) -> dict[str, float]:
+        """Where it is largest, Hz, how large, m, and beside which first one."""
+        first, second = self.doubled.amplitudes[1:3].tolist()
+        return {"frequency_hz": self.doubled.frequency, "amplitude": second, "first": first}
+
+    @property
+    def deepest(self) -> float:
+        """Greatest compression of both, m."""
+        return max(self.orbit.most, self.doubled.most)
+
+    @property
+    def magnitude(self) -> FloatArray | None:
+        """Between which ends that of the response lies, shape (2, n), at the lines of `frf`."""
+        return None if self.interval is None else self.interval.magnitude
+
+    @property
+    def facts(self) -> tuple[Fact, ...]:
+        """The resonance, mean and harmonics, with their intervals."""
+        known, lost = self.interval, (np.nan, np.nan)
+        at = f"at {self.level:.4g} {self.unit}"
+
+        def fact(name: str, value: float, ends: Ends | None, unit: str, read: str = "") -> Fact:
+            low, high = ends or lost
+            words = f"{name.replace('_', ' ')} {at}"
+            error = None if ends or known is None else math.inf
+            return Fact(name, value, low, high, unit, error, read, words)
+
+        harmonics: Sequence[Ends | None] = (None,) * len(self.orbit.shown)
+        if known is not None and known.harmonics is not None:
+            harmonics = known.harmonics
+        amplitudes = self.orbit.shown.tolist()
+        return (
+            fact("peak_frequency", self.frequency, known.frequency if known else None, "Hz"),
+            fact("peak_height", self.value, known.value if known else None, self.frf.unit),
+            fact("mean_shift", self.orbit.shift, known.shift if known else None, "m", "mm"),
+            *(
+                fact(f"harmonic_{h}", amplitudes[h], harmonics[h], "m", "mm")
+                for h in range(1, _TOLD + 1)
+            ),
+        )
+
+    @property
+    def jumps_hz(self) -> list[float]:
+        """Where a rising frequency jumps, Hz."""
+        return [one.after.frequency for one in self.jumps]
+
+    @property
+    def response(self) -> dict[str, Any]:
+        """The first harmonic over the band, and between which magnitudes it lies."""
+        frf = self.frf
+        return {
+            "frequency_hz": frf.frequency, "real": frf.value.real, "imag": frf.value.imag,
+            "magnitude_between": self.magnitude,
+        }  # fmt: skip
+
+
+def preloaded_levels(
+    fit: Fit,
+    levels: Sequence[float],
+    *,
+    mass: float,
+    seals: float,
+    kind: Kind,
+    about: float,
+    frequency: FloatArray,
+    compression: float | None = None,
+    coupled: float = 0.0,
+) -> tuple[PreloadedLevel, ...]:
+    """The resonance of a mass on seals at each level.
+
+    Parameters
+    ----------
+    fit : Fit
+        Of one seal, with a law that bends.
+    levels : sequence of float
+        N, or m/s^2 of a base.
+    mass, coupled : float
+        What moves, and what couples it to a base, kg.
+    seals : float
+    kind : Kind
+    about : float
+        The linear resonance, Hz.
+    frequency : array, shape (n,)
+        Of the FRF, Hz; at most 121 lines of it are taken.
+    compression : float, optional
+        At rest, m; by default that of the weight.
+
+    Raises
+    ------
+    DataError
+        If the law does not bend, nothing rests, or no resonance is found.
+    """
+    if fit.elastic_law is None or fit.elastic_law.kind == "linear":
+        raise DataError(
+            "the elastic law of this fit is straight, so the response is the same at every level. "
+            "Leave out --level, add a sweep of amplitudes (--sweep), or fit tests at several "
+            "depths (dashpot fit FILE FILE)"
+        )
+
+    def pressed(law: ElasticLaw, solid: Solid) -> PreloadedMass:
+        on = seals * law
+        return PreloadedMass(
+            mass, on, solid, None if compression is None else float(on.force(compression))
+        )
+
+    here = pressed(fit.elastic_law, fit.solid)
+    if here.rest < _SHALLOW * fit.elastic_law.depth:
+        raise DataError(
+            f"the mass presses the seal by {written(here.rest, 'mm', '.2g')} alone, and the tests "
+            f"reach to {written(fit.elastic_law.depth, 'mm', '.3g')}: so slight a contact was not "
+            "tested; expected a thousandth of that, or more. Check the mass and its unit"
+        )
+    others = [pressed(*one) for one in _off_by_error(fit, fit.elastic_law)]
+    band = frequency[:: -(-len(frequency) // _LINES)]
+    rig = _AtLevels(here, others, mass, kind, coupled)
+    return tuple(rig.at(level, band, about) for level in levels)
+
+
+def _off_by_error(fit: Fit, law: ElasticLaw) -> list[tuple[ElasticLaw, Solid]]:
+    """The law and the solid one standard error off: by each axis of the solid's, by each knot."""
+    off = [
+        (replace(law, stiffness=law.stiffness * solid.k_inf / fit.solid.k_inf), solid)
+        for solid in off_by_error(fit)
+    ]
+    for i, error in enumerate(law.ratio_se if off else ()):
+        if error > 0:
+            ratio = np.array(law.ratio)
+            ratio[i] += error
+            mean = float(np.trapezoid(ratio, law.knots)) / law.depth
+            off.append((replace(law, ratio=tuple((ratio / mean).tolist())), fit.solid))
+    return off
+
+
+@dataclass(frozen=True)
+class _AtLevels:
+    """A pressed mass, others one standard error off, and what of them is asked."""
+
+    here: PreloadedMass
+    others: Sequence[PreloadedMass]
+    mass: float
+    kind: Kind
+    coupled: float
+
+    def at(self, level: float, band: FloatArray, about: float) -> PreloadedLevel:
+        """The resonance at a level, N or m/s^2."""
+        force = self.mass * level if self.kind.over_base else level
+        if force >= self.here.pressed:
+            raise DataError(
+                f"a level of {level:.4g} {unit_of(self.kind)} lifts the mass off the seal: its "
+                f"force is {force:.4g} N, and {self.here.pressed:.4g} N presses; expected less. "
+                "Ask for a lower level"
+            )
+        ends = about * _REACH[0], about * _REACH[1]
+        lines = np.union1d(band, np.geomspace(*ends, _LINES))
+        swept = self.here.sweep(level=force, frequency=lines)
+        lasting = [one for one in swept if one.stable]
+        near = [one for one in lasting if ends[0] <= one.frequency <= ends[1]]
+        top = int(np.argmax([self.size(one) for one in near])) if near else 0
+        if top in {0, max(len(near) - 1, 0)}:
+            raise DataError(
+                f"at {level:g} {unit_of(self.kind)} no resonance is found between {ends[0]:.4g} "
+                f"and {ends[1]:.4g} Hz, of answers that last; ask for a lower level"
+            )
+        jumps = self.here.jumps(swept)
+        into, out = _jumps_beside(near[top - 1], near[top], near[top + 1], jumps)
+        run, best = self._summit(
+            force, into.after if into else near[top - 1], out.before if out else near[top + 1]
+        )
+        # both sides of a jump, between which nothing is to be drawn
+        known = {one.frequency: one for one in (*lasting, *(end for one in jumps for end in one))}
+        shown = [known[hz] for hz in sorted(known) if band[0] <= hz <= band[-1]]
+        return PreloadedLevel(
+            level,
+            unit_of(self.kind),
+            run[best].frequency,
+            self.size(run[best]),
+            run[best],
+            largest(near, 2),
+            _unsteady(lines, lasting),
+            jumps,
+            self.frf(shown),
+            self.interval(run, best, into, shown),
+        )
+
+    def _summit(self, force: float, start: Orbit, last: Orbit) -> tuple[list[Orbit], int]:
+        """The responses that last between two, and which of them is the largest."""
+        close = np.linspace(start.frequency, last.frequency, _FINE)[1:-1]
+        about_top = self.here.sweep(level=force, frequency=close, start=start)
+        run = [start, *(one for one in about_top if one.stable), last]
+        best = int(np.argmax([self.size(one) for one in run]))
+        if 0 < best < len(run) - 1:
+            # between the lines, where the parabola through three is highest
+            three = run[best - 1 : best + 2]
+            bend, slope, _ = _parabola(three) @ np.log([self.size(one) for one in three])
+            near_top = np.array([three[1].frequency - slope / (2 * bend)])
+            summit = self.here.sweep(level=force, frequency=near_top, start=three[1])
+            run[best : best + 1] = [one for one in summit if one.stable] or three[1:2]
+        return run, best
+
+    def frf(self, orbits: Sequence[Orbit], moved: complex = 0.0) -> FRF:
+        """First harmonics, all changed by so much, m, as the kind has them."""
+        f = np.array([one.frequency for one in orbits])
+        force = np.array([one.level for one in orbits])
+        shaken = np.array([complex(one.harmonics[1]) for one in orbits]) + moved
+        H = np.asarray(shaken / force, dtype=complex)
+        if not self.kind.over_base:
+            return FRF.of_receptance(f, H, kind=self.kind)
+        T: ComplexArray = np.asarray(1 + self.mass * (2 * np.pi * f) ** 2 * H)
+        answer = FRF(f, T, Kind.TRANSMISSIBILITY, units="SI").to(self.kind)
+        coupled = self.coupled
+        return on_heavy_mounts(answer, mass=self.mass, coupled=coupled) if coupled > 0 else answer
+
+    def size(self, orbit: Orbit) -> float:
+        """Magnitude of the response."""
+        return float(np.abs(self.frf([orbit]).value[0]))
+
+    # -- what the errors leave open ---------------------------------------------------------------
+
+    def interval(
+        self, run: Sequence[Orbit], best: int, into: Jump | None, shown: Sequence[Orbit]
+    ) -> LevelInterval | None:
+        r"""Between which ends 95 % lie, by the delta method; None where no error is known.
+
+        The largest of :math:`L(f) = \ln|H|` stays where its slope is 0:
+        :math:`\Delta f = -(\partial \Delta L/\partial f) / L''`; beside a jump it moves with it.
+        """
+        if not self.others:
+            return None
+        response, f = np.abs(self.frf(shown).value), [one.frequency for one in shown]
+        some = [_norm(self._logs(one)) for one in shown[::_THINNED]]
+        spread = np.exp(NORMAL * np.interp(f, f[::_THINNED], some))
+        magnitude = np.array([response / spread, response * spread])
+        at, first, last = run[best], best == 0, best == len(run) - 1
+        if first or last:
+            end = at if into is None or last else into.before
+            shift = self.here.end_changes(end, self.others)
+        else:
+            shift = self._moves(run[best - 1 : best + 2])
+        frequency = _about(at.frequency, shift)
+        if last:
+            return LevelInterval(frequency, None, None, None, magnitude)
+        by_frequency = self._slopes(run[:2] if first else run[best - 1 : best + 2])
+        along = by_frequency(lambda one: np.log(self.size(one)))
+        value = self.size(at) * np.exp(NORMAL * _norm(self._logs(at) + along * shift) * _BOTH)
+        count = len(at.shown)
+        turn = np.conj(at.harmonics[:count]) / np.maximum(at.shown, 1e-300)
+        moved = (turn * self.here.changes(at, self.others)[:, :count]).real
+        moved += np.outer(shift, by_frequency(lambda one: one.shown))
+        rests = np.array([one.rest for one in self.others]) - at.rest
+        low, high = value.tolist()
+        return LevelInterval(
+            frequency,
+            (low, high) if high < (1 + _WIDE) * self.size(at) else None,
+            _known(at.shift, moved[:, 0] - rests),
+            tuple(
+                _known(float(one), moved[:, h]) if one > _SLIGHT * at.shown[1] else None
+                for h, one in enumerate(at.shown)
+            ),
+            magnitude,
+        )
+
+    def _logs(self, orbit: Orbit) -> FloatArray:
+        """By how much the logarithm of the response changes on each of the others."""
+        first = complex(orbit.harmonics[1])
+        part = _PART * first
+        own, less = (complex(self.frf([orbit], off).value[0]) for off in (0.0, -part))
+        moved = self.here.changes(orbit, self.others)[:, 1]
+        return np.asarray(((own - less) / part / own * moved).real)
+
+    def _moves(self, three: Sequence[Orbit]) -> FloatArray:
+        """By how much the largest response moves in frequency on each of the others, Hz."""
+        bend, slope, _ = _parabola(three)
+        size = np.log([self.size(one) for one in three])
+        return np.asarray(-(slope @ [self._logs(one) for one in three]) / (2 * bend @ size))
+
+    @staticmethod
+    def _slopes(few: Sequence[Orbit]) -> Callable[[Callable[[Orbit], Any]], Any]:
+        """What finds the slope by frequency of anything: at the middle of three, or along two."""
+        if len(few) == 2:
+            apart = few[1].frequency - few[0].frequency
+            return lambda of: (of(few[1]) - of(few[0])) / apart
+        return lambda of: _parabola(few)[1] @ [of(one) for one in few]
+
+
+def _jumps_beside(
+    low: Orbit, top: Orbit, high: Orbit, jumps: Sequence[Jump]
+) -> tuple[Jump | None, Jump | None]:
+    """The jump into the largest response from the one below it, and out of it to the one above."""
+    into = (one for one in jumps if low.frequency < one.after.frequency <= top.frequency)
+    out = (one for one in jumps if top.frequency <= one.before.frequency < high.frequency)
+    return next(into, None), next(out, None)
+
+
+def _parabola(three: Sequence[Orbit]) -> FloatArray:
+    """What makes of values at three the bend, slope and height of their parabola at the second."""
+    f = np.array([one.frequency for one in three])
+    return np.asarray(np.linalg.inv(np.vander(f - f[1], 3)))
+
+
+_BOTH = np.array([-1.0, 1.0])
+_PART, _THINNED = 1e-3, 3
+"""Of the first harmonic, by which a slope is told; of so many lines one is asked for its errors."""
+
+
+def _norm(moved: FloatArray) -> float:
+    return float(np.linalg.norm(moved))
+
+
+def _about(value: float, moved: FloatArray) -> Ends:
+    """The 95 % interval of a value that independent errors move by so much each."""
+    half = NORMAL * _norm(moved)
+    return value - half, value + half
+
+
+def _known(value: float, moved: FloatArray) -> Ends | None:
+    """That interval, where it is narrower than the value."""
+    ends = _about(value, moved)
+    return ends if ends[1] - value < _WIDE * abs(value) else None
+
+
+def _unsteady(lines: FloatArray, lasting: Sequence[Orbit]) -> tuple[tuple[float, float], ...]:
+    """Runs of lines without an answer that lasts, Hz."""
+    gone = ~np.isin(lines, [one.frequency for one in lasting])
+    turns = np.flatnonzero(np.diff(np.concatenate(([0], gone.astype(int), [0]))))
+    return tuple(
+        (float(lines[a]), float(lines[b - 1])) for a, b in zip(turns[::2], turns[1::2], strict=True)
+    )

@@ -1,0 +1,99 @@
+"""From a file to an amplitude sweep: storage and loss against strain or displacement."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import ReadError
+from dashpot.base.units import in_unit
+from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
+from dashpot.extensions.curves.dynamic.read import NAMED, amplitude_column, parts_of, sweep_columns
+from dashpot.reading.columns import vocabulary
+from dashpot.reading.columns.kind_detection import ONE_FREQUENCY, groups
+from dashpot.reading.columns.vocabulary import Role
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers import channels
+from dashpot.reading.readers.header_specimen import stated_specimen
+
+_WARMER = 10.0
+"""K that a rubber does not warm by itself from one visit of an amplitude to the next."""
+_OF: dict[Role, str] = {"strain": "strain", "displacement": "m"}
+
+
+def read_amplitude(
+    path: str | Path, *, options: ReadOptions | None = None, specimen: Specimen | None = None
+) -> AmplitudeSweep:
+    """Return the amplitude sweep in a file, in SI units: strain as a ratio, displacement in m.
+
+    Storage and loss (or storage and loss factor) against a column of strain or displacement
+    amplitude (a column that says peak to peak, double amplitude or rms is turned into it, with a
+    note), at one frequency or a few, in any order; frequencies that differ by less than an
+    instrument holds them are one. Rows that lack a number are left out with a note.
+
+    Raises
+    ------
+    ReadError
+        If a column is not found or has no unit, the amplitude never changes, or the same amplitudes
+        were met at several temperatures.
+    """
+    with channels.opened(path, options) as file:
+        channels.expect(
+            file,
+            ["strain-sweep", "one-frequency"],
+            "an amplitude sweep is",
+            named=NAMED,
+        )
+        wanted, ratio = sweep_columns(file)
+        column = amplitude_column(file)
+        chosen = channels.with_units(file, [*wanted, column])
+        _, values, unit, notes = parts_of(file, chosen, ratio)
+        called = file.table.columns[column.index]
+        factor, word = vocabulary.over_amplitude(f"{called.name} {called.unit or ''}")
+        amplitude = values[column.role] / factor
+        if word:
+            notes.append(f"'{called.name}' is {word}: over {factor:.3g} it is the amplitude")
+        if not np.ptp(amplitude) > 0:
+            raise ReadError(f"'{called.name}' never changes: it is no amplitude sweep")
+        frequency = _tones(values["frequency"])
+        _expect_one_temperature(frequency, amplitude, values.get("temperature"))
+        specimen, said = stated_specimen(file, specimen or Specimen())
+        return AmplitudeSweep(
+            frequency,
+            amplitude,
+            values["storage"],
+            values["loss"],
+            unit,
+            _OF[column.role],
+            specimen,
+            channels.source(file, [c.says for c in chosen], (*notes, *said)),
+            units="SI",
+        )
+
+
+def _tones(frequency: FloatArray) -> FloatArray:
+    """The frequencies, each the median of those that an instrument meant to be the same."""
+    if not np.all(frequency > 0):
+        return frequency
+    tone = groups(np.log10(frequency), ONE_FREQUENCY)
+    return np.array([np.median(frequency[tone == one]) for one in range(tone.max() + 1)])[tone]
+
+
+def _expect_one_temperature(
+    frequency: FloatArray, amplitude: FloatArray, kelvin: FloatArray | None
+) -> None:
+    """Refuse amplitudes that were swept again at another temperature; warming with them is none."""
+    if kelvin is None:
+        return
+    order = np.lexsort((amplitude, frequency))
+    f, X, T = frequency[order], amplitude[order], kelvin[order]
+    same = (f[1:] == f[:-1]) & (X[1:] <= 1.02 * X[:-1])
+    if np.count_nonzero(np.abs(np.diff(T)[same]) > _WARMER) > 2:
+        low, high = (in_unit(float(one), "degC") for one in (T.min(), T.max()))
+        raise ReadError(
+            f"the same amplitudes at temperatures from {low:.3g} to {high:.3g} degC; expected one "
+            "temperature: write each to a file of its own"
+        )

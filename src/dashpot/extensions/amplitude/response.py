@@ -1,0 +1,137 @@
+"""What the mass under FRFs at several levels does at any level."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.errors import DataError
+from dashpot.datamodel.frf import FRF, Kind
+from dashpot.extensions.amplitude.level_results import LevelFit, Parts
+from dashpot.extensions.amplitude.response_solver import mass_at_level
+from dashpot.solids.nonlinear_springs import Cubic
+from dashpot.solids.rate_independent import InParallel
+
+_LINES = 121
+_AMPLITUDES = 80
+_HALVINGS = 25
+
+
+def receptance_at_level(found: LevelFit, level: float, frequency: FloatArray) -> FRF:
+    """Motion of the mass over a force of that amplitude, by harmonic balance, m/N.
+
+    Parameters
+    ----------
+    found : LevelFit
+    level : float
+        N.
+    frequency : array, shape (n,)
+        Hz, rising: where the resonance folds, what a sweep upwards shows.
+    """
+    solid = found.seals * found.solid
+    beside = found.seals * InParallel(found.beside) if found.beside else None
+    frf, _ = mass_at_level(
+        solid,
+        beside,
+        mass=found.mass,
+        level=level,
+        frequency=frequency,
+        kind=Kind.RECEPTANCE,
+    )
+    return frf
+
+
+def resonance_at_level(
+    found: LevelFit, level: float, *, of: Parts | None = None
+) -> tuple[float, float]:
+    r"""Frequency, Hz, and amplitude, m, of the largest motion under a force of that amplitude.
+
+    The force that an amplitude takes is least at its own resonance,
+
+    .. math:: F(X) = X \min_\omega |n K^*(\omega, X) - m\omega^2|
+
+    and X is where that is the level: also where the resonance folds, and a sweep might miss it.
+
+    Parameters
+    ----------
+    found : LevelFit
+    level : float
+        N.
+    of : (GeneralizedMaxwell, tuple of Jenkins or Cubic), optional
+        One of the fit's draws, in the place of the fit itself.
+
+    Raises
+    ------
+    DataError
+        If there is no resonance between the lines that were fitted.
+    """
+    parts = (found.solid, found.beside) if of is None else of
+    inertia = found.mass / found.seals
+    f = np.linspace(*found.band, _LINES)
+    omega = 2 * np.pi * f
+
+    def missing(X: FloatArray) -> FloatArray:
+        """Size of the dynamic stiffness of amplitudes X, N/m, shape (x, f)."""
+        K = stiffness_at(parts, omega, np.asarray(X)[:, None], inertia)
+        return found.seals * np.abs(K - inertia * omega**2)
+
+    low = high = np.log(level / missing(np.array([found.amplitudes[0]])).min())
+    grid = np.linspace(low - 5, high + 5, _AMPLITUDES)
+    X = np.exp(grid)
+    enough = np.flatnonzero(X * missing(X).min(axis=1) >= level)
+    first = int(enough[0]) if enough.size else 0
+    if not first:
+        raise DataError(f"at {level:g} N no amplitude of motion near the fitted ones is found")
+    low, high = grid[first - 1], grid[first]
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        X = np.exp([middle])
+        low, high = (low, middle) if X[0] * missing(X).min() >= level else (middle, high)
+    size = missing(np.exp([high]))[0]
+    top = int(size.argmin())
+    if top in {0, _LINES - 1}:
+        raise DataError(
+            f"at {level:g} N the motion is largest at an end of the lines, {f[0]:.4g} to "
+            f"{f[-1]:.4g} Hz: there is no resonance among them"
+        )
+    # the square is a parabola about its least
+    before, here, after = size[top - 1 : top + 2] ** 2
+    shift = (before - after) / (2 * (before - 2 * here + after))
+    least = here - shift * (before - after) / 4
+    return float(f[top] + shift * (f[1] - f[0])), level / float(np.sqrt(least))
+
+
+def stiffness_at(parts: Parts, omega: FloatArray, X: FloatArray, inertia: float) -> ComplexArray:
+    """Complex stiffness of one seal under its share of the mass, N/m; broadcasts."""
+    solid, beside = parts
+    springs = [one for one in beside if isinstance(one, Cubic)]
+    others = InParallel((solid, *(one for one in beside if not isinstance(one, Cubic))))
+    K = others.equivalent(omega, X)
+    if springs:
+        bent = with_third_harmonic(parts, omega, X, inertia)
+        K = K + bent * sum(one.stiffness(X) for one in springs)
+    return np.asarray(K)
+
+
+def with_third_harmonic(
+    parts: Parts, omega: FloatArray, X: FloatArray, inertia: float
+) -> ComplexArray:
+    r"""What the third harmonic makes of the stiffness of a cubic spring under a mass, a factor.
+
+    .. math:: \frac{X_3}{X} = \frac{-k_3 X^2 / 4}{K(3\omega) - 9 m \omega^2}, \qquad
+        \frac{N}{\tfrac34 k_3 X^2} = 1 + \frac{X_3}{X} + 2 \left|\frac{X_3}{X}\right|^2
+
+    Parameters
+    ----------
+    parts : (GeneralizedMaxwell, tuple of Jenkins or Cubic)
+        Friction is left out of the motion at the third harmonic.
+    omega, X : array
+        rad/s and m; broadcast.
+    inertia : float
+        Of one seal, kg.
+    """
+    solid, beside = parts
+    k3 = sum(one.k3 for one in beside if isinstance(one, Cubic))
+    third = solid.complex_stiffness(omega=3 * omega) - 9 * inertia * omega**2
+    ratio = -k3 * X**2 / 4 / third
+    return np.asarray(1 + ratio + 2 * np.abs(ratio) ** 2)

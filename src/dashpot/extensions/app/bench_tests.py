@@ -1,0 +1,77 @@
+"""Tests that the page fits by themselves: sweeps, master curves, moduli over time, creep."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from dashpot import plot
+from dashpot.base.progress import doing
+from dashpot.datamodel.fit import Fit
+from dashpot.extensions.app import view_models, wire_format
+from dashpot.extensions.app.figure_cards import tiles
+from dashpot.extensions.app.request_parsing import noun_of, sizes_of
+from dashpot.plot.picture import Picture
+from dashpot.report.page_content import kind_page
+from dashpot.report.page_frame import COLOURS
+from dashpot.workflow.command_lines import line
+from dashpot.workflow.fit_bench_tests import fit_files
+from dashpot.workflow.job import Job
+from dashpot.workflow.json_archive import to_json
+
+WIDE = (800.0, 0.0)
+"""Room for the figures where the page says nothing, px."""
+KEPT = 4
+"""Fits that a worker remembers."""
+
+
+@lru_cache(KEPT)
+def _fitted(job: Job) -> tuple[Fit, Picture]:
+    """The fit of a file, and its figure."""
+    doing(f"fitting {Path(job.relaxation).name}")
+    found, records = fit_files(
+        [job.relaxation], arms=job.arms, temperatures=job.temperatures, options=job.reading
+    )
+    return found, plot.bench(found, records)
+
+
+def _asked(request: Mapping[str, Any], folder: Path) -> Job:
+    """File, options, arms and temperature of a request."""
+    warmth = request.get("temperature")
+    asked = {
+        "relaxation": request.get("file"),
+        "reading": request.get("options", {}),
+        "arms": request.get("arms"),
+        "temperatures": [warmth] if warmth else [],
+    }
+    return noun_of(Job, asked, folder)
+
+
+def bench(request: Mapping[str, Any], folder: Path) -> bytes:
+    """The fit of one such file: verdict, solid, checks, figures, and the command that gives it."""
+    job = _asked(request, folder)
+    found, picture = _fitted(job)
+    page = kind_page(found)
+    return wire_format.packed(
+        {
+            "verdict": view_models.verdict(found.verdict, page.lights),
+            "colour": COLOURS[found.verdict.use],
+            "solid": view_models.solid_table(found),
+            "arms": found.model.arms,
+            "checks": view_models.check_list(found.checks),
+            "figures": tiles(picture, sizes_of(request).get("bench", WIDE)[0]),
+            "facts": [list(one) for one in page.strip],
+            "simulated": any(source.simulated for source in found.source),
+            "command": line("fit", job),
+        }
+    )
+
+
+def take_bench(request: Mapping[str, Any], folder: Path) -> bytes:
+    """The fit as its JSON, as ``dashpot fit --json`` prints it."""
+    found, _ = _fitted(_asked(request, folder))
+    return wire_format.packed(
+        {"name": "fit.json", "kind": "application/json", "text": to_json(found)}
+    )

@@ -1,0 +1,114 @@
+"""A door on its seal, dropped on the page with the files that it names."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from dashpot import workflow
+from dashpot.base.errors import ReadError
+from dashpot.base.number_format import hertz, rounded
+from dashpot.base.parsing import parsed_toml
+from dashpot.datamodel.fit import Fit
+from dashpot.extensions.app import result_cache, view_models
+from dashpot.extensions.app.figure_cards import Tile, small_multiples, tiles
+from dashpot.extensions.door.figure import View, frf_panel, line_panel, shape_panels
+from dashpot.extensions.door.page import about, lights_of, modes_of
+from dashpot.extensions.door.result import DoorResult
+from dashpot.plot.picture import Picture
+from dashpot.report.first_screen import Row
+from dashpot.report.page_content import Group, KindPage
+from dashpot.workflow.job import Job
+from dashpot.workflow.json_archive import to_json
+
+DOOR = "door"
+_HEIGHT = 300.0
+"""Of a response beside no seal line, px."""
+
+
+def row(path: Path) -> dict[str, Any]:
+    """What the list of files says of a door."""
+    return {"kind": DOOR, "page": "judged", "line": "a door on its seal", "mark": "good",
+            "simulated": False, "long": False, "asks": [], "alone": False,
+            "name": path.name}  # fmt: skip
+
+
+def page(found: DoorResult) -> KindPage:
+    """What its own page tells, in the form of the other kinds."""
+    rows = tuple(
+        Row(f"Mode {i}", rounded(one.mode.frequency, digits=4), "", "", "Hz", "", bound=False)
+        for i, one in enumerate(found.modes[:8], 1)
+    )
+    return KindPage(
+        about=about(found), strip=(("Door", about(found)), ("Band", hertz(found.band))),
+        lights=tuple(lights_of(found, None, found.checks, found.verdict)),
+        answers="A door", picture=found.plot(), told="Modes", groups=(Group("", rows),),
+        sources=tuple(dict.fromkeys(found.sources)), note="", name="door",
+    )  # fmt: skip
+
+
+def figures(found: DoorResult, width: float) -> list[Tile]:
+    """What its own page shows: its seal line, its response, its modes with their shares, shapes."""
+    view = View.of(found)
+    panels = [] if view is None else [line_panel(found, view)]
+    if found.frfs:
+        panels.append(frf_panel(found, 0, height=panels[0].height if panels else _HEIGHT))
+    cards: list[Tile] = []
+    if panels:
+        picture = Picture("door", "", tuple((one,) for one in panels), len(panels))
+        cards += tiles(picture, width)
+    if found.modes:
+        words = "Modes: who holds, who loses"
+        cards.append(Tile(words, view_models.piece("door_modes", modes=modes_of(found))))
+    shapes = [] if view is None else shape_panels(found, view)
+    if shapes:
+        drawn = small_multiples(shapes, "shape", width)
+        cards.append(Tile("Shapes, from outside", drawn))
+    return cards
+
+
+def predicted(files: Sequence[str], behind: str = "") -> DoorResult:
+    """A door with the files that are open beside it: it names them, and none elsewhere.
+
+    Parameters
+    ----------
+    files : sequence of path
+        The door's own first.
+    behind : path, optional
+        The open relaxation test whose fit the door may name.
+    """
+    path = Path(files[0])
+    names = {Path(one).name: Path(one) for one in files[1:]}
+    try:
+        said = parsed_toml(path.read_bytes())
+    except ReadError as error:
+        raise ReadError(f"{path.name}: {error}") from None
+    for text in _texts(said):
+        if Path(text).is_absolute() or ".." in Path(text).parts or text[1:3] == ":\\":
+            raise ReadError(
+                f"{path.name} names a file elsewhere ({text}). Name it alone, and open it here"
+            )
+    home = path.parent.parent / "doors" / path.parent.name
+    shutil.rmtree(home, ignore_errors=True)
+    home.mkdir(parents=True)
+    shutil.copy(path, home / path.name)
+    for name, one in names.items():
+        shutil.copy(one, home / name)
+    wanted = said.get("seal", {}).get("fit") if isinstance(said.get("seal"), dict) else None
+    if isinstance(wanted, str) and wanted not in names and behind:
+        # the door names the fit of a test that is open
+        job = Job(behind)
+        fitted: Fit = result_cache.fitted(result_cache.of_fit(job), True, None)
+        (home / wanted).write_text(to_json(fitted), encoding="utf-8")
+    return workflow.door_file(home / path.name)
+
+
+def _texts(said: Any) -> Iterator[str]:
+    """Every text in a document."""
+    if isinstance(said, str):
+        yield said
+    elif isinstance(said, dict | list):
+        for one in said.values() if isinstance(said, dict) else said:
+            yield from _texts(one)

@@ -1,0 +1,128 @@
+"""What can be taken away: reports, decks, numbers, pictures; a profile, a project."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from dashpot import plot, workflow
+from dashpot.base.errors import DataError
+from dashpot.base.progress import doing
+from dashpot.datamodel.fit import Fit
+from dashpot.export import SUFFIXES, deck_for
+from dashpot.extensions.app import recent, result_cache, wire_format
+from dashpot.extensions.app.request_parsing import deck_choices, job_of, part
+from dashpot.reading.read_options import ReadOptions, dump_profile
+from dashpot.reading.write import write_frf
+from dashpot.report import html as report_html
+from dashpot.report.figures import stamp
+from dashpot.workflow.job import Job
+from dashpot.workflow.json_archive import to_json
+from dashpot.workflow.study import Study
+
+
+def take(request: Mapping[str, Any], folder: Path) -> bytes:
+    """A file to take away: a head with its name and kind, then its bytes."""
+    job = job_of(request.get("job"), folder)
+    what = request.get("what")
+    makers: dict[object, Callable[[], tuple[str, str, str]]] = {
+        "report": lambda: ("report.html", "text/html", report_html(_told(job))),
+        "fit": lambda: ("fit.json", "application/json", to_json(_solid(request, job))),
+        "joint": lambda: ("joint.json", "application/json", to_json(_joint(job))),
+        "deck": lambda: _deck(request, job),
+        "picture": lambda: _picture(job),
+        "frf": lambda: ("frf.csv", "text/csv", _lines(job)),
+        "base": lambda: ("base.csv", "text/csv", write_frf(result_cache.base_motion(job).frf)),
+        "base-json": lambda: (
+            "base.json",
+            "application/json",
+            json.dumps(result_cache.base_motion(job).document, indent=2, allow_nan=False),
+        ),
+    }
+    if what not in makers:
+        raise DataError(
+            f"'{what}' is nothing to take away; expected one of {', '.join(map(str, makers))}"
+        )
+    name, kind, text = makers[what]()
+    return wire_format.packed({"name": name, "kind": kind, "text": text})
+
+
+def profile(request: Mapping[str, Any], folder: Path) -> bytes:  # noqa: ARG001
+    """Answers to a file's questions, as TOML that every command reads."""
+    options = part(ReadOptions, request.get("options", {}), "options")
+    return wire_format.packed(
+        {"name": "profile.toml", "kind": "application/toml", "text": dump_profile(options)}
+    )
+
+
+def _told(job: Job) -> Study:
+    found = result_cache.study(job)
+    doing("drawing the report")
+    return found
+
+
+def _solid(request: Mapping[str, Any], job: Job) -> Fit:
+    """The solid that the page shows: of both tests, or of the relaxation test alone."""
+    found = (
+        _joint(job)
+        if request.get("joint") is True
+        else result_cache.fitted(result_cache.of_fit(job), True, None)
+    )
+    shown = request.get("solid", found.identity)
+    if shown != found.identity:
+        raise DataError(
+            f"the page shows another model ({shown}) than its choices give ({found.identity}): "
+            "wait until it is judged"
+        )
+    return found
+
+
+def _joint(job: Job) -> Fit:
+    found = result_cache.study(job).joint
+    if found is None:
+        raise DataError("there is no model of both tests. Open a hammer test and fit both")
+    return found
+
+
+def _deck(request: Mapping[str, Any], job: Job) -> tuple[str, str, str]:
+    target = str(request.get("target"))
+    solid = _solid(request, job).weighed_by(result_cache.study(job).verdict)
+    text = deck_for(
+        target,
+        solid,
+        units=request.get("units", "mm-t-s"),
+        allow=("all",) if request.get("anyway") is True else (),
+        **deck_choices(request),
+    )
+    return f"{target}.{SUFFIXES[target]}", "text/plain", str(text)
+
+
+def _picture(job: Job) -> tuple[str, str, str]:
+    found = result_cache.study(job)
+    hero = replace(plot.hero(found), stamp=stamp(found))
+    return "seal.svg", "image/svg+xml", plot.to_svg(hero)
+
+
+def _lines(job: Job) -> str:
+    found = result_cache.study(job)
+    if found.prediction is None:
+        raise DataError("no mass is given, so there is no response to take away")
+    rows = ["frequency [Hz],real [(m/s^2)/N],imaginary [(m/s^2)/N]"]
+    values = zip(found.prediction.frequency, found.prediction.value, strict=True)
+    rows += [f"{f!r},{v.real!r},{v.imag!r}" for f, v in ((float(f), complex(v)) for f, v in values)]
+    return "\n".join([*rows, ""])
+
+
+def project(request: Mapping[str, Any], folder: Path) -> bytes:
+    """Keep raw files, results and history in a project folder."""
+    job = job_of(request.get("job"), folder)
+    place = request.get("folder")
+    if not isinstance(place, str) or not place.strip():
+        raise DataError("no folder is named: type where the project is to be kept")
+    home = workflow.create(Path(place).expanduser())
+    _, page = workflow.record(home, job, page=report_html)
+    recent.remember(home.folder)
+    return wire_format.packed({"folder": str(home.folder), "report": str(page), "head": home.head})

@@ -1,0 +1,91 @@
+"""The page of a file in tiles: what stands beside each other, and what is alike under one key."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import replace
+from typing import NamedTuple
+
+from dashpot.extensions.app.view_models import piece
+from dashpot.plot.picture import Panel, Picture
+from dashpot.plot.svg import strip, swatch
+
+TWO, CARD = 700.0, 18.0
+"""Room for two cards beside each other, and what the border of a card takes, px."""
+
+
+class Tile(NamedTuple):
+    """A part of the page of a file: its title, what it holds, how many stand beside each other."""
+
+    title: str
+    html: str
+    across: int = 1
+
+
+def tiles(picture: Picture, width: float) -> list[Tile]:
+    """A card for each strip of a picture, two in a row; one for more than two that are alike."""
+    found: list[Tile] = []
+    # what is named at its line in one card is in no key of the others
+    key = {mark.label for mark in picture.key}
+    for row in _rows(picture):
+        name = f"bench{len(found)}"
+        if len(row) > 2:
+            drawn = small_multiples([one for (one,) in row], name, width)
+            found.append(Tile(re.split("[:,]", picture.caption)[0], drawn))
+        else:
+            found += [_card(f"{name}-{i}", one, width, len(row), key) for i, one in enumerate(row)]
+    return found
+
+
+def _rows(picture: Picture) -> list[tuple[tuple[Panel, ...], ...]]:
+    """The strips that stand beside each other: all that are alike, of three others the last two."""
+    strips = picture.strips
+    if picture.rows:
+        return [row for _, row in picture.in_rows]
+    if len(strips) > 2 and _are_alike(strips):
+        return [strips[i : i + 3] for i in range(0, len(strips), 3)]
+    odd = len(strips) % 2
+    return [strips[:odd]] * odd + [strips[i : i + 2] for i in range(odd, len(strips), 2)]
+
+
+def _are_alike(strips: tuple[tuple[Panel, ...], ...]) -> bool:
+    """Whether each is one panel, and all show the same quantity or the same marks."""
+    shown = {one[0].y.label for one in strips}
+    marks = {tuple(mark.label for mark in Picture("", "", (one,)).key) for one in strips}
+    return all(len(one) == 1 for one in strips) and 1 in {len(shown), len(marks)}
+
+
+def _card(
+    name: str, panels: tuple[Panel, ...], width: float, across: int, key: AbstractSet[str]
+) -> Tile:
+    """One strip under its title; an axis that says no more than the title is named there."""
+    first, *below = panels
+    bare = not (first.title or first.note or first.drawing)
+    title = first.title or (first.y.label if bare else first.y.label.partition(",")[0])
+    drawing = (replace(first, title="", bare=bare), *below)
+    across = across if width >= TWO else 1
+    svg = strip(drawing, name=name, width=(width - 8 * (across - 1)) / across - CARD, kind="figure")
+    samples = [one for one in _samples(drawing, name) if one[1] in key]
+    html = piece("figure", key=samples, svg=svg, title="", note="")
+    return Tile(title[:1].upper() + title[1:], html, across)
+
+
+def _samples(panels: Sequence[Panel], name: str) -> list[tuple[str, str]]:
+    """What each mark looks like, and its name."""
+    key = Picture(name, "", (tuple(panels),)).key
+    return [(swatch(mark, name=f"{name}-k{i}"), mark.label) for i, mark in enumerate(key)]
+
+
+def small_multiples(panels: Sequence[Panel], name: str, width: float) -> str:
+    """Panels of one kind under one key, all in a row, or two where that is too narrow."""
+    many = len(panels) if width >= TWO else 2
+    each = (width - CARD - 8 * (many - 1)) / many
+    drawn = []
+    for i, one in enumerate(panels):
+        (left, right), (low, high) = one.x.limits, one.y.limits
+        most = each * (high - low) / (right - left) if one.square else one.height
+        low_one = replace(one, height=min(one.height, most))
+        drawn.append(strip((low_one,), name=f"{name}-{i}", width=each, kind="figure"))
+    return piece("shapes", key=_samples(panels, name), drawn=drawn, two=many == 2)

@@ -1,0 +1,117 @@
+"""Kinds that stand alone, as the page has them: verdict, lights, figure, table, checks of each.
+
+What one is asked beside its files, and its fit by what was answered, is its row's panel in the
+register; what it tells is what the page of its kind tells in `dashpot.report`.
+"""
+
+from __future__ import annotations
+
+import json
+import shlex
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from dashpot.base.errors import DataError
+from dashpot.base.form_fields import Answers
+from dashpot.base.progress import doing
+from dashpot.extensions.app import doors, view_models, wire_format
+from dashpot.extensions.app.bench_tests import KEPT, WIDE
+from dashpot.extensions.app.figure_cards import tiles
+from dashpot.extensions.app.request_parsing import listed, mapping, part, sizes_of
+from dashpot.extensions.app.upload_store import path_in
+from dashpot.reading.read_options import ReadOptions
+from dashpot.registry import KINDS, asks_of, load
+from dashpot.report.page_content import KindPage, kind_page
+from dashpot.report.page_frame import COLOURS
+from dashpot.report.result_page import text_of
+
+
+@dataclass(frozen=True)
+class JudgedFiles:
+    """What a page asks of such files."""
+
+    kind: str
+    files: tuple[str, ...]
+    said: Answers
+    options: ReadOptions
+    behind: str = ""
+
+
+def _asked(request: Mapping[str, Any], folder: Path) -> JudgedFiles:
+    files = tuple(str(path_in(folder, one)) for one in listed(request, "files"))
+    if not files:
+        raise DataError("no file of this kind is open: open one first")
+    kind, said = str(request.get("kind", "")), {}
+    for name, text in mapping(request.get("said", {}), "said").items():
+        if not isinstance(text, str):
+            raise DataError(f"{name} = {text!r}; expected a text")
+        said[str(name)] = text
+    row, test = KINDS.get(kind), request.get("test")
+    return JudgedFiles(
+        kind, files[:1] if row is not None and row.alone else files,
+        Answers.typed(asks_of(kind), said),
+        part(ReadOptions, request.get("options", {}), "options"),
+        str(path_in(folder, test)) if test else "",
+    )  # fmt: skip
+
+
+@lru_cache(KEPT)
+def _found(asked: JudgedFiles) -> tuple[Any, KindPage]:
+    """What was found in such files, and what its page tells."""
+    doing(f"fitting {', '.join(Path(path).name for path in asked.files)}")
+    if asked.kind == doors.DOOR:
+        door = doors.predicted(asked.files, asked.behind)
+        return door, doors.page(door)
+    row = KINDS.get(asked.kind)
+    if row is None or not (row.panel or row.fits):
+        raise DataError(f"'{asked.kind}' is no kind of test that is fitted by itself")
+    if row.panel:
+        found = load(f"{row.panel}:answered")(asked.files, asked.said, asked.options)
+    else:
+        found = load(row.fit)(asked.files, options=asked.options)
+    return found, kind_page(found)
+
+
+def judge(request: Mapping[str, Any], folder: Path) -> bytes:
+    """The result of such files: verdict, lights, figures, numbers, checks and command."""
+    asked = _asked(request, folder)
+    found, page = _found(asked)
+    said = found.verdict
+    width = sizes_of(request).get("bench", WIDE)[0]
+    return wire_format.packed(
+        {
+            "verdict": view_models.verdict(said, page.lights),
+            "colour": COLOURS[said.use],
+            "answers": view_models.groups(page.groups, page.told, page.note),
+            "solid": "",
+            "arms": "",
+            "checks": view_models.check_list(found.checks),
+            "figures": doors.figures(found, width)
+            if asked.kind == doors.DOOR
+            else tiles(page.picture, width),
+            "facts": [list(one) for one in page.strip],
+            "asks": view_models.asks(asks_of(asked.kind)),
+            "simulated": any(source.simulated for source in page.sources),
+            "command": _line(asked),
+        }
+    )
+
+
+def take_judged(request: Mapping[str, Any], folder: Path) -> bytes:
+    """The result as its JSON, as the command prints it with ``--json``."""
+    found, page = _found(_asked(request, folder))
+    text = text_of(found) if hasattr(found, "document") else json.dumps(found)
+    return wire_format.packed(
+        {"name": f"{page.name}.json", "kind": "application/json", "text": text}
+    )
+
+
+def _line(asked: JudgedFiles) -> str:
+    """The command that gives the same."""
+    names = [Path(path).name for path in asked.files]
+    if asked.kind == doors.DOOR:
+        return shlex.join(["dashpot", "predict", names[0]])
+    return shlex.join(["dashpot", "fit", *names, *asked.said.options(len(names))])

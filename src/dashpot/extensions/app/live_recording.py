@@ -1,0 +1,239 @@
+"""An instrument that is read while the page looks on: one record at a time, kept in a file."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.choices import Driver, refuse_other
+from dashpot.base.errors import DashpotError, DataError
+from dashpot.extensions.acquisition.record_to_file import record
+from dashpot.extensions.acquisition.recorder import Block, Recorder
+from dashpot.extensions.acquisition.replay_device import replay, simulated
+from dashpot.extensions.acquisition.serial_line import SerialLine
+from dashpot.extensions.app.upload_store import LIMIT, Store, path_in
+from dashpot.plot.picture import Line, Panel, Pen, Scale, around
+from dashpot.plot.svg import strip
+
+MOST = 2000
+"""Stretches of a curve beyond which two become one."""
+_AXES = 60.0
+"""Of a drawing below and above its plot, px."""
+_WIDE, _TALL = (240.0, 2000.0), (60.0, 600.0)
+"""What a page may ask a drawing to be, px."""
+
+
+class Trace:
+    """A channel over time, thinned while it grows: the lowest and the highest of even stretches."""
+
+    def __init__(self) -> None:
+        self._each = 1
+        self._low = self._high = self._rest = np.empty((0, 2))
+
+    def add(self, time: FloatArray, value: FloatArray) -> None:
+        """Take what came."""
+        came = np.concatenate([self._rest, np.column_stack([time, value])])
+        whole = len(came) // self._each * self._each
+        self._take(came[:whole].reshape(-1, self._each, 2))
+        self._rest = came[whole:]
+        while len(self._low) > MOST:
+            both = np.stack([self._low, self._high], axis=1)
+            if len(both) % 2:
+                self._rest, both = np.concatenate([both[-1], self._rest]), both[:-1]
+            self._low = self._high = np.empty((0, 2))
+            self._take(both.reshape(-1, 4, 2))
+            self._each *= 2
+
+    def curve(self) -> tuple[FloatArray, FloatArray]:
+        """Return times and values, in the order in which they came."""
+        ends = [self._low, self._high]
+        if len(self._rest):
+            low, high = _ends(self._rest[None, :, 1])
+            ends += [self._rest[low], self._rest[high], self._rest[-1:]]
+        points = np.unique(np.concatenate(ends), axis=0)
+        return points[:, 0], points[:, 1]
+
+    def _take(self, stretches: FloatArray) -> None:
+        row = np.arange(len(stretches))
+        low, high = _ends(stretches[:, :, 1])
+        self._low = np.concatenate([self._low, stretches[row, low]])
+        self._high = np.concatenate([self._high, stretches[row, high]])
+
+
+def _ends(values: FloatArray) -> tuple[IndexArray, IndexArray]:
+    """Where each row is lowest and highest."""
+    if not values.size:
+        return np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp)
+    return values.argmin(axis=1), values.argmax(axis=1)
+
+
+class Live:
+    """The record that is being made, or was made last.
+
+    Parameters
+    ----------
+    store : Store
+        Where a record lies that no folder was named for, and a copy of every other, to be fitted.
+    """
+
+    def __init__(self, store: Store) -> None:
+        self._store, self._lock, self._one = store, threading.Lock(), threading.Lock()
+        self._thread: threading.Thread | None = None
+        self._recorder: Recorder | None = None
+        self._traces: list[Trace] = []
+        self._rows, self._said, self._failed = 0, (), ""  # type: tuple[int, tuple[str, ...], str]
+        self._path = Path()
+        self._kept: dict[str, str] | None = None
+
+    @property
+    def running(self) -> bool:
+        """Whether an instrument is being read."""
+        return self._thread is not None and self._thread.is_alive()
+
+    def start(self, asked: Mapping[str, Any]) -> None:
+        """Begin a record.
+
+        Raises
+        ------
+        DataError, ReadError
+            If one is running, or the instrument or the folder is not there.
+        """
+        with self._one:
+            self._start(asked)
+
+    def _start(self, asked: Mapping[str, Any]) -> None:
+        if self.running:
+            raise DataError("a record is running; stop it first")
+        driver = str(asked.get("driver", ""))
+        folder = self._folder(driver, str(asked.get("folder", "")).strip())
+        recorder = self._device(driver, asked)
+        name = f"record-{datetime.now():%Y-%m-%dT%H-%M-%S-%f}.csv"
+        with self._lock:
+            self._recorder, self._path = recorder, folder / name
+            self._traces = [Trace() for _ in recorder.describe().channels]
+            self._rows, self._said, self._failed, self._kept = 0, (), "", None
+        self._thread = threading.Thread(target=self._run, args=(recorder,), daemon=True)
+        self._thread.start()
+
+    def stop(self, patience: float = 10.0) -> None:
+        """End the record, and wait, so many seconds at most, until it is on the disk."""
+        if self._recorder is not None:
+            self._recorder.stop()
+        if self._thread is not None:
+            self._thread.join(timeout=patience)
+
+    def look(self, width: float, height: float) -> dict[str, Any]:
+        """Return what there is to be seen: the state, in words, and a drawing of each channel."""
+        recorder = self._recorder
+        if recorder is None:
+            return {"running": False, "rows": 0, "says": "", "drawn": [], "kept": None}
+        device, running = recorder.describe(), self.running
+        with self._lock:
+            seen = [one.curve() for one in self._traces]
+            rows, said, failed, kept = self._rows, self._said, self._failed, self._kept
+        notes = device.notes if running else said
+        says = "; ".join([f"{rows} samples", device.device, *notes, *self._whereabouts(rows)])
+        size = min(max(width, _WIDE[0]), _WIDE[1]), min(max(height, _TALL[0]), _TALL[1])
+        drawn = _drawings(device.channels, seen, size)
+        return {
+            "running": running, "rows": rows, "says": says, "failed": failed, "drawn": drawn,
+            "kept": None if running else kept,
+        }  # fmt: skip
+
+    def _whereabouts(self, rows: int) -> list[str]:
+        """Say where the record lies."""
+        if not rows:
+            return []
+        if self._path.parent == self._store.folder:
+            return ["it goes with the app: name a folder to keep the next one"]
+        return [f"kept in {self._path}"]
+
+    def _run(self, recorder: Recorder) -> None:
+        """Read until the end, in a thread of its own."""
+        failed, said, kept = "", (), None  # type: tuple[str, tuple[str, ...], dict[str, str] | None]
+        try:
+            _, said = record(recorder, self._path, seen=self._seen)
+            if self._path.stat().st_size <= LIMIT:
+                name = self._path.name
+                kept = {"id": self._store.put(name, self._path.read_bytes()), "name": name}
+            else:
+                failed = f"too long for this page; fit it with: dashpot fit {self._path}"
+        except (DashpotError, OSError) as error:
+            failed = str(error)
+        except Exception as error:  # noqa: BLE001 -- a driver of anyone's; the page must hear of it
+            failed = f"a fault in the driver: {type(error).__name__}: {error}"
+        with self._lock:
+            self._failed, self._said, self._kept = failed, said, kept
+
+    def _seen(self, block: Block) -> None:
+        with self._lock:
+            self._rows += len(block[0])
+            for trace, values in zip(self._traces, block[1].T, strict=True):
+                trace.add(block[0], values)
+
+    def _folder(self, driver: str, named: str) -> Path:
+        """Where the record is kept: a measurement never in what goes with the server."""
+        if not named and driver == "serial":
+            raise DataError("say in which folder the record is kept: it cannot be measured again")
+        if not named:
+            return self._store.folder
+        folder = Path(named).expanduser()
+        if not folder.is_dir():
+            raise DataError(f"{named} is no folder; name one that is there")
+        return folder
+
+    def _device(self, driver: str, asked: Mapping[str, Any]) -> Recorder:
+        made: dict[str, Callable[[], Recorder]] = {
+            "serial": lambda: SerialLine(
+                str(asked.get("port", "")).strip(),
+                columns=str(asked.get("columns", "")).split(","),
+                baud=_number(asked, "baud", 115200, int),
+            ),
+            "simulated": lambda: simulated(speed=_number(asked, "speed", 1.0, float)),
+            "replay": lambda: replay(
+                path_in(self._store.folder, asked.get("file")),
+                speed=_number(asked, "speed", 1.0, float),
+            ),
+        }
+        refuse_other("driver", driver, Driver)
+        return made[driver]()
+
+
+def _number(asked: Mapping[str, Any], name: str, usual: Any, kind: Callable[[Any], Any]) -> Any:
+    try:
+        return kind(asked.get(name) or usual)
+    except (TypeError, ValueError):
+        raise DataError(f"{name}: '{asked[name]}' is no number") from None
+
+
+def _drawings(
+    names: Sequence[str], seen: Sequence[tuple[FloatArray, FloatArray]], size: tuple[float, float]
+) -> list[dict[str, Any]]:
+    """Name, last value and drawing of each channel of which there is a curve, all of one time."""
+    whole = [time for time, _ in seen if len(time) > 1]
+    span = (min(t[0] for t in whole), max(t[-1] for t in whole)) if whole else (0.0, 1.0)
+    return [
+        {"name": name, "now": f"{y[-1]:.4g}", "svg": _drawn(i, name, (x, y), span, size)}
+        for i, (name, (x, y)) in enumerate(zip(names, seen, strict=True))
+        if len(x) > 1
+    ]
+
+
+def _drawn(
+    number: int,
+    name: str,
+    curve: tuple[FloatArray, FloatArray],
+    span: tuple[float, float],
+    size: tuple[float, float],
+) -> str:
+    """A channel as the page has it."""
+    label = name.replace(" [", ", ").removesuffix("]")
+    mark, upright = Line(*curve, Pen("measured", 1.2)), Scale(label, around(curve[1]))
+    panel = Panel(Scale("time, s", span), upright, (mark,), height=size[1] - _AXES)
+    return strip((panel,), name=f"live{number}", width=size[0], kind="figure")

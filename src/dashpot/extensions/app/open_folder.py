@@ -1,0 +1,147 @@
+"""Folders that are opened: a project with its last job, a lot with its table.
+
+A page names a folder, as the user typed it, and never a file: what is read of it is what the
+project's own history lists inside it, and of a lot the test whose contents the table knows.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from dashpot.base.errors import DataError, ReadError
+from dashpot.base.number_format import counted
+from dashpot.extensions.app import recent, wire_format
+from dashpot.extensions.app.request_parsing import page_of
+from dashpot.extensions.app.upload_store import LIMIT, Store
+from dashpot.extensions.batch.lot import Lot
+from dashpot.extensions.projects.history import read_history
+from dashpot.extensions.projects.project import open_project, within
+from dashpot.reading.raw_file import open_raw
+from dashpot.workflow.job import Job
+from dashpot.workflow.json_archive import from_json
+
+COLUMNS = (
+    "file", "sha256", "lot", "seal", "repeat", "k_end_N_per_m", "k_end_low_N_per_m",
+    "k_end_high_N_per_m", "k_inf_N_per_m", "verdict", "outcome", "reason",
+)  # fmt: skip
+"""What the page shows of a row."""
+
+
+def folder(request: Mapping[str, Any], home: Path) -> bytes:
+    """What is in a folder: the files and the choices of a project, or the table of a lot."""
+    place = _named(request)
+    if (place / "dashpot.toml").exists():
+        head = _project(place, home)
+    elif any(place.glob("part-*.parquet")):
+        head = _lot(place)
+    else:
+        raise ReadError(
+            f"{place} is neither a project (it has no dashpot.toml) nor a lot (it has no "
+            "part-*.parquet of dashpot batch): give the folder of one"
+        )
+    recent.remember(place)
+    return wire_format.packed(head | {"folder": str(place), "name": place.resolve().name})
+
+
+def listed(_: Mapping[str, Any], __: Path) -> bytes:
+    """The folders that were kept or opened last."""
+    return wire_format.packed({"recent": recent.recent()})
+
+
+def row(request: Mapping[str, Any], home: Path) -> bytes:
+    """One test of a lot, to be opened as a file with the choices that its row was made by."""
+    place, wanted = _named(request), request.get("sha256")
+    found = [one for one in _rows(place) if one["sha256"] == wanted]
+    if not found:
+        raise DataError(f"{place} has no test with that hash")
+    one = found[0]
+    raw = next((raw for path in _places(place, one["file"]) if (raw := _held(path, wanted))), None)
+    if raw is None:
+        raise ReadError(
+            f"{one['file']} is not there any more, or is not what it was: start the app where the "
+            "batch was run"
+        )
+    name = Path(one["file"]).name
+    choices = {"arms": one["arms"] or "auto", "method": one["method"] or "full"}
+    return wire_format.packed(
+        {"files": [{"id": _put(home, name, raw), "name": name}], "job": choices}
+    )
+
+
+def _named(request: Mapping[str, Any]) -> Path:
+    stated = request.get("folder")
+    if not isinstance(stated, str) or not stated.strip():
+        raise DataError("no folder is named: type where the project or the lot is kept")
+    place = Path(stated.strip()).expanduser()
+    if not place.is_dir():
+        raise ReadError(f"{place} is no folder")
+    return place
+
+
+def _put(home: Path, name: str, content: bytes) -> str:
+    if len(content) > LIMIT:
+        raise DataError(f"{name} is larger than {LIMIT >> 20} MB, more than the page takes")
+    return Store(home).put(name, content)
+
+
+# -- projects -------------------------------------------------------------------------------------
+
+
+def _project(place: Path, home: Path) -> dict[str, Any]:
+    """The last job of a project, with its files put where the page has them."""
+    project = open_project(place)
+    history = read_history(project.folder)
+    if not history.lines:
+        raise DataError(f"{place} is a project without a result: open its files by hand")
+    if not all(history.intact):
+        raise DataError(
+            f"the history of {place} is not as dashpot wrote it: 'dashpot verify' says where"
+        )
+    job: Job = from_json(json.dumps(history.lines[-1].job))
+
+    def brought(path: str) -> dict[str, str]:
+        file = within(project, path)
+        content = b"".join(open_raw(file).blocks())
+        return {"id": _put(home, file.name, content), "name": file.name}
+
+    tests = [brought(path) for path in (job.relaxation, *job.further)]
+    hammers = [brought(path) for path in job.impact]
+    return {"kind": "project", "tests": tests, "hammers": hammers, **page_of(job)}
+
+
+# -- lots -----------------------------------------------------------------------------------------
+
+
+def _rows(place: Path) -> list[dict[str, Any]]:
+    return list(Lot.read(place).table.iter_rows(named=True))
+
+
+def _lot(place: Path) -> dict[str, Any]:
+    """The table of a lot; what is no number is null."""
+    lot = Lot.read(place)
+    rows = [[_finite(one[name]) for name in COLUMNS] for one in lot.table.iter_rows(named=True)]
+    outcomes = ", ".join(f"{count} {name}" for name, count in lot.outcomes.items())
+    says = f"{counted(len(rows), 'file')}: {outcomes}"
+    return {"kind": "lot", "columns": COLUMNS, "rows": rows, "says": says}
+
+
+def _finite(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _places(lot: Path, file: str) -> tuple[Path, ...]:
+    """Where the file of a row may lie: as the batch named it, or seen from beside the lot."""
+    return Path(file), lot.parent / file
+
+
+def _held(path: Path, wanted: object) -> bytes | None:
+    """The bytes of a file if they are those that the table knows by their hash."""
+    try:
+        raw = open_raw(path)
+        return b"".join(raw.blocks()) if raw.sha256 == wanted else None
+    except ReadError:
+        return None

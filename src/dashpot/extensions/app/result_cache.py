@@ -1,0 +1,171 @@
+"""What a job gives, kept for the next question by the job that asked for it."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import replace
+from functools import lru_cache
+
+from dashpot.base.errors import DashpotError, DataError, FitError
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.relaxation import RampHold, RelaxationTest
+from dashpot.datamodel.specimen import each_specimen
+from dashpot.extensions.app import record_cache
+from dashpot.fitting.relaxation import fit, followed
+from dashpot.vibration.systems.frf_prediction import highest_peak
+from dashpot.workflow.job import Cuts, Job, deciding
+from dashpot.workflow.prepare_tests import prepared_tests
+from dashpot.workflow.response.frf_prediction import Prediction, prediction
+from dashpot.workflow.study import Study, of_solid, run
+
+KEPT = 8
+"""Results of each kind that a worker remembers."""
+WHILE_HELD = 300_000
+"""Samples that are fitted at first; all of them are next."""
+HELD = 20_000
+"""Samples that are fitted while a handle is held: its curves are to follow."""
+
+test = lru_cache(KEPT)(record_cache.relaxation)
+"""The relaxation test in a file."""
+
+
+def tests(job: Job) -> tuple[RelaxationTest, ...]:
+    """The tests of a job, each with its own temperature where that is said."""
+    files = job.relaxation, *job.further
+    each = each_specimen(job.specimen, job.temperatures, len(files))
+    return tuple(test(file, job.reading, one) for file, one in zip(files, each, strict=True))
+
+
+@lru_cache(KEPT)
+def prepared(job: Job, most: int | None) -> tuple[RampHold, ...]:
+    """The tests of a job, prepared; of each as many samples as there are, or `most`."""
+    every = tests(job)
+    if most is not None and all(len(test.time) <= most for test in every):
+        return prepared(job, None)
+    return prepared_tests(
+        [thinned(test, most) for test in every],
+        judged=most != HELD,
+        filter=job.filter,
+        machine=job.machine,
+        cuts=job.cuts,
+        cycle=job.reading.cycle,
+    )
+
+
+def thinned(test: RelaxationTest, most: int | None = WHILE_HELD) -> RelaxationTest:
+    """The test with every second, third ... sample, so that at most so many are left."""
+    step = 1 if most is None else -(-len(test.time) // most)
+    if step == 1:
+        return test
+    few = {name: getattr(test, name)[::step] for name in ("time", "displacement", "force")}
+    return replace(test, **few)
+
+
+@lru_cache(KEPT)
+def fitted(job: Job, intervals: bool, most: int | None) -> Fit:
+    """The fit of a job's tests; with its intervals and checks if asked for."""
+    return fit(
+        prepared(of_test(job), most),
+        arms=job.arms,
+        method=job.method,
+        law=job.law,
+        family=job.family,
+        intervals=intervals,
+    )
+
+
+_before: dict[Job, Fit] = {}
+"""Of each job without its cuts, the fit of the cut before."""
+
+
+def held(job: Job) -> Fit:
+    """The fit while a handle is held: of a linear solid the one next to that of the cut before."""
+    of, tests = replace(job, cuts=Cuts()), prepared(of_test(job), HELD)
+    near, found = _before.get(of), None
+    if near is not None and len(tests) == 1 and _is_followed(near, job):
+        with suppress(FitError):
+            found = followed(tests[0], near)
+    if len(_before) > KEPT:
+        _before.clear()
+    _before[of] = found or fitted(job, job.arms == "auto", HELD)
+    return _before[of]
+
+
+def _is_followed(near: Fit, job: Job) -> bool:
+    """Whether it is by the arms that are asked for, and by nothing else that a cut could change."""
+    law = near.elastic_law
+    straight = law is not None and law.kind == "linear" and near.family == "maxwell"
+    return straight and near.method == job.method and near.model.arms == job.arms
+
+
+def beside(job: Job, found: Fit, most: int | None = None) -> Fit | None:
+    """The fit of eq. (5) with as many arms, of one test; None where it has nothing to say."""
+    if found.family != "maxwell" or job.further:
+        return None
+    by_eq5 = replace(of_test(job), arms=found.model.arms, method="hold")
+    try:
+        return held(by_eq5) if most == HELD else fitted(by_eq5, False, most)
+    except DashpotError:
+        return None
+
+
+def shown(job: Job, found: Fit, most: int | None = None) -> tuple[RelaxationTest, RampHold]:
+    """The test that is drawn: that of the temperature of the solid."""
+    ready = prepared(of_test(job), most)
+    first = of_solid(found, ready)
+    return tests(job)[first], ready[first]
+
+
+def whole(job: Job, prepared_one: RampHold) -> RampHold | None:
+    """The test of a job to its last sample, for the eye, where its hold is cut by hand."""
+    if job.cuts.hold_end is None or job.further:
+        return None
+    uncut = replace(of_test(job), cuts=replace(job.cuts, hold_end=None))
+    try:
+        (found,) = prepared(uncut, WHILE_HELD)
+    except DashpotError:
+        return None
+    return found if found.time[-1] > prepared_one.time[-1] else None
+
+
+@lru_cache(KEPT)
+def study(job: Job) -> Study:
+    """The whole story of a job."""
+    return run(job, read=test)
+
+
+@lru_cache(KEPT)
+def base_motion(job: Job) -> Prediction:
+    r"""The transmissibility to the mass of a job, as ``dashpot predict FIT --base`` predicts it.
+
+    By the solid of both tests where they are fitted together; where the job names no band, to
+    either side of the highest frequency of the peak, :math:`\sqrt{n k_0 / m} / 2\pi`.
+
+    Raises
+    ------
+    DataError
+        If the mass is not known.
+    """
+    found = study(job)
+    if found.mass is None:
+        raise DataError("no mass is given: say what rests on the seals, such as 104 g")
+    solid = found.joint or found.fit
+    top = highest_peak(job.seals * solid.solid.k_0, found.mass)
+    return prediction(
+        solid,
+        mass=found.mass,
+        seals=job.seals,
+        band=job.band or (float(f"{top / 5:.2g}"), float(f"{4 * top:.2g}")),
+        base=True,
+        compression=job.compression,
+    )
+
+
+def of_test(job: Job) -> Job:
+    """What of a job decides the prepared test."""
+    return deciding(job, "test")
+
+
+def of_fit(job: Job) -> Job:
+    """What of a job decides the fit of the relaxation test."""
+    return deciding(job, "test", "fit")

@@ -1,0 +1,89 @@
+"""The session that a server leaves behind: its choices and its files, in the user's own place.
+
+There is one, the last; it goes when its files are removed from the page, or when it is told to.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from contextlib import suppress
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from dashpot.base.atomic import write_whole
+from dashpot.base.errors import DashpotError
+from dashpot.extensions.app.recent import place_of
+from dashpot.extensions.app.upload_store import Store, path_in
+
+_WORDS, _FILES = "session.json", "session"
+
+
+def keep(state: dict[str, Any], store: Store) -> None:
+    """Keep what a page looks like, and the files that it has; where it cannot, nothing."""
+    names = [str(one.get("id", "")) for one in state.get("files", [])]
+    if not names:
+        forget()
+        return
+    with suppress(OSError, DashpotError):
+        home = place_of(_FILES)
+        home.mkdir(parents=True, exist_ok=True, mode=0o700)
+        for name in names:
+            _copy(path_in(store.folder, name), home / name)
+        when = datetime.now(UTC).isoformat(timespec="seconds")
+        write_whole(place_of(_WORDS), json.dumps({"when": when, "state": state}).encode())
+        for one in home.iterdir():
+            if one.name not in names:
+                shutil.rmtree(one, ignore_errors=True)
+
+
+def _copy(file: Path, home: Path) -> None:
+    """Bring a file there, if it is not; without copying it where the disk allows."""
+    if (home / file.name).exists():
+        return
+    home.mkdir(exist_ok=True)
+    try:
+        os.link(file, home / file.name)
+    except OSError:
+        shutil.copyfile(file, home / file.name)
+
+
+def left() -> dict[str, Any] | None:
+    """Return the names of its files, and when it was kept (UTC); None if none was left."""
+    found = _read()
+    if found is None:
+        return None
+    names = [str(one.get("name", "")) for one in found["state"].get("files", [])]
+    return {"files": names, "when": str(found.get("when", ""))}
+
+
+def resume(store: Store) -> dict[str, Any]:
+    """Return the state of the session that was left, with its files where the page has them."""
+    found = _read()
+    if found is None:
+        return {}
+    state: dict[str, Any] = found["state"]
+    for one in state.get("files", []):
+        (file,) = (place_of(_FILES) / one["id"]).iterdir()
+        one["id"] = store.put(file.name, file.read_bytes())
+    return state
+
+
+def forget() -> None:
+    """Leave nothing of it."""
+    with suppress(OSError):
+        place_of(_WORDS).unlink(missing_ok=True)
+    shutil.rmtree(place_of(_FILES), ignore_errors=True)
+
+
+def _read() -> dict[str, Any] | None:
+    """What was kept, if all of it is there."""
+    try:
+        found = json.loads(place_of(_WORDS).read_text(encoding="utf-8"))
+        files = found["state"]["files"]
+        whole = all(any((place_of(_FILES) / one["id"]).iterdir()) for one in files)
+    except (OSError, ValueError, TypeError, KeyError):
+        return None
+    return found if files and whole else None

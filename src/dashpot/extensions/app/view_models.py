@@ -1,0 +1,757 @@
+"""Nouns for the eye: panels as drawn for the page, pieces of it, and bare curves while it moves.
+
+Pure functions, tested without a server. Words, digits and marks are those of the report.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from importlib import import_module, resources
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dashpot import plot
+from dashpot.base import units
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check, Verdict
+from dashpot.base.choices import Method, words
+from dashpot.base.form_fields import Ask
+from dashpot.base.number_format import cell, duration, rounded, seals, shown, symbol
+from dashpot.base.reported_values import UNKNOWN, Fact
+from dashpot.base.sentences import sentences
+from dashpot.base.units import Dimension, in_unit, read_in
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF, Kind
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.extensions.app.words import on_page
+from dashpot.plot import relaxation
+from dashpot.plot.downsampling import extremes
+from dashpot.plot.frf_figure import (
+    SHOWN,
+    Curve,
+    Spread,
+    about_peaks,
+    coherence_panels,
+    curves_of,
+    magnitude_panel,
+    phase_panel,
+    resonance_curves,
+    spreads,
+)
+from dashpot.plot.layout import ROW
+from dashpot.plot.picture import (
+    JOINT,
+    PREDICTED,
+    REF,
+    Dots,
+    Line,
+    Mark,
+    Panel,
+    Pen,
+    Picture,
+    Rule,
+    Scale,
+    Tag,
+    joint_pen,
+    unit_of,
+)
+from dashpot.plot.svg import strip, swatch
+from dashpot.reading.columns.kind_detection import RECOGNISED
+from dashpot.registry import KINDS
+from dashpot.report import first_screen
+from dashpot.report.figures import chart_of
+from dashpot.report.first_screen import GRADES, Light, Row
+from dashpot.report.page_content import Group
+from dashpot.report.page_frame import COLOURS, environment
+from dashpot.vibration.impact.checks import mass_line
+from dashpot.vibration.impact.hits import cut_hits
+from dashpot.workflow.inspections import InspectedFile
+from dashpot.workflow.job import Job
+from dashpot.workflow.recommendation import Answer, Recommendation
+from dashpot.workflow.response.frf_prediction import Prediction
+from dashpot.workflow.study import Study
+
+ROLES = ("time", "displacement", "force", "hammer", "acceleration")
+"""What a column of a relaxation test or of a hammer test can be."""
+_ALONE = ("response", "base", "bench", "level", "judged", "part")
+"""Places of the page where a file is no part of a job, or not of one only."""
+ASKED: tuple[Dimension, ...] = ("time", "length", "force", "acceleration")
+"""What its unit can be one of."""
+EQ5 = Pen("ref", 1.6, (2, 3))
+SHORT = {
+    "residual: range of samples": "range of samples", "residual: mean": "mean",
+    "noise, one SD": "noise", "ramp": "", "eq. (5), hold only": "eq. (5)",
+    "k∞, relaxation fit": "k∞", "k∞, fit": "k∞", "relaxation fit": "arms",
+    "predicted from relaxation": "predicted", "bound over unresolved arms": "bound",
+    "unresolved range": "out of reach", "other family from relaxation": "other family",
+    "band that every accepted hit excites": "excited by all",
+    "mode found": "mode", "new at its order": "new", "stable in frequency": "frequency stays",
+    "stable in frequency and damping": "damping too",
+}  # fmt: skip
+"""What the key calls a mark where the title has said the rest."""
+Sizes = Mapping[str, tuple[float, float]]
+"""Width and height of the drawing of each panel, px."""
+UNSEEN = (400.0, 180.0)
+"""Of one that is not shown yet, px."""
+AT_ITS_LINE = {"displacement", "coherence"}
+"""What is named where it is drawn, and in no key."""
+NARROWEST, NARROW = 160.0, 480.0
+"""Of a drawing, px; below which two peaks are named and no third."""
+SHARE = {1: (1.0,), 2: (0.6, 0.4), 3: (0.56, 0.26, 0.18)}
+"""Of the height of a drawing, to each of its panels."""
+PULSE, PART = (88, 26), 0.1
+"""Size of the drawing of a pulse, px; at which part of its peak it begins and ends."""
+ALIKE = 3.0
+"""Factor within which the arms of two solids stand for the same."""
+SINGLE = 8
+"""Arms of a table that is read; more are a spectrum for a solver."""
+LEAST = 44.0
+"""Of a plot, px: below it no curve can be read."""
+LIVE_POINTS = 240
+"""Of a curve that follows a handle: more than a panel has px across a bend."""
+
+
+def piece(name: str, **values: Any) -> str:
+    """A piece of the page, from its template; whatever came from a file is escaped."""
+    return str(environment("dashpot.extensions.app").get_template(f"{name}.html").render(values))
+
+
+def ready() -> None:
+    """Load every piece: who waits for the first plot waits for no template, and for no module."""
+    for module in ("msgspec", "dashpot.reading.formats.text", "dashpot.plot.solid"):
+        import_module(module)
+    pieces = environment("dashpot.extensions.app")
+    for one in resources.files("dashpot.extensions.app").joinpath("templates").iterdir():
+        pieces.get_template(one.name)
+
+
+# -- panels ---------------------------------------------------------------------------------------
+
+
+def drawn(
+    name: str, panels: Panel | tuple[Panel, ...], sizes: Sizes, *, title: str = "", note: str = ""
+) -> str:
+    """Panels as the page has them: the key, then the drawing at the size of its place.
+
+    Of several, one below the other, the first is as high as `SHARE` of them. A `title` replaces
+    what stands over the place; a `note` stands in place of the key.
+    """
+    width, height = sizes.get(name, UNSEEN)
+    strip_of = panels if isinstance(panels, tuple) else (panels,)
+    bare = bool(title)
+    around = 2 * ROW + 6 + len(strip_of) * (4 + ROW * (not bare)) + 10 * (len(strip_of) - 1)
+    room = max(height - around, LEAST * len(strip_of))
+    shares = SHARE[len(strip_of)]
+    strip_of = tuple(
+        replace(one, height=part * room, bare=bare, title="", note="" if bare else one.note)
+        for one, part in zip(strip_of, shares, strict=True)
+    )
+    key = [] if note else [one for one in Picture(name, "", (strip_of,)).key
+                           if one.label not in AT_ITS_LINE]  # fmt: skip
+    samples = [(swatch(mark, name=f"{name}-k{i}"), mark.label) for i, mark in enumerate(key)]
+    svg = strip(strip_of, name=name, width=max(width, NARROWEST), kind="figure")
+    return piece("figure", key=samples, svg=svg, title=title, note=note)
+
+
+def test_panels(
+    fit: Fit,
+    prepared: RampHold,
+    by_eq5: Fit | None,
+    sizes: Sizes,
+    whole: RampHold | None,
+) -> dict[str, str]:
+    """Ramp, hold with its residual, and arms of a fit, in the colour of its solid.
+
+    Of a hold that is cut the `whole` test stays in sight: its handle goes both ways.
+    """
+    chosen = _shown_fit(fit, prepared)
+    other = None
+    if by_eq5 is not None and fit.method != "hold":
+        other = relaxation.DrawnFit(by_eq5, EQ5, *relaxation.fitted_force(by_eq5, prepared))
+    ramp, hold, rest = relaxation.upon_panels(chosen, prepared, other=other, whole=whole)
+    force, left = (one.y.label.rpartition(", ")[2] for one in (hold, rest))
+    said = _beside_noise(rest.note, prepared, left)
+    arms = _named(plot.spectrum(fit).panels[0], fit)
+    return {
+        "ramp": drawn("ramp", _in_short(ramp), sizes, title=f"Ramp, {force}"),
+        "hold": drawn(
+            "hold", (_in_short(hold), _in_short(rest)), sizes,
+            title=f"Hold, {force}; residual, {left}", note=said,
+        ),
+        "spectrum": drawn(
+            "spectrum", _coloured(_in_short(arms), _ink(fit)), sizes,
+            title=f"{'Arms' if fit.family == 'maxwell' else 'Spectrum'}, "
+            f"{arms.y.label.rpartition(', ')[2]}",
+        ),
+    }  # fmt: skip
+
+
+def _beside_noise(left: str, prepared: RampHold, unit: str) -> str:
+    """What is left of a force beside its noise, in the `unit` of the axis where it is that one."""
+    noise, of = unit_of(np.array([prepared.force_noise]), "N")
+    scatter = rounded(of * prepared.force_noise, digits=2)
+    said = f"{left.removesuffix(noise).rstrip()}, noise {scatter}"
+    return said if noise == unit else f"{said} {noise}"
+
+
+def record_panels(prepared: RampHold, sizes: Sizes) -> dict[str, str]:
+    """Ramp and hold as they were recorded, where they will stand upon their fit."""
+    ramp, hold = map(_in_short, relaxation.record_panels(prepared))
+    rest = Panel(hold.x, Scale("residual", (0.0, 1.0), unnumbered=True), ())
+    unit = ramp.y.label.rpartition(", ")[2]
+    return {
+        "ramp": drawn("ramp", ramp, sizes, title=f"Ramp, {unit}"),
+        "hold": drawn("hold", (hold, rest), sizes, title=f"Hold, {unit}"),
+    }
+
+
+def _shown_fit(fit: Fit, prepared: RampHold) -> relaxation.DrawnFit:
+    """A fit with its curve, in the colour of its solid."""
+    chosen = relaxation.fitted(fit, (), prepared)[0]
+    return chosen._replace(pen=replace(chosen.pen, colour=_ink(fit)))
+
+
+def _ink(fit: Fit) -> str:
+    """The colour of the solid: of the relaxation test alone, or of both tests."""
+    return "fit" if fit.method in words(Method) else "joint-ink"
+
+
+def _coloured(panel: Panel, colour: str) -> Panel:
+    """A panel whose marks of the fit have the colour of its solid."""
+
+    def own(mark: Mark) -> Mark:
+        if isinstance(mark, (Dots, Tag)) and mark.colour == "fit":
+            return replace(mark, colour=colour)
+        if isinstance(mark, Line) and mark.pen.colour == "fit":
+            return replace(mark, pen=replace(mark.pen, colour=colour))
+        return mark
+
+    return replace(panel, marks=tuple(map(own, panel.marks)))
+
+
+def _named(panel: Panel, fit: Fit) -> Panel:
+    """The spectrum of the arms alone, each named at its tip; k∞ stands in the table."""
+    if fit.family != "maxwell" or not fit.model.arms:
+        return panel
+    k = in_unit(np.array(fit.model.k), read_in(fit.unit)).tolist()
+    tips = list(zip(fit.model.tau, k, strict=True))
+    tags = [
+        Tag(tau, tip, f"{symbol(f'tau_{j}')} {duration(tau)}", "fit", "filled")
+        for j, (tau, tip) in enumerate(tips, 1)
+    ] if len(tips) <= SINGLE else []  # fmt: skip
+    marks = (
+        replace(one, label="") if isinstance(one, Line) and one.label else one
+        for one in panel.marks
+        if not isinstance(one, Rule)
+    )
+    tops = [one.y for one in panel.marks if isinstance(one, Line)]
+    top = 1.25 * max(float(np.nanmax(one)) for one in tops)
+    return replace(
+        panel, marks=(*marks, *tags), y=replace(panel.y, limits=(0.0, min(top, 2.5 * max(k))))
+    )
+
+
+def _in_short(panel: Panel) -> Panel:
+    """The panel with a key of one line: beside its title each mark needs a word."""
+    marks: list[Mark] = []
+    for mark in panel.marks:
+        if not isinstance(mark, Tag) and mark.label:
+            plain = "fit" if mark.label.startswith("fit, ") else mark.label
+            mark = replace(mark, label=SHORT.get(plain, plain))  # noqa: PLW2901
+        marks.append(mark)
+    return replace(panel, marks=tuple(marks))
+
+
+def over(job: Job, quantity: Kind) -> str:
+    """What the panel of the response shows: the title of its place."""
+    name = quantity.value.replace("_", " ").capitalize()
+    return f"{name} of {weight(job)}, {SHOWN[quantity][0]}"
+
+
+def response_panel(predicted: FRF, sizes: Sizes, title: str) -> str:
+    """The predicted response before anything bounds it."""
+    if predicted.quantity is Kind.TRANSMISSIBILITY:
+        curve = Curve(predicted, "predicted from relaxation", PREDICTED)
+        return drawn("frf", magnitude_panel([curve]), sizes, title=title)
+    return drawn("frf", plot.resonance(None, predicted).panels[0], sizes, title=title)
+
+
+def study_panel(study: Study, sizes: Sizes, title: str, *, phase: bool = False) -> str:
+    """The response of the mass, with all that is known of it; nothing without a mass.
+
+    Of a study of both tests the solid of both is held against the hammer, and that of the
+    relaxation test alone stands dotted beside it. With the `phase` it is drawn below, and the
+    coherence.
+    """
+    if study.prediction is None:
+        return ""
+    curves, limits = _responses(study)
+    if sizes.get("frf", UNSEEN)[0] < NARROW:
+        curves = [replace(one, peak=None) if one.pen is REF else one for one in curves]
+    panel = magnitude_panel(curves, limits, view=about_peaks(curves), tagged=True)
+    below: tuple[Panel, ...] = ()
+    if phase:
+        below = (phase_panel(curves, panel.x.limits), *_coherence(study, panel.x))
+    return drawn("frf", tuple(map(_in_short, (panel, *below))), sizes, title=title)
+
+
+def _coherence(study: Study, frequency: Scale) -> tuple[Panel, ...]:
+    if study.measured is None:
+        return ()
+    return tuple(
+        replace(one, marks=tuple(
+            replace(mark, label="coherence") if isinstance(mark, Line) else mark
+            for mark in one.marks
+        ))
+        for one in coherence_panels(study.measured, frequency)
+    )  # fmt: skip
+
+
+def _responses(study: Study) -> tuple[list[Curve], tuple[Spread, ...]]:
+    """The curves of the tab's solid, the hammer's, and what the prediction leaves open."""
+    joint, alone = study.joint_comparison, study.comparison
+    if joint is None or alone is None or study.prediction is None:
+        return _predicted_curves(study), spreads(study.frf_band)[:1]
+    failed = study.joint is not None and study.joint.verdict.use == "do not use"
+    measured, relaxed, both = curves_of(alone, joint, failed=failed)
+    if both.pen is JOINT:
+        both = replace(both, label="both tests")
+    return [measured, both, replace(relaxed, label="relaxation alone", pen=REF)], ()
+
+
+def _predicted_curves(study: Study) -> list[Curve]:
+    """The prediction from the relaxation test, as the figure of a resonance has it."""
+    return resonance_curves(study.comparison, study.prediction, rival=study.rival)  # type: ignore[arg-type]
+
+
+def base_panel(found: Prediction, joint: bool, sizes: Sizes, title: str) -> str:
+    """The transmissibility to the mass, its peak, and from where on the mass is isolated."""
+    pen, name = joint_pen(failed=False) if joint else (PREDICTED, "predicted from relaxation")
+    panel = magnitude_panel([Curve(found.frf, name, pen, found.peak)], tagged=True)
+    if found.isolation is not None:
+        said = f"less than its base above {rounded(found.isolation, digits=4)} Hz"
+        panel = replace(panel, marks=(*panel.marks, Rule(found.isolation, REF, label=said)))
+    return drawn("frf", panel, sizes, title=title)
+
+
+def hit_panels(study: Study, sizes: Sizes) -> dict[str, str]:
+    """The pulses of the hits, their spectra, the answers to them, and the chart of their poles."""
+    if study.impact is None or study.measured is None:
+        return {}
+    strips = plot.hits(study.impact, study.measured).strips
+    found = {"pulses": strips[0][0], "force": strips[1][0], "answers": strips[-1][0]}
+    chart = chart_of(study)
+    if chart is not None:
+        found["poles"] = chart.panels[-1]
+    return {
+        name: drawn(name, replace(_in_short(one), title=""), sizes) for name, one in found.items()
+    }
+
+
+def hammer_line(study: Study) -> str:
+    """What the list of files says of a hammer test once it was averaged."""
+    if study.measured is None or not study.measured.hits:
+        return ""
+    accepted = sum(hit.accepted for hit in study.measured.hits)
+    peak = "" if study.comparison is None else f", {rounded(study.comparison.measured_hz)} Hz"
+    return f"{accepted} of {len(study.measured.hits)} hits{peak}"
+
+
+# -- curves while a handle is held ----------------------------------------------------------------
+
+
+class LiveCurves(NamedTuple):
+    """Curves by panel and name, in the units of their axes, and words beside them.
+
+    Of a test that is followed, `left` says what is left of the force.
+    """
+
+    arrays: dict[str, FloatArray]
+    words: str
+    left: str = ""
+
+
+def live_test(
+    fit: Fit,
+    prepared: RampHold,
+    by_eq5: Fit | None,
+    *,
+    unit: str = "N",
+    since: float | None = None,
+) -> LiveCurves:
+    """What a fit says while a handle is held: its curves, its residual in a `unit`, its numbers.
+
+    The axes of the hold stand as they were drawn: they count from `since` on the record's clock, s.
+    """
+    one = _shown_fit(fit, prepared)
+    when, left = relaxation.mean_residual(one, prepared)
+    ramp, hold = ((line.x, line.y) for line in relaxation.fit_lines(one, prepared))
+    later = 0.0 if since is None else prepared.ramp_end - since
+    curves = {
+        "ramp/fit": ramp,
+        "hold/fit": (hold[0] + later, hold[1]),
+        "hold/mean": (when + later, in_unit(left, unit)),
+    }
+    arrays: dict[str, FloatArray] = {}
+    for name, (x, y) in curves.items():
+        keep = np.unique(np.linspace(0, len(x) - 1, LIVE_POINTS).astype(int))
+        arrays[f"{name}/x"], arrays[f"{name}/y"] = x[keep], y[keep]
+    rest = _beside_noise(relaxation.residual_panel(one, prepared).note, prepared, unit)
+    return LiveCurves(arrays, piece("beside", rows=beside(fit, by_eq5)), rest)
+
+
+def at_end(fit: Fit, prepared: RampHold) -> tuple[str, str]:
+    """What the stiffness of one seal at the end of the hold is called, and how large it is."""
+    word, after = read_in(fit.unit), duration(prepared.hold_time).replace(".0 ", " ")
+    k = in_unit(float(fit.solid.relaxation(prepared.hold_time)), word)
+    return f"k after {after}", f"{rounded(k, digits=4)} {word}"
+
+
+def beside(fit: Fit, by_eq5: Fit | None) -> list[tuple[str, str, str, str]]:
+    """Name, value of the fit, value of eq. (5) and unit, of every parameter."""
+    there = {}
+    if by_eq5 is not None and fit.family != "fractional":
+        there = {one.name: one.cells.value for one in by_eq5.known}
+    return [
+        (one.symbol, one.cells.value, there.get(one.name, ""), one.word)
+        for one in fit.known
+        if one.name[0] != "b" and one.name != "k_end"
+    ]
+
+
+def live_response(predicted: FRF) -> LiveCurves:
+    """The predicted response while the mass moves."""
+    size = np.abs(predicted.value)
+    top = int(size.argmax())
+    words = (
+        f"{rounded(float(predicted.frequency[top]), digits=4)} Hz, {rounded(float(size[top]))} "
+        f"{SHOWN[predicted.quantity][0]}"
+    )
+    return LiveCurves({"frf/predicted/x": predicted.frequency, "frf/predicted/y": size}, words)
+
+
+# -- pieces of the page ---------------------------------------------------------------------------
+
+
+def verdict(found: Verdict, lights: Sequence[Light] = (), *, mass: str = "") -> str:
+    """The verdict in colour and words, with its lights, and a mass, g, that would mend it."""
+    return piece("verdict", verdict=found, colour=COLOURS[found.use], lights=lights, mass=mass)
+
+
+def mass_that_explains(study: Study) -> str:
+    """The mass, g, of the best explanation of both tests; of a gross error that of the FRF."""
+    best = next(iter(study.joint.explanations), None) if study.joint else None
+    if best is not None and best.explains:
+        alone = best.name.split(" and ")[0] == "mass"
+        return rounded(in_unit(best.value, "g"), in_unit(best.standard_error, "g")) if alone else ""
+    shown = next((one for one in study.weighed if one.name == mass_line.name and one.failed), None)
+    if (
+        study.mass is None
+        or study.mass_inferred
+        or shown is None
+        or shown.value is None
+        or shown.value <= -1
+    ):
+        return ""
+    return rounded(in_unit(study.mass * (1 + shown.value), "g"), digits=4)
+
+
+def lights_alone(fit: Fit) -> tuple[Light, ...]:
+    """What is known before the hammer is compared, or the limits are sought."""
+    return (
+        first_screen.test_light(fit.checks),
+        *(Light(name, "open", "not looked at") for name in ("Stiffness", "Damping")),
+    )
+
+
+class Term(NamedTuple):
+    """A parameter with its 95 % interval and a mark."""
+
+    name: str
+    value: str
+    low: str
+    high: str
+    unit: str
+    mark: str
+    pads: tuple[str, ...] = ()
+    """What stands unseen behind value, low and high, so that points stand below each other."""
+
+
+def terms(fit: Fit) -> list[Term]:
+    """Every parameter of the solid, the stiffness at the end of the hold first."""
+    # b = k tau says of an arm what k and tau say
+    return [term(one) for one in fit.known if not one.name.startswith("b_")]
+
+
+def term(fact: Fact) -> Term:
+    """A number with the ends of its interval, and whether it is determined."""
+    half = (fact.high - fact.low) / 2
+    # known to half of itself is seen; beyond, it is not determined
+    mark = "good" if 0 < half < 0.5 * abs(fact.value) else "care"
+    return Term(fact.symbol, *fact.ends, fact.word, mark)
+
+
+class ArmRow(NamedTuple):
+    """A spring or an arm: stiffness and relaxation time, each with its standard error."""
+
+    name: str
+    k: str
+    k_error: str
+    tau: str
+    tau_error: str
+    mark: str
+    note: str = ""
+
+
+def _among(tau: float, known: Iterable[float]) -> bool:
+    return any(1 / ALIKE < tau / one < ALIKE for one in known)
+
+
+def arms_table(fit: Fit, *, alone: Fit | None = None) -> str:
+    """The solid of one seal, one row an arm; those that no test `alone` shows are the hammer's.
+
+    A solid that has no arms, or more than are read, is told as its terms.
+    """
+    if fit.family != "maxwell" or fit.model.arms > SINGLE:
+        return solid_table(fit)
+    known = {one.name: one for one in fit.known}
+    pairs = [("spring at rest", "k_inf", "")]
+    pairs += [(f"arm {j}", f"k_{j}", f"tau_{j}") for j in range(1, fit.model.arms + 1)]
+    if "b" in known:
+        pairs.append((f"dashpot, {known['b'].word}", "b", ""))
+    rows = []
+    for name, *of in pairs:
+        facts = [known[one] for one in of if one in known]
+        cells = [text for one in facts for text in (one.ends[0], _plus_minus(one))]
+        marks = [term(one).mark for one in facts]
+        new = len(facts) > 1 and alone is not None and not _among(facts[1].value, alone.model.tau)
+        k, k_error, tau, tau_error = (*cells, "", "")[:4]
+        mark = max(marks, key=first_screen.ORDER.index)
+        rows.append(ArmRow(name, k, k_error, tau, tau_error, mark, "hammer" if new else ""))
+    unit = known["k_inf"].word
+    return piece("arms", rows=rows, unit=unit, of=fit.identity)
+
+
+def _plus_minus(fact: Fact) -> str:
+    """The standard error of a number; its highest value where that is all that is known."""
+    if fact.topped or fact.bound_alone:
+        return f"≤ {fact.ends[2]}"
+    return "not known" if fact.cells.error == UNKNOWN else fact.cells.error
+
+
+def solid_table(fit: Fit) -> str:
+    """The solid of one seal, each term with its interval and a mark."""
+    found, more = terms(fit), ""
+    if fit.family == "maxwell" and fit.model.arms > SINGLE:
+        found = [one for one in found if one.name == symbol("k_inf")]
+        more = (
+            f"and a spectrum of {fit.model.arms} arms from {fit.model.tau[0]:.3g} to "
+            f"{fit.model.tau[-1]:.3g} s, a table for a solver: fit.json holds it."
+        )
+    return term_table("Model of one seal", found, more, of=fit.identity)
+
+
+def term_table(title: str, found: Sequence[Term], more: str = "", *, of: str = "") -> str:
+    """Terms by unit, each with its interval and a mark, and what else is to be said of them.
+
+    `of` is the identity of the fit, which a deck is then asked for.
+    """
+    groups = []
+    for unit in dict.fromkeys(one.unit for one in found):
+        rows = [one for one in found if one.unit == unit]
+        columns = [_pads(texts) for texts in zip(*(row[1:4] for row in rows), strict=True)]
+        groups.append(
+            (unit, [one._replace(pads=pads) for one, *pads in zip(rows, *columns, strict=True)])
+        )
+    return piece("solid", title=title, groups=groups, more=more, of=of)
+
+
+def _pads(texts: Sequence[str]) -> list[str]:
+    """What each number lacks behind its point to be as long as the longest."""
+    behind = [len(text.partition(".")[2]) for text in texts]
+    return [
+        "." * (not short and max(behind) > 0) + "0" * (max(behind) - short)
+        if text[-1:].isdigit()
+        else ""
+        for text, short in zip(texts, behind, strict=True)
+    ]
+
+
+def check_list(checks: Sequence[Check]) -> str:
+    """What failed, the gravest first, and how many were judged, each grade apart."""
+    distinct = list(dict.fromkeys(checks))
+    failed = [(GRADES[one.grade], *_split(one), one.told) for one in distinct if one.failed]
+    failed.sort(key=lambda row: -first_screen.ORDER.index(row[0]))
+    passed = sum(one.passed is True for one in distinct)
+    grades = [
+        (mark, f"{count} {grade}{'' if count == 1 else 's'}")
+        for grade, mark in reversed(GRADES.items())
+        if (count := sum(one[0] == mark for one in failed))
+    ]
+    grades.sort(key=lambda pair: -first_screen.ORDER.index(pair[0]))
+    return piece("checks", failed=failed, passed=passed, judged=passed + len(failed), grades=grades)
+
+
+def _split(check: Check) -> tuple[str, str]:
+    """What was found, in one sentence, and what to do about it."""
+    return sentences(check.says)[0], check.remedy.words if check.remedy else ""
+
+
+def answers(study: Study, found: Recommendation) -> str:
+    """The numbers that one came for, of the solid of the tab."""
+    title, rows = first_screen.under_mass(study, found)
+    every: list[tuple[str, list[Row]]] = []
+    if rows:
+        own = zip(found.under_mass, rows, strict=True)
+        every.append((title, [_shorter(*pair) for pair in own]))
+    own = zip(found.one_seal, first_screen.rows(found.one_seal), strict=True)
+    every.append(("One seal", [_shorter(*pair) for pair in own]))
+    measured = study.comparison is not None
+    return piece(
+        "answers", groups=every, measured=measured, ranged=True, told="Numbers", note=""
+    )  # fmt: skip
+
+
+def tells_more(study: Study, checks: Sequence[Check]) -> str:
+    """What would tell more of the end of the hold; nothing where a failed check has said so."""
+    end = study.fit.end_of_hold
+    said = {one.remedy.words for one in checks if one.failed and one.remedy}
+    if end is None or end.remedy in said:
+        return ""
+    return piece("more", remedy=end.remedy, told=end.told(study.fit.unit))
+
+
+def groups(found: Sequence[Group], told: str, note: str) -> str:
+    """The table of a result of a kind: value, from and to of each number."""
+    every = [(one.title, one.rows) for one in found if one.rows]
+    measured = any(row.measured for _, rows in every for row in rows)
+    ranged = any(row.low or row.high for _, rows in every for row in rows)
+    return piece(
+        "answers", groups=every, measured=measured, ranged=ranged, told=told, note=note
+    )  # fmt: skip
+
+
+def _shorter(one: Answer, row: Row) -> Row:
+    """A number under a name that does not wrap beside its five cells."""
+    return row._replace(name=short_name(one))
+
+
+def short_name(one: Answer) -> str:
+    """A number's name that does not wrap beside its cells."""
+    at = "" if one.at is None else rounded(one.at)
+    return {
+        "frequency": "Frequency", "damping": "Damping", "peak": "Peak",
+        "end of hold": f"k after {at.removesuffix('.0')} s", "dynamic stiffness": f"K′ at {at} Hz",
+        "loss factor": "Loss factor",
+    }[one.quantity]  # fmt: skip
+
+
+def weight(job: Job) -> str:
+    """What rests on how many seals."""
+    on = "the mass" if job.mass is None else shown(job.mass, "g", digits=4)
+    return f"{on} on {seals(job.seals)}"
+
+
+def hit_table(study: Study) -> str:
+    """Every hit with its pulse and its verdict; nothing where no hits were averaged."""
+    if study.measured is None or not study.measured.hits:
+        return ""
+    return piece("hits", hits=study.measured.hits, pulses=_pulses(study), size=PULSE)
+
+
+def _pulses(study: Study) -> dict[str, str]:
+    """The path of each hit's pulse by its name, all to one scale."""
+    if study.impact is None:
+        return {}
+    (width, height), blocks = PULSE, cut_hits([study.impact])
+    longest = max(max(one.width(PART), 8 / one.rate) for one in blocks)
+    top = max(float(one.force.max()) for one in blocks)
+    found = {}
+    for one in blocks:
+        time = (np.arange(len(one.force)) - one.onset) / one.rate
+        near = (time > -0.5 * longest) & (time < 2.5 * longest)
+        t, force = extremes(time[near], one.force[near], bins=width)
+        x, y = width * (t / longest + 0.5) / 3, height * (1 - np.clip(force / top, -0.05, 1)) + 1
+        found[one.name] = "M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(x, y, strict=True))
+    return found
+
+
+def place_of(found: InspectedFile) -> str:
+    """Where the page takes a file; empty where it does not."""
+    return KINDS[found.kind].place if found.kind in KINDS else ""
+
+
+def asks(fields: Sequence[Ask]) -> list[dict[str, Any]]:
+    """The fields that are asked beside a file, as the page draws them."""
+    return [{"name": one.name, "label": one.label, "unit": one.unit, "choices": [*one.choices],
+             "each": one.each} for one in fields]  # fmt: skip
+
+
+def file_row(found: InspectedFile) -> dict[str, Any]:
+    """What the list of files says of one: its kind, one line, a mark."""
+    strange = _refusal(found) or _stranger(found)
+    mark = "care" if found.questions else "bad" if strange else "good"
+    return {
+        "kind": found.kind, "page": place_of(found), "line": on_page(_told(found)), "mark": mark,
+        "simulated": found.simulated,
+    }  # fmt: skip
+
+
+def _told(found: InspectedFile) -> str:
+    ready = found.preparation
+    if ready is not None:
+        ramp, hold = rounded(ready.ramp_time), rounded(ready.hold_time)
+        return f"{cell(ready.depth, 'mm')} mm, {ramp} s, {hold} s"
+    if found.questions:
+        return "asks: " + ("a unit" if "--units" in found.questions[0].option else "a column")
+    if place_of(found) in _ALONE:
+        return _refusal(found) or RECOGNISED[found.kind].what
+    return found.refusal or found.reason
+
+
+def _refusal(found: InspectedFile) -> str:
+    """Why a file is not fitted; that loops are no ramp and hold is no reason."""
+    return "" if place_of(found) == "level" else found.refusal
+
+
+def _heading(found: InspectedFile) -> str:
+    if found.questions:
+        return f"What does {found.file} hold?"
+    if _stranger(found):
+        return f"{found.file} is {RECOGNISED[found.kind].what}"
+    return f"{found.file} was not read"
+
+
+def _stranger(found: InspectedFile) -> str:
+    """What to do with a file of a kind that this page has no place for, if it is one."""
+    known = place_of(found) or found.kind not in RECOGNISED
+    if found.questions or found.refusal or known:
+        return ""
+    advice = RECOGNISED[found.kind].use
+    return (
+        "this page takes relaxation tests, hammer files, FRFs, sweeps, loops, moduli and creep "
+        f"tests; for this one: {advice}"
+    )
+
+
+class Consequence(NamedTuple):
+    """What the seal would be, were a column in this unit: its largest force and its stiffness."""
+
+    unit: str
+    force: str
+    stiffness: str
+
+
+def asked(found: InspectedFile, consequences: Sequence[Consequence]) -> str:
+    """The first rows with roles and units to choose, and what is to be answered."""
+    words: dict[str, list[str]] = {}
+    for unit in units.TABLE.values():
+        if unit.dimension in ASKED:
+            words.setdefault(unit.dimension, []).append(unit.word)
+    return piece(
+        "asked", file=found, heading=_heading(found), stranger=_stranger(found), roles=ROLES,
+        units=words, consequences=consequences, on_page=on_page,
+        rows=list(zip(*(column.first for column in found.columns), strict=False)),
+    )  # fmt: skip

@@ -1,0 +1,143 @@
+"""Lanes: worker processes side by side, so that a long computation never holds up a short one."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import time
+from pathlib import Path
+from typing import Any
+
+from dashpot.base.errors import DashpotError, DataError
+from dashpot.base.subprocesses import end_group, interpreter, long_lived
+from dashpot.extensions.app import wire_format
+
+
+class StoppedError(DashpotError):
+    """The computation was cancelled, or its process died."""
+
+
+class FaultError(DashpotError):
+    """A fault of dashpot's own."""
+
+
+class Lane:
+    """One worker, one question at a time; started when first asked, and anew once it was cancelled.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the files.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._one = asyncio.Lock()
+        self._process: asyncio.subprocess.Process | None = None
+        self._since = 0.0
+        self._cancelled = self._left = False
+        self.verb = self.doing = ""
+
+    @property
+    def seconds(self) -> float | None:
+        """For how long it has been at work; None if it is not."""
+        return time.monotonic() - self._since if self._since else None
+
+    async def ask(self, verb: str, request: Any) -> bytes:
+        """Return the answer to a question.
+
+        Raises
+        ------
+        DataError
+            With the sentence that the work ended in.
+        StoppedError, FaultError
+            If it was cancelled, or went wrong.
+        """
+        async with self._one:
+            if self._left:
+                raise StoppedError("cancelled")
+            process = await self.start()
+            self._since, self.doing, self._cancelled = time.monotonic(), "", False
+            self.verb = verb
+            try:
+                return await self._answer(process, verb, request)
+            except (asyncio.IncompleteReadError, ConnectionError):
+                await process.wait()
+                if self._cancelled:
+                    await self._stand_by()
+                raise StoppedError(
+                    "cancelled"
+                    if self._cancelled
+                    else "the computation ended without an answer: "
+                    "it may have needed more memory than there is"
+                ) from None
+            except asyncio.CancelledError:
+                # nobody waits for the answer, and the next question must not get it
+                self.cancel()
+                raise
+            finally:
+                self._since = 0.0
+
+    async def start(self) -> asyncio.subprocess.Process:
+        """Start the worker if none is there."""
+        if self._process is None or self._process.returncode is not None:
+            self._process = await asyncio.create_subprocess_exec(
+                *interpreter("dashpot.extensions.app.worker_process"), str(self._folder),
+                stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
+                env=long_lived(), start_new_session=True,
+            )  # fmt: skip
+        return self._process
+
+    async def _stand_by(self) -> None:
+        """Start anew, so that the modules are there when the next question comes."""
+        if not self._left:
+            await self.start()
+        self._end_if_left()
+
+    def _end_if_left(self) -> None:
+        if self._left:  # meanwhile
+            self.end()
+
+    async def _answer(self, process: asyncio.subprocess.Process, verb: str, request: Any) -> bytes:
+        assert process.stdin is not None and process.stdout is not None  # noqa: PT018, S101
+        question = json.dumps({"verb": verb, "request": request}).encode()
+        process.stdin.write(wire_format.framed("q", question))
+        await process.stdin.drain()
+        while True:
+            kind, length = wire_format.frame_head(
+                await process.stdout.readexactly(wire_format.FRAME_HEAD)
+            )
+            body = await process.stdout.readexactly(length)
+            if kind == "d":
+                return body
+            if kind == "e":
+                raise DataError(body.decode())
+            if kind == "f":
+                raise FaultError(
+                    f"a fault of dashpot's own: {body.decode()}; the shell's command says more"
+                )
+            self.doing = body.decode()
+
+    def cancel(self) -> bool:
+        """End the computation with its process, and who reads for it; True if there was one."""
+        at_work = self.seconds is not None
+        if at_work:
+            self._cancelled = True
+            self.end()
+        return at_work
+
+    def end(self) -> None:
+        """End the worker, whatever it does."""
+        if self._process is not None and self._process.returncode is None:
+            end_group(self._process.pid)
+
+    def leave(self) -> None:
+        """End the worker, and start no other for who still waits."""
+        self._left = True
+        self.end()
+
+    async def close(self) -> None:
+        """End the worker, and see it gone."""
+        self.leave()
+        if self._process is not None:
+            await self._process.wait()

@@ -1,0 +1,75 @@
+"""A worker: one process that answers one question after the other until its server is gone.
+
+Questions come by standard input, answers leave by standard output, as frames of `wire`. A thread
+waits for the end of the input: a server that dies, however it dies, closes it, and the worker
+leaves at once, whatever it computes, and takes the customer's files along.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import queue
+import shutil
+import sys
+import threading
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from dashpot.base.errors import DashpotError
+from dashpot.base.progress import listening
+from dashpot.base.subprocesses import end_group, give_back
+from dashpot.extensions.app import wire_format
+
+LARGE = 200 << 20
+"""Bytes of a worker that has had a long record: what it needed in between it gives back."""
+
+
+def main() -> None:
+    """Serve until the input ends; the folder of the files is the one argument."""
+    folder = Path(sys.argv[1])
+    questions: queue.Queue[bytes] = queue.Queue()
+    source = os.fdopen(os.dup(0), "rb")
+    answers = os.fdopen(os.dup(1), "wb")
+    # whatever a library prints is no answer
+    os.dup2(2, 1)
+    threading.Thread(target=_listen, args=(source, questions, folder), daemon=True).start()
+    from dashpot.extensions.app.handler_registry import (
+        VERBS,  # the imports are what makes a worker worth keeping
+    )
+    from dashpot.extensions.app.view_models import ready
+
+    if questions.empty():
+        ready()
+    while True:
+        _answer(VERBS, questions.get(), folder, answers)
+        give_back(LARGE)
+
+
+def _listen(source: BinaryIO, questions: queue.Queue[bytes], folder: Path) -> None:
+    while len(head := source.read(wire_format.FRAME_HEAD)) == wire_format.FRAME_HEAD:
+        _, length = wire_format.frame_head(head)
+        questions.put(source.read(length))
+    shutil.rmtree(folder, ignore_errors=True)
+    end_group(os.getpid())
+    os._exit(0)
+
+
+def _answer(verbs: Any, question: bytes, folder: Path, answers: BinaryIO) -> None:
+    asked = json.loads(question)
+
+    def send(kind: str, body: bytes) -> None:
+        answers.write(wire_format.framed(kind, body))
+        answers.flush()
+
+    try:
+        with listening(lambda what: send("p", what.encode())):
+            send("d", verbs[asked["verb"]](asked["request"], folder))
+    except DashpotError as error:
+        send("e", str(error).encode())
+    except Exception as error:  # noqa: BLE001 -- a fault must not end the lane, nor tell of files
+        send("f", type(error).__name__.encode())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,6 @@
+from .comparison import LotComparison as LotComparison
+from .comparison import compared as compared
+from .input_files import Entry as Entry
+from .limits import Limits as Limits
+from .limits import read_limits as read_limits
+from .lot import Lot as Lot

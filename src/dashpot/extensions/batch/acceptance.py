@@ -1,0 +1,105 @@
+"""What acceptance limits make of each seal of a lot."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from dashpot.base.errors import DashpotError
+from dashpot.base.student_t import t_quantile
+from dashpot.extensions.batch.limits import Limits
+from dashpot.extensions.batch.lot import Lot
+from dashpot.extensions.batch.quantities import Quantity
+from dashpot.extensions.batch.seals import Seal
+
+Decision = Literal["pass", "not proven", "fail", "no result"]
+SURE = 0.95
+"""Probability with which a seal that passes keeps the limit (ISO 14253-1:2017)."""
+
+
+class Decided(NamedTuple):
+    """What the limits make of one seal.
+
+    Attributes
+    ----------
+    lot, seal : str
+    decision : str
+        ``"pass"``; ``"fail"`` outside a limit; ``"not proven"`` inside it by less than the guard
+        band; ``"no result"`` where no test of the seal is used.
+    value : float or None
+        Mean of its tests, SI.
+    guard : float or None
+        The guard band: what the uncertainty of this mean takes off either limit.
+    """
+
+    lot: str
+    seal: str
+    decision: Decision
+    value: float | None
+    guard: float | None
+
+    def says(self, quantity: Quantity) -> str:
+        """Why it does not pass; empty where it does, or where there is nothing to judge."""
+        if self.decision != "not proven" or self.guard is None:
+            return "outside the limits" * (self.decision == "fail")
+        guard = quantity.read(self.guard, digits=2)
+        return f"inside the limits by less than its guard band, {guard}"
+
+
+def judged(lot: Lot, limits: Limits) -> tuple[Decided, ...]:
+    r"""Return what limits make of every seal that was tested, in the order of lot and seal.
+
+    The guard band is :math:`t_{0.95,\nu}\,u`, the decision rule of ISO 14253-1, with the standard
+    uncertainty u of the mean of n repeats: :math:`u^2 = s_r^2/n`, pooled over all seals with
+    :math:`\nu` degrees of freedom, and what operators add where several are named. Without a repeat
+    it is not known, and a seal passes inside the limits.
+    """
+    seals = lot.seals(limits.quantity.column)
+    deviation, freedom = _pooled(seals)
+    between = _between_operators(lot, limits.quantity.column)
+    found = []
+    for one in seals:
+        guard = None
+        if freedom:
+            own = math.hypot(deviation / math.sqrt(len(one.values)), between)
+            guard = t_quantile(2 * SURE - 1, freedom) * own
+        found.append(
+            Decided(one.lot, one.name, _decision(limits, one.mean, guard), one.mean, guard)
+        )
+    known = {(one.lot, one.name) for one in seals}
+    lost = (key for key in _tested(lot) if key not in known)
+    return (*found, *(Decided(of, seal, "no result", None, None) for of, seal in lost))
+
+
+def _tested(lot: Lot) -> dict[tuple[str, str], None]:
+    """Lot and name of every seal; a file that nobody named and that has no fit need not be one."""
+    rows = lot.table.select("lot", "seal", "file", "outcome").iter_rows()
+    return {(of, seal or file): None for of, seal, file, end in rows if seal or end == "fitted"}
+
+
+def _decision(limits: Limits, value: float, guard: float | None) -> Decision:
+    if not limits.inside(value):
+        return "fail"
+    return "pass" if limits.inside(value, guard or 0.0) else "not proven"
+
+
+def _pooled(seals: Sequence[Seal]) -> tuple[float, int]:
+    """Standard deviation of repeats, and its degrees of freedom."""
+    freedom = sum(len(one.values) - 1 for one in seals)
+    squares = sum(float(np.sum((one.values - one.mean) ** 2)) for one in seals)
+    return (math.sqrt(squares / freedom) if freedom else 0.0), freedom
+
+
+def _between_operators(lot: Lot, name: str) -> float:
+    if lot.used["operator"].n_unique() < 2:
+        return 0.0
+    try:
+        study = lot.gauge(name)
+    except DashpotError:
+        return 0.0
+    return math.hypot(*(
+        one.deviation for one in study.variations if one.name in ("operator", "interaction")
+    ))  # fmt: skip

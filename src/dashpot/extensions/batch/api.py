@@ -1,0 +1,124 @@
+"""Many tests at once: files to a lot, or arrays on one clock to their solids."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, overload
+
+from dashpot.api.fit import Arms
+from dashpot.api.read_save import Place
+from dashpot.base.choices import Method
+from dashpot.base.errors import DataError
+from dashpot.base.units import Quantity
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from dashpot.extensions.batch.lot import Lot
+    from dashpot.fitting.fit_many import Many
+
+
+@overload
+def batch(
+    paths: Place | Sequence[Place],
+    /,
+    *,
+    to: Place | None = ...,
+    arms: Arms = ...,
+    method: Method = ...,
+    quick: bool = ...,
+    mass: Quantity | None = ...,
+    seals: float = ...,
+    frequency: Quantity | Sequence[Quantity] = ...,
+    compression: Quantity | Sequence[Quantity] = ...,
+    length: Quantity | None = ...,
+    radius: Quantity | None = ...,
+    by: str | None = ...,
+    manifest: Place | None = ...,
+    pair: str | None = ...,
+    joint: bool = ...,
+    jobs: int | None = ...,
+    scheduler: str | None = ...,
+) -> Lot: ...
+@overload
+def batch(
+    forces: npt.ArrayLike,
+    /,
+    *,
+    time: npt.ArrayLike,
+    displacement: npt.ArrayLike | None = ...,
+    ramp: tuple[float, float] | None = ...,
+    units: str,
+    arms: int = ...,
+    method: Method = ...,
+    errors: bool = ...,
+) -> Many: ...
+def batch(what: Any, /, **how: Any) -> Any:
+    """Fit every test in files and folders, one row each; or many records on one clock at once.
+
+    Parameters
+    ----------
+    what : path or sequence of path; or array, shape (R, M)
+        Files, folders and patterns; or forces, N, one record a row.
+    to : path, optional
+        Folder of the lot; a second run makes only the rows that are missing.
+    jobs : int, optional
+        Processes side by side.
+    arms, method, mass, seals, joint, pair, by, manifest, frequency, compression
+        As ``dashpot batch --help`` has them.
+    time, displacement : array
+        Of arrays: their clock, and the displacement of all; or `ramp`, depth and ramp time.
+    units : str
+        Of arrays: ``"SI"``, or those of time, displacement and force: ``"s, mm, N"``.
+
+    Returns
+    -------
+    Lot, or Many of arrays
+
+    Raises
+    ------
+    ReadError, DataError
+        If a path names nothing, or a choice makes no sense. No file's contents raise.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> test = dp.simulate("relaxation", hold="5s", noise_free=True)
+    >>> many = dp.batch(
+    ...     [test.force, 2 * test.force], time=test.time, displacement=test.displacement,
+    ...     units="SI", arms=2,
+    ... )
+    >>> (many.k_inf[1] / many.k_inf[0]).round(6)
+    np.float64(2.0)
+    """
+    if "time" in how:
+        return _arrays(what, **how)
+    paths = [what] if isinstance(what, str) or hasattr(what, "__fspath__") else list(what)
+    if not all(isinstance(one, str) or hasattr(one, "__fspath__") for one in paths):
+        raise DataError(
+            'a batch is of files, dp.batch("tests/", to="lot"), or of arrays on one clock: '
+            'dp.batch(forces, time=t, displacement=x, units="s, mm, N")'
+        )
+    from dashpot.extensions.batch.batch_run import batch as of_files
+
+    if "frequency" in how:
+        how["at"] = how.pop("frequency")
+    return of_files(paths, output=how.pop("to", None), **how)
+
+
+def _arrays(
+    forces: Any,
+    *,
+    time: Any,
+    units: str = "",
+    displacement: Any = None,
+    ramp: tuple[float, float] | None = None,
+    **how: Any,
+) -> Many:
+    from dashpot.base.array_units import arrays_in_si
+    from dashpot.fitting.fit_many import fit_many
+
+    t, x, F = arrays_in_si(
+        units, time=(time, "time"), displacement=(displacement, "length"), force=(forces, "force")
+    )
+    return fit_many(t, F, displacement=x, ramp=ramp, **how)

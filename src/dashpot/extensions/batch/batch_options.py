@@ -1,0 +1,130 @@
+"""What decides a row besides its file."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from dashpot.base.choices import Method
+from dashpot.base.errors import DataError
+from dashpot.base.option_fields import like, option, part
+from dashpot.base.units import Dimension, Quantity, si, si_fields
+from dashpot.reading.raw_file import open_raw
+from dashpot.reading.read_options import ReadOptions
+from dashpot.workflow.job import Job
+
+MOST_ARMS = 6
+"""The most that are tried where their number is left to choose."""
+
+
+def several(given: Quantity | Sequence[Quantity], dimension: Dimension) -> tuple[float, ...]:
+    """Return one quantity or several in SI."""
+    quantities = [given] if isinstance(given, str | float | int) else given
+    return tuple(si(one, dimension) for one in quantities)
+
+
+def _positive(name: str, value: float, unit: str = "", *, expected: str = "a number") -> None:
+    if not 0 < value < math.inf:
+        raise DataError(f"{name} = {value!r}{unit}; expected {expected} > 0")
+
+
+@dataclass(frozen=True)
+class BatchChoices:
+    """How every test of a batch is read and fitted.
+
+    Attributes
+    ----------
+    arms, method
+        As in :func:`~dashpot.fitting.relaxation.fit`.
+    quick : bool
+        The optimum alone: no errors, no checks, no verdict.
+    mass : float or None
+        Of the block on the seals, kg, where a test has none of its own.
+    seals : float
+        Under that mass.
+    reading, reading_impact : ReadOptions
+        Of the tests, and of the hammer's files.
+    joint : bool
+        Where a hammer is paired with a ramp and hold: one solid for both.
+    at : tuple of float
+        Frequencies, Hz, at which each row has storage and loss stiffness and loss factor.
+    compression : tuple of float
+        Of the seals, m, for these and for the stiffness at the end of the hold; without any, the
+        depth of each test. The first is the nominal one of a load deflection record.
+    length : float or None
+        Contact length of each piece, m: load deflection is then per 100 mm.
+    radius : float or None
+        Of an indenter's tip, m: a hit then has a modulus.
+    """
+
+    arms: int | Literal["auto"] = like(Job, "arms")
+    method: Method = like(Job, "method")
+    quick: bool = option(False, "No intervals; needs a number of --arms.", is_flag=True)
+    mass: float | None = like(
+        Job, "mass", help="Mass of the block or indenter: adds its frequency."
+    )
+    seals: float = like(Job, "seals")
+    reading: ReadOptions = part(ReadOptions)
+    reading_impact: ReadOptions = part(ReadOptions)
+    joint: bool = option(False, "One solid for a test and its hammer.", is_flag=True)
+    at: tuple[float, ...] = option(
+        (),
+        "Add stiffness and loss factor there, e.g. 12.7Hz.",
+        unit="frequency", multiple=True, flag="frequency",
+    )  # fmt: skip
+    compression: tuple[float, ...] = option(
+        (),
+        "Compression for these results (as tested).",
+        unit="length", multiple=True,
+    )  # fmt: skip
+    length: float | None = option(None, "Contact length of each piece, e.g. 100mm.", unit="length")
+    radius: float | None = option(None, "Radius of an indenter's tip.", unit="length")
+
+    def __post_init__(self) -> None:
+        si_fields(self)
+        if self.quick and self.arms == "auto":
+            raise DataError(
+                "--quick needs the number of arms (such as --arms 2): choosing it takes the "
+                "errors that it leaves out"
+            )
+        for name, unit in (("mass", " kg"), ("length", " m"), ("radius", " m"), ("seals", "")):
+            value = getattr(self, name)
+            if value is not None:
+                _positive(name, value, unit)
+        for name in ("at", "compression"):
+            found = tuple(dict.fromkeys(getattr(self, name)))
+            object.__setattr__(self, name, found)
+            for one in found:
+                _positive(name, one, expected="numbers")
+        if self.joint and self.quick:
+            raise DataError("--joint weighs both tests by their errors, which --quick leaves out")
+
+    @property
+    def columns(self) -> int:
+        """Arms that a row has room for."""
+        return MOST_ARMS if self.arms == "auto" or self.joint else self.arms
+
+    @property
+    def bench(self) -> ReadOptions:
+        """How a test is read, before it is known to be a modulus."""
+        return self.reading.without(("modulus",))
+
+    @staticmethod
+    def from_plain(plain: dict[str, Any]) -> BatchChoices:
+        """From what JSON held of them."""
+        options = {
+            name: ReadOptions(**(plain[name] | {"units": dict(plain[name]["units"])}))
+            for name in ("reading", "reading_impact")
+        }
+        return BatchChoices(**(plain | options))
+
+    def calibration(self) -> str:
+        """The hash of the calibration that the readings are turned by; empty without one."""
+        path = self.reading.calibration
+        return (
+            "" if path is None else hashlib.sha256(open_raw(Path(path)).head(1 << 20)).hexdigest()
+        )

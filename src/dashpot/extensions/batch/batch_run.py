@@ -1,0 +1,324 @@
+"""A batch of tests to one table, which a second run completes."""
+
+from __future__ import annotations
+
+import datetime as dt
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from dashpot.base.choices import Method
+from dashpot.base.errors import ExportError
+from dashpot.base.lock import alone
+from dashpot.base.progress import doing
+from dashpot.base.serialisation import Documented
+from dashpot.base.units import Quantity, si
+from dashpot.extensions.batch.batch_options import BatchChoices, several
+from dashpot.extensions.batch.executors import engine
+from dashpot.extensions.batch.input_files import LOG, Entry, entries
+from dashpot.extensions.batch.limits import Limits
+from dashpot.extensions.batch.lot import Lot
+from dashpot.extensions.batch.parquet_parts import (
+    SMALL,
+    Task,
+    claim,
+    framed,
+    keys_done,
+    polars,
+    table,
+    tasks,
+    write_part,
+)
+from dashpot.extensions.batch.process_pool import Engine, Rows
+from dashpot.extensions.batch.table_row import row
+from dashpot.reading.read_options import ReadOptions
+
+CHUNK = SMALL
+"""Files of a chunk: what a run that is cut short loses at most, for each process."""
+_LAST = 5
+"""Files of the last chunks, where each process can have so many: to write a part takes 3 ms."""
+_LOCK = ".lock"
+_TIMED = 3
+"""Tests that a dry run times."""
+
+
+@dataclass(frozen=True)
+class BatchJob:
+    """Which tests a batch takes, who makes their rows, and what is asked of the lot.
+
+    The fields are the arguments of :func:`batch`, but for the last two: the quantity that its page
+    is of, if one was asked for, and the limits of acceptance.
+    """
+
+    paths: tuple[str | Path, ...]
+    output: Path
+    choices: BatchChoices
+    by: str | None = None
+    manifest: str | Path | None = None
+    pair: str | None = None
+    jobs: int | None = None
+    scheduler: str | None = None
+    quantity: str = ""
+    limits: tuple[Limits, ...] = ()
+
+    def entries(self, *, growing: bool = False) -> tuple[Entry, ...]:
+        """The tests that are there now; where more are to come, none is no error."""
+        return entries(
+            self.paths, manifest=self.manifest, by=self.by, pair=self.pair, without=self.output,
+            growing=growing,
+        )  # fmt: skip
+
+    def tasks(self) -> tuple[Task, ...]:
+        """The rows that are asked for."""
+        doing("finding the files")
+        found = self.entries()
+        doing(f"hashing the files of {len(found)} tests")
+        return tasks(found, self.choices)
+
+
+@dataclass(frozen=True)
+class BatchPlan(Documented):
+    """What a batch would do.
+
+    Attributes
+    ----------
+    files, done : int
+        In all, and those whose rows are there already.
+    chunks : int
+        Still to be made.
+    seconds : float
+        That they would take, by the first few tests on this machine; 0 if nothing is to be done.
+    jobs : int
+        Processes side by side.
+    """
+
+    schema = "dashpot/batch-plan@1"
+
+    files: int
+    done: int
+    chunks: int
+    seconds: float
+    jobs: int
+
+
+def batch(
+    paths: Sequence[str | Path] | str | Path,
+    *,
+    output: str | Path | None = None,
+    arms: int | Literal["auto"] = "auto",
+    method: Method = "full",
+    quick: bool = False,
+    mass: Quantity | None = None,
+    seals: float = 1.0,
+    at: Quantity | Sequence[Quantity] = (),
+    compression: Quantity | Sequence[Quantity] = (),
+    length: Quantity | None = None,
+    radius: Quantity | None = None,
+    by: str | None = None,
+    manifest: str | Path | None = None,
+    pair: str | None = None,
+    joint: bool = False,
+    jobs: int | None = None,
+    scheduler: str | None = None,
+    options: ReadOptions | None = None,
+    impact_options: ReadOptions | None = None,
+) -> Lot:
+    r"""Fit every test in files, folders and patterns, one row each.
+
+    Each test is fitted alone, in the way that suits it, as ``dashpot fit`` does it: a ramp and
+    hold, a creep test, a dynamic sweep, a master curve, a relaxation modulus. A hammer that is
+    paired with it is held against what it predicts. A file that has no fit, or cannot be read, is a
+    row that says why. Rows are kept in `output` as Parquet parts by
+    the hash of what decides them: configuration, version, contents; a second run, whatever ended
+    the first, makes only those that are missing, and ends with the same table.
+
+    Parameters
+    ----------
+    paths : path or sequence of path
+    output : path, optional
+        Folder of the parts and of the log; without one nothing is kept.
+    arms, method
+        As in :func:`~dashpot.fitting.relaxation.fit`.
+    quick : bool
+        The optimum alone, without errors, checks and verdict; `arms` must then be a number.
+    mass : float, optional
+        Of a block, kg, on so many `seals`: the table then has its frequency and damping ratio. The
+        manifest may give each test its own.
+    at : float or sequence of float
+        Frequencies, Hz: the table then has storage and loss stiffness and loss factor there.
+    compression : float or sequence of float
+        Of the seals, m, for these and for the stiffness at the end of the hold: of small vibration
+        about it. By default each test's own depth. The first is the nominal one of load deflection.
+    length : float, optional
+        Contact length of each piece, m: load deflection is then per 100 mm.
+    radius : float, optional
+        Of an indenter's tip, m; `mass` is then the indenter's.
+    by : str, optional
+        A regular expression for the path, whose groups are lot, seal, repeat, operator and date:
+        ``r"lot(\w+)_seal(\d+)_rep(\d+)"``; named groups may stand in any order.
+    manifest : path, optional
+        CSV or TOML with the columns file, lot, seal, repeat, operator, date, temperature, mass,
+        hammer, hammer_temperature.
+    pair : str, optional
+        The pattern of the hammer's files of a test, seen from its folder:
+        ``"{stem}_hammer*.csv"``, with {lot}, {seal} and {repeat} too. They are no rows of their
+        own.
+    joint : bool
+        Fit a ramp and hold and its hammer together.
+    jobs : int, optional
+        Processes side by side; by default as many as there are processors.
+    scheduler : str, optional
+        Of a cluster of dask.distributed, ``"tcp://host:8786"``, whose workers make the rows: the
+        same dashpot is installed there, and the files have the same paths.
+    options, impact_options : ReadOptions, optional
+        What is known of the files of the tests, and of the hammer.
+
+    Raises
+    ------
+    ReadError, DataError
+        If a path names nothing, or a choice makes no sense. No file's contents raise.
+    ExportError
+        If `output` holds something else, or polars is missing.
+    """
+    choices = BatchChoices(
+        arms, method, quick, si(mass, "mass"), seals, options or ReadOptions(),
+        impact_options or ReadOptions(), joint, several(at, "frequency"),
+        several(compression, "length"), si(length, "length"), si(radius, "length"),
+    )  # fmt: skip
+    every = (paths,) if isinstance(paths, str | Path) else tuple(paths)
+    with _folder(output) as folder:
+        return run_batch(BatchJob(every, folder, choices, by, manifest, pair, jobs, scheduler))
+
+
+def run_batch(job: BatchJob) -> Lot:
+    """Make the rows of a batch that are missing, and return all."""
+    polars()
+    engine(job.jobs, job.scheduler)  # refuses what makes no sense before anything is written
+    asked = job.tasks()
+    with occupied(job.output):
+        return completed(job, asked)
+
+
+@contextmanager
+def occupied(folder: Path) -> Iterator[None]:
+    """Make the folder of the results, and keep others out of it."""
+    claim(folder)
+    with alone(folder / _LOCK, str(folder)):
+        yield
+
+
+def completed(job: BatchJob, asked: Sequence[Task]) -> Lot:
+    """Make of the rows asked for those that are missing, in a folder that is occupied."""
+    missing = _missing(asked, job.output)
+    if missing:
+        try:
+            with engine(job.jobs, job.scheduler) as made:
+                _compute(missing, job.choices, job.output, made)
+        except (KeyboardInterrupt, OSError) as error:
+            made_now = len(missing) - len(_missing(missing, job.output))
+            kept = (
+                f"{made_now} of {len(missing)} rows are made and kept in {job.output}, and the "
+                "same command goes on from there"
+            )
+            if isinstance(error, OSError):
+                raise ExportError(f"{job.output}: {error.strerror or error}: {kept}") from None
+            raise KeyboardInterrupt(f"interrupted: {kept}") from None
+    return Lot(table(job.output, (one.key for one in asked)), len(missing))
+
+
+def plan_batch(job: BatchJob) -> BatchPlan:
+    """Say what :func:`batch` would do and how long it would take; nothing is written.
+
+    Raises
+    ------
+    ReadError, DataError, ExportError
+        As :func:`batch`.
+    """
+    polars()
+    made, asked = engine(job.jobs, job.scheduler), job.tasks()
+    missing = _missing(asked, job.output)
+    with made as making:
+        chunks = len(_chunks(missing, making.side))
+    each = _seconds_each(missing[:_TIMED], job.choices)
+    seconds = each * len(missing) / min(making.at_once, max(chunks, 1))
+    return BatchPlan(len(asked), len(asked) - len(missing), chunks, seconds, making.side)
+
+
+def _seconds_each(some: Sequence[Task], choices: BatchChoices) -> float:
+    if not some:
+        return 0.0
+    row(some[0].entry, some[0].hashes, choices)  # what is imported once does not count
+    began = time.perf_counter()
+    for one in some:
+        row(one.entry, one.hashes, choices)
+    return (time.perf_counter() - began) / len(some)
+
+
+@contextmanager
+def _folder(output: str | Path | None) -> Iterator[Path]:
+    if output is not None:
+        yield Path(output)
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        yield Path(folder)
+
+
+def _missing(asked: Sequence[Task], folder: Path) -> list[Task]:
+    done = keys_done(folder) if folder.is_dir() else set()
+    return [one for one in asked if one.key not in done]
+
+
+def _chunks(missing: Sequence[Task], jobs: int) -> list[tuple[Task, ...]]:
+    """Smaller ones towards the end, so that no process waits long for the last of another."""
+    found: list[tuple[Task, ...]] = []
+    first, most = 0, max(1, len(missing) // jobs)
+    while first < len(missing):
+        left = len(missing) - first
+        size = min(CHUNK, max(_LAST, left // (2 * jobs)), most)
+        found.append(tuple(missing[first : first + size]))
+        first += size
+    return found
+
+
+def _compute(missing: Sequence[Task], choices: BatchChoices, folder: Path, by: Engine) -> None:
+    chunks, done, began = _chunks(missing, by.side), 0, time.monotonic()
+    doing(f"{len(missing)} tests in {len(chunks)} chunks")
+    first = (0, 0.0)
+    for number, (chunk, rows) in enumerate(by.computed(chunks, choices), start=1):
+        path = write_part(folder, framed(rows, choices))
+        done += len(chunk)
+        now = done, max(time.monotonic() - began, 1e-6)
+        first = now if number == 1 else first
+        pace = rate(first, now, number, min(by.side, len(chunks)))
+        told = f"{done} of {len(missing)} tests, {pace:.1f} tests/s"
+        if done < len(missing):
+            told += f", {(len(missing) - done) / pace:.0f} s left"
+        doing(told)
+        noted(folder, f"{path.name} {_counted(rows)}; {told}")
+
+
+def rate(first: tuple[int, float], now: tuple[int, float], chunks: int, side: int) -> float:
+    """Return tests in a second, by how many were done, and after how many s, at two chunks.
+
+    Of the first round of chunks, `side` by side, those that are not there yet are as good as done;
+    after it, the start of the workers counts no more.
+    """
+    if chunks <= side:
+        return now[0] * side / chunks / now[1]
+    return (now[0] - first[0]) / max(now[1] - first[1], 1e-6)
+
+
+def noted(folder: Path, what: str) -> None:
+    """Add a line to the log."""
+    with (folder / LOG).open("a", encoding="utf-8") as log:
+        log.write(f"{dt.datetime.now(dt.UTC).isoformat(timespec='seconds')} {what}\n")
+
+
+def _counted(rows: Rows) -> str:
+    counts: Counter[Any] = Counter(one["outcome"] for one in rows)
+    return ", ".join(f"{count} {outcome}" for outcome, count in counts.most_common())

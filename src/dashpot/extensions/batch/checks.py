@@ -1,0 +1,221 @@
+"""What a batch of tests says of itself, as criteria with a sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from dashpot.base.checks import Finding, Grade, Remedy, criterion
+from dashpot.base.number_format import counted
+from dashpot.extensions.batch.statistics.control_chart import by_chance
+from dashpot.extensions.batch.statistics.gauge_rr import LIMIT, TRUSTED, Gauge
+from dashpot.extensions.batch.statistics.process_capability import Capability
+from dashpot.extensions.batch.statistics.variance_components import NOT_NORMAL
+
+
+@criterion(
+    "files without a fit", "<=", 0, "by definition", otherwise="stop where no file was fitted"
+)
+def files_fitted(without: int, files: int) -> Finding:
+    """Every file of a batch is a test that was fitted."""
+    return Finding(
+        f"{files - without} of {files} files are tests that were fitted",
+        without,
+        remedy="Look up the reason of each other file in the table.",
+        grade="stop" if files and without == files else "limit",
+    )
+
+
+@criterion("fits not to be used", "<=", 0, "by definition")
+def fits_usable(unusable: int, fitted: int) -> Finding:
+    """No fit of a batch has the verdict "do not use"."""
+    return Finding(
+        f"{unusable} of {fitted} fits have the verdict 'do not use'",
+        unusable,
+        remedy="Look up their reasons in the table.",
+    )
+
+
+@criterion("hammers not compared", "<=", 0, "by definition")
+def hammers_compared(without: int, paired: int) -> Finding:
+    """Every hammer of a batch was held against the test that it is paired with."""
+    return Finding(
+        f"{paired - without} of {paired} hammer tests were compared with their relaxation tests",
+        without,
+        remedy="Look up the reason of each other one in the table.",
+    )
+
+
+@criterion("tests made otherwise", "<=", 0, "by definition")
+def tests_alike(unlike: int, tests: int) -> Finding:
+    """Tests of a lot have one hold and depth, within 5 %, and one temperature, within 3 K."""
+    return Finding(
+        f"{counted(tests, 'seal')} tested alike",
+        unlike,
+        "The statistics leave those out, and the page names them",
+        "Test every seal alike.",
+        f"{unlike} of {tests} seals were tested unlike the rest",
+    )
+
+
+@criterion("records given again", "<=", 0, "by definition", grade="note")
+def records_distinct(again: int, tests: int) -> Finding:
+    """Every test is a record of its own: a copy says nothing that it did not say."""
+    return Finding(
+        f"{tests - again} of {tests} fits have records of their own",
+        again,
+        "The others are copies, and left out of the statistics",
+        "Give each record once.",
+    )
+
+
+@criterion(
+    "R&R, SD of the gauge / SD of all",
+    "<=",
+    LIMIT,
+    "AIAG, Measurement Systems Analysis, 4th ed.",
+    otherwise="stop where all of its interval is above; note where a good gauge may do that",
+)
+def gauge_tells_apart(study: Gauge) -> Finding:
+    """The gauge scatters less than 30 % of all: a test tells one seal from another."""
+    of = study["gauge"]
+    low, high = of.share_interval
+    says = (
+        f"The SD of the gauge is {100 * of.share:.0f} % of all ({100 * low:.0f} to "
+        f"{100 * high:.0f})"
+    )
+    # from a good gauge to none: so few seals tell nothing of it
+    beyond = of.share > LIMIT and low > TRUSTED
+    grade: Grade = "stop" if low > LIMIT else "limit" if beyond else "note"
+    return Finding(
+        says,
+        high,
+        "One test does not judge a seal" if beyond else "So few tests do not show it",
+        "Test every seal several times, and judge by the mean." if beyond else "Test more seals.",
+        grade=grade,
+    )
+
+
+@criterion("points that break a rule", "<=", None, "by chance three of 200 do, measured")
+def charts_in_control(charts: Sequence[tuple[str, int, int, int]]) -> Finding:
+    """The control charts show no more than chance does where nothing changes.
+
+    Of each kind of chart what its points are, and how many causes, points that break a rule, and
+    points there are: lots among themselves are judged apart from the seals of a lot.
+    """
+    what, causes, points, of = max(charts, key=lambda one: one[2] / by_chance(one[3]))
+    if not points:
+        return Finding(f"No point of {sum(one[3] for one in charts)} breaks a rule of control", 0)
+    return Finding(
+        f"{points} of {of} points of {what} break a rule of control, in {counted(causes, 'cause')}",
+        points,
+        "Chance does not do that",
+        "Look at the chart: something changed.",
+        limit=by_chance(of),
+    )
+
+
+@criterion("seals that do not pass", "<=", 0, "ISO 14253-1:2017, simple acceptance is not enough")
+def seals_within_limits(words: str, limits: str, decisions: Sequence[str]) -> Finding:
+    """Every seal is inside the limits that are asked for by more than its guard band."""
+    counts = {one: decisions.count(one) for one in ("fail", "not proven", "no result")}
+    said = {
+        "fail": "outside", "not proven": "inside by less than the guard band",
+        "no result": "without a value that is used",
+    }  # fmt: skip
+    broken = ", ".join(f"{count} {said[one]}" for one, count in counts.items() if count)
+    passed, every = decisions.count("pass"), len(decisions)
+    return Finding(
+        f"{passed} of {every} seals pass: {words} {limits}",
+        every - passed,
+        broken,
+        "Look up those seals in the table.",
+    )
+
+
+@criterion("Cpk", ">=", None, "asked for with the limits",
+           otherwise="stop where all of its interval is below")  # fmt: skip
+def capability_as_asked(
+    words: str, lowest: tuple[str, Capability] | None, unknown: int, asked: float
+) -> Finding:
+    """The Cpk of every lot is known, and the lowest is as high as is asked for."""
+    if lowest is None or unknown:
+        return Finding(
+            "",
+            instead=f"Cpk of {words} is not known of {counted(unknown, 'lot')}; {asked:.2f} is "
+            "asked",
+            remedy="Test two or more different seals of each lot.",
+            limit=asked,
+            faulted=True,
+        )
+    lot, of = lowest
+    low, high = of.cpk_interval or (0.0, 0.0)
+    where = f" of lot {lot}" if lot else ""
+    return Finding(
+        f"Cpk of {words}{where} is {of.cpk:.2f} ({low:.2f} to {high:.2f}, {of.count} seals); "
+        f"{asked:.2f} is asked",
+        of.cpk,
+        "" if high >= asked else "The seals scatter too much, or lie off centre",
+        "Test more seals." if high >= asked else "Look at scatter and mean of that lot.",
+        limit=asked,
+        grade="limit" if high >= asked else "stop",
+    )
+
+
+@criterion("probability if normal", ">=", NOT_NORMAL, "S. S. Shapiro, M. B. Wilk (1965)",
+           grade="note")  # fmt: skip
+def scatter_normal(source: str, normal: float | None) -> Finding:
+    """What differs between seals, lots and repeats scatters as normal values do."""
+    if normal is None:
+        return Finding("Too few values tell whether the scatter is normal")
+    return Finding(
+        f"The values of each {source} would scatter so with a probability of {normal:.2g} if they "
+        "were normal",
+        normal,
+        "The interval of their scatter is Bonett's, which needs no normal values",
+        "Test more of each, or look for two kinds among them.",
+    )
+
+
+@criterion("seals and tests", "<=", 0, "Iglewicz and Hoaglin (1993), for few values wider",
+           grade="note")  # fmt: skip
+def stands_out_of_lot(out: int, seals: int) -> Finding:
+    """No seal of a lot, and no test of a seal, stands out of the others."""
+    return Finding(
+        f"{out} of {seals} seals or their tests differ from the others", out, remedy="Look at them."
+    )
+
+
+@criterion("tests beyond their band", "<=", 0, "by definition")
+def asked_in_band(frequencies: Sequence[float], tests: int) -> Finding:
+    """The frequencies at which stiffness and loss are asked for are those that the tests inform."""
+    where = ", ".join(f"{one:g}" for one in frequencies)
+    return Finding(
+        "The frequencies asked for lie in the valid band of every test",
+        tests,
+        instead=f"{where} Hz lies outside the valid band of {counted(tests, 'test')}. "
+        "Stiffness and loss factor there are extrapolated",
+        remedy=Remedy("Add a hammer test, or ramp faster.", "pair"),
+    )
+
+
+@criterion("conditions that differ", "<=", 0, "by definition")
+def lots_tested_alike(otherwise: Sequence[str]) -> Finding:
+    """Two lots were tested alike: hold, depth and ramp within 5 %, temperature within 3 K."""
+    return Finding(
+        "The lots were tested alike",
+        len(otherwise),
+        instead=f"The lots were not tested alike ({', '.join(otherwise)}). The tests may cause the "
+        "difference",
+        remedy="Test both lots alike.",
+    )
+
+
+@criterion("tests without a seal", "<=", 0, "by definition")
+def seals_named(unnamed: int, tests: int) -> Finding:
+    """Of every test it is known which seal it is of: repeats of one do not count as seals."""
+    return Finding(
+        f"{tests - unnamed} of {tests} tests name their seal",
+        unnamed,
+        "Each other one counts as a seal. Intervals are too short if any are repeats",
+        Remedy("Name the seals.", "by"),
+    )

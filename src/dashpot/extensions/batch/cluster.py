@@ -1,0 +1,137 @@
+"""A cluster of dask.distributed that somebody else runs: the same chunks, the same rows."""
+
+from __future__ import annotations
+
+import json
+import logging
+import socket
+from collections.abc import Iterator, Sequence
+from contextlib import closing, contextmanager
+from functools import partial
+from itertools import islice
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+from dashpot.base.errors import DashpotError, DataError, ExportError
+from dashpot.base.serialisation import plain
+from dashpot.base.version import __version__
+from dashpot.extensions.batch.batch_options import BatchChoices
+from dashpot.extensions.batch.cluster_worker import let_go, rows_of
+from dashpot.extensions.batch.process_pool import Chunk, Engine, Rows
+
+PATIENCE = 10.0
+"""Seconds for the scheduler to answer, and for a first worker to be there."""
+_AHEAD = 2
+"""Chunks that wait for each thread of a worker; more would only fill the scheduler."""
+
+
+@contextmanager
+def cluster(address: str) -> Iterator[Engine]:
+    """The workers behind a scheduler.
+
+    Raises
+    ------
+    DataError
+        If no scheduler answers at that address, or it has no workers.
+    ExportError
+        If dask.distributed is missing.
+    """
+    try:
+        import distributed
+    except ImportError:
+        raise ExportError(
+            "a cluster is one of dask.distributed, which is not installed: "
+            'pip install "dashpot[batch,cluster]"'
+        ) from None
+    with _silent(), closing(_connected(distributed, address)) as client:
+        side = sum(client.nthreads().values())
+        yield Engine(side, side, partial(_computed, distributed, client, address))
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """What goes wrong is said in one sentence, not in dask's log too."""
+    logs = [logging.getLogger(name) for name in ("distributed", "distributed.client")]
+    levels = [one.level for one in logs]
+    for one in logs:
+        one.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        for one, level in zip(logs, levels, strict=True):
+            one.setLevel(level)
+
+
+def _connected(distributed: Any, address: str) -> Any:
+    try:
+        # a client that finds nobody would try on, and again when it is collected
+        parts = urlsplit(address)
+        socket.create_connection((parts.hostname or "", parts.port or 0), PATIENCE).close()
+        client = distributed.Client(
+            address, timeout=PATIENCE, set_as_default=False, name="dashpot-batch"
+        )
+    except (OSError, ValueError, TypeError) as error:
+        said = str(error).splitlines() or [type(error).__name__]
+        raise DataError(
+            f"--scheduler {address}: no scheduler answers there ({said[0]}); give the address that "
+            "dask scheduler prints, such as tcp://host:8786"
+        ) from None
+    try:
+        client.wait_for_workers(1, timeout=PATIENCE)
+    except TimeoutError:
+        client.close()
+        raise DataError(
+            f"--scheduler {address}: the scheduler has no worker; start one: dask worker {address}"
+        ) from None
+    return client
+
+
+def _computed(
+    distributed: Any,
+    client: Any,
+    address: str,
+    chunks: Sequence[Chunk],
+    choices: BatchChoices,
+) -> Iterator[tuple[Chunk, Rows]]:
+    common = {
+        "choices": json.dumps(plain(choices)),
+        "folder": str(Path.cwd()),
+        "version": __version__,
+    }
+    waiting, asked = iter(chunks), dict[str, Chunk]()
+
+    def submitted(chunk: Chunk) -> Any:
+        tasks = json.dumps([one.packed for one in chunk])
+        future = client.submit(rows_of, tasks, **common, pure=False)
+        asked[future.key] = chunk
+        return future
+
+    ahead = _AHEAD * sum(client.nthreads().values())
+    first = list(map(submitted, islice(waiting, ahead)))
+    running = distributed.as_completed(first, loop=client.loop)
+    try:
+        for future in running:
+            chunk = asked.pop(future.key)
+            yield chunk, _rows(future, address)
+            following = next(waiting, None)
+            if following is not None:
+                running.add(submitted(following))
+        client.run(let_go)
+    finally:
+        client.cancel(list(running.futures))
+
+
+def _rows(future: Any, address: str) -> Rows:
+    try:
+        found: Rows = json.loads(future.result())
+    except DashpotError:
+        raise
+    except Exception as error:  # noqa: BLE001 -- whatever a worker raised
+        said = str(error).splitlines() or [""]
+        raise DataError(
+            f"--scheduler {address}: a chunk was not made ({type(error).__name__}: {said[0]}); the "
+            "rows that were made are kept, and the same command goes on from there. Scheduler and "
+            f"workers need dashpot {__version__} as it is here, and memory for a test"
+        ) from None
+    return found

@@ -1,0 +1,90 @@
+"""What a worker of a cluster does: it asks processes of our own, as this machine would.
+
+They are kept for the next chunk. So a file that costs a process its life costs the worker nothing,
+the worker's environment (its threads, dask's limit for giving memory back) does not matter, and
+rows are made in the folder of whoever asked, without moving the worker out of its own.
+"""
+
+from __future__ import annotations
+
+import json
+import threading
+from pathlib import Path
+
+from dashpot.base.errors import DataError
+from dashpot.base.version import __version__
+from dashpot.extensions.batch.batch_options import BatchChoices
+from dashpot.extensions.batch.parquet_parts import Task
+from dashpot.extensions.batch.process_pool import Worker
+
+LINGER = 60.0
+"""Seconds that a process waits for the next chunk, if nobody tells it to go."""
+
+_idle: list[tuple[tuple[str, str], Worker]] = []
+_lock = threading.Lock()
+
+
+def rows_of(tasks: str, *, choices: str, folder: str, version: str) -> str:
+    """Return the rows of a chunk, as JSON.
+
+    Raises
+    ------
+    DataError
+        If another dashpot is installed here, or a file is not where it was for whoever asked.
+    """
+    if version != __version__:
+        raise DataError(
+            f"a worker of the cluster has dashpot {__version__}, and this is {version}: install "
+            "the same on every worker"
+        )
+    chunk = [Task(one) for one in json.loads(tasks)]
+    _refuse_unreachable(chunk, Path(folder))
+    key = (choices, folder)
+    worker = _taken(key) or Worker(BatchChoices.from_plain(json.loads(choices)), folder)
+    try:
+        return json.dumps([worker.row(one, threading.Event()) for one in chunk])
+    finally:
+        _kept(key, worker)
+
+
+def let_go() -> None:
+    """End the processes that wait."""
+    with _lock:
+        ended, _idle[:] = list(_idle), []
+    for _, worker in ended:
+        worker.end()
+
+
+def _refuse_unreachable(chunk: list[Task], folder: Path) -> None:
+    """What was hashed and is not there would be a row that says so, and stays."""
+    for task in chunk:
+        entry = task.entry
+        files = zip((entry.file, *entry.hammer), task.hashes, strict=True)
+        for file, sha256 in files:
+            if sha256 and not (folder / file).is_file():
+                raise DataError(
+                    f"{folder / file} is not there for a worker of the cluster: the files of a "
+                    "batch must have the same paths on every worker, such as on a shared drive"
+                )
+
+
+def _taken(key: tuple[str, str]) -> Worker | None:
+    with _lock:
+        place = next((i for i, (of, _) in enumerate(_idle) if of == key), None)
+        return None if place is None else _idle.pop(place)[1]
+
+
+def _kept(key: tuple[str, str], worker: Worker) -> None:
+    with _lock:
+        _idle.append((key, worker))
+    timer = threading.Timer(LINGER, _ended, (key, worker))
+    timer.daemon = True
+    timer.start()
+
+
+def _ended(key: tuple[str, str], worker: Worker) -> None:
+    with _lock:
+        if (key, worker) not in _idle:
+            return
+        _idle.remove((key, worker))
+    worker.end()

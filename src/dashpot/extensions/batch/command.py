@@ -1,0 +1,95 @@
+"""dashpot batch: many tests, one table."""
+
+from __future__ import annotations
+
+import signal
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from dashpot.cli import _options as options
+from dashpot.cli._command import group, opt, verb
+from dashpot.cli._command_io import Outcome
+from dashpot.cli._options import RESULT
+from dashpot.extensions.batch.lot_options import (
+    Filled,
+    each_test,
+    job_of,
+    outcome,
+    rows,
+    summarised,
+    write_lot,
+)
+from dashpot.text_output.layout import Text
+
+if TYPE_CHECKING:
+    from dashpot.extensions.batch.batch_run import BatchJob, BatchPlan
+
+
+@verb(
+    "batch",
+    """Fit every test in a folder: one table, one page; --watch keeps it up to date.
+
+  dashpot batch tests/ -o lot
+  dashpot batch rig/ -o lot --watch
+  dashpot batch tests/ -o lot --limits limits.toml --strict
+
+A stopped batch goes on where it was. Two lots: dashpot compare LOT LOT.""",
+    options.files("PATH...", "paths", least=0),
+    rows(
+        opt("--watch", help="Go on as files are written; Ctrl-C ends it."),
+        opt("--dry-run", help="Say what would be done."),
+    ),
+    each_test(),
+    options.reading(),
+    group(
+        RESULT,
+        opt("--json", "as_json", help="Print one JSON document in SI units."),
+        opt("--strict", help="Exit with 1 if a check limits the use."),
+        opt("-v", "--verbose", help="Print everything."),
+    ),
+)
+def command(*, paths: tuple[str, ...], watch: bool, dry_run: bool, **said: Any) -> Outcome:
+    """Fit what is there, or what comes."""
+    if not paths and said["manifest"] is None:
+        raise click.UsageError(
+            "Give files, folders or patterns, and the folder to fill: dashpot batch tests/ -o LOT"
+        )
+    asked = job_of(paths, **said)
+    if watch:
+        if dry_run:
+            raise click.UsageError("--watch waits for files, --dry-run does nothing: leave one out")
+        return _watched(asked)
+    from dashpot.extensions.batch.batch_run import plan_batch, run_batch
+
+    if dry_run:
+        planned = plan_batch(asked)
+        return Outcome(planned, Text(_planned(planned)))
+    found = summarised(asked, run_batch(asked))
+    write_lot(asked, found)
+    return outcome(asked, found)
+
+
+def _watched(asked: BatchJob) -> Outcome:
+    """Fit each test of a folder as it is written, until Ctrl-C; a file is taken when it rests."""
+    from dashpot.extensions.batch.folder_watch import watch_batch
+
+    if len(asked.paths) != 1 or not Path(asked.paths[0]).is_dir():
+        raise click.UsageError("--watch looks at one folder, such as: dashpot batch rig/ --watch")
+    with suppress(ValueError):  # not the main thread of whoever calls
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+    lot = watch_batch(asked, lambda found: write_lot(asked, summarised(asked, found)))
+    if lot is None:
+        told = "stopped before a table was made; the same command goes on from there"
+        return Outcome(Filled(str(asked.output)), Text([told]))
+    return outcome(asked, summarised(asked, lot))
+
+
+def _planned(plan: BatchPlan) -> list[str]:
+    left, seconds = plan.files - plan.done, plan.seconds
+    return [
+        f"files       {plan.files}, {plan.done} of them done",
+        f"to do       {left} in {plan.chunks} chunks by {plan.jobs} processes, {seconds:.3g} s",
+    ]

@@ -1,0 +1,230 @@
+"""Two lots held against each other, quantity by quantity."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from dashpot.base.checks import Check, Checked
+from dashpot.base.errors import DataError
+from dashpot.base.number_format import ascii_only, counted
+from dashpot.base.sentences import sentence
+from dashpot.base.serialisation import Documented
+from dashpot.extensions.batch.checks import lots_tested_alike, records_distinct, seals_named
+from dashpot.extensions.batch.lot import ALIKE, DEGREES, Lot
+from dashpot.extensions.batch.quantities import Quantity, natural
+from dashpot.extensions.batch.statistics.two_sample import SURE, Difference, holm
+
+_TOLD_BY_OTHERS = ("k_inf", "E_inf", "loss_at_")
+_CONDITIONS = ("hold_s", "depth_m", "temperature_K", "ramp_s")
+
+
+@dataclass(frozen=True)
+class Compared(Documented):
+    """One quantity of two lots.
+
+    Attributes
+    ----------
+    quantity : Quantity
+    difference : Difference
+        The second lot less the first, SI.
+    p_value : float
+        Adjusted for the number of quantities that were asked about at once (Holm).
+    shared : int
+        Records that both lots hold: the test wants lots that know nothing of each other.
+    """
+
+    keys = (
+        "quantity=quantity.name", "quantity.column", "different", "p_value_adjusted=p_value",
+        "*difference",
+    )  # fmt: skip
+
+    quantity: Quantity
+    difference: Difference
+    p_value: float
+    shared: int
+
+    @property
+    def different(self) -> bool | None:
+        """Whether chance alone gives such a difference in fewer than 5 % of trials.
+
+        None of lots that share records.
+        """
+        return None if self.shared else self.p_value < SURE
+
+    def share(self, value: float) -> float:
+        """A difference, SI, over the mean of the first lot."""
+        mean = self.difference.means[0]
+        return value / mean if mean else float("nan")
+
+
+@dataclass(frozen=True)
+class LotComparison(Checked, Documented):
+    """Whether two lots differ.
+
+    Attributes
+    ----------
+    names : (str, str)
+    each : tuple of Compared
+    checks : tuple of Check
+    """
+
+    schema = "dashpot/lot-comparison@1"
+    keys = ("lots=names", "verdict", "differences=each", "checks")
+
+    names: tuple[str, str]
+    each: tuple[Compared, ...]
+    checks: tuple[Check, ...]
+
+    @property
+    def sound(self) -> str:
+        """How many quantities differ, and by how much the one does that chance explains least."""
+        judged = [one for one in self.each if not one.shared]
+        if not judged:
+            return "0 quantities are compared: the lots share their records"
+        least = min(judged, key=lambda one: one.p_value)
+        differ = sum(bool(one.different) for one in judged)
+        low, high = (100 * least.share(end) for end in least.difference.interval)
+        by = 100 * least.share(least.difference.value)
+        return (
+            f"{differ} of {len(judged)} compared quantities differ. "
+            f"{sentence(least.quantity.words)[:-1]}: {by:+.2g} %, 95 % from {low:+.2g} to "
+            f"{high:+.2g} %"
+        )
+
+    def __str__(self) -> str:
+        first, second = self.names
+        lines = [f"{second} against {first}; seals are what is compared, not their repeats"]
+        for one in self.each:
+            lines += _told(one)
+        return "\n".join(lines)
+
+
+def _told(one: Compared) -> Iterator[str]:
+    of, read = one.difference, one.quantity.read
+
+    def share(value: float) -> str:
+        return f"{100 * one.share(value):+.2g} %"
+
+    low, high = of.interval
+    what = f"{'different' if one.different else 'no difference found'} (p = {one.p_value:.2g})"
+    if one.shared:
+        what = f"not judged, the lots have {counted(one.shared, 'record')} in common"
+    yield f"{one.quantity.words}: {what}"
+    means = " and ".join(
+        f"{read(mean)} ({count} seals, SD {read(sd, digits=2)})"
+        for mean, count, sd in zip(of.means, of.counts, of.deviations, strict=True)
+    )
+    yield f"  means       {ascii_only(means)}"
+    if one.shared:
+        return
+    yield f"  difference  {share(of.value)}, 95 % from {share(low)} to {share(high)}"
+    yield (
+        f"  detectable  {abs(100 * one.share(of.detectable)):.2g} % with a power of 80 %; "
+        f"alike within {abs(100 * one.share(of.alike_within)):.2g} % (two one-sided tests)"
+    )
+
+
+def opened(named: str) -> tuple[str, Lot]:
+    """Return the one lot that ``FOLDER`` or ``FOLDER:LOT`` names, and what it is called.
+
+    Raises
+    ------
+    ReadError
+        If there is no lot in the folder.
+    DataError
+        If there are several and none, or one that is not there, was named.
+    """
+    folder, _, chosen = (named, "", "") if Path(named).is_dir() else named.rpartition(":")
+    lot = Lot.read(folder or named)
+    if chosen:
+        return chosen, lot.only(chosen)
+    lots = sorted(set(lot.fitted["lot"]), key=natural)
+    if len(lots) > 1:
+        raise DataError(
+            f"{named} holds {len(lots)} lots: {', '.join(lots)}; say which one is meant, such as "
+            f"{named}:{lots[0]}"
+        )
+    return Path(named).resolve().name, lot
+
+
+def opened_both(named: Sequence[str]) -> list[tuple[str, Lot]]:
+    """Return two lots, opened each; those of one name are called as they were named."""
+    lots = [opened(one) for one in named]
+    if len({name for name, _ in lots}) == 1:
+        return [(called, lot) for called, (_, lot) in zip(named, lots, strict=True)]
+    return lots
+
+
+def compared(
+    first: tuple[str, Lot], second: tuple[str, Lot], names: Sequence[str] = ()
+) -> LotComparison:
+    """Return by how much the second lot differs from the first, and what could have been seen.
+
+    Parameters
+    ----------
+    first, second : (str, Lot)
+        What a lot is called, and the lot.
+    names : sequence of str
+        Quantities; by default those that both lots have, less what the others tell.
+
+    Raises
+    ------
+    DataError
+        If a lot has fewer than two seals, or lacks a quantity.
+    """
+    (one_name, one), (other_name, other) = first, second
+    quantities = [_of(first, second, name) for name in tuple(names) or _shared(one, other)]
+    if not quantities:
+        raise DataError(f"{one_name} and {other_name} have no quantity in common")
+    found = [one.compare(other, quantity.name) for quantity in quantities]
+    p_values = holm([each.p_value for each in found])
+    unnamed = sum(int((lot.used["seal"] == "").sum()) for lot in (one, other))
+    again = _again(one, other)
+    tests = one.used.height + other.used.height
+    return LotComparison(
+        (one_name, other_name),
+        tuple(Compared(*each, again) for each in zip(quantities, found, p_values, strict=True)),
+        (
+            lots_tested_alike(tuple(_otherwise(one, other))),
+            seals_named(unnamed, tests),
+            records_distinct(again, tests),
+            *(check.within(f"in {name}") for name, lot in (first, second) for check in lot.checks),
+        ),
+    )
+
+
+def _again(one: Lot, other: Lot) -> int:
+    """Records of the second lot that the first holds, too."""
+    known = set(one.used["sha256"]) - {""}
+    return sum(sha256 in known for sha256 in other.used["sha256"])
+
+
+def _shared(one: Lot, other: Lot) -> tuple[str, ...]:
+    """The quantities that both lots have, less what the others tell."""
+    theirs = {quantity.name for quantity in other.quantities}
+    mine = (quantity.name for quantity in one.quantities)
+    return tuple(name for name in mine if name in theirs and not name.startswith(_TOLD_BY_OTHERS))
+
+
+def _of(first: tuple[str, Lot], second: tuple[str, Lot], name: str) -> Quantity:
+    """A quantity that both lots have."""
+    for called, lot in (second, first):
+        try:
+            found = lot.quantity(name)
+        except DataError as error:
+            raise DataError(f"{called}: {error}") from None
+    return found
+
+
+def _otherwise(one: Lot, other: Lot) -> Iterator[str]:
+    """Conditions of the tests that differ between the lots, by their medians."""
+    for name in _CONDITIONS:
+        medians = [lot.used[name].median() for lot in (one, other)]
+        first, second = (value if isinstance(value, float) else None for value in medians)
+        if first is None or second is None:
+            continue
+        if abs(second - first) > (DEGREES if name == "temperature_K" else ALIKE * abs(first)):
+            what, _, unit = name.rpartition("_")
+            yield f"{what} {first:.4g} and {second:.4g} {unit}"

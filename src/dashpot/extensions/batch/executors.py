@@ -1,0 +1,27 @@
+"""What makes the rows of a batch: this machine, or a cluster."""
+
+from __future__ import annotations
+
+from contextlib import AbstractContextManager
+
+from dashpot.base.errors import DataError
+from dashpot.extensions.batch.process_pool import Engine, processes
+
+
+def engine(jobs: int | None, scheduler: str | None) -> AbstractContextManager[Engine]:
+    """Return processes of this machine, or the workers of a cluster.
+
+    Raises
+    ------
+    DataError
+        If both are asked for, or no number of processes.
+    """
+    if jobs is not None and jobs < 1:
+        raise DataError(f"jobs = {jobs}; expected a number of processes >= 1")
+    if scheduler is None:
+        return processes(jobs)
+    if jobs is not None:
+        raise DataError("--jobs are processes of this machine; a cluster (--scheduler) has its own")
+    from dashpot.extensions.batch.cluster import cluster  # dask takes a second to import
+
+    return cluster(scheduler)

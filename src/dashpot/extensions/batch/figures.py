@@ -1,0 +1,313 @@
+"""The figures of a lot: control charts, capability, every curve."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.number_format import rounded
+from dashpot.base.units import in_unit
+from dashpot.extensions.batch.quantities import Quantity
+from dashpot.extensions.batch.seals import Charts, LotCharts, Seal, by_lot, seal_means
+from dashpot.extensions.batch.statistics.control_chart import Chart
+from dashpot.extensions.batch.statistics.process_capability import Capability
+from dashpot.plot.picture import (
+    Area,
+    Dots,
+    Line,
+    Mark,
+    Panel,
+    Pen,
+    Picture,
+    Ring,
+    Rule,
+    Scale,
+    Tag,
+    around,
+    around_log,
+)
+
+_SAMPLES = 80
+_BARS, _MOST_BARS = 6, 24
+"""Bars of a histogram, at least and at most."""
+CHART = 210.0
+"""Height of the chart and of the histogram beside it, px."""
+_GROUPS = 8
+"""Groups of lots, or names, that stand above a chart at most."""
+_CURVE = Pen("measured", 0.8)
+_ODD = Pen("care", 1.6)
+_MEAN = Pen("fit", 2.0)
+_USUAL = Pen("fit", 1.4)
+_CEILING = Pen("fit", 1.4, (2, 3))
+_THREAD = Pen("ref", 0.8)
+_ASKED = Pen("bad", 1.6, (5, 3))
+_SHAPE = Pen("measured", 1.6)
+
+
+def control_picture(
+    quantity: Quantity,
+    charts: Mapping[str, Charts],
+    seals: Sequence[Seal],
+    asked: Sequence[float] = (),
+) -> Picture:
+    """Return seals in their order with the control limits of each lot, and the scatter inside.
+
+    Below the seals stand the standard deviations of their repeats, or, where no seal was tested
+    twice, the moving ranges of neighbours. Limits that are `asked`, SI, are drawn across.
+    """
+    place = {(one.lot, one.name): i + 1.0 for i, one in enumerate(seals)}
+    scale = Scale("seal, in the order of lot and name", (0.5, max(len(seals), 1) + 0.5), whole=True)
+    x = np.arange(1.0, len(seals) + 1)
+    y = quantity.scale * seal_means(seals)
+    areas: list[Mark] = []
+    marks: list[Mark] = [Line(x, y, _THREAD)]
+    titles, spans = list[tuple[float, str]](), list[tuple[Charts, FloatArray]]()
+    for name, one in charts.items():
+        at = np.array([place[seal.lot, seal.name] for seal in one.seals])
+        ends = _ends(at)
+        least, centre, most = (
+            quantity.scale * value * np.ones(2)
+            for value in (one.means.lower[0], one.means.centre, one.means.upper[0])
+        )
+        areas.insert(0, Area(ends, least, most, "fit", "control limits of each lot"))
+        marks.append(Line(ends, centre, _MEAN, "mean of each lot"))
+        marks += _named(one.seals, one.means, at, quantity.scale)
+        if name:
+            titles.append((float(ends[0]), name))
+        spans.append((one, at))
+    limits = quantity.scale * np.array(asked)
+    marks += [Rule(end, _ASKED, "limits asked", across=True) for end in limits]
+    marks.append(Dots(x, y, "measured", "seal: mean of its tests", size=5.0))
+    low, high = _limits(quantity, charts, seals, asked)
+    marks += [Tag(at, high, text, "soft") for at, text in titles]
+    upper = Panel(scale, Scale(quantity.title, (low, high)), (*areas, *marks), height=CHART)
+    panels = (upper, *_scatter(scale, quantity, spans))
+    return Picture("chart", f"{quantity.title}: seals of each lot", (panels,))
+
+
+def _scatter(
+    scale: Scale, quantity: Quantity, spans: Sequence[tuple[Charts, FloatArray]]
+) -> Iterator[Panel]:
+    """The panel of repeats or neighbours, unless there are none; each lot with its places."""
+    repeated = any(one.repeats is not None for one, _ in spans)
+    what = "SD of repeats" if repeated else "moving range"
+    marks, heights = list[Mark](), [np.zeros(1)]
+    for one, at in spans:
+        chart = one.repeats if repeated else one.moving
+        if chart is None:
+            continue
+        values, ceiling = quantity.scale * chart.values, quantity.scale * chart.upper
+        marks += [
+            Line(_ends(at), quantity.scale * chart.centre * np.ones(2), _USUAL),
+            Line(at, ceiling, _CEILING, "its upper control limit"),
+            Dots(at, values, "measured", size=4.0),
+            *_named(one.seals, chart, at, quantity.scale),
+        ]
+        heights += [values, ceiling]
+    if marks:
+        top = 1.15 * max(float(np.nanmax(one, initial=0.0)) for one in heights) or 1.0
+        title = f"{what}, {quantity.unit}".rstrip(", ")
+        yield Panel(scale, Scale(title, (0.0, top)), tuple(marks), height=70)
+
+
+def _ends(at: FloatArray) -> FloatArray:
+    return np.array([at[0] - 0.5, at[-1] + 0.5])
+
+
+def _named(seals: Sequence[Seal], chart: Chart, at: FloatArray, scale: float) -> list[Tag]:
+    """The names of the seals that break a rule."""
+    return [
+        Tag(float(at[i]), scale * float(chart.values[i]), seals[i].name, "care-ink", "hollow")
+        for i in dict.fromkeys(signal.point for signal in chart.signals)
+    ]
+
+
+def _limits(
+    quantity: Quantity,
+    charts: Mapping[str, Charts],
+    seals: Sequence[Seal],
+    asked: Sequence[float],
+) -> tuple[float, float]:
+    """The upright axis that chart and histogram share: seals, control limits, what is asked."""
+    edges = [quantity.scale * seal_means(seals), quantity.scale * np.array(asked)]
+    for one in charts.values():
+        edges += [quantity.scale * one.means.lower, quantity.scale * one.means.upper]
+    low, high = around(np.concatenate(edges))
+    # the names of the lots stand above all that is drawn
+    return low, high + 0.12 * (high - low)
+
+
+def histogram_picture(
+    quantity: Quantity,
+    charts: Mapping[str, Charts],
+    seals: Sequence[Seal],
+    asked: Sequence[float] = (),
+) -> Picture:
+    """Return the means of all seals as a histogram that lies on the axis of their chart."""
+    means = quantity.scale * seal_means(seals)
+    counts, edges = np.histogram(
+        means, bins=max(_BARS, min(_MOST_BARS, int(1.5 * len(means) ** 0.5)))
+    )
+    gap = 0.06 * (edges[1] - edges[0])
+    marks: list[Mark] = [
+        Area(np.array([0.0, count]), np.full(2, low + gap), np.full(2, high - gap), "ref", "seals",
+             tint=0.5)
+        for low, high, count in zip(edges[:-1], edges[1:], counts.tolist(), strict=True) if count
+    ]  # fmt: skip
+    limits = _limits(quantity, charts, seals, asked)
+    mean, top = float(means.mean()), float(counts.max())
+    deviation = float(means.std(ddof=1)) if len(means) > 1 else 0.0
+    if deviation > 0:
+        y = np.linspace(*limits, 121)
+        shape = np.exp(-0.5 * ((y - mean) / deviation) ** 2) / (deviation * np.sqrt(2 * np.pi))
+        shape *= len(means) * (edges[1] - edges[0])
+        top = max(top, float(shape.max()))
+        marks.append(Line(shape, y, _SHAPE, "normal"))
+    marks += [Rule(quantity.scale * end, _ASKED, across=True) for end in asked]
+    marks += [Rule(mean, _MEAN, across=True)]
+    said = rounded(mean, deviation / 10 if deviation > 0 else None)
+    scale = Scale("seals", (0.0, 1.1 * top), whole=True)
+    upright = Scale(f"all {len(seals)} seals", limits, unnumbered=True)
+    panel = Panel(scale, upright, tuple(marks), height=CHART, note=f"mean {said}")
+    return Picture("histogram", f"{quantity.title}: all seals", ((panel,),))
+
+
+def cpk_picture(known: Sequence[Capability], asked: float | None) -> Picture:
+    """Return the Cpk of each lot with its interval, the lowest first."""
+    ranked = sorted(known, key=lambda one: one.cpk or 0.0)
+    at = np.arange(1.0, len(ranked) + 1)
+    cpk = np.array([one.cpk or 0.0 for one in ranked])
+    low, high = (np.array([(one.cpk_interval or (0.0, 0.0))[i] for one in ranked]) for i in (0, 1))
+    # along a line each lot has its interval; so drawn, they make one area
+    marks: list[Mark] = [
+        Ring(np.concatenate([low, high[::-1]]), np.concatenate([at, at[::-1]]), "ref", "95 %", 0.4),
+        Line(cpk, at, Pen("measured", 1.8), "Cpk"),
+    ]
+    ends = [low, high]
+    if asked is not None:
+        marks.append(Rule(asked, _ASKED, "asked"))
+        ends.append(np.array([asked]))
+    across = Scale("Cpk", around(*ends))
+    upright = Scale("", (0.0, len(ranked) + 1.0), unnumbered=True)
+    panel = Panel(across, upright, tuple(marks), height=70, bare=True)
+    return Picture("cpks", "Cpk of every lot", ((panel,),))
+
+
+def lots_picture(
+    quantity: Quantity,
+    charts: Mapping[str, Charts],
+    lots: LotCharts | None,
+    seals: Sequence[Seal],
+    asked: Sequence[float] = (),
+) -> Picture:
+    """Return each lot as a dot, the middle 90 % and all of its seals, and the scatter of repeats.
+
+    Control limits are those of the means of lots; what breaks a rule has a ring.
+    """
+    each = {name: quantity.scale * seal_means(own) for name, own in by_lot(seals).items()}
+    names, at = list(each), np.arange(1.0, len(each) + 1)
+    scale = Scale("lot, in the order of name", (0.5, len(names) + 0.5), whole=True)
+    means = np.array([one.mean() for one in each.values()])
+    low, near, far, high = (
+        np.array([np.quantile(one, part) for one in each.values()])
+        for part in (0.0, 0.05, 0.95, 1.0)
+    )
+    marks: list[Mark] = []
+    if lots is not None:
+        edges = quantity.scale * lots.mean.lower, quantity.scale * lots.mean.upper
+        marks.append(Area(at, *edges, "fit", "control limits of lot means"))
+        marks.append(Rule(quantity.scale * lots.mean.centre, _MEAN, "mean of all", across=True))
+    marks.append(_bars(at, low, high, Pen("ref", 1.0), "all of its seals"))
+    marks.append(_bars(at, near, far, Pen("ref", 5.0), "90 % of its seals"))
+    marks += [Rule(quantity.scale * end, _ASKED, "limits asked", across=True) for end in asked]
+    marks.append(Dots(at, means, "measured", "mean of a lot", size=5.0))
+    if lots is not None and lots.mean.signalled:
+        on = [names.index(lots.names[i]) for i in lots.mean.signalled]
+        marks.insert(-1, Dots(at[on], means[on], "care", "signal", size=10.0, hollow=True))
+    limits = _limits(quantity, charts, seals, asked)
+    marks += _groups(names, means, limits[1])
+    upper = Panel(scale, Scale(quantity.title, limits), tuple(marks), height=CHART)
+    panels = (upper, *_repeats_of_lots(scale, quantity, names, charts))
+    return Picture("chart", f"{quantity.title}: every lot", (panels,))
+
+
+def _bars(at: FloatArray, low: FloatArray, high: FloatArray, pen: Pen, label: str) -> Line:
+    """Upright strokes as one line that breaks between them."""
+    gap = np.full(len(at), np.nan)
+    x, y = np.column_stack([at, at, gap]).ravel(), np.column_stack([low, high, gap]).ravel()
+    return Line(x, y, pen, label)
+
+
+def _groups(names: Sequence[str], means: FloatArray, top: float) -> Iterator[Mark]:
+    """Lots that are named alike but for a number: where each group begins, and its mean.
+
+    Of lots that are one group, or of no group, some are named.
+    """
+    stems = [name.rstrip("0123456789") for name in names]
+    starts = [i for i, one in enumerate(stems) if i == 0 or one != stems[i - 1]]
+    if 1 < len(starts) <= _GROUPS:
+        for start, stop in zip(starts, [*starts[1:], len(names)], strict=True):
+            span = names[start] if stop - start == 1 else f"{names[start]} to {names[stop - 1]}"
+            if start:
+                yield Rule(start + 0.5, Pen("edge", 1.0))
+            words = f"{span}  mean {rounded(float(means[start:stop].mean()), digits=4)}"
+            yield Tag(start + 0.7, top, words, "soft")
+        return
+    step = -(-len(names) // _GROUPS) if len(names) > 2 * _GROUPS else 1
+    for i in range(0, len(names), max(step, 1)):
+        yield Tag(i + 1.0, top, names[i], "soft")
+
+
+def _repeats_of_lots(
+    scale: Scale, quantity: Quantity, names: Sequence[str], charts: Mapping[str, Charts]
+) -> Iterator[Panel]:
+    """The standard deviations of repeats, a column of dots a lot; those beyond are named."""
+    x, y, tags, centres = list[FloatArray](), list[FloatArray](), list[Mark](), []
+    for i, name in enumerate(names):
+        one = charts.get(name)
+        if one is None or one.repeats is None:
+            continue
+        values = quantity.scale * one.repeats.values
+        x.append(np.full(len(values), i + 1.0))
+        y.append(values)
+        centres.append(quantity.scale * one.repeats.centre)
+        tags += [
+            Tag(i + 1.0, float(values[at]), f"{name}-{one.seals[at].name}", "care-ink", "hollow")
+            for at in one.repeats.signalled
+        ]
+    if not y:
+        return
+    known = np.concatenate(y)
+    marks: list[Mark] = [Dots(np.concatenate(x), known, "ref", size=2.5),
+                         Rule(float(np.mean(centres)), _USUAL, across=True)]  # fmt: skip
+    marks += tags[:_GROUPS]
+    title = f"SD of repeats of each seal, {quantity.unit}".rstrip(", ")
+    top = 1.2 * float(np.nanmax(known, initial=0.0)) or 1.0
+    yield Panel(scale, Scale(title, (0.0, top)), tuple(marks), height=70)
+
+
+def curves_picture(rows: Sequence[Mapping[str, Any]], odd: Sequence[str] = ()) -> Picture:
+    """Return the relaxation of the solid of every row, from 10 ms to the end of its hold."""
+    longest = max((float(one["hold_s"] or 0.0) for one in rows), default=0.0)
+    time = np.geomspace(1e-2, max(longest, 1.0), _SAMPLES)
+    drawn = [_relaxation(one, time) for one in rows]
+    marks = tuple(
+        Line(time, k, _ODD if one["file"] in odd else _CURVE,
+             "stands out" if one["file"] in odd else "solid of each test")
+        for one, k in zip(rows, drawn, strict=True)
+    )  # fmt: skip
+    axes = (
+        Scale("time after a step, s", (float(time[0]), float(time[-1])), log=True),
+        Scale("stiffness k(t), N/mm", around_log(*drawn, margin=1.05), log=True),
+    )
+    return Picture("curves", "relaxation of every solid", ((Panel(*axes, marks, height=170),),))
+
+
+def _relaxation(row: Mapping[str, Any], time: FloatArray) -> FloatArray:
+    k = np.full(len(time), float(row["k_inf_N_per_m"]))
+    for j in range(1, int(row["arms"]) + 1):
+        k += row[f"k_{j}_N_per_m"] * np.exp(-time / row[f"tau_{j}_s"])
+    return in_unit(k, "N/mm")

@@ -1,0 +1,148 @@
+"""A folder that is being filled: each test has its row when its file has been still for a while."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeAlias
+
+from dashpot.base.errors import DashpotError, ReadError
+from dashpot.base.progress import doing
+from dashpot.extensions.batch.batch_run import BatchJob, completed, noted, occupied
+from dashpot.extensions.batch.executors import engine
+from dashpot.extensions.batch.input_files import Entry, hashed, refuse_senseless
+from dashpot.extensions.batch.lot import Lot
+from dashpot.extensions.batch.parquet_parts import Task, tasks
+
+STILL = 2.0
+"""Seconds without a change after which a file is taken to be whole."""
+BEAT = 0.5
+"""Seconds between two looks."""
+
+_State: TypeAlias = tuple[int, ...]
+"""Size, times of change and number of a file: what is replaced or written to has another."""
+
+
+def watch_batch(
+    job: BatchJob,
+    refreshed: Callable[[Lot], None],
+    *,
+    wait: Callable[[float], object] = time.sleep,
+    clock: Callable[[], float] = time.monotonic,
+) -> Lot | None:
+    """Run a batch again and again on the files that are still, until it is interrupted.
+
+    The table is at any time that of a batch of what is there: a file that was replaced is fitted
+    again, one that went loses its row, one that cannot be read yet gets another when it can.
+
+    Parameters
+    ----------
+    job : BatchJob
+    refreshed : callable
+        Takes the lot, each time that its rows are others.
+    wait, clock : callable
+        Waits for so many seconds; tells the seconds.
+
+    Returns
+    -------
+    Lot or None
+        As it was last; None if there never was one.
+
+    Raises
+    ------
+    ReadError, DataError, ExportError
+        If a folder is missing, a choice makes no sense, or the results are in use.
+    """
+    for path in job.paths:
+        if not Path(path).is_dir():
+            raise ReadError(f"{path} is no folder; give the one into which the tests are written")
+    engine(job.jobs, job.scheduler)
+    refuse_senseless(job.by, job.pair)
+    watched, lot = _Watched(job, clock), None
+    with occupied(job.output):
+        try:
+            while True:
+                lot = watched.look(lot, refreshed)
+                wait(BEAT)
+        except KeyboardInterrupt:
+            return lot
+
+
+class _Watched:
+    """What was seen of the files, and of what the rows were made."""
+
+    def __init__(self, job: BatchJob, clock: Callable[[], float]) -> None:
+        self._job, self._clock = job, clock
+        self._since: dict[str, tuple[_State, float]] = {}
+        self._hashes: dict[str, tuple[_State, str]] = {}
+        self._made: tuple[str, ...] = ()
+        self._said = ""
+
+    def look(self, lot: Lot | None, refreshed: Callable[[Lot], None]) -> Lot | None:
+        """Make the rows of what has become still since the last look, if anything has."""
+        try:
+            every = self._job.entries(growing=True)
+            asked = self._tasks([one for one in every if self._still(one)])
+            keys = tuple(one.key for one in asked)
+            if keys and keys != self._made:
+                lot = completed(self._job, asked)
+                refreshed(lot)
+                self._made = keys
+                self._forget(lot)
+        except (DashpotError, OSError) as error:
+            self._say(f"waiting: {error}")
+        else:
+            moving = len(every) - len(asked)
+            doing(f"watching: {len(asked)} tests, {moving} still being written")
+        return lot
+
+    def _still(self, entry: Entry) -> bool:
+        """Whether none of its files has changed for a while."""
+        return all(list(map(self._at_rest, (entry.file, *entry.hammer))))
+
+    def _at_rest(self, file: str) -> bool:
+        now, state = self._clock(), _state(file)
+        if state is None:
+            self._since.pop(file, None)
+            return False
+        before, since = self._since.setdefault(file, (state, now))
+        if before != state:
+            self._since[file] = state, now
+            return False
+        return now - since >= STILL
+
+    def _tasks(self, still: list[Entry]) -> tuple[Task, ...]:
+        return tasks(still, self._job.choices, hashed=self._hashed)
+
+    def _hashed(self, file: str) -> str:
+        """The hash of its contents, computed once while it stays as it is."""
+        state = _state(file)
+        known = self._hashes.get(file)
+        if known is not None and known[0] == state:
+            return known[1]
+        found = hashed(file)
+        if found and state is not None:
+            self._hashes[file] = state, found
+        return found
+
+    def _forget(self, lot: Lot) -> None:
+        """Take a file that changed under the fit as one that is being written."""
+        rows = lot.table.filter(lot.table["outcome"] == "changed")
+        for file in rows["file"]:
+            self._since.pop(file, None)
+            self._made = ()
+
+    def _say(self, what: str) -> None:
+        doing(what)
+        if what != self._said:
+            self._said = what
+            noted(self._job.output, what)
+
+
+def _state(file: str) -> _State | None:
+    try:
+        found = Path(file).stat()
+    except (OSError, ValueError):
+        return None
+    return found.st_size, found.st_mtime_ns, found.st_ctime_ns, found.st_ino

@@ -1,0 +1,104 @@
+"""What a hammer says of a test: its fit held against the hits, or joined with them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from dashpot.base.checks import verdict
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import SIMULATED, Source
+from dashpot.base.sentences import lowered
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.extensions.batch.batch_options import BatchChoices
+from dashpot.extensions.batch.input_files import Entry
+from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.modal.peaks import find_peak
+from dashpot.workflow.job import HammerChoices
+from dashpot.workflow.response.static_equilibrium import at_rest
+from dashpot.workflow.vibration.impact_tests import held_against
+from dashpot.workflow.vibration.measured_frf import read_measured
+
+if TYPE_CHECKING:
+    from dashpot.workflow.fit_bench_tests import Record
+
+
+def held_against_hammer(
+    fit: Fit, record: Record, entry: Entry, choices: BatchChoices, mass: float | None
+) -> tuple[Fit, dict[str, Any]]:
+    """Return the fit, or the joint one if that is asked for, and what the hammer says of it.
+
+    Of seals at another temperature the resonance alone: one test does not say how they move.
+
+    Raises
+    ------
+    ReadError, DataError, FitError
+        If the hits cannot be read, averaged or held against a prediction.
+    """
+    if mass is None:
+        raise DataError("no mass is known, so that nothing is predicted: give --mass")
+    if fit.unit != "N/m":
+        raise DataError("a test of a material predicts no resonance; pair it with a test of a seal")
+    _, frf = read_measured(
+        entry.hammer, choices=HammerChoices(), options=choices.reading_impact, mass=mass
+    )
+    origin = of_origin(*fit.source, *frf.source)
+    if entry.hammer_temperature is not None:
+        try:
+            fit.at(entry.hammer_temperature)
+        except DataError as error:
+            return fit, _resonance(frf) | origin | {"reason": f"hammer: {error}"}
+    _, held = held_against(fit, frf, mass=mass, seals=choices.seals)
+    numbers = _peaks(held) | origin
+    if choices.joint and isinstance(record, RampHold):
+        at = at_rest(fit, mass=mass, seals=choices.seals).point.compression
+        from dashpot.fitting.identification.identify import identify
+
+        fit = identify(
+            frf, tests=(record,), fit=fit, mass=mass, seals=choices.seals, compression=at
+        )
+        _, held = held_against(fit, frf, mass=mass, seals=choices.seals)
+    agreed = verdict((*frf.checks, *held.checks), sound=held.says)
+    numbers |= {
+        "agreement": agreed.use,
+        "peak_dB": held.ratio_db,
+        "frac": held.frac,
+        "reason": "" if agreed.use == "use" else f"hammer: {lowered(agreed.says)}",
+    }
+    return fit, numbers
+
+
+def of_hammer_alone(entry: Entry, choices: BatchChoices, mass: float | None) -> dict[str, Any]:
+    """Return the resonance in a hammer file, or an FRF, that is paired with no test."""
+    _, frf = read_measured(
+        (entry.file,), choices=HammerChoices(), options=choices.reading_impact, mass=mass
+    )
+    return _resonance(frf) | of_origin(*frf.source)
+
+
+def of_origin(*files: Source) -> dict[str, Any]:
+    """Return what a row says of files of which one was made by the virtual rig or hammer."""
+    return {"origin": SIMULATED} if any(one.simulated for one in files) else {}
+
+
+def _resonance(frf: FRF) -> dict[str, Any]:
+    peak = find_peak(frf)
+    return {
+        "measured_Hz": peak.frequency,
+        "measured_se_Hz": peak.frequency_se,
+        "measured_damping_ratio": peak.damping_ratio,
+        "measured_damping_ratio_se": peak.damping_se,
+    }
+
+
+def _peaks(held: Comparison) -> dict[str, Any]:
+    """What the fit of the bench alone predicts, and what the hammer finds."""
+    return {
+        "predicted_Hz": held.predicted_hz,
+        "predicted_damping_ratio": held.predicted_damping,
+        "measured_Hz": held.measured_hz,
+        "measured_se_Hz": held.measured_hz_se,
+        "measured_damping_ratio": held.measured_damping,
+        "measured_damping_ratio_se": held.measured_damping_se,
+    }

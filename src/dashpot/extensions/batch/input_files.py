@@ -1,0 +1,402 @@
+"""Which files a batch takes, and what is known of each beside its contents."""
+
+from __future__ import annotations
+
+import csv
+import glob
+import hashlib
+import os
+import re
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from string import Formatter
+from typing import Any
+
+from dashpot.base.atomic import named
+from dashpot.base.errors import DataError, ReadError
+from dashpot.base.parsing import parsed_toml
+from dashpot.base.units import Dimension, parse_quantity
+from dashpot.base.version import is_ours, is_record
+from dashpot.reading.raw_file import missing, open_raw
+from dashpot.reading.toml import Section
+
+LABELS = ("lot", "seal", "repeat", "operator", "date")
+_QUANTITIES: dict[str, Dimension] = {
+    "temperature": "temperature", "mass": "mass", "hammer_temperature": "temperature",
+}  # fmt: skip
+_KNOWN = ("file", *LABELS, "temperature", "mass", "hammer", "hammer_temperature")
+_MANIFEST = 1 << 26
+"""Bytes of the largest manifest."""
+_HEAD = 1 << 12
+LOG = "batch.log"
+_LOGGED = re.compile(rb"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\+00:00 ")
+_PART = re.compile(r"part-[0-9a-f]{16}\.parquet")
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One test of a batch.
+
+    Attributes
+    ----------
+    file : str
+        The path of its record.
+    lot, seal, repeat : str
+        Which lot, which seal of it, and which test of that seal; empty where nobody said.
+    temperature, mass : float or None
+        Of the test, K; of the block on the seal, kg.
+    hammer : tuple of str
+        The hammer's files, or an FRF, of the block on such seals.
+    operator : str
+        Who, or which rig, tested; empty where nobody said.
+    hammer_temperature : float or None
+        Of the seals under the hammer, K; None where it is the test's.
+    date : str
+        Of the test, as it was said; empty where nobody did.
+    aside : str
+        Why it is not read; empty of what is.
+    """
+
+    file: str
+    lot: str = ""
+    seal: str = ""
+    repeat: str = ""
+    temperature: float | None = None
+    mass: float | None = None
+    hammer: tuple[str, ...] = ()
+    operator: str = ""
+    hammer_temperature: float | None = None
+    aside: str = ""
+    date: str = ""
+
+    @staticmethod
+    def from_plain(plain: dict[str, Any]) -> Entry:
+        """From what JSON held of it."""
+        return Entry(**{**plain, "hammer": tuple(plain["hammer"])})
+
+    def hashes(self, by: Callable[[str], str] | None = None) -> tuple[str, ...]:
+        """SHA-256 of the contents of its file and of its hammer's; of what is not read, none."""
+        return ("",) if self.aside else tuple(map(by or hashed, (self.file, *self.hammer)))
+
+
+def hashed(path: str) -> str:
+    """Return the SHA-256 of a file's contents; empty where they cannot be read."""
+    try:
+        if not Path(path).is_file():
+            return ""
+        with Path(path).open("rb") as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
+    except (OSError, ValueError):
+        return ""
+
+
+def entries(
+    paths: Sequence[str | Path],
+    *,
+    manifest: str | Path | None = None,
+    by: str | None = None,
+    pair: str | None = None,
+    without: Path,
+    growing: bool = False,
+) -> tuple[Entry, ...]:
+    """Return the tests that paths, folders and patterns name, each once, sorted by path.
+
+    Parameters
+    ----------
+    paths : sequence of path
+        Of a folder every file is taken, at any depth, but for hidden ones and for results that
+        dashpot wrote. A link that leads out of it, a device, a pipe is an entry that is not read:
+        it is read where it is named itself.
+    manifest : path, optional
+        CSV or TOML; the files it lists are added to the paths, and its labels win over `by`.
+    by : str, optional
+        A regular expression whose groups, named or in this order, are lot, seal, repeat, operator
+        and date.
+    pair : str, optional
+        The pattern of a test's hammer files, seen from its folder: ``"{stem}_hammer*.csv"``; it may
+        hold {stem}, the name of the test's file without its suffix, {lot}, {seal} and {repeat}.
+    without : Path
+        The folder of the results.
+    growing : bool
+        More files are to come: what fits none so far is no error.
+
+    Raises
+    ------
+    ReadError
+        If a path names nothing, or the manifest is not one.
+    DataError
+        If the expression is none, or fits no file, or a pattern pairs nothing.
+    """
+    listed = _manifest(manifest)
+    given = (one for path in paths for one in _expanded(str(path), without))
+    found = _by_place((*given, *((path, "") for path in listed)))
+    if manifest is not None:
+        found.pop(os.path.realpath(manifest), None)
+    if not found and not growing:
+        raise ReadError(
+            f"{', '.join(map(str, paths)) or manifest}: no file is there; give files, folders, "
+            "patterns such as 'tests/*.csv', or --manifest FILE"
+        )
+    known = _labels(by, [one.file for one in found.values()], growing=growing)
+    for place, one in found.items():
+        found[place] = replace(one, **known(one.file))
+    for path, said in listed.items():
+        place = os.path.realpath(path)
+        found[place] = replace(found[place], **said)
+    every = sorted(found.values(), key=lambda one: one.file)
+    return _tests(_paired(every, pair, growing=growing))
+
+
+def _by_place(paths: Iterable[tuple[str, str]]) -> dict[str, Entry]:
+    """Each file once, by its real path; what is not read by its own, with the reason."""
+    found: dict[str, Entry] = {}
+    for path, aside in paths:
+        place = path if aside else os.path.realpath(named(path))
+        # one text where both are the same: there may be many files
+        found.setdefault(path if path == place else place, Entry(_named(path), aside=aside))
+    return found
+
+
+def _named(path: str) -> str:
+    """The path, which a table holds as text."""
+    try:
+        path.encode()
+    except UnicodeEncodeError:
+        shown = path.encode(errors="backslashreplace").decode()
+        raise ReadError(f"{shown}: the name is not UTF-8, as in a table; rename the file") from None
+    return path
+
+
+def refuse_senseless(by: str | None, pair: str | None) -> None:
+    """Refuse an expression and a pattern that are none, before there are files to try them on.
+
+    Raises
+    ------
+    DataError
+    """
+    if by is not None:
+        _groups(by)
+    if pair is not None:
+        _names(pair)
+
+
+def _tests(every: Sequence[Entry]) -> tuple[Entry, ...]:
+    """All but the files that are another's hammer."""
+    hammers = {os.path.realpath(path) for one in every for path in one.hammer}
+    return tuple(one for one in every if os.path.realpath(one.file) not in hammers)
+
+
+def _paired(every: Sequence[Entry], pair: str | None, *, growing: bool) -> Sequence[Entry]:
+    """The entries with their hammers, but for those whose manifest names some."""
+    if pair is None:
+        return every
+    names = _names(pair)
+    found = [one if one.hammer else replace(one, hammer=_hammers(one, pair)) for one in every]
+    if not growing:
+        _refuse_unpaired(found, pair, names)
+    if found and not _tests(found):
+        raise DataError(
+            f"--pair '{pair}' fits the tests themselves, so that all are hammers: name the "
+            "hammer's files alone"
+        )
+    return found
+
+
+def _refuse_unpaired(found: Sequence[Entry], pair: str, names: set[str]) -> None:
+    if "stem" not in names and not any(getattr(one, name) for one in found for name in names):
+        raise DataError(f"--pair '{pair}': no test has a lot, seal or repeat: give --by too")
+    if not any(one.hammer for one in found):
+        example = Path(found[0].file).parent / _filled(found[0], pair)
+        raise DataError(f"--pair '{pair}' finds no hammer file, such as {example}")
+
+
+def _names(pair: str) -> set[str]:
+    """What a pattern holds in braces."""
+    try:
+        names = {name for _, name, _, _ in Formatter().parse(pair) if name is not None}
+    except ValueError as error:
+        raise DataError(f"--pair '{pair}' is no pattern: {error}") from None
+    if not names or names - {"stem", *LABELS}:
+        raise DataError(
+            f"--pair '{pair}' holds {', '.join(sorted(names)) or 'no name'} in braces; expected "
+            "some of {stem}, {lot}, {seal} and {repeat}, as in '{stem}_hammer*.csv'"
+        )
+    return names
+
+
+def _filled(one: Entry, pair: str) -> str:
+    known = {"stem": Path(one.file).stem} | {name: getattr(one, name) for name in LABELS}
+    return pair.format(**{name: glob.escape(value) for name, value in known.items()})
+
+
+def _hammers(one: Entry, pair: str) -> tuple[str, ...]:
+    folder = Path(one.file).parent
+    pattern = Path(glob.escape(str(folder))) / _filled(one, pair)
+    found = glob.glob(str(pattern), recursive=True)  # noqa: PTH207 -- it may be absolute
+    return tuple(sorted(path for path in found if Path(path).is_file()))
+
+
+def _expanded(path: str, without: Path) -> Iterator[tuple[str, str]]:
+    """The files of a path, each with the reason why it is not read, if there is one."""
+    if Path(path).is_dir():
+        yield from _in_folder(Path(path), without)
+    elif Path(path).exists():
+        yield path, ""
+    elif glob.has_magic(path):
+        named = sorted(glob.glob(path, recursive=True))  # noqa: PTH207 -- it may be absolute
+        if not named:
+            raise ReadError(f"{path}: the pattern fits no file; give another")
+        for one in named:
+            yield from _expanded(one, without)
+    else:
+        raise ReadError(missing(path))
+
+
+def _in_folder(folder: Path, without: Path) -> Iterator[tuple[str, str]]:
+    results, inside = without.resolve(), folder.resolve()
+    for above, folders, files in os.walk(folder, onerror=_unreadable):
+        folders[:] = sorted(
+            one
+            for one in folders
+            if not one.startswith(".") and (Path(above) / one).resolve() != results
+        )
+        for one in sorted(files):
+            path = Path(above) / one
+            aside = "" if one.startswith(".") else _aside(path, inside)
+            if aside or (not one.startswith(".") and path.is_file() and not _result(path)):
+                yield str(path), aside
+
+
+def _aside(path: Path, folder: Path) -> str:
+    """Why what stands in a folder is not read; empty of a file of its own, and of what went."""
+    if path.is_symlink() and not path.resolve().is_relative_to(folder):
+        return "a link that leads out of the folder is not followed; name it to read it"
+    if path.exists() and not path.is_file():
+        return "a device, a pipe or a socket is no file of a folder; name it to read it"
+    return ""
+
+
+def _unreadable(error: OSError) -> None:
+    """Refuse a folder whose tests would be left out unsaid; one that went has none."""
+    if not isinstance(error, FileNotFoundError):
+        raise ReadError(
+            f"{error.filename}: the folder cannot be read: {error.strerror}; allow it, or give the "
+            "other folders and files"
+        )
+
+
+def _result(path: Path) -> bool:
+    """Whether dashpot wrote it as a result, not as a simulated record.
+
+    Parts and logs of a batch bear no byline; tests may lie beside them.
+    """
+    if _PART.fullmatch(path.name):
+        return True
+    try:
+        with path.open("rb") as stream:
+            head = stream.read(_HEAD)
+    except OSError:
+        return False
+    if path.name == LOG:
+        return _LOGGED.match(head) is not None
+    return is_ours(head) and not is_record(head)
+
+
+def _labels(
+    by: str | None, files: Sequence[str], *, growing: bool
+) -> Callable[[str], dict[str, Any]]:
+    """What an expression says of a file."""
+    if by is None:
+        return lambda _: {}
+    pattern, named = _groups(by)
+
+    def known(file: str) -> dict[str, Any]:
+        one = pattern.search(Path(file).as_posix())
+        return {} if one is None else {
+            name: sys.intern(one[i] or "") for i, name in enumerate(named, start=1)
+        }  # fmt: skip
+
+    if not any(map(known, files)) and not growing:
+        raise DataError(f"--by '{by}' fits none of {len(files)} paths, such as {files[0]}")
+    return known
+
+
+def _groups(by: str) -> tuple[re.Pattern[str], tuple[str, ...]]:
+    """A regular expression, and which label each of its groups is."""
+    try:
+        pattern = re.compile(by)
+    except re.error as error:
+        raise DataError(f"--by '{by}' is no regular expression: {error}") from None
+    named = tuple(pattern.groupindex) or LABELS[: pattern.groups]
+    if (
+        not 1 <= pattern.groups <= len(LABELS)
+        or len(named) != pattern.groups
+        or set(named) - set(LABELS)
+    ):
+        raise DataError(
+            f"--by '{by}' has {pattern.groups} groups ({', '.join(named) or 'none'}); expected up "
+            r"to five, named or in the order of lot, seal, repeat, operator, date: "
+            r"'lot(\w+)_seal(\d+)_rep(\d+)'"
+        )
+    return pattern, named
+
+
+def _rows_of(content: bytes, *, toml: bool) -> Any:
+    if toml:
+        return parsed_toml(content).get("test")
+    return list(csv.DictReader(content.decode("utf-8-sig").splitlines()))
+
+
+def _manifest(given: str | Path | None) -> dict[str, dict[str, Any]]:
+    """What a manifest says of each file, by path; a path in it is seen from its own folder."""
+    if given is None:
+        return {}
+    path = Path(given)
+    raw = open_raw(path)
+    try:
+        rows = _rows_of(raw.head(_MANIFEST), toml=path.suffix.lower() == ".toml")
+    except (ReadError, UnicodeDecodeError, csv.Error) as error:
+        raise ReadError(f"{path}: not a manifest: {error}; expected CSV or TOML, UTF-8") from None
+    if not isinstance(rows, list) or not rows:
+        raise ReadError(
+            f"{path}: the manifest lists no test; expected a CSV whose first line is "
+            f"{','.join(_KNOWN)}, or a TOML with a [[test]] for each file"
+        )
+    listed: dict[str, dict[str, Any]] = {}
+    for number, row in enumerate(rows, start=1):
+        where = f"{path}, test {number}"
+        file, said = _stated(where, row)
+        if str(path.parent / file) in listed:
+            raise ReadError(f"{where}: {file} is listed twice; keep one")
+        said["hammer"] = tuple(str(path.parent / one) for one in said.get("hammer", ()))
+        listed[str(path.parent / file)] = said
+    return listed
+
+
+def _stated(where: str, row: Any) -> tuple[str, dict[str, Any]]:
+    if isinstance(row, Mapping) and None in row:
+        raise ReadError(
+            f"{where}: more cells than the first line has names: {', '.join(row[None])}"
+        )
+    given = Section(where, row, _KNOWN).entries
+    said: dict[str, Any] = {
+        name: str(value).strip() for name, value in given.items() if value not in (None, "")
+    }
+    file = said.pop("file", "")
+    if not file:
+        raise ReadError(f"{where}: it names no file; fill the column 'file'")
+    for name in [one for one in said if one in _QUANTITIES]:
+        try:
+            said[name] = parse_quantity(said[name], _QUANTITIES[name])
+        except DataError as error:
+            raise ReadError(f"{where}: {name}: {error}") from None
+    said["hammer"] = _listed(given.get("hammer"))
+    return file, said
+
+
+def _listed(value: object) -> list[str]:
+    """The texts of a list, or between semicolons."""
+    several = value if isinstance(value, list) else str(value or "").split(";")
+    return [text for one in several if (text := str(one).strip())]

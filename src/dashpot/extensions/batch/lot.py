@@ -1,0 +1,393 @@
+"""A lot: many tests, one row each, and what they say together."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError, ReadError
+from dashpot.base.escaping import neutral
+from dashpot.base.provenance import SIMULATED
+from dashpot.base.units import written
+from dashpot.base.version import byline
+from dashpot.extensions.batch.checks import (
+    files_fitted,
+    fits_usable,
+    hammers_compared,
+    records_distinct,
+    tests_alike,
+)
+from dashpot.extensions.batch.parquet_parts import joined, polars, read_parts
+from dashpot.extensions.batch.quantities import Quantity, natural, quantity
+from dashpot.extensions.batch.seals import Charts, LotCharts, Seal, by_lot, charted, seal_means
+from dashpot.extensions.batch.statistics.control_chart import means_and_deviations
+from dashpot.extensions.batch.statistics.gauge_rr import Gauge, gauge
+from dashpot.extensions.batch.statistics.process_capability import Capability, capability
+from dashpot.extensions.batch.statistics.two_sample import Difference, difference
+from dashpot.extensions.batch.statistics.variance_components import (
+    SHORT,
+    Component,
+    components,
+    stands_out,
+)
+from dashpot.workflow.dataframes import library
+
+if TYPE_CHECKING:
+    import polars as pl
+
+    from dashpot.plot.picture import Picture
+
+_MAIN = ("k_end_", "E_end_")
+_INSTEAD = ("cld_per_100mm", "cld_force", "indent_modulus", "restitution")
+"""Of pieces that were pressed and released, and of surfaces that were hit."""
+ALIKE = 0.05
+"""Of the median of its lot: by how much hold and depth of a test may differ from it."""
+DEGREES = 3.0
+"""By how much its temperature may, K."""
+
+
+def _levels(seals: Sequence[Seal]) -> list[tuple[str, list[str]]]:
+    """Lot and seal of every test, as far as there are several and they repeat."""
+    tests = [one for one in seals for _ in one.files]
+    lots = {one.lot for one in seals}
+    levels = [("lot", [one.lot for one in tests])] if len(lots) > 1 else []
+    if len(tests) > len(seals) > len(lots):
+        levels.append(("seal", [one.name for one in tests]))
+    return levels
+
+
+@dataclass(frozen=True, eq=False)
+class Lot:
+    """Many tests, one row each.
+
+    A quantity is named as a column of the table, with its unit (``"k_end_N_per_m"``) or without
+    (``"k_end"``). Statistics are of the rows in `used`, and their replicates are seals: the mean
+    of its tests stands for a seal.
+
+    Attributes
+    ----------
+    table : polars.DataFrame
+        Sorted by file; SI units, which the names of the columns end in.
+    computed : int
+        Rows that this run made; the others were there.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> lot = dp.batch("tests/", to="lot", jobs=2)  # doctest: +SKIP
+    >>> lot.outcomes  # doctest: +SKIP
+    {'fitted': 12}
+    """
+
+    table: pl.DataFrame
+    computed: int
+
+    @staticmethod
+    def read(folder: str | Path) -> Lot:
+        """Return the lot that a batch left in a folder.
+
+        Raises
+        ------
+        ReadError
+            If there is none.
+        """
+        found = joined((one for _, one in read_parts(Path(folder))), "diagonal")
+        if found.is_empty():
+            raise ReadError(f"{folder} holds no rows of a batch; give the LOT of dashpot batch -o")
+        return Lot(found.sort("file"), 0)
+
+    @property
+    def outcomes(self) -> dict[str, int]:
+        """How many files were ``fitted``, ``refused``, ``other`` tests, ``died`` or ``changed``."""
+        return dict(Counter(self.table["outcome"]).most_common())
+
+    @property
+    def verdicts(self) -> dict[str, int]:
+        """How many fits are for use, for use with care, and not for use."""
+        return dict(Counter(one for one in self.table["verdict"] if one).most_common())
+
+    @property
+    def agreements(self) -> dict[str, int]:
+        """What their hammers make of the predictions: for use, with care, or not for use."""
+        return dict(Counter(one for one in self.table["agreement"] if one).most_common())
+
+    @property
+    def simulated(self) -> int:
+        """How many rows are of files that the virtual rig or hammer made."""
+        known = "origin" in self.table.columns
+        return int((self.table["origin"] == SIMULATED).sum()) if known else 0
+
+    @cached_property
+    def fitted(self) -> pl.DataFrame:
+        """The rows that were fitted and whose verdict is not "do not use"."""
+        column = polars().col
+        return self.table.filter(
+            (column("outcome") == "fitted") & (column("verdict") != "do not use")
+        )
+
+    @cached_property
+    def unlike(self) -> dict[str, str]:
+        """Tests made otherwise than those of their kind and lot, by file, and how.
+
+        Hold and depth within 5 % of the median, temperature within 3 K; of an even number the
+        lower median, so that of two depths one is the lot's.
+        """
+        found: dict[str, str] = {}
+        for rows in self._groups(self.fitted, "lot", "kind"):
+            for name, what, unit in (
+                ("hold_s", "held for", "s"), ("depth_m", "pressed to", "mm"),
+                ("temperature_K", "tested at", "K"),
+            ):  # fmt: skip
+                if name not in rows.columns or rows[name].is_null().all():
+                    continue
+                usual = float(rows[name].quantile(0.5, interpolation="lower") or 0.0)
+                reach = DEGREES if unit == "K" else ALIKE * usual
+                for file, value in rows.drop_nulls(name).select("file", name).iter_rows():
+                    if abs(value - usual) > reach * (1 + 1e-9):
+                        own, others = (written(one, unit, ".3g") for one in (value, usual))
+                        found.setdefault(file, f"{what} {own}, its lot {others}")
+        return found
+
+    @cached_property
+    def used(self) -> pl.DataFrame:
+        """The rows of the statistics: those `fitted`, less those `unlike` others, less copies."""
+        left_out = [*self.unlike, *self.copies]
+        return self.fitted.filter(~polars().col("file").is_in(left_out))
+
+    @cached_property
+    def copies(self) -> dict[str, str]:
+        """Tests whose file holds what that of another one does, by file, and that other."""
+        first: dict[str, str] = {}
+        if "sha256" not in self.table.columns:
+            return {}
+        alike = self.fitted.filter(~polars().col("file").is_in(list(self.unlike)))
+        rows = alike.filter(polars().col("sha256") != "").select("file", "sha256").iter_rows()
+        pairs = ((file, first.setdefault(sha256, file)) for file, sha256 in rows)
+        return {file: other for file, other in pairs if file != other}
+
+    def quantity(self, name: str) -> Quantity:
+        """Return what a column is, by its name with or without the unit.
+
+        Raises
+        ------
+        DataError
+            If no column of numbers is called so.
+        """
+        numbers = [one for one, kind in self.table.schema.items() if kind.is_float()]
+        # the stiffness of a part and the modulus of a material share a name: of which there are any
+        return quantity(name, sorted(numbers, key=lambda one: self.table[one].count() == 0))
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Those that say what the tests found, and of which there are values."""
+        pattern = (
+            r"[kE]_(end|0|inf)_|(storage|loss|loss_factor|k_end)_at_|frequency_|damping_ratio|"
+            r"cld_(per_100mm|force|slope|hysteresis|softening|set)|indent_modulus|restitution"
+        )
+        names = self.table.select(polars().col(f"^({pattern}).*$")).columns
+        wanted = [
+            one for one in names if not any(end in one for end in ("_se_", "_low_", "_high_"))
+        ]
+        return tuple(self.quantity(one) for one in wanted if self.table[one].count())
+
+    @property
+    def main(self) -> str:
+        """What a page is of where nothing was asked for: k_end, or what the tests have instead."""
+        if any(self.table[one].count() for one in self.table.columns if one.startswith(_MAIN)):
+            return "k_end"
+        known = {one.name for one in self.quantities}
+        return next((one for one in _INSTEAD if one in known), "k_end")
+
+    def seals(self, name: str = "k_end") -> tuple[Seal, ...]:
+        """Return the seals with their values of a quantity, in the order of lot and seal."""
+        column = self.quantity(name).column
+        groups: dict[tuple[str, str], list[tuple[str, float]]] = defaultdict(list)
+        rows = self.used.drop_nulls(column).select("lot", "seal", "file", column)
+        for lot, seal, file, value in rows.iter_rows():
+            groups[lot, seal or file].append((file, value))
+        ordered = sorted(groups, key=lambda key: (natural(key[0]), natural(key[1])))
+        return tuple(
+            Seal(*key, tuple(file for file, _ in groups[key]),
+                 np.array([value for _, value in groups[key]]))
+            for key in ordered
+        )  # fmt: skip
+
+    def components(self, name: str = "k_inf") -> tuple[Component, ...]:
+        """Where the scatter of a quantity comes from: lots, their seals, repeats, errors of fits.
+
+        A level that has one member, or whose labels nobody gave, is left out; without repeats the
+        scatter inside a lot is that of its seals and their tests. The errors of the fits are known
+        of ``k_inf``, unless they were left out.
+
+        Raises
+        ------
+        DataError
+            If there is no such column, or nothing that repeats.
+        """
+        seals = self.seals(name)
+        levels = _levels(seals)
+        if not levels:
+            raise DataError(
+                "the scatter has no sources to separate: say which lot, seal and repeat each "
+                "test is, by --by or --manifest, of at least two lots or seals"
+            )
+        known = self.quantity(name).name == "k_inf"
+        errors = self._by_test("k_inf_se_N_per_m", seals) if known else [None]
+        return components(
+            np.concatenate([one.values for one in seals]),
+            levels,
+            within="repeat" if any(len(one.files) > 1 for one in seals) else "seal",
+            errors=None if None in errors else np.array(errors),
+        )
+
+    def _by_test(self, column: str, seals: Sequence[Seal]) -> list[Any]:
+        """What a column has of every test of these seals."""
+        by_file = dict(self.used.select("file", column).iter_rows())
+        return [by_file[file] for one in seals for file in one.files]
+
+    def gauge(self, name: str = "k_end") -> Gauge:
+        """Return repeatability and reproducibility of the testing, with the seals as its parts.
+
+        Raises
+        ------
+        DataError
+            If no seal was tested twice, or not every operator tested two seals twice.
+        """
+        seals = self.seals(name)
+        who = self._by_test("operator", seals)
+        parts = [f"{i}" for i, one in enumerate(seals) for _ in one.files]
+        if not seals:
+            raise DataError(f"no test that is used has a value of {name}")
+        return gauge(np.concatenate([one.values for one in seals]), parts, who)
+
+    def charts(self, name: str = "k_end") -> dict[str, Charts]:
+        """Return the control charts of each lot that has two seals, by lot.
+
+        Repeats of a seal do not say how seals differ, so the limits of the seals are those of
+        individuals and moving ranges, and the repeats have a chart of their standard deviations
+        (Wheeler, Advanced Topics in Statistical Process Control, 1995, chapter 9).
+        """
+        lots = by_lot(self.seals(name))
+        return {lot: charted(seals) for lot, seals in lots.items() if len(seals) > 1}
+
+    def lot_chart(self, name: str = "k_end") -> LotCharts | None:
+        """Return lots, and the X-bar and s charts whose groups are the seals of each.
+
+        None of one lot, or where no lot has two seals.
+        """
+        lots = by_lot(self.seals(name))
+        if len(lots) < 2 or max(map(len, lots.values())) < 2:
+            return None
+        charts = means_and_deviations([seal_means(seals) for seals in lots.values()])
+        return LotCharts(tuple(lots), *charts)
+
+    def capability(
+        self, name: str, lower: float | None = None, upper: float | None = None
+    ) -> dict[str, Capability]:
+        """Return Cp and Cpk of the seals of each lot that has two, between limits in SI, by lot."""
+        return {
+            lot: capability(seal_means(seals), lower, upper)
+            for lot, seals in by_lot(self.seals(name)).items()
+            if len(seals) > 1
+        }
+
+    def compare(self, other: Lot, name: str = "k_end") -> Difference:
+        """Return by how much the seals of another lot differ from those of this one.
+
+        Raises
+        ------
+        DataError
+            If there are fewer than two seals of either.
+        """
+        return difference(seal_means(self.seals(name)), seal_means(other.seals(name)))
+
+    def only(self, name: str) -> Lot:
+        """Return one lot of several.
+
+        Raises
+        ------
+        DataError
+            If there is none of that name.
+        """
+        lots = sorted(set(self.table["lot"]), key=natural)
+        if name not in lots:
+            raise DataError(f"there is no lot '{name}'; there are {', '.join(filter(None, lots))}")
+        return Lot(self.table.filter(polars().col("lot") == name), 0)
+
+    def outliers(self, name: str = "k_end") -> tuple[tuple[str, float], ...]:
+        """The tests that stand out of their lot: file, and distance in robust deviations.
+
+        From the median of the lot, in 1.4826 times its median absolute deviation; the limit is
+        :func:`~dashpot.extensions.batch.statistics.variance_components.stands_out`'s, 3.5 in a
+        large lot.
+        """
+        column, found = self.quantity(name).column, []
+        for rows in self._groups(self.used.drop_nulls(column), "lot"):
+            away = stands_out(rows[column].to_numpy())
+            found += [
+                (str(file), float(one)) for file, one in zip(rows["file"], away, strict=True) if one
+            ]
+        return tuple(sorted(found, key=lambda one: -abs(one[1])))
+
+    @property
+    def short_holds(self) -> tuple[str, ...]:
+        """Files of tests held for less than 95 % of the median hold of their kind in their lot."""
+        column = polars().col
+        least = SHORT * column("hold_s").median().over("lot", "kind")
+        return tuple(self.table.filter(column("hold_s") < least)["file"])
+
+    def csv(self) -> str:
+        """The table as CSV, below a line that names dashpot; no text is a spreadsheet's formula."""
+        written = self.neutral().write_csv()
+        return f"# {byline('table of a batch of tests')}\n{written}"
+
+    def neutral(self) -> pl.DataFrame:
+        """The table with no text that a spreadsheet takes for a formula."""
+        made = polars()
+        texts = [
+            made.Series(one.name, [neutral(text) for text in one])
+            for one in self.table.select(made.col(made.String)).iter_columns()
+        ]
+        return self.table.with_columns(texts)
+
+    def to_pandas(self) -> Any:
+        """The table as a :class:`pandas.DataFrame`; it needs no pyarrow.
+
+        Raises
+        ------
+        DataError
+            If pandas is not installed.
+        """
+        return library("pandas").DataFrame(self.table.to_dict(as_series=False))
+
+    def plot(self, name: str = "k_end") -> Picture:
+        """The control charts of a quantity as a picture, which :func:`dashpot.plot.save` writes."""
+        from dashpot.extensions.batch.figures import control_picture
+
+        return control_picture(self.quantity(name), self.charts(name), self.seals(name))
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """Whether every file became a fit, every fit may be used, and tests of a lot are alike."""
+        fitted = self.outcomes.get("fitted", 0)
+        paired = self.table.filter(polars().col("hammer") != "").height
+        return (
+            files_fitted(self.table.height - fitted, self.table.height),
+            fits_usable(self.verdicts.get("do not use", 0), fitted),
+            hammers_compared(paired - sum(self.agreements.values()), paired),
+            tests_alike(len(self.unlike), self.fitted.height),
+            records_distinct(len(self.copies), self.used.height + len(self.copies)),
+        )
+
+    @staticmethod
+    def _groups(rows: pl.DataFrame, *by: str) -> Iterator[pl.DataFrame]:
+        names = [one for one in by if one in rows.columns]
+        for _, group in rows.group_by(names, maintain_order=True):
+            yield group

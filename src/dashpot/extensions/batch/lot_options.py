@@ -1,0 +1,219 @@
+"""What the commands of many tests share: their options, the files they write, what they print."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import click
+
+import dashpot as dp
+from dashpot.base.errors import DataError
+from dashpot.base.number_format import ascii_only, counted
+from dashpot.base.progress import doing
+from dashpot.base.serialisation import Documented
+from dashpot.cli._command import Opt, group, of, opt, rest
+from dashpot.cli._command_io import Outcome, printed, write
+from dashpot.cli._param_types import File, Folder
+from dashpot.extensions.batch.batch_options import BatchChoices
+from dashpot.reading.read_options import OF_HAMMER, OF_HAMMER_ALONE, ReadOptions
+from dashpot.text_output.layout import Text
+
+if TYPE_CHECKING:
+    from dashpot.extensions.batch.batch_run import BatchJob
+    from dashpot.extensions.batch.statistics.variance_components import Component
+    from dashpot.extensions.batch.summary import Summary
+
+_ROWS, _EACH = "Rows and page", "Each test"
+
+
+def rows(*own: Opt) -> list[Opt]:
+    """Return the options of the table and its page, after those of the verb itself."""
+    return group(
+        _ROWS,
+        opt("-o", "--output", type=Folder(), metavar="LOT", help="Folder to fill."),
+        *own,
+        opt("--manifest", type=File(), metavar="FILE",
+            help="Table of files with lot, seal, repeat, mass, ..."),
+        opt("--by", metavar="REGEX", help="Lot, seal, repeat from the path."),
+        opt("--pair", metavar="PATTERN", help="Hammer files of a test: {stem}_hammer*.csv."),
+        opt("--limits", type=File(), metavar="FILE", help="Acceptance limits (.toml)."),
+        rest(
+            opt("--quantity", "quantities", multiple=True, metavar="NAME",
+                help="Quantity of the page (k_end)."),
+            opt("--jobs", type=click.IntRange(1), metavar="N",
+                help="Processes (one per processor)."),
+            opt("--scheduler", metavar="ADDRESS", help="A dask cluster: tcp://host:8786."),
+        ),
+    )  # fmt: skip
+
+
+def each_test() -> list[Opt]:
+    """Return the options of how each test is fitted."""
+    return group(
+        _EACH,
+        of(BatchChoices, "arms", "quick", "joint", "mass", "seals", "at", into="choices"),
+        rest(of(BatchChoices, "method", "compression", "length", "radius", into="choices")),
+    )
+
+
+def job_of(
+    paths: tuple[str, ...],
+    *,
+    output: str | None,
+    choices: BatchChoices,
+    by: str | None,
+    manifest: str | None,
+    pair: str | None,
+    jobs: int | None,
+    scheduler: str | None,
+    quantities: tuple[str, ...],
+    limits: str | None,
+    options: ReadOptions,
+) -> BatchJob:
+    """Return the batch that is asked for."""
+    from dashpot.extensions.batch.batch_run import (
+        BatchJob,  # polars and all are not needed for --help
+    )
+    from dashpot.extensions.batch.columns import number_columns
+    from dashpot.extensions.batch.limits import read_limits
+    from dashpot.extensions.batch.quantities import quantity
+
+    if output is None:
+        raise click.UsageError("Say which folder to fill: -o LOT")
+    # columns named for one kind of file need not exist in the other's; units do no harm
+    choices = replace(
+        choices,
+        reading=options.without(OF_HAMMER_ALONE),
+        reading_impact=options.only(("units", *OF_HAMMER)),
+    )
+    columns = number_columns(choices)
+    main = quantity(quantities[-1], columns).name if quantities else ""
+    asked = () if limits is None else read_limits(limits, columns)
+    return BatchJob(paths, Path(output), choices, by, manifest, pair, jobs, scheduler, main, asked)
+
+
+def summarised(job: BatchJob, lot: dp.Lot) -> Summary:
+    """Return what a lot says of what was asked for."""
+    from dashpot.extensions.batch.summary import summary
+
+    return summary(lot, quantity=job.quantity or lot.main, limits=job.limits)
+
+
+def write_lot(job: BatchJob, found: Summary) -> None:
+    """Write table, workbook and page beside the parts."""
+    from dashpot.extensions.batch.page import (
+        html,  # jinja and figures are not needed to list options
+    )
+    from dashpot.extensions.batch.workbook import workbook
+
+    doing("writing table, workbook and page")
+    write(f"{job.output}/lot.csv", found.lot.csv())
+    write(f"{job.output}/lot.xlsx", workbook(found))
+    quantity = job.quantity or found.lot.main
+    write(f"{job.output}/lot.json", printed(Filled(str(job.output), found, quantity)) + "\n")
+    write(f"{job.output}/lot.html", html(found.lot, title=job.output.resolve().name, found=found))
+
+
+@dataclass(frozen=True)
+class Filled(Documented):
+    """The folder of a lot, and what the lot says of a quantity.
+
+    Attributes
+    ----------
+    folder : str
+    found : Summary or None
+        None where no table was made.
+    quantity : str
+    """
+
+    schema = "dashpot/batch@1"
+    keys = (
+        "folder", "files", "found.lot.computed?", "found.lot.simulated?", "found.lot.outcomes?",
+        "found.lot.verdicts?", "found.lot.agreements?", "components?", "outliers?",
+        "found.lot.short_holds?", "*found",
+    )  # fmt: skip
+
+    folder: str
+    found: Summary | None = None
+    quantity: str = ""
+
+    @property
+    def files(self) -> int:
+        """How many."""
+        return 0 if self.found is None else self.found.lot.table.height
+
+    @property
+    def components(self) -> tuple[Component, ...] | None:
+        """The components of the relaxed stiffness, where lots or seals were named."""
+        try:
+            return None if self.found is None else self.found.lot.components()
+        except DataError:
+            return ()
+
+    @property
+    def outliers(self) -> tuple[Outlier, ...] | None:
+        """The tests that stand out."""
+        if self.found is None:
+            return None
+        away = self.found.lot.outliers(self.quantity)
+        return tuple(Outlier(file, one if isfinite(one) else None) for file, one in away)
+
+
+class Outlier(NamedTuple):
+    """A test, and by how much it stands out of its lot."""
+
+    file: str
+    robust_deviations: float | None
+
+
+def outcome(job: BatchJob, found: Summary) -> Outcome:
+    """Return what is printed of a lot."""
+    lot, quantity = found.lot, job.quantity or found.lot.main
+    filled = Filled(str(job.output), found, quantity)
+    lines = [
+        *(f"{one.name:<12}{_LIGHTS[one.mark]}{ascii_only(one.says)}" for one in found.lights),
+        *_told(lot),
+        *found.lines,
+        *_out(lot, quantity),
+    ]
+    none = not lot.outcomes.get("fitted")
+    reasons = _others(lot)
+    text = Text([*lines, *reasons]) if none else Text(lines, reasons)
+    return Outcome(filled, text, found.checks, verdict=found.verdict, nothing_done=none)
+
+
+_LIGHTS = {"good": "", "note": "", "care": "! ", "bad": "!! "}
+"""How a light is marked without colour, as a failed check of its grade is."""
+
+
+def _told(lot: dp.Lot) -> list[str]:
+    def tallied(counts: dict[str, int]) -> str:
+        return ", ".join(f"{count} {name}" for name, count in counts.items())
+
+    files = lot.table.height
+    lines = [
+        f"files       {files}: {tallied(lot.outcomes)}",
+        f"computed    {lot.computed} now, {files - lot.computed} taken from an earlier run",
+    ]
+    judged = {"verdicts": lot.verdicts, "hammers": lot.agreements}
+    if lot.simulated:
+        lines.append(f"SIMULATED   {counted(lot.simulated, 'file')}, by the virtual rig")
+    return [*lines, *(f"{name:<12}{tallied(found)}" for name, found in judged.items() if found)]
+
+
+def _others(lot: dp.Lot) -> list[str]:
+    """Every file that was not fitted, with its sentence."""
+    columns = lot.table.select("file", "outcome", "reason").iter_rows()
+    return [f"  {file}: {reason}" for file, outcome, reason in columns if outcome != "fitted"]
+
+
+def _out(lot: dp.Lot, quantity: str) -> list[str]:
+    """The tests to look at."""
+    away = [
+        f"  stands out  {file}: {one:+.1f} robust deviations from its lot"
+        for file, one in lot.outliers(quantity)
+    ]
+    return [*away, *(f"  short hold  {file}" for file in lot.short_holds)]

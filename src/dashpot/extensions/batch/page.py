@@ -1,0 +1,480 @@
+"""A lot as one page: what it is like, where its scatter comes from, what stands out, every test."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
+from importlib import resources
+from typing import Any
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import GRADES, Check
+from dashpot.base.number_format import counted, rounded
+from dashpot.base.units import written
+from dashpot.base.version import byline
+from dashpot.extensions.batch.figures import (
+    control_picture,
+    cpk_picture,
+    curves_picture,
+    histogram_picture,
+    lots_picture,
+)
+from dashpot.extensions.batch.input_files import LABELS
+from dashpot.extensions.batch.lot import Lot
+from dashpot.extensions.batch.quantities import Quantity
+from dashpot.extensions.batch.seals import Seal, by_lot, seal_means
+from dashpot.extensions.batch.statistics.control_chart import BEYOND, ENOUGH
+from dashpot.extensions.batch.statistics.gauge_rr import LIMIT, TRUSTED
+from dashpot.extensions.batch.summary import OfQuantity, Summary, summary
+from dashpot.plot.picture import Picture
+from dashpot.report.figures import PAPER, Drawn, drawn
+from dashpot.report.first_screen import ORDER
+from dashpot.report.page_frame import COLOURS, digest, environment, frame
+
+ROWS = 50
+"""Of a table or a list in the page: its height does not depend on how many tests there are."""
+BY_SEALS, FEW_LOTS, WEIGHS = 100, 6, 6
+"""Seals that the chart shows one by one, lots whose Cpk a table has room for, and rows of what
+weighs, at most."""
+CURVES = 200
+"""Drawn at most, evenly over the lot, and as many that stand out; more would be one stain."""
+WIDE, SIDE = 920.0, 250.0
+"""Widths of the chart and of what stands beside it, px."""
+_GRAVITY = {"fail": 0, "not proven": 1, "no result": 2, "look": 3}
+_MARKS = {"fail": "bad", "not proven": "care", "no result": "note", "pass": "good", "look": "care"}
+_SOURCES = {
+    "repeatability": "repeats", "operator": "operators", "interaction": "operator and seal",
+    "gauge": "gauge R&R", "part": "seals", "total": "all",
+}  # fmt: skip
+
+
+def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
+    """Return the page of a lot as one self-contained file: no network.
+
+    Its height does not depend on how many tests there are: tables hold the gravest rows, and the
+    script, which a content security policy names, turns the pages of all, filters them, and goes
+    from a point of the chart to its tests. Without it the page is whole but for the others, which
+    stand in ``lot.csv``. Whatever came from a file or its name is escaped.
+
+    Parameters
+    ----------
+    lot : Lot
+    title : str
+    found : Summary, optional
+        What it says; by default of the stiffness at the end of the hold, without limits.
+    """
+    found = found or summary(lot)
+    shared = frame()
+    style = f"{shared['style']}\n{_part('lot.css')}"
+    script = _part("lot.js")
+    said, main = found.verdict, found.main
+    further = _further(lot, main)
+    # a lot of an earlier version has no date
+    known = [name for name in LABELS if name in lot.table.columns]
+    labels = [name for name in known if (lot.table[name].fill_null("") != "").any()]
+    tests, by_lots = _tests(found, labels), len(main.seals) > BY_SEALS
+    signals, weighs = (
+        list(_signals(main)),
+        sorted(_weighs(found), key=lambda one: -ORDER.index(one["mark"])),
+    )
+    seals = _seals(found, further)
+    return str(
+        environment("dashpot.extensions.batch")
+        .get_template("lot.html")
+        .render(
+            title=title,
+            byline=byline("lot"),
+            style=style,
+            script=script,
+            policy=f"default-src 'none'; style-src {digest(style)}; script-src {digest(script)}; "
+            "base-uri 'none'; form-action 'none'",
+            verdict=said,
+            colour=COLOURS[said.use],
+            lights=[one._replace(name=one.name.capitalize()) for one in found.lights],
+            counts=_counts(lot, main),
+            simulated=[counted(lot.simulated, "file")] if lot.simulated else [],
+            quantity=main.quantity,
+            heading=main.quantity.title[:1].upper() + main.quantity.title[1:],
+            anchor=lambda name: f"a{hashlib.sha256(name.encode()).hexdigest()[:12]}",
+            what=_what(main, by_lots=by_lots),
+            chart=_chart(main, by_lots=by_lots),
+            by_lots=by_lots,
+            histogram=_histogram(main),
+            points=json.dumps(_points(main, by_lots=by_lots)),
+            few=[name for name, one in main.charts.items() if len(one.seals) < ENOUGH],
+            enough=ENOUGH,
+            curves=_curves(lot, found),
+            curves_most=CURVES,
+            capability=_capability(main),
+            capable=[(name, *one.cells) for name, one in main.known.items()],
+            cpks=_cpks(main),
+            lots=_lots(main),
+            scatter=_scatter(main),
+            gauge=_gauge(main),
+            weighs=weighs[:WEIGHS],
+            remarks=len(weighs),
+            checked=[
+                {"mark": _mark(one), "says": one.told} for one in found.checks
+                if one.passed is not None
+            ],
+            signals=signals,
+            further=further,
+            seals=seals,
+            decisions=_decisions(seals),
+            judged=bool(main.judged),
+            labels=labels,
+            tests=tests,
+            every=_every(tests, labels, found),
+            files=lot.table.height,
+            most=ROWS,
+            marks=_MARKS,
+        )
+    )  # fmt: skip
+
+
+def _what(main: OfQuantity, *, by_lots: bool) -> str:
+    if by_lots:
+        return "every lot"
+    return "mean of the tests of each seal" if _repeated(main) else "one test each"
+
+
+def _mark(check: Check) -> str:
+    if not check.failed:
+        return "good"
+    return {"stop": "bad", "limit": "care", "note": "note"}[check.grade]
+
+
+@cache
+def _part(name: str) -> str:
+    return (
+        resources.files("dashpot.extensions.batch")
+        .joinpath("templates", name)
+        .read_text("utf-8")
+        .strip()
+    )
+
+
+# -- figures --------------------------------------------------------------------------------------
+
+
+def _drawn(picture: Picture, width: float = WIDE) -> Drawn:
+    """For a screen and a phone and, where that is wider than a sheet, for paper."""
+    whole = sum(panel.height for panel in picture.panels)
+    return drawn(picture, width=width, low=whole if width > PAPER else None)
+
+
+def _chart(main: OfQuantity, *, by_lots: bool) -> Drawn | None:
+    if not main.seals:
+        return None
+    if by_lots:
+        return _drawn(lots_picture(main.quantity, main.charts, main.lots, main.seals, _asked(main)))
+    return _drawn(control_picture(main.quantity, main.charts, main.seals, _asked(main)))
+
+
+def _asked(main: OfQuantity) -> tuple[float, ...]:
+    return () if main.limits is None else main.limits.ends
+
+
+def _histogram(main: OfQuantity) -> Drawn | None:
+    if not main.seals:
+        return None
+    picture = histogram_picture(main.quantity, main.charts, main.seals, _asked(main))
+    return _drawn(picture, SIDE)
+
+
+def _cpks(main: OfQuantity) -> Drawn | None:
+    """Of more lots than a table has room for."""
+    if len(main.known) <= FEW_LOTS:
+        return None
+    asked = None if main.limits is None else main.limits.cpk
+    return _drawn(cpk_picture(list(main.known.values()), asked), SIDE)
+
+
+def _points(main: OfQuantity, *, by_lots: bool) -> list[tuple[str, str]]:
+    """What each place of the chart stands for: a lot, or a lot and the words that find a seal."""
+    if by_lots:
+        return [(lot, "") for lot in by_lot(main.seals)]
+    return [(one.lot, f"seal {one.name}") for one in main.seals]
+
+
+def _curves(lot: Lot, found: Summary) -> Drawn | None:
+    rows = lot.used.drop_nulls("k_end_N_per_m")
+    files = [one.file for one in found.flags if one.file and one.weighty]
+    for one in found.main.charts.values():
+        for at in {at for at, rule in one.means.signals if rule == BEYOND}:
+            files += one.seals[at].files
+    if rows.is_empty():
+        return None
+    few = np.unique(np.linspace(0, rows.height - 1, min(rows.height, CURVES)).astype(int))
+    odd = rows.filter(rows["file"].is_in(files)).head(CURVES)
+    return _drawn(curves_picture([*rows[few].to_dicts(), *odd.to_dicts()], files))
+
+
+def _capability(main: OfQuantity) -> dict[str, Any] | None:
+    if main.lowest is None or main.limits is None:
+        return None
+    worst, one = main.lowest
+    cpk, low, high = one.cells
+    near, far = one.outside_interval
+    return {
+        "lot": worst,
+        "several": len(main.known) > 1,
+        "cpk": cpk,
+        "from": low,
+        "to": high,
+        "cp": "" if one.cp is None else f"{one.cp:.2f}",
+        "count": one.count,
+        "outside": one.outside,
+        "share": f"{100 * near:.2g} to {100 * far:.2g} %",
+        "suspect": one.suspect,
+        "normal": None if one.normal is None else rounded(one.normal, digits=2),
+    }
+
+
+# -- words and tables -----------------------------------------------------------------------------
+
+
+def _repeated(main: OfQuantity) -> bool:
+    return any(len(one.values) > 1 for one in main.seals)
+
+
+def _counts(lot: Lot, main: OfQuantity) -> str:
+    lots = {one.lot for one in main.seals}
+    told = [
+        counted(lot.table.height, "file"),
+        f"{counted(lot.used.height, 'fit')} used",
+        counted(len(main.seals), "seal") if _repeated(main) else "",
+        counted(len(lots), "lot") if len(lots) > 1 else "",
+    ]
+    depth, hold = (lot.used[name].median() for name in ("depth_m", "hold_s"))
+    for value, unit in ((depth, "mm"), (hold, "s")):
+        if isinstance(value, float):
+            told.append(written(value, unit))
+    return ", ".join(filter(None, told))
+
+
+def _scatter(main: OfQuantity) -> list[dict[str, Any]]:
+    """Source, share in per cent, standard deviation and its ends, and where its bar stands."""
+    rows, at = [], 0.0
+    for one, (fact, share) in zip(main.components, main.sources, strict=True):
+        sd, low, high = fact.ends
+        rows.append({
+            "source": one.source, "share": share, "sd": sd,
+            "low": low * fact.bounded, "high": high * fact.bounded,
+            "at": f"{at:.3f}", "width": f"{100 * one.share:.3f}", "wide": one.share > 0.2,
+        })  # fmt: skip
+        at += 100 * one.share
+    return rows
+
+
+def _gauge(main: OfQuantity) -> dict[str, Any] | None:
+    study = main.gauge
+    if study is None:
+        return None
+    rows = []
+    for one in study.variations:
+        shares = (f"{100 * end:.0f}" for end in one.share_interval)
+        fact = main.quantity.fact(_SOURCES[one.name], one.deviation, one.interval)
+        rows.append((fact.name, *fact.ends, f"{100 * one.share:.1f}", *shares))
+    share = study["gauge"].share
+    distance = None if main.limits is None else main.limits.distance
+    return {
+        "rows": rows, "says": study.says, "ratio": f"{100 * share:.0f}",
+        "mark": "good" if share <= TRUSTED else "care" if share <= LIMIT else "bad",
+        "operators": study.operators, "parts": study.parts, "tests": study.tests,
+        "left_out": study.left_out, "pooled": study.pooled,
+        "tolerance": distance and f"{100 * 6 * study['gauge'].deviation / distance:.1f}",
+    }  # fmt: skip
+
+
+def _signals(main: OfQuantity) -> Iterator[tuple[str, str, str]]:
+    """Lot, seal and rule, and the lots that stand out of all."""
+    for name, one in main.charts.items():
+        for at, rule in one.means.signals:
+            yield name, one.seals[at].name, rule
+    if main.lots is not None:
+        names, means, deviations = main.lots
+        for chart, what in ((means, "its mean"), (deviations, "its scatter")):
+            for at, rule in chart.signals:
+                yield names[at], "", f"{what} is {rule} of all lots"
+
+
+def _lots(main: OfQuantity) -> list[tuple[str, ...]]:
+    """Lot, seals, mean, standard deviation, control limits, Cpk and its ends, causes of alarms."""
+    rows: list[tuple[str, ...]] = []
+    for name, seals in by_lot(main.seals).items():
+        values = seal_means(seals)
+        shown, charts = main.quantity.shown, main.charts.get(name)
+        able = main.capability.get(name)
+        spread = float(np.std(values, ddof=1)) if len(values) > 1 else None
+        ends = ("", "")
+        if charts is not None:
+            ends = (shown(float(charts.means.lower[0])), shown(float(charts.means.upper[0])))
+        of_cpk = ("", "", "") if able is None else able.cells
+        alarms = "" if charts is None else f"{len(charts.means.causes)}"
+        rows.append((name or "unnamed", f"{len(values)}", shown(float(np.mean(values))),
+                     shown(spread, digits=2), *ends, *of_cpk, alarms))  # fmt: skip
+    # what is least capable leads, else what signals most
+    return sorted(rows, key=lambda row: (float(row[6] or "inf"), -int(row[9] or 0)))
+
+
+def _further(lot: Lot, main: OfQuantity) -> list[tuple[Quantity, Mapping[tuple[str, str], str]]]:
+    """The further quantities of the table of seals, each with the means that any of them has."""
+    told, there = (
+        (main.quantity.name, "k_inf", "E_inf"),
+        {(one.lot, one.name) for one in main.seals},
+    )
+    found = [
+        (one, {(seal.lot, seal.name): one.shown(seal.mean) for seal in lot.seals(one.name)})
+        for one in lot.quantities
+        if one.name not in told and not one.name.startswith("loss_at_")
+    ]
+    return [(one, means) for one, means in found if not there.isdisjoint(means)]
+
+
+def _seals(
+    found: Summary, further: Sequence[tuple[Quantity, Mapping[tuple[str, str], str]]]
+) -> list[dict[str, Any]]:
+    """Every seal, the gravest first: what fails, what is to be looked at, the others in order."""
+    decisions = {(one.lot, one.seal): one for one in found.main.judged}
+    seals = {(one.lot, one.name): one for one in found.main.seals}
+    why, rows = _why(found), []
+    # those of which no test is used are judged alone
+    for key in dict.fromkeys((*seals, *decisions)):
+        said = "; ".join(why[key])
+        word: str = decisions[key].decision if key in decisions else "ok"
+        if said and word in ("ok", "pass"):
+            word = "look"
+        rows.append({
+            "lot": key[0], "name": key[1], "word": word, "why": said,
+            "rank": _GRAVITY.get(word, len(_GRAVITY)),
+            "more": [means.get(key, "") for _, means in further],
+            **_tested(seals.get(key), found.main.quantity),
+        })  # fmt: skip
+    return sorted(rows, key=lambda row: row["rank"])
+
+
+def _tested(seal: Seal | None, quantity: Quantity) -> dict[str, Any]:
+    """What the tests of a seal found, if one is used."""
+    if seal is None:
+        return {"tests": 0, "value": "", "sd": ""}
+    sd = quantity.shown(seal.deviation, digits=2)
+    return {"tests": len(seal.files), "value": quantity.shown(seal.mean), "sd": sd}
+
+
+def _decisions(seals: Sequence[Mapping[str, Any]]) -> str:
+    counts = Counter(str(one["word"]) for one in seals)
+    return ", ".join(f"{count} {word}" for word, count in counts.most_common())
+
+
+def _causes(main: OfQuantity) -> Iterator[dict[str, Any]]:
+    """The runs of lots that set off an alarm."""
+    lots = main.lots
+    if lots is None:
+        return
+    centre, values = lots.mean.centre, np.asarray(lots.mean.values)
+    whole = main.quantity.shown(centre)
+    for low, high in lots.mean.causes:
+        run = np.arange(low, high + 1)
+        for way, side in (("low", run[values[run] < centre]), ("high", run[values[run] > centre])):
+            if not len(side):
+                continue
+            names = [lots.names[at] for at in side]
+            one = len(names) == 1
+            yield {
+                "mark": "care", "name": f"Lot{'' if one else 's'} {_listed(names, len(run))}",
+                "filter": names[0],
+                "says": f"{'lies' if one else 'lie'} {way}: {_ends(main, values[side])}, "
+                f"all lots {whole}.",
+            }  # fmt: skip
+
+
+def _listed(names: Sequence[str], run: int) -> str:
+    """Name lots of one run on one side of the centre: all of them by the first and the last."""
+    if len(names) > 2 and len(names) == run:
+        return f"{names[0]} to {names[-1]}"
+    *others, last = names
+    return f"{', '.join(others)} and {last}" if others else last
+
+
+def _ends(main: OfQuantity, values: FloatArray) -> str:
+    """The value of a lot, or the least and the largest of several."""
+    low, high = main.quantity.shown(float(values.min())), main.quantity.read(float(values.max()))
+    return high if len(values) == 1 else f"{low} to {high}"
+
+
+def _weighs(found: Summary) -> Iterator[dict[str, Any]]:
+    """What weighs, worst first: the failed checks, causes of alarms, then single seals and files.
+
+    Each may name what finds its tests.
+    """
+    failed = [one for one in found.checks if one.failed]
+    for check in sorted(failed, key=lambda one: -GRADES.index(one.grade)):
+        yield {"mark": _mark(check), "name": "", "filter": None, "says": check.told}
+    yield from _causes(found.main)
+    for flag in found.flags:
+        where = ", ".join(filter(None, (flag.lot, flag.seal and f"seal {flag.seal}")))
+        yield {
+            "mark": "care" if flag.weighty else "note",
+            "name": where or flag.file,
+            "filter": flag.file or f"seal {flag.seal}",
+            "says": flag.says,
+        }
+
+
+def _every(tests: Sequence[Mapping[str, Any]], labels: Sequence[str], found: Summary) -> str:
+    """All rows for the script: no markup can end the element that holds them."""
+    decided = {(one.lot, one.seal): one.decision for one in found.main.judged}
+    heads = ["file", *labels, "value", "verdict", "why", "mark"]
+    rows = [
+        [one["file"], *one["labels"], one["value"], one["verdict"], one["reason"], one["mark"]]
+        for one in tests
+    ]
+    if decided and {"lot", "seal"} <= set(labels):
+        at = [labels.index(name) for name in ("lot", "seal")]
+        for row, one in zip(rows, tests, strict=True):
+            key = tuple(one["labels"][i] for i in at)
+            row[-1:-1] = [decided.get(key, "")]
+        heads[-1:-1] = ["decision"]
+    return json.dumps({"heads": heads, "rows": rows}, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def _why(found: Summary) -> dict[tuple[str, str], list[str]]:
+    """Why each seal is to be looked at: its judgement, then its flags."""
+    why: dict[tuple[str, str], list[str]] = defaultdict(list)
+    for one in found.main.judged:
+        why[one.lot, one.seal] += filter(None, [one.says(found.main.quantity)])
+    for flag in found.flags:
+        if not flag.file or flag.weighty:
+            why[flag.lot, flag.seal or flag.file].append(flag.says)
+    return why
+
+
+def _tests(found: Summary, labels: Sequence[str]) -> list[dict[str, Any]]:
+    """Every file: those that were not fitted first, then what stands out, then the others."""
+    quantity = found.main.quantity
+    gravity = {"do not use": 1, "use with care": 2}
+    flagged = {one.file for one in found.flags}
+    names = ("file", "outcome", "verdict", "reason", quantity.column, *labels)
+    rows = sorted(
+        found.lot.table.select(*names).iter_rows(),
+        key=lambda row: (
+            row[1] == "fitted", gravity.get(row[2], 3), row[0] not in flagged, row[0],
+        ),
+    )  # fmt: skip
+    return [
+        {
+            "file": file,
+            "labels": of,
+            "value": quantity.shown(value),
+            "verdict": (verdict or "point estimate") if outcome == "fitted" else outcome,
+            "mark": COLOURS.get(verdict, "") if outcome == "fitted" else "bad",
+            "reason": reason or "",
+        }
+        for file, outcome, verdict, reason, value, *of in rows
+    ]

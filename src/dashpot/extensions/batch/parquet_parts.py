@@ -1,0 +1,236 @@
+"""Rows on disk: Parquet parts, each whole or not there, found again by what made them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import astuple, dataclass
+from io import BytesIO
+from itertools import islice
+from pathlib import Path
+from tempfile import NamedTemporaryFile
+from typing import TYPE_CHECKING, Any, Literal, cast
+
+from dashpot.base.atomic import PART, named, write_whole
+from dashpot.base.errors import DataError, ExportError
+from dashpot.base.serialisation import plain
+from dashpot.base.version import __version__
+from dashpot.extensions.batch.batch_options import BatchChoices
+from dashpot.extensions.batch.columns import AGAIN, COUNTS, TEXTS, number_columns
+from dashpot.extensions.batch.input_files import Entry, hashed
+
+if TYPE_CHECKING:
+    import polars as pl
+
+KEY = "key"
+"""The column that names what decided a row."""
+PARTS = "part-*.parquet"
+SMALL = 25
+"""Rows below which a part is small, and how many such parts become one."""
+_FORM = 3
+"""Of a row; another one is another key."""
+
+
+_KEY_WIDE = 64
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """One row to be made.
+
+    Attributes
+    ----------
+    packed : str
+        All of it: a batch holds one for each file, and as objects it takes twice as much.
+    """
+
+    packed: str
+
+    @staticmethod
+    def of(entry: Entry, hashes: Sequence[str], key: str) -> Task:
+        """Return the task of a test, by the key of its row and the hashes of its files."""
+        return Task(key + json.dumps([*astuple(entry), hashes], separators=(",", ":")))
+
+    @property
+    def key(self) -> str:
+        """SHA-256 of everything that decides the row."""
+        return self.packed[:_KEY_WIDE]
+
+    @property
+    def entry(self) -> Entry:
+        """What is known of the test."""
+        return Entry.from_plain(dict(zip(Entry.__slots__, self._words, strict=False)))
+
+    @property
+    def hashes(self) -> tuple[str, ...]:
+        """Of the contents of its file, and of its hammer's."""
+        return tuple(self._words[-1])
+
+    @property
+    def _words(self) -> list[Any]:
+        words: list[Any] = json.loads(self.packed[_KEY_WIDE:])
+        return words
+
+
+def tasks(
+    entries: Iterable[Entry], choices: BatchChoices, *, hashed: Callable[[str], str] = hashed
+) -> tuple[Task, ...]:
+    """Return one task for each test: its key is of configuration, version and contents."""
+    decides = [_FORM, __version__, plain(choices), choices.calibration()]
+    common = hashlib.sha256(json.dumps(decides, sort_keys=True).encode())
+
+    def task(entry: Entry) -> Task:
+        key, hashes = common.copy(), entry.hashes(hashed)
+        key.update(json.dumps([plain(entry), hashes], sort_keys=True).encode())
+        return Task.of(entry, hashes, key.hexdigest())
+
+    return tuple(map(task, entries))
+
+
+def polars() -> Any:
+    """Return polars, or say how to get it."""
+    try:
+        import polars as pl
+    except ImportError:
+        raise ExportError(
+            'a lot is a table of polars, which is not installed: pip install "dashpot[batch]"'
+        ) from None
+    return pl
+
+
+def schema(choices: BatchChoices) -> dict[str, Any]:
+    """Return the columns of the table and their types."""
+    kind = polars()
+    numbers = number_columns(choices)
+    texts = dict.fromkeys((*TEXTS, KEY), kind.String)
+    return texts | dict.fromkeys(COUNTS, kind.Int64) | dict.fromkeys(numbers, kind.Float64)
+
+
+def write_part(folder: Path, rows: pl.DataFrame) -> Path:
+    """Write rows as one part, whole or not at all; its name is of their keys."""
+    rows = rows.sort("file")
+    name = hashlib.sha256("".join(sorted(rows[KEY])).encode()).hexdigest()[:16]
+    path, content = folder / f"part-{name}.parquet", BytesIO()
+    rows.write_parquet(content)
+    write_whole(path, content.getvalue())
+    return path
+
+
+def framed(rows: Sequence[Mapping[str, Any]], choices: BatchChoices) -> pl.DataFrame:
+    """Return rows as a table."""
+    return cast("pl.DataFrame", polars().DataFrame(rows, schema=schema(choices)))
+
+
+def read_parts(folder: Path) -> Iterator[tuple[Path, pl.DataFrame]]:
+    """Yield the parts in a folder; what cannot be read is left out, as if it were not there."""
+    for path in sorted(folder.glob(PARTS)):
+        try:
+            frame = polars().read_parquet(path.read_bytes())
+        except (OSError, polars().exceptions.PolarsError):
+            continue
+        if {KEY, "outcome", "file"} <= set(frame.columns):
+            yield path, frame
+
+
+def joined(
+    frames: Iterable[pl.DataFrame], how: Literal["vertical", "diagonal"] = "vertical"
+) -> pl.DataFrame:
+    """Return tables as one; few parts are held at once, for one takes ten times what is in it."""
+    whole: list[pl.DataFrame] = []
+    several = iter(frames)
+    while some := list(islice(several, SMALL)):
+        whole.append(polars().concat(some, how=how, rechunk=True))
+    return cast("pl.DataFrame", polars().concat(whole or [polars().DataFrame()], how=how))
+
+
+def keys_done(folder: Path) -> set[str]:
+    """Return the keys of the rows that need not be made again."""
+    return {
+        key
+        for _, frame in read_parts(folder)
+        for key, outcome in frame.select(KEY, "outcome").iter_rows()
+        if outcome not in AGAIN
+    }
+
+
+def table(folder: Path, wanted: Iterable[str]) -> pl.DataFrame:
+    """Leave in the folder what is wanted, and return it, sorted by file.
+
+    An old row goes, one that is there twice, a half-written file. Rows that stay are written
+    before what held them goes, so that a run that is cut short here loses none.
+
+    Raises
+    ------
+    DataError
+        If a part went while it was wanted.
+    """
+    there = set(folder.glob(PARTS))
+    # where the first row of a part is sorted, all are after most runs, and sorting takes two copies
+    parts = {
+        path: (bool(one["outcome"].is_in(AGAIN).any()), one["file"][0])
+        for path, one in read_parts(folder)
+        if one.height
+    }
+    missing = set(wanted)
+    count = len(missing)
+    found = joined(_kept(folder, sorted(parts, key=lambda path: parts[path]), missing))
+    for path in (*(there - parts.keys()), *folder.glob(f".*{PART}")):
+        path.unlink()
+    _gather(folder)
+    if missing:
+        raise DataError(
+            f"{folder} holds {count - len(missing)} of {count} rows: parts of it went while the "
+            "batch ran; run it again"
+        )
+    return found if found["file"].is_sorted() else found.sort("file")
+
+
+def _kept(folder: Path, parts: Iterable[Path], missing: set[str]) -> Iterator[pl.DataFrame]:
+    """Yield of each part the rows that are still missing; leave no others in the folder."""
+    for path in parts:
+        frame = polars().read_parquet(path.read_bytes())
+        stays = missing.intersection(frame[KEY])
+        missing -= stays
+        whole = len(stays) == frame.height
+        kept = frame if whole else frame.filter(polars().col(KEY).is_in(list(stays)))
+        if stays:
+            yield kept
+        if not stays or (kept.height != frame.height and write_part(folder, kept) != path):
+            path.unlink()
+
+
+def _gather(folder: Path) -> None:
+    """Make one part of many small ones, which tests leave that come one by one."""
+    small = {path for path, one in read_parts(folder) if one.height < SMALL}
+    if len(small) >= SMALL:
+        parts = (one for path, one in read_parts(folder) if path in small)
+        whole = write_part(folder, joined(parts))
+        for path in small - {whole}:
+            path.unlink()
+
+
+def claim(folder: Path) -> None:
+    """Make the folder of the results, or refuse one that holds something else.
+
+    Raises
+    ------
+    ExportError
+    """
+    if named(folder).exists() and not folder.is_dir():
+        raise ExportError(f"{folder} is a file; give a folder for the results")
+    ours = set(folder.glob(PARTS)) if folder.is_dir() else set()
+    foreign = sorted(set(folder.glob("*.parquet")) - ours) if folder.is_dir() else []
+    if foreign:
+        raise ExportError(
+            f"{foreign[0]} was not written by dashpot batch, and would be taken for rows of the "
+            "lot; give another folder"
+        )
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with NamedTemporaryFile(dir=folder, prefix="."):
+            pass
+    except OSError as error:
+        raise ExportError(
+            f"{folder}: cannot be written to: {error.strerror or error}; give another place"
+        ) from None

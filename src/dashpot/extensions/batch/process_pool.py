@@ -1,0 +1,164 @@
+"""Worker processes of this machine: chunks in, rows out, whichever of them dies."""
+
+from __future__ import annotations
+
+import json
+import os
+import queue
+import subprocess
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
+from typing import Any, NamedTuple, TypeAlias
+
+from dashpot.base.serialisation import plain
+from dashpot.base.subprocesses import interpreter, long_lived
+from dashpot.extensions.batch.batch_options import BatchChoices
+from dashpot.extensions.batch.columns import empty
+from dashpot.extensions.batch.parquet_parts import KEY, Task
+
+Chunk: TypeAlias = tuple[Task, ...]
+Rows: TypeAlias = list[dict[str, Any]]
+
+LIVES = 3
+"""Workers that a file may cost before it is given up."""
+
+
+def processors() -> int:
+    """How many this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+class Engine(NamedTuple):
+    """What makes rows.
+
+    Attributes
+    ----------
+    side : int
+        Chunks that are made side by side.
+    at_once : int
+        How many of them have a processor of their own.
+    computed : callable
+        Yields each chunk with its rows, as they are done.
+    """
+
+    side: int
+    at_once: int
+    computed: Callable[[Sequence[Chunk], BatchChoices], Iterator[tuple[Chunk, Rows]]]
+
+
+@contextmanager
+def processes(jobs: int | None) -> Iterator[Engine]:
+    """So many processes of this machine side by side; by default as many as processors."""
+    side = jobs or processors()
+    yield Engine(side, min(side, processors()), partial(_computed, side))
+
+
+def _computed(
+    jobs: int, chunks: Sequence[Chunk], choices: BatchChoices
+) -> Iterator[tuple[Chunk, Rows]]:
+    """A file whose workers die gets a row that says so."""
+    waiting: queue.SimpleQueue[Chunk] = queue.SimpleQueue()
+    for one in chunks:
+        waiting.put(one)
+    done: queue.SimpleQueue[tuple[Chunk, Rows] | BaseException] = queue.SimpleQueue()
+    workers = [Worker(choices) for _ in range(min(jobs, len(chunks)))]
+    over = threading.Event()
+    threads = [
+        threading.Thread(target=_serve, args=(worker, waiting, done, over), daemon=True)
+        for worker in workers
+    ]
+    for thread in threads:
+        thread.start()
+    try:
+        for _ in chunks:
+            found = done.get()
+            if isinstance(found, BaseException):
+                raise found
+            yield found
+    finally:
+        over.set()
+        for worker, thread in zip(workers, threads, strict=True):
+            worker.end()
+            thread.join()
+            worker.end()  # what the thread had just begun to start
+
+
+def _serve(
+    worker: Worker,
+    waiting: queue.SimpleQueue[Chunk],
+    done: queue.SimpleQueue[tuple[Chunk, Rows] | BaseException],
+    over: threading.Event,
+) -> None:
+    try:
+        while not over.is_set():
+            chunk = waiting.get_nowait()
+            done.put((chunk, [worker.row(one, over) for one in chunk]))
+    except queue.Empty:
+        worker.end()
+    except BaseException as error:  # noqa: BLE001 -- it is raised where the rows are waited for
+        done.put(error)
+
+
+class Worker:
+    """One process, started when first asked in a folder, and again after its end."""
+
+    def __init__(self, choices: BatchChoices, folder: str | None = None) -> None:
+        self._choices, self._folder = choices, folder
+        self._process: subprocess.Popen[bytes] | None = None
+
+    def row(self, task: Task, over: threading.Event) -> dict[str, Any]:
+        """Return the row of one file."""
+        for _ in range(LIVES):
+            if over.is_set():
+                break
+            answer = self._answer(task)
+            if answer.endswith(b"\n"):
+                found: dict[str, Any] = json.loads(answer)
+                return found | {KEY: task.key}
+            self.end()
+        return empty(task.entry, task.hashes[0], self._choices) | {
+            "outcome": "died",
+            "reason": f"the process that read it died {LIVES} times: it may need more memory than "
+            "there is; run it again with fewer --jobs, or look at it with dashpot inspect",
+            KEY: task.key,
+        }
+
+    def _answer(self, task: Task) -> bytes:
+        """The line of an answer; cut short where the process died."""
+        try:
+            process = self._started()
+            assert process.stdin is not None and process.stdout is not None  # noqa: PT018, S101
+            question = {"entry": plain(task.entry), "hashes": task.hashes}
+            process.stdin.write(json.dumps(question).encode() + b"\n")
+            process.stdin.flush()
+            return process.stdout.readline()
+        except (BrokenPipeError, ConnectionError):
+            return b""
+
+    def _started(self) -> subprocess.Popen[bytes]:
+        if self._process is None:
+            self._process = subprocess.Popen(  # noqa: S603 -- this interpreter, our module
+                interpreter("dashpot.extensions.batch.rows_worker"),
+                stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=long_lived(),
+                cwd=self._folder,
+            )  # fmt: skip
+            assert self._process.stdin is not None  # noqa: S101
+            self._process.stdin.write(json.dumps(plain(self._choices)).encode() + b"\n")
+        return self._process
+
+    def end(self) -> None:
+        """End the process, if there is one."""
+        process, self._process = self._process, None
+        if process is not None:
+            process.kill()
+            process.wait()
+            for pipe in (process.stdin, process.stdout):
+                if pipe is not None:
+                    try:
+                        pipe.close()
+                    except OSError:  # what it never read
+                        continue

@@ -1,0 +1,108 @@
+"""The quantities of a lot: a column of its table, its name, and how people read it."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from dashpot.base.errors import DataError
+from dashpot.base.number_format import cell
+from dashpot.base.reported_values import Fact
+from dashpot.base.units import Dimension, find, in_unit, of_column, read_in
+
+_WORDS = {
+    "k_end": "stiffness at the end of the hold", "k_0": "stiffness at once",
+    "k_inf": "equilibrium stiffness", "frequency": "frequency of the mass",
+    "damping_ratio": "damping ratio of the mass", "E_end": "modulus at the end",
+    "E_0": "modulus at once", "E_inf": "equilibrium modulus",
+    "cld_at": "nominal compression", "cld_force": "force at nominal",
+    "cld_per_100mm": "force at nominal per 100 mm", "cld_slope": "slope at nominal",
+    "cld_hysteresis": "hysteresis", "cld_softening": "softening", "cld_set": "set",
+    "indent_modulus": "modulus under the indenter", "restitution": "restitution",
+}  # fmt: skip
+_KINDS = {"storage": "storage stiffness", "loss": "loss stiffness", "loss_factor": "loss factor"}
+
+
+class Quantity(NamedTuple):
+    """One column of numbers.
+
+    Attributes
+    ----------
+    name, column : str
+        Without its unit, as people type it, and with it: ``"k_end"``, ``"k_end_N_per_m"``.
+    words : str
+    unit : str
+        In which it is shown; empty for a plain number.
+    """
+
+    name: str
+    column: str
+    words: str
+    unit: str
+
+    @property
+    def scale(self) -> float:
+        """From SI to that unit."""
+        return in_unit(1.0, self.unit) if self.unit else 1.0
+
+    @property
+    def dimension(self) -> Dimension | None:
+        """What it measures; None of a plain number."""
+        known = find(self.unit)
+        return None if known is None else known.dimension
+
+    @property
+    def title(self) -> str:
+        """Its words and its unit."""
+        return f"{self.words}, {self.unit}" if self.unit else self.words
+
+    def fact(self, name: str, value: float, ends: tuple[float, float] | None = None) -> Fact:
+        """A number of this quantity, SI, and its 95 % interval."""
+        low, high = ends or (math.nan, math.nan)
+        return Fact(name, value, low, high, of_column(self.column)[1], read=self.unit)
+
+    def shown(self, value: float | None, *, digits: int = 4) -> str:
+        """A value, SI, in that unit without its word; empty where there is none."""
+        return cell(value, self.unit or "1", digits=digits)
+
+    def read(self, value: float, *, digits: int = 4) -> str:
+        """A value, SI, with its unit."""
+        return f"{self.shown(value, digits=digits)} {self.unit}".strip()
+
+
+def quantity(name: str, columns: Sequence[str]) -> Quantity:
+    """Return the quantity of a name, or of a column; of two of one name, the first column.
+
+    Raises
+    ------
+    DataError
+        If no column is called so.
+    """
+    found = [_of(one) for one in columns]
+    known = {one.name: one for one in reversed(found)} | {one.column: one for one in found}
+    if name not in known:
+        there = ", ".join(sorted({one.name for one in found}))
+        raise DataError(f"'{name}' is no column of numbers of the table; there are {there}")
+    return known[name]
+
+
+def _of(column: str) -> Quantity:
+    name, unit = of_column(column)
+    return Quantity(name, column, _worded(name), read_in(unit))
+
+
+def _worded(name: str) -> str:
+    kind, _, where = name.partition("_at_")
+    if not where:
+        return _WORDS.get(name, name.replace("_", " "))
+    places = [re.sub(r"(?<=[0-9])(?=Hz|mm)", " ", one) for one in where.split("_")]
+    said = _KINDS.get(kind) or _WORDS.get(kind, kind)
+    return " at ".join([said, *places])
+
+
+def natural(text: str) -> tuple[tuple[int, str], ...]:
+    """Return what sorts texts as people count: seal 2 before seal 10."""
+    parts = re.split(r"(\d+)", text)
+    return tuple((int(one), "") if one.isdecimal() else (-1, one) for one in parts)

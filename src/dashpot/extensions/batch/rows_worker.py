@@ -1,0 +1,50 @@
+"""A worker: it makes one row after the other, until whoever asks is gone.
+
+Questions come as lines of JSON by standard input, rows leave so by standard output. A thread waits
+for the end of the input: a parent that dies, however it dies, closes it, and the worker leaves at
+once, whatever it computes.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import queue
+import signal
+import threading
+from typing import BinaryIO
+
+
+def main() -> None:
+    """Answer until the input ends; the choices are its first line."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to heed
+    questions: queue.Queue[bytes] = queue.Queue()
+    source = os.fdopen(os.dup(0), "rb")
+    answers = os.fdopen(os.dup(1), "wb")
+    # whatever a library prints is no row
+    os.dup2(2, 1)
+    threading.Thread(target=_listen, args=(source, questions), daemon=True).start()
+    import msgspec  # noqa: F401 -- what is imported once and reads every file faster
+
+    from dashpot.extensions.batch.batch_options import (
+        BatchChoices,  # the imports are what makes a worker worth it
+    )
+    from dashpot.extensions.batch.input_files import Entry
+    from dashpot.extensions.batch.table_row import row
+
+    choices = BatchChoices.from_plain(json.loads(questions.get()))
+    while True:
+        asked = json.loads(questions.get())
+        found = row(Entry.from_plain(asked["entry"]), asked["hashes"], choices)
+        answers.write(json.dumps(found, allow_nan=False).encode() + b"\n")
+        answers.flush()
+
+
+def _listen(source: BinaryIO, questions: queue.Queue[bytes]) -> None:
+    while line := source.readline():
+        questions.put(line)
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    main()

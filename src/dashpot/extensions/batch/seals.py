@@ -1,0 +1,102 @@
+"""The tests of one seal, and the charts of several."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.serialisation import Documented
+from dashpot.extensions.batch.statistics.control_chart import (
+    Chart,
+    individuals,
+    means_and_deviations,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Seal(Documented):
+    """The tests of one seal; a test whose seal nobody named stands for itself.
+
+    Attributes
+    ----------
+    lot, name : str
+    files : tuple of str
+    values : array, shape (n,)
+        Of a quantity, SI.
+    """
+
+    keys = ("lot", "seal=name", "tests", "mean", "repeats_sd=deviation")
+
+    lot: str
+    name: str
+    files: tuple[str, ...]
+    values: FloatArray
+
+    @property
+    def tests(self) -> int:
+        """How many."""
+        return len(self.files)
+
+    @property
+    def mean(self) -> float:
+        """Of its tests."""
+        return float(self.values.mean())
+
+    @property
+    def deviation(self) -> float | None:
+        """Standard deviation of its repeats; None of one test."""
+        return float(self.values.std(ddof=1)) if len(self.values) > 1 else None
+
+
+def by_lot(seals: Sequence[Seal]) -> dict[str, list[Seal]]:
+    """Return the seals of each lot, in their order."""
+    lots: dict[str, list[Seal]] = defaultdict(list)
+    for one in seals:
+        lots[one.lot].append(one)
+    return dict(lots)
+
+
+def seal_means(seals: Sequence[Seal]) -> FloatArray:
+    """Return the mean of each seal, shape (n,)."""
+    return np.array([one.mean for one in seals])
+
+
+class Charts(NamedTuple):
+    """Control charts of one lot.
+
+    Attributes
+    ----------
+    seals : tuple of Seal
+        The points.
+    means, moving : Chart
+        Individual seals, and the moving ranges of neighbours.
+    repeats : Chart or None
+        Standard deviations of the repeats; None where no two seals were tested twice.
+    """
+
+    seals: tuple[Seal, ...]
+    means: Chart
+    moving: Chart
+    repeats: Chart | None
+
+
+class LotCharts(NamedTuple):
+    """Lots, and the X-bar and s charts whose groups are the seals of each."""
+
+    names: tuple[str, ...]
+    mean: Chart
+    sd: Chart
+
+
+def charted(seals: Sequence[Seal]) -> Charts:
+    """Return the control charts of the seals of one lot, two or more."""
+    points, moving = individuals(seal_means(seals))
+    groups = [one.values for one in seals]
+    several = sum(len(one) > 1 for one in groups) > 1
+    repeats = means_and_deviations(groups)[1] if several else None
+    return Charts(tuple(seals), points, moving, repeats)

@@ -1,0 +1,198 @@
+"""Control charts: points against what their own scatter allows, and runs that are odd."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import DataError
+from dashpot.base.serialisation import Documented
+
+D2 = 1.128
+"""Mean range of two normal values, in standard deviations."""
+_D4 = 3.267
+"""Upper control limit of ranges of two, in mean ranges."""
+CHANCE = 0.015
+"""Part of the points of a chart of what is in control that break a rule all the same: measured, on
+charts of 5 to 200 values whose limits are their own."""
+ENOUGH = 25
+"""Points that limits should be of (AIAG, Statistical Process Control, 2nd ed., chapter II)."""
+_ROUNDING = 1e-12
+
+Kind = Literal["individuals", "moving range", "mean", "standard deviation"]
+
+
+class Signal(NamedTuple):
+    """A point at which a rule was broken, from 0, and the rule in words."""
+
+    point: int
+    rule: str
+
+
+@dataclass(frozen=True, eq=False)
+class Chart(Documented):
+    """Points in their order, and what they should keep to.
+
+    Attributes
+    ----------
+    kind : str
+        ``"individuals"``, ``"moving range"``, ``"mean"`` or ``"standard deviation"``.
+    values : array, shape (n,)
+        nan where a point has none.
+    centre : float
+    lower, upper : array, shape (n,)
+        Control limits, three standard deviations away.
+    signals : tuple of Signal
+    """
+
+    keys = ("values", "lower", "upper", "centre", "signals")
+
+    kind: Kind
+    values: FloatArray
+    centre: float
+    lower: FloatArray
+    upper: FloatArray
+    signals: tuple[Signal, ...]
+
+    @property
+    def signalled(self) -> tuple[int, ...]:
+        """The points that break a rule, each once."""
+        return tuple(sorted({one.point for one in self.signals}))
+
+    @property
+    def causes(self) -> tuple[tuple[int, int], ...]:
+        """First and last point of each run of points that break a rule: a cause each."""
+        found: list[tuple[int, int]] = []
+        for at in self.signalled:
+            if found and at - found[-1][1] == 1:
+                found[-1] = (found[-1][0], at)
+            else:
+                found.append((at, at))
+        return tuple(found)
+
+
+def by_chance(points: int) -> float:
+    """How many of so many points break a rule at most where nothing but chance does it.
+
+    Points of one run come together, so their number scatters by the root of twice its mean; three
+    of those above it are met by one chart in sixty or fewer.
+    """
+    return CHANCE * points + 3 * math.sqrt(2 * CHANCE * points)
+
+
+def individuals(values: FloatArray) -> tuple[Chart, Chart]:
+    r"""Return the chart of individual values in their order, and that of their moving ranges.
+
+    .. math:: \bar x \pm 3\,\overline{MR}/d_2, \qquad 0 \ldots D_4 \overline{MR}
+
+    with the mean moving range of two neighbours. Source: AIAG, Statistical Process Control,
+    2nd ed., chapter II.
+
+    Raises
+    ------
+    DataError
+        Of fewer than two values.
+    """
+    x = np.asarray(values, dtype=float)
+    if len(x) < 2:
+        raise DataError(f"a control chart of {len(x)} value: expected two or more")
+    moving = np.abs(np.diff(x, prepend=np.nan))
+    mean_range = float(np.nanmean(moving))
+    sigma = np.full(len(x), mean_range / D2)
+    zero = np.zeros(len(x))
+    return (
+        _chart("individuals", x, float(x.mean()), sigma),
+        _bounded("moving range", moving, mean_range, zero, zero + _D4 * mean_range),
+    )
+
+
+def means_and_deviations(groups: Sequence[FloatArray]) -> tuple[Chart, Chart]:
+    r"""Return the X-bar chart and the s chart of groups, whose sizes may differ.
+
+    .. math:: \bar{\bar x} \pm 3\hat\sigma/\sqrt{n_i}, \qquad
+        \hat\sigma\left(c_4 \pm 3\sqrt{1 - c_4^2}\right)
+
+    With groups of one size :math:`\hat\sigma = \bar s/c_4`, which makes these the limits by A_3,
+    B_3 and B_4; else it is the mean of :math:`s_i/c_4` weighted by what each knows (Burr, Journal
+    of Quality Technology 1, 1969). A group of one has a mean and no deviation.
+
+    Raises
+    ------
+    DataError
+        If there are fewer than two groups, or none has two values.
+    """
+    sizes = np.array([len(one) for one in groups])
+    if len(groups) < 2 or sizes.max(initial=0) < 2:
+        raise DataError("a chart of means wants two groups, of which one has two values or more")
+    means = np.array([np.mean(one) for one in groups])
+    several = sizes > 1
+    c4 = np.array([_c4(int(n)) if n > 1 else np.nan for n in sizes])
+    deviations = np.array([np.std(one, ddof=1) if len(one) > 1 else np.nan for one in groups])
+    spread = np.sqrt(1 - c4**2)
+    weights = (c4 / spread)[several] ** 2
+    sigma = float(np.sum(weights * (deviations / c4)[several]) / weights.sum())
+    centre = float(np.sum(sizes * means) / sizes.sum())
+    low = sigma * np.maximum(c4 - 3 * spread, 0)
+    return (
+        _chart("mean", means, centre, sigma / np.sqrt(sizes)),
+        _bounded(
+            "standard deviation", deviations, float(np.mean((sigma * c4)[several])),
+            low, sigma * (c4 + 3 * spread),
+        ),
+    )  # fmt: skip
+
+
+def _c4(n: int) -> float:
+    """Mean standard deviation of n normal values, in theirs."""
+    return math.sqrt(2 / (n - 1)) * math.exp(math.lgamma(n / 2) - math.lgamma((n - 1) / 2))
+
+
+def _chart(kind: Kind, values: FloatArray, centre: float, sigma: FloatArray) -> Chart:
+    scatters = sigma > _ROUNDING * abs(centre)
+    signals = tuple(run_signals((values - centre) / np.where(scatters, sigma, np.inf)))
+    return Chart(kind, values, centre, centre - 3 * sigma, centre + 3 * sigma, signals)
+
+
+def _bounded(
+    kind: Kind, values: FloatArray, centre: float, lower: FloatArray, upper: FloatArray
+) -> Chart:
+    """A chart of scatter, which knows no runs: its points are not normal."""
+    rounding = _ROUNDING * abs(centre)
+    with np.errstate(invalid="ignore"):
+        out = (values < lower - rounding) | (values > upper + rounding)
+    signals = tuple(Signal(int(i), BEYOND) for i in np.flatnonzero(out))
+    return Chart(kind, values, centre, lower, upper, signals)
+
+
+BEYOND = "beyond the control limits"
+SIDE, TREND, TWO_OF_THREE, FOUR_OF_FIVE = (
+    "nine in a row on one side of the mean",
+    "six in a row that rise or fall",
+    "two of three beyond two standard deviations on one side",
+    "four of five beyond one standard deviation on one side",
+)
+
+
+def run_signals(z: FloatArray) -> Iterator[Signal]:
+    """Yield where points, in standard deviations from their centre, break a rule.
+
+    Rules 1, 2, 3, 5 and 6 of Nelson, Journal of Quality Technology 16 (1984); a rule speaks at the
+    last point of its run. Where the order means nothing, the rules of runs do not either.
+    """
+    for i, one in enumerate(z):
+        if abs(one) > 3:
+            yield Signal(i, BEYOND)
+        # a run that begins before the first point is too short
+        if abs(np.sign(z[max(i - 8, 0) : i + 1]).sum()) == 9:
+            yield Signal(i, SIDE)
+        if abs(np.sign(np.diff(z[max(i - 5, 0) : i + 1])).sum()) == 5:
+            yield Signal(i, TREND)
+        for rule, window, count, reach in ((TWO_OF_THREE, 3, 2, 2.0), (FOUR_OF_FIVE, 5, 4, 1.0)):
+            last = z[i - window + 1 : i + 1] * np.sign(one)
+            if i >= window - 1 and abs(one) > reach and np.count_nonzero(last > reach) >= count:
+                yield Signal(i, rule)

@@ -1,0 +1,535 @@
+"""What a lot says, all of it, once: for the page, the shell and programs alike."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import floor, isfinite, sqrt
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from dashpot.base.checks import GRADES, Check, Checked
+from dashpot.base.errors import DataError
+from dashpot.base.number_format import ascii_only, counted
+from dashpot.base.reported_values import Fact
+from dashpot.base.sentences import sentence
+from dashpot.base.serialisation import Documented
+from dashpot.extensions.batch.acceptance import Decided, judged
+from dashpot.extensions.batch.checks import (
+    asked_in_band,
+    capability_as_asked,
+    charts_in_control,
+    files_fitted,
+    fits_usable,
+    gauge_tells_apart,
+    hammers_compared,
+    records_distinct,
+    scatter_normal,
+    seals_named,
+    seals_within_limits,
+    stands_out_of_lot,
+    tests_alike,
+)
+from dashpot.extensions.batch.limits import Limits
+from dashpot.extensions.batch.lot import Lot
+from dashpot.extensions.batch.quantities import Quantity
+from dashpot.extensions.batch.seals import Charts, LotCharts, Seal, by_lot, seal_means
+from dashpot.extensions.batch.statistics.control_chart import BEYOND, Chart
+from dashpot.extensions.batch.statistics.gauge_rr import Gauge
+from dashpot.extensions.batch.statistics.process_capability import Capability
+from dashpot.extensions.batch.statistics.variance_components import (
+    Component,
+    robust_distance,
+    stands_out,
+)
+
+_FILES = frozenset(
+    one.name
+    for one in (
+        files_fitted, fits_usable, hammers_compared, tests_alike, records_distinct, seals_named,
+        asked_in_band,
+    )
+)  # fmt: skip
+_MEASURING = frozenset({gauge_tells_apart.name})
+_CONTROL = frozenset(one.name for one in (charts_in_control, stands_out_of_lot, scatter_normal))
+
+
+class Flag(NamedTuple):
+    """Something to look at.
+
+    Attributes
+    ----------
+    lot, seal, file : str
+        Of which; `file` is empty where it is the seal.
+    says : str
+    weighty : bool
+        Whether the statistics feel it, or would.
+    """
+
+    lot: str
+    seal: str
+    file: str
+    says: str
+    weighty: bool = True
+
+
+class Unlike(NamedTuple):
+    """A file that is no test like the others, and why."""
+
+    file: str
+    says: str
+
+
+class LotLight(NamedTuple):
+    """One of the four questions that a lot's verdict is the worst of, and its answer.
+
+    Attributes
+    ----------
+    name : str
+        ``"files"``, ``"measuring"``, ``"control"`` or ``"limits"``.
+    mark : str
+        ``"good"``, ``"note"``, ``"care"`` or ``"bad"``.
+    says : str
+    """
+
+    name: str
+    mark: str
+    says: str
+
+
+class Signals(NamedTuple):
+    """What the control charts of a quantity show, counted once: causes, points, and of how many."""
+
+    causes: int
+    points: int
+    of: int
+
+
+class ChartsOfLot(NamedTuple):
+    """The charts of one lot: its seals, the ranges of neighbours, and repeats."""
+
+    lot: str
+    seals: Chart
+    moving_range: Chart
+    repeats: Chart | None
+
+
+@dataclass(frozen=True)
+class CapabilityOfLot(Documented):
+    """The capability of one lot."""
+
+    keys = ("lot", "*capability")
+
+    lot: str
+    capability: Capability
+
+
+@dataclass(frozen=True)
+class OfQuantity(Documented):
+    """The statistics of one quantity.
+
+    Attributes
+    ----------
+    quantity : Quantity
+    seals : tuple of Seal
+    charts : dict
+        Of each lot with two seals.
+    lots : LotCharts or None
+        The X-bar and s charts of the lots.
+    components : tuple of Component
+        Empty where nothing repeats.
+    gauge : Gauge or None
+        None where no seal was tested twice.
+    limits : Limits or None
+    capability : dict
+        Of each lot with two seals, where there are limits.
+    judged : tuple of Decided
+        Of each seal, where there are limits.
+    """
+
+    keys = (
+        "quantity=quantity.name", "quantity.column", "seals", "charts=by_lot", "lots", "components",
+        "gauge", "limits?", "capability=capable?", "judged=decided?",
+    )  # fmt: skip
+
+    quantity: Quantity
+    seals: tuple[Seal, ...]
+    charts: dict[str, Charts]
+    lots: LotCharts | None
+    components: tuple[Component, ...]
+    gauge: Gauge | None
+    limits: Limits | None
+    capability: dict[str, Capability]
+    judged: tuple[Decided, ...]
+
+    @property
+    def by_lot(self) -> tuple[ChartsOfLot, ...]:
+        """The charts of each lot."""
+        each = self.charts.items()
+        return tuple(ChartsOfLot(lot, of.means, of.moving, of.repeats) for lot, of in each)
+
+    @property
+    def signals(self) -> Signals:
+        """Of the charts of seals and lots; each run of points is one cause."""
+        both = self.signals_of("seals"), self.signals_of("lots")
+        return Signals(*map(sum, zip(*both, strict=True)))
+
+    def signals_of(self, what: Literal["seals", "lots"]) -> Signals:
+        """Of the charts of the seals of each lot, or of the lots among themselves."""
+        charts = [one.means for one in self.charts.values()]
+        if what == "lots":
+            charts = [] if self.lots is None else [self.lots.mean, self.lots.sd]
+        return Signals(
+            sum(len(one.causes) for one in charts),
+            sum(len(one.signalled) for one in charts),
+            sum(len(one.values) for one in charts),
+        )
+
+    @property
+    def capable(self) -> tuple[CapabilityOfLot, ...] | None:
+        """The capability of each lot; None without limits."""
+        each = tuple(CapabilityOfLot(*one) for one in self.capability.items())
+        return None if self.limits is None else each
+
+    @property
+    def decided(self) -> tuple[Decided, ...] | None:
+        """The judgement of each seal; None without limits."""
+        return None if self.limits is None else self.judged
+
+    @property
+    def sources(self) -> tuple[tuple[Fact, str], ...]:
+        """The standard deviation of each source of scatter, and its share of the variance, %."""
+        return tuple(
+            (self._deviation(one.source, one.variance, one.interval), f"{100 * one.share:.1f}")
+            for one in self.components
+        )
+
+    def _deviation(self, name: str, variance: float, ends: tuple[float, float] | None) -> Fact:
+        within = None if ends is None else (sqrt(ends[0]), sqrt(ends[1]))
+        return self.quantity.fact(name, sqrt(variance), within)
+
+    @property
+    def known(self) -> dict[str, Capability]:
+        """The capability of each lot whose seals scatter."""
+        return {name: one for name, one in self.capability.items() if one.cpk is not None}
+
+    @property
+    def lowest(self) -> tuple[str, Capability] | None:
+        """The lot with the lowest Cpk, or the only one."""
+        return min(self.known.items(), key=lambda one: one[1].cpk or 0.0, default=None)
+
+
+@dataclass(frozen=True, eq=False)
+class Summary(Checked, Documented):
+    """What a lot says.
+
+    Attributes
+    ----------
+    lot : Lot
+    main : OfQuantity
+        Of the quantity that the page shows.
+    others : tuple of OfQuantity
+        Of the further quantities that have limits.
+    flags : tuple of Flag
+    checks : tuple of Check
+    """
+
+    keys = ("verdict", "lights", "statistics=each~", "flags", "unlike", "copies", "checks")
+
+    lot: Lot
+    main: OfQuantity
+    others: tuple[OfQuantity, ...]
+    flags: tuple[Flag, ...]
+    checks: tuple[Check, ...]
+
+    @property
+    def each(self) -> tuple[OfQuantity, ...]:
+        """The statistics of every quantity, the main one first."""
+        return (self.main, *self.others)
+
+    @property
+    def sound(self) -> str:
+        """How many files were fitted, the mean of the quantity, and the alarms of its charts."""
+        fitted, files = self.lot.outcomes.get("fitted", 0), self.lot.table.height
+        how = f"{fitted} of {files} files were fitted"
+        if fitted == files:
+            how = f"all {files} files were fitted" if files > 1 else "the one file was fitted"
+        one = self.main
+        if len(one.seals) < 2:
+            return how
+        mean = one.quantity.read(float(seal_means(one.seals).mean()))
+        return (
+            f"{how}. {sentence(one.quantity.words)[:-1]}: mean {mean} of {len(one.seals)} seals. "
+            f"{_alarms(one).capitalize()}"
+        )
+
+    @property
+    def lights(self) -> tuple[LotLight, ...]:
+        """Files, measuring, control and limits: the verdict is the worst of them."""
+        main = self.main
+        names = {"files": _FILES, "measuring": _MEASURING, "control": _CONTROL}
+        behind: dict[str, list[Check]] = {one: [] for one in (*names, "limits")}
+        for check in self.checks:
+            room = next((one for one, known in names.items() if check.name in known), "limits")
+            behind[room].append(check)
+        says = {
+            "files": self._files, "measuring": _gauge_says(main), "control": _control_says(main),
+            "limits": _limits_says(main),
+        }  # fmt: skip
+        return tuple(
+            LotLight(name, _mark(checks, known=bool(says[name])), says[name] or "not known")
+            for name, checks in behind.items()
+        )
+
+    @property
+    def _files(self) -> str:
+        lot = self.lot
+        fitted, copies = lot.outcomes.get("fitted", 0), len(lot.copies)
+        said = f"{fitted} of {lot.table.height} fitted"
+        if lot.unlike:
+            said += f", {len(lot.unlike)} unlike"
+        return said + (f", {copies} cop{'y' if copies == 1 else 'ies'}" if copies else "")
+
+    @property
+    def copies(self) -> tuple[Unlike, ...]:
+        """The files that hold what another one does, and which: they are left out."""
+        return tuple(Unlike(*one) for one in self.lot.copies.items())
+
+    @property
+    def lines(self) -> list[str]:
+        """What a shell prints of each quantity: seals, gauge, capability, judgement."""
+        return [line for one in self.each for line in _lines(one)]
+
+    @property
+    def unlike(self) -> tuple[Unlike, ...]:
+        """The files that are no test like the others."""
+        return tuple(Unlike(*one) for one in self.lot.unlike.items())
+
+
+def summary(lot: Lot, *, quantity: str = "k_end", limits: Sequence[Limits] = ()) -> Summary:
+    """Return what a lot says of a quantity, and of those that have limits.
+
+    Raises
+    ------
+    DataError
+        If no column of numbers is called so.
+    """
+    main = lot.quantity(quantity)
+    # a stiffness and a modulus share a name, and never a column
+    asked = {one.quantity.column: one for one in limits}
+    first, *others = [
+        _of(lot, one, asked.get(one.column))
+        for one in (main, *(one.quantity for one in limits if one.quantity != main))
+    ]
+    flags = tuple(_flags(lot, first))
+    checks = (*_checks(lot, (first, *others), flags), *lot.checks)
+    return Summary(lot, first, tuple(others), flags, checks)
+
+
+def _of(lot: Lot, quantity: Quantity, limits: Limits | None) -> OfQuantity:
+    name = quantity.column
+    try:
+        scatter = lot.components(name)
+    except DataError:
+        scatter = ()
+    try:
+        gauge = lot.gauge(name)
+    except DataError:
+        gauge = None
+    within = {} if limits is None else lot.capability(name, limits.lower, limits.upper)
+    return OfQuantity(
+        quantity, lot.seals(name), lot.charts(name), lot.lot_chart(name), scatter, gauge,
+        limits, within, () if limits is None else judged(lot, limits),
+    )  # fmt: skip
+
+
+# -- what to look at ------------------------------------------------------------------------------
+
+
+def _flags(lot: Lot, of: OfQuantity) -> Iterator[Flag]:
+    for name, one in of.charts.items():
+        yield from _odd_seals(name, one, of.quantity)
+    yield from _odd_repeats(of)
+    rows = lot.table.select("file", "lot", "seal", "outcome", "verdict", "reason").rows()
+    places = {file: (name, seal, file) for file, name, seal, *_ in rows}
+    for file, says in lot.unlike.items():
+        yield Flag(*places[file], f"{says}: left out of the statistics")
+    for file, other in lot.copies.items():
+        yield Flag(*places[file], f"the same record as {other}: left out of the statistics")
+    for file, _, _, outcome, verdict, reason in rows:
+        if outcome != "fitted" or verdict == "do not use":
+            yield Flag(*places[file], reason or outcome, weighty=False)
+
+
+def _odd_seals(name: str, one: Charts, quantity: Quantity) -> Iterator[Flag]:
+    """Seals of a lot that stand out of it, then those whose repeats scatter."""
+    away, far = robust_distance(seal_means(one.seals)), stands_out(seal_means(one.seals))
+    beyond = {at for at, rule in one.means.signals if rule == BEYOND}
+    for i, seal in enumerate(one.seals):
+        if far[i] or i in beyond:
+            says = _far(quantity, seal, float(away[i])) + f", {BEYOND}" * (i in beyond)
+            yield Flag(name, seal.name, _only(seal), says)
+    if one.repeats is None:
+        return
+    usual = quantity.read(one.repeats.centre, digits=2)
+    for at, _ in one.repeats.signals:
+        scatter = quantity.read(float(one.repeats.values[at]), digits=2)
+        yield Flag(name, one.seals[at].name, "", f"its repeats scatter by {scatter}, those of "
+                   f"others by {usual}: seated anew?")  # fmt: skip
+
+
+def _only(seal: Seal) -> str:
+    return seal.files[0] if len(seal.files) == 1 else ""
+
+
+def _far(quantity: Quantity, seal: Seal, away: float) -> str:
+    by = f"{abs(away):.1f} robust deviations " if isfinite(away) else ""
+    return f"{quantity.read(seal.mean)}, {by}{_side(away)} the median seal of its lot"
+
+
+def _side(away: float) -> str:
+    return "above" if away > 0 else "below"
+
+
+def _odd_repeats(of: OfQuantity) -> Iterator[Flag]:
+    """Tests that stand out of the repeats of all seals, each against the mean of its own."""
+    several = [one for one in of.seals if len(one.values) > 2]
+    if not several:
+        return
+    # of n values about their own mean the deviation is smaller
+    away = np.concatenate([
+        (one.values - one.mean) / np.sqrt(1 - 1 / len(one.values)) for one in several
+    ])  # fmt: skip
+    files = [(one, file) for one in several for file in one.files]
+    for (seal, file), far, out in zip(files, robust_distance(away), stands_out(away), strict=True):
+        if out and isfinite(far):
+            says = f"{abs(far):.1f} robust deviations {_side(far)} the other tests of its seal"
+            yield Flag(seal.lot, seal.name, file, says)
+
+
+# -- checks ---------------------------------------------------------------------------------------
+
+
+def _checks(lot: Lot, each: Sequence[OfQuantity], flags: Sequence[Flag]) -> Iterator[Check]:
+    for one in each:
+        if one.limits is not None:
+            yield from _of_limits(one, one.limits)
+    main = each[0]
+    if main.gauge is not None:
+        yield gauge_tells_apart(main.gauge)
+    kinds: tuple[Literal["seals", "lots"], ...] = ("seals", "lots")
+    told = [(what, *main.signals_of(what)) for what in kinds]
+    if any(of for *_, of in told):
+        yield charts_in_control([one for one in told if one[-1]])
+    seals = {(one.lot, one.seal, one.file) for one in flags if one.weighty}
+    yield stands_out_of_lot(len(seals), len(each[0].seals))
+    normal = [one for one in each[0].components if one.normal is not None]
+    if normal:
+        least = min(normal, key=lambda one: one.normal or 0.0)
+        yield scatter_normal(least.source, least.normal)
+    beyond = {frequency: _out_of_band(lot, frequency) for frequency in _frequencies(lot)}
+    if beyond:
+        asked = [frequency for frequency, count in beyond.items() if count]
+        yield asked_in_band(asked, max(beyond.values()))
+
+
+def _of_limits(one: OfQuantity, limits: Limits) -> Iterator[Check]:
+    decisions = [judge.decision for judge in one.judged]
+    yield seals_within_limits(one.quantity.words, str(limits), decisions)
+    if limits.cpk is not None:
+        lots = {judge.lot for judge in one.judged} or {""}
+        unknown = len(lots) - len(one.known)
+        yield capability_as_asked(one.quantity.words, one.lowest, unknown, limits.cpk)
+
+
+def _frequencies(lot: Lot) -> tuple[float, ...]:
+    """Those that were asked for, Hz, by the columns of their loss factors."""
+    names = (one for one in lot.table.columns if one.startswith("loss_factor_at_"))
+    texts = (one.removeprefix("loss_factor_at_").partition("Hz")[0] for one in names)
+    return tuple(sorted({float(one) for one in texts}))
+
+
+def _out_of_band(lot: Lot, frequency: float) -> int:
+    """How many tests that are used do not inform a frequency, Hz."""
+    bands = lot.used.select("band_low_Hz", "band_high_Hz").drop_nulls().iter_rows()
+    return sum(not low <= frequency <= high for low, high in bands)
+
+
+# -- lights ----------------------------------------------------------------------------------------
+
+
+def _mark(checks: Sequence[Check], *, known: bool) -> str:
+    failed = [GRADES.index(one.grade) for one in checks if one.failed]
+    if not failed:
+        return "good" if known and any(one.passed for one in checks) else "note"
+    return ("note", "care", "bad")[max(failed)]
+
+
+def _gauge_says(of: OfQuantity) -> str:
+    if of.gauge is None:
+        return ""
+    low, high = (100 * end for end in of.gauge["gauge"].share_interval)
+    ndc = of.gauge.categories
+    told = f"{floor(ndc)}" if isfinite(ndc) else "∞"
+    return f"R&R {100 * of.gauge['gauge'].share:.0f} % ({low:.0f} to {high:.0f}), ndc {told}"
+
+
+def _control_says(of: OfQuantity) -> str:
+    if not of.signals.of:
+        return ""
+    if not of.signals.points:
+        return f"no signal in {counted(len(of.charts), 'lot')}"
+    each = [(of.signals_of("seals"), "seals"), (of.signals_of("lots"), "lots")]
+    points = " and ".join(
+        f"{one.points} of {one.of} points of {what}" for one, what in each if one.points
+    )
+    return f"{counted(of.signals.causes, 'cause')}: {points}"
+
+
+def _limits_says(of: OfQuantity) -> str:
+    if of.limits is None:
+        return "no limits given"
+    if of.lowest is not None and of.limits.cpk is not None:
+        lot, able = of.lowest
+        where = f" in {lot}" if lot and len(of.known) > 1 else ""
+        return f"Cpk {able.cells[0]}{where}, asked {of.limits.cpk:.2f}"
+    passed = sum(one.decision == "pass" for one in of.judged)
+    return f"{passed} of {len(of.judged)} seals pass"
+
+
+# -- for people and programs -----------------------------------------------------------------------
+
+
+def _alarms(one: OfQuantity) -> str:
+    causes = one.signals.causes
+    alarms = f"{counted(causes, 'cause')} of control-chart alarms"
+    return alarms if causes else "no control-chart alarm"
+
+
+def _lines(one: OfQuantity) -> Iterator[str]:
+    if len(one.seals) < 2:
+        return
+    mean = ascii_only(one.quantity.read(float(seal_means(one.seals).mean())))
+    yield (
+        f"{one.quantity.words}: mean {mean} of {len(one.seals)} seals in "
+        f"{counted(len(by_lot(one.seals)), 'lot')}; "
+        f"{_alarms(one)}"
+    )
+    if one.gauge is not None:
+        yield f"  gauge R&R   {ascii_only(one.gauge.says)}"
+    for name, able in one.known.items():
+        yield f"  capability  {able.says}, {able.count} seals{f', lot {name}' if name else ''}"
+    if one.sources:
+        yield f"  scatter, standard deviations, {one.quantity.unit}:"
+    for fact, share in one.sources:
+        value, low, high = map(ascii_only, fact.ends)
+        between = f" ({low} to {high})" if fact.bounded else ""
+        yield f"    {fact.name:<9} {value}{between}, {share} % of the variance"
+    yield from (_judged(judge, one.quantity) for judge in one.judged if judge.decision != "pass")
+
+
+def _judged(judge: Decided, quantity: Quantity) -> str:
+    value = "" if judge.value is None else f", {ascii_only(quantity.read(judge.value))}"
+    where = f"{judge.lot} " if judge.lot else ""
+    return f"  {judge.decision:<11} {where}seal {judge.seal}{value}"

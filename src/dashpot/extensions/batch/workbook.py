@@ -1,0 +1,137 @@
+"""A lot as a workbook: its tests, its seals, its statistics."""
+
+from __future__ import annotations
+
+import datetime as dt
+from collections.abc import Iterable, Iterator
+from copy import copy
+from io import BytesIO
+from shutil import copyfileobj
+from typing import TYPE_CHECKING, Any
+from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile
+
+from dashpot.base.errors import ExportError
+from dashpot.base.escaping import neutral
+from dashpot.base.version import byline
+from dashpot.extensions.batch.lot import Lot
+from dashpot.extensions.batch.parquet_parts import polars
+from dashpot.extensions.batch.summary import Summary
+
+if TYPE_CHECKING:
+    import polars as pl
+
+_MADE = dt.datetime(1980, 1, 1)
+"""That a workbook says it was made: the same lot is the same bytes."""
+_SHEET_ROWS = 1_048_575
+"""That a sheet has below its header."""
+_FORMATS = {"Float64": "#,##0.000000", "Int64": "#,##0"}
+
+
+def workbook(found: Summary) -> bytes:
+    """Return a lot as XLSX with the sheets tests, seals, scatter, capability and checks.
+
+    SI units, as in the table; no text is a formula.
+
+    Raises
+    ------
+    ExportError
+        If xlsxwriter is not installed.
+    """
+    try:
+        from xlsxwriter import Workbook
+    except ImportError:
+        raise ExportError(
+            'a workbook needs xlsxwriter, which is not installed: pip install "dashpot[batch]"'
+        ) from None
+    made = BytesIO()
+    # a row of the largest sheets is on disk when the next one is made
+    how = {"constant_memory": True, "strings_to_formulas": False, "strings_to_urls": False}
+    with Workbook(made, how) as book:
+        book.set_properties({"comments": byline("lot"), "created": _MADE})
+        for name, frame in (("tests", _tests(found.lot)), *_sheets(found)):
+            if frame.height:
+                _write(book, name, frame)
+    return _byline_first(made)
+
+
+def _tests(lot: Lot) -> pl.DataFrame:
+    if lot.table.height <= _SHEET_ROWS:
+        return lot.neutral()
+    says = f"{lot.table.height} are more than a sheet has rows: they are in lot.csv"
+    return _frame([{"tests": says}])
+
+
+def _write(book: Any, name: str, frame: pl.DataFrame) -> None:
+    sheet = book.add_worksheet(name)
+    sheet.freeze_panes(1, 0)
+    sheet.autofilter(0, 0, frame.height, frame.width - 1)
+    kinds = [_FORMATS.get(str(kind)) for kind in frame.dtypes]
+    formats = [kind and book.add_format({"num_format": kind}) for kind in kinds]
+    sheet.write_row(0, 0, frame.columns, book.add_format({"bold": True}))
+    for i, row in enumerate(frame.iter_rows(), start=1):
+        for j, value in enumerate(row):
+            if value is not None:
+                sheet.write(i, j, value, formats[j])
+
+
+_CORE = "docProps/core.xml"
+
+
+def _byline_first(made: BytesIO) -> bytes:
+    """The archive with its properties first and plain: a file of ours is known by its head."""
+    whole = BytesIO()
+    with ZipFile(made) as old, ZipFile(whole, "w") as new:
+        for one in sorted(old.infolist(), key=lambda one: one.filename != _CORE):
+            again = copy(one)
+            again.compress_type = ZIP_STORED if one.filename == _CORE else ZIP_DEFLATED
+            with old.open(one) as source, new.open(again, "w") as place:
+                copyfileobj(source, place)
+    return whole.getvalue()
+
+
+_SHEETS = {
+    "seals": ("seals", "lot seal tests mean repeats_sd"),
+    "limits": ("judged", "lot seal decision value guard"),
+    "scatter": ("components", "source variance interval_from interval_to share"),
+    "gauge": ("variations", "name deviation interval_from interval_to share"),
+    "capability": (
+        "capability",
+        "lot count mean deviation lower upper cp cpk cpk_interval_from cpk_interval_to outside",
+    ),
+}
+"""Which part of the document of each quantity a sheet lists, and what of it."""
+_HEADS = {
+    "name": "source", "deviation": "sd", "count": "seals", "interval_from": "from",
+    "interval_to": "to", "cpk_interval_from": "cpk_from", "cpk_interval_to": "cpk_to",
+}  # fmt: skip
+
+
+def _sheets(found: Summary) -> Iterator[tuple[str, pl.DataFrame]]:
+    document = found.document
+    for sheet, (part, names) in _SHEETS.items():
+        rows = (
+            {"quantity": of["quantity"]}
+            | {_HEADS.get(name, name): row.get(name) for name in names.split()}
+            for of in document["statistics"]
+            for row in map(_flat, (of | (of["gauge"] or {})).get(part, ()))
+        )
+        yield sheet, _frame(rows)
+    yield "flags", _frame(document["flags"])
+    checks = ({"check": one.name, "passed": one.passed, "says": one.says} for one in found.checks)
+    yield "checks", _frame(checks)
+
+
+def _flat(row: dict[str, Any]) -> dict[str, Any]:
+    """A row whose intervals are two cells each."""
+    for name in [name for name, value in row.items() if isinstance(value, list)]:
+        row[f"{name}_from"], row[f"{name}_to"] = row.pop(name)
+    return row
+
+
+def _frame(rows: Iterable[dict[str, Any]]) -> pl.DataFrame:
+    """A table of rows, in which no text is a formula."""
+    cells = [
+        {name: neutral(v) if isinstance(v, str) else v for name, v in row.items()} for row in rows
+    ]
+    made: pl.DataFrame = polars().DataFrame(cells, infer_schema_length=None)
+    return made

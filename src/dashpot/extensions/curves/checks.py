@@ -1,0 +1,333 @@
+"""What curves of storage, loss and modulus, and a fit to them, must hold."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, distinct, median
+from dashpot.base.checks import Check, Finding, Remedy, criterion
+from dashpot.base.status import Status
+from dashpot.base.units import written
+from dashpot.fitting.checks.relaxation import MAX_FALLING
+from dashpot.fitting.checks.solid import ROUNDING, amount
+from dashpot.signals.noise import usual_scatter
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+if TYPE_CHECKING:
+    from dashpot.datamodel.bounds import EndOfHold
+    from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
+
+MAX_INCONSISTENT = 0.05
+# curves missed by more than this are not followed
+FOLLOWED = 0.05
+# a joint fit may leave so many times the scatter of the fits alone
+MORE_TOGETHER = 1.3
+# scatter so many times as large is another solid
+CONTRADICTED = 3.0
+# a plateau is known if no spectrum falls below this part of it within ten times the curve
+LEVEL = 0.8
+# a curve that ended before it relaxed falls at its end by as much as it ever did
+OF_ALL = 0.2
+# what frame and load cell of an instrument give if nobody says, m/N
+GIVES = 3e-7
+# so much of the storage, and twice as much of the loss, may go unsaid
+UNSAID = 0.01
+# standard deviations by which a value scatters at most
+SCATTERED = 3.0
+# of creep every record may hide a slow flow, which takes so much
+LEVEL_OF_CREEP = 0.65
+
+
+# -- the curves -----------------------------------------------------------------------------------
+
+
+@criterion("smooth misfit", "<=", MAX_INCONSISTENT, "our choice; or 2.5 sd of what chance shows")
+def kramers_kronig(misfit: tuple[FloatArray, FloatArray] | None) -> Finding:
+    r"""Storage and loss belong to one passive solid.
+
+    Every passive relaxing solid is a positive sum of arms, whose storage and loss obey the
+    Kramers-Kronig relations one by one. `misfit` is what the nearest of them all misses
+    (:func:`~dashpot.extensions.curves.relaxation_spectrum.passive_misfit`); what it misses without
+    scatter, the root of the residuals' product with their neighbours, is what the relations forbid,
+    unless white residuals of that size would show as much by chance.
+    """
+    if misfit is None:
+        return Finding(
+            "A storage is not above 0, so storage and loss cannot be compared",
+            remedy="Check the sign of storage and force.",
+            faulted=True,
+        )
+    smooth = [_without_scatter(error) for error in misfit]
+    return Finding(
+        f"The nearest passive model misses storage by {100 * smooth[0]:.2g} % and loss by "
+        f"{100 * smooth[1]:.2g} % beyond scatter",
+        max(smooth),
+        "Storage and loss contradict each other (Kramers-Kronig), so no fit can follow both",
+        "Look for a wrong shift, slip, or a changed temperature or strain.",
+        excused=all(
+            found <= max(MAX_INCONSISTENT, _by_chance(error))
+            for found, error in zip(smooth, misfit, strict=True)
+        ),
+    )
+
+
+@criterion(
+    "give of the instrument / deformation",
+    "<=",
+    UNSAID,
+    "our choice; frames and load cells give 0.1 to 1 um/N, thought 0.3",
+    grade="note",
+)
+def instrument_stiff(data: DynamicTest) -> Finding:
+    r"""The instrument is stiff beside the part.
+
+    What frame and load cell give, C, is in series: :math:`K^*/(1 + C K^*)` is measured, with a
+    storage by CK too low and a loss by 2CK. Of a modulus nothing says how stiff its piece was.
+    """
+    both = f"frame and load cell that give {written(GIVES, 'um/N', 'g')}"
+    if data.unit != "N/m":
+        return Finding(
+            f"Of a piece of more than {written(UNSAID / GIVES, 'N/mm', '.3g')}, {both} take more "
+            f"than {100 * UNSAID:g} % off the storage and {200 * UNSAID:g} % off the loss. How "
+            "stiff it was is not said"
+        )
+    stiffest = float(np.hypot(data.storage, data.loss).max())
+    return Finding(
+        f"At {written(stiffest, 'N/mm', '.3g')}, {both} take {100 * GIVES * stiffest:.2g} % off "
+        "the storage and twice as much off the loss",
+        GIVES * stiffest,
+        "An instrument may have corrected it",
+        remedy="Correct the compliance of the instrument, or test a softer piece.",
+    )
+
+
+@criterion(
+    "losses below 0", "<=", 0.0, "passivity; 3 standard deviations of their scatter",
+    otherwise="stop where most losses are below zero",
+)  # fmt: skip
+def loss_positive(data: DynamicTest) -> Finding:
+    """No loss gives energy back, but for scatter, as of rubber at rest."""
+    part = data.loss / np.abs(data.value)
+    bad = np.flatnonzero(part < -SCATTERED * _scatter_of_sweeps(data, part))
+    if not bad.size:
+        return Finding("No loss is below zero beyond scatter", 0.0)
+    return Finding(
+        f"{bad.size} of {len(data.loss)} losses are below zero beyond scatter, the first at "
+        f"{data.frequency[bad[0]]:.3g} Hz. No passive part does that",
+        float(bad.size),
+        remedy="Check the sign, the phase calibration, and the resolution at small loss.",
+        grade="stop" if 2 * bad.size > len(data.loss) else "limit",
+    )
+
+
+@criterion("fall of the storage", "<=", 0.05, "our choice: scatter")
+def storage_rises(data: DynamicTest) -> Finding:
+    """The storage does not fall with frequency, as mass in the grips makes it."""
+    order = np.argsort(data.frequency, kind="stable")
+    storage, frequency = data.storage[order], data.frequency[order]
+    top = np.maximum.accumulate(storage)
+    falls = 1 - storage / np.where(top > 0, top, np.inf)
+    worst = int(np.argmax(falls))
+    return Finding(
+        "The storage does not fall with frequency beyond scatter",
+        float(falls[worst]),
+        instead=f"The storage falls by {100 * falls[worst]:.2g} % at {frequency[worst]:.3g} Hz. No "
+        "relaxing part does that: mass moved along, or the part warmed up",
+        remedy=Remedy("Leave those frequencies out.", "band"),
+    )
+
+
+@criterion("last third / first third", "<=", 1.25, "our choice: scatter", grade="stop")
+def modulus_falls(modulus: FloatArray) -> Finding:
+    """The modulus falls, as that of every relaxing solid does."""
+    third = max(len(modulus) // 3, 1)
+    first, last = float(modulus[:third].mean()), float(modulus[-third:].mean())
+    ratio = last / first if first > 0 else None
+    return Finding(
+        "The modulus falls with time",
+        ratio,
+        instead=f"It rises with time, from {first:.3g} in its first third to {last:.3g} in its "
+        "last. A relaxation modulus falls; a creep compliance rises",
+        remedy=Remedy("Read it as creep.", "as", "creep"),
+    )
+
+
+# -- a fit to them --------------------------------------------------------------------------------
+
+
+@criterion("plateau, N/m or Pa", ">", source="3 standard errors")
+def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, further: str) -> Finding:
+    """There is a stiffness that does not relax."""
+    return Finding(
+        f"The plateau is {amount(model.k_inf, unit)} with a standard error of {amount(se, unit)}",
+        model.k_inf,
+        "It may be zero: the material flows, or the measurement ended too early",
+        further,
+        limit=3.0 * se,
+        # exact data leave a plateau of rounding size, and a standard error to match
+        faulted=model.k_inf <= ROUNDING * (model.k_inf + sum(model.k)),
+    )
+
+
+@criterion(
+    "lowest k(10 T) / highest k(T)",
+    ">=",
+    LEVEL,
+    "own truths: of those above it 1 plateau in 20 is off by more than 10 %",
+    otherwise=f"{LEVEL_OF_CREEP:g} of creep",
+)
+def plateau_told(end: EndOfHold, unit: str) -> Finding:
+    """The curve levels off: no solid that it does not reject relaxes much further."""
+    return Finding(
+        end.told(unit),
+        end.levels,
+        "So k_inf is extrapolated, with no lower limit",
+        end.remedy,
+        limit=LEVEL_OF_CREEP if end.ended == "creep" else LEVEL,
+    )
+
+
+@criterion(
+    "fall per factor e of time",
+    "<=",
+    MAX_FALLING,
+    "that of a hold",
+    otherwise=f"beyond {OF_ALL:g} of all that the data fell, if that is less",
+)
+def end_level(end: EndOfHold, fallen: float) -> Finding:
+    """No solid that the curve does not reject still falls much at its end.
+
+    `fallen` is what the data show: from the first value to the last, over the last.
+    """
+    falling = end.falling / max(end.k_end[1], 1e-300)
+    return Finding(
+        f"At the end of the data the stiffness still falls by up to {100 * falling:.2g} % per "
+        f"factor of 2.7 in time. At first it was {1 + fallen:.3g} times as stiff",
+        falling,
+        "A solid that goes on like that has another plateau, or none",
+        end.remedy,
+        limit=min(MAX_FALLING, OF_ALL * max(fallen, 0.0)),
+    )
+
+
+def plateau(
+    model: GeneralizedMaxwell,
+    se: float,
+    end: EndOfHold | None,
+    *,
+    unit: str,
+    first: float,
+    further: str,
+) -> tuple[Check, ...]:
+    """What is known of the plateau: that there is one, and how well, where an end was asked.
+
+    `first` is the stiffness of the model where the data are fastest.
+    """
+    seen = plateau_seen(model, se, unit=unit, further=further)
+    if end is None or seen.failed:
+        return (seen,)
+    return plateau_told(end, unit), end_level(end, first / end.of(model) - 1)
+
+
+@criterion(
+    "rms error of the fit",
+    "<",
+    FOLLOWED,
+    otherwise="note where several temperatures share the spectrum",
+    ends=Status.NOT_IDENTIFIED,
+)
+def few_arms_suffice(
+    missed: float, arms: int, most: int, dense: tuple[int, float], limit: float | None = None
+) -> Finding:
+    """Few arms follow the curves.
+
+    `dense` holds arms and rms of the dense spectrum; `limit` is of one that several temperatures
+    share.
+    """
+    return Finding(
+        f"Arms that follow the curves: {arms}",
+        missed,
+        instead=f"No number of arms up to {most} follows the curves: best {arms}, "
+        f"{100 * missed:.2g} % rms. This is the dense spectrum of {dense[0]} arms, at "
+        f"{100 * dense[1]:.2g} %",
+        remedy="Use it as a table for a solver; its single arms mean nothing.",
+        limit=limit or FOLLOWED,
+        grade="note" if limit else None,
+    )
+
+
+@criterion(
+    "scatter jointly / alone",
+    "<=",
+    MORE_TOGETHER,
+    otherwise=f"2.5 sd of what chance shows in few lines; stop beyond {CONTRADICTED:g}",
+    ends=Status.TESTS_DISAGREE,
+)
+def data_agree(spread: Sequence[float], names: Sequence[str], freedom: Sequence[float]) -> Finding:
+    r"""One solid explains every data set about as well as a solid of its own does.
+
+    Parameters
+    ----------
+    spread : sequence of float
+        What the joint fit leaves of each curve, over what a fit to its test alone leaves.
+    names : sequence of str
+    freedom : sequence of float
+        Degrees of freedom of the latter: a scatter of :math:`\nu` is known to
+        :math:`1/\sqrt{2\nu}`.
+    """
+    limits = np.maximum(MORE_TOGETHER, 1 + 2.5 / np.sqrt(2 * np.maximum(freedom, 1.0)))
+    worst = int(np.argmax(np.asarray(spread) / limits))
+    return Finding(
+        f"The joint fit leaves {spread[worst]:.3g} times as much of {names[worst]} as its own fit "
+        "leaves",
+        float(spread[worst]),
+        "The tests contradict each other, or one model needs more arms. Small vibration at depth "
+        "has the tangent stiffness, a press from zero the secant",
+        "Check that piece, length, temperature and depth are the same.",
+        limit=float(limits[worst]),
+        grade="stop" if spread[worst] > CONTRADICTED else None,
+    )
+
+
+@criterion("gap, a factor", "<=", 10.0, "our choice: a decade")
+def bands_meet(dynamic: tuple[float, float], relaxation: tuple[float, float]) -> Finding:
+    """No decade between the two tests is left unmeasured."""
+    return Finding(
+        f"The sweep covers {dynamic[0]:.3g} to {dynamic[1]:.3g} Hz, and the valid band of the "
+        f"relaxation test is {relaxation[0]:.3g} to {relaxation[1]:.3g} Hz",
+        float(max(dynamic[0] / relaxation[1], relaxation[0] / dynamic[1])),
+        "More than a decade between them was not measured, so arms there are not known",
+        "Start the sweep lower, or ramp faster.",
+    )
+
+
+# -- measures -------------------------------------------------------------------------------------
+
+
+def _scatter_of_sweeps(data: DynamicTest, values: FloatArray) -> float:
+    """The usual standard deviation of values of a sweep from their neighbours, 0 of few."""
+    kelvin = np.zeros(len(values)) if data.temperature is None else np.round(data.temperature)
+    found = []
+    for one in distinct(kelvin):
+        here = np.flatnonzero(kelvin == one)
+        ordered = values[here[np.argsort(data.frequency[here], kind="stable")]]
+        found.append(usual_scatter(np.arange(float(len(here))), ordered))
+    return median(np.array(found))
+
+
+def _without_scatter(error: FloatArray) -> float:
+    r"""Return :math:`\sqrt{\overline{e_i e_{i+1}}}`: the rms of what neighbours share."""
+    if len(error) < 2:
+        return 0.0
+    return float(np.sqrt(max(float(np.mean(error[1:] * error[:-1])), 0.0)))
+
+
+def _by_chance(error: FloatArray) -> float:
+    r"""Return what :func:`_without_scatter` finds in white residuals, 2.5 standard deviations.
+
+    The mean product of n white neighbours has the standard deviation :math:`s^2/\sqrt n`.
+    """
+    return float(np.sqrt(2.5 * np.mean(error * error)) / len(error) ** 0.25)

@@ -1,0 +1,1 @@
+"""Creep: from a step of force to a compliance and its solid."""

@@ -1,0 +1,181 @@
+"""What a creep test, and a fit to it, must hold."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Finding, Remedy, criterion
+from dashpot.base.number_format import rounded
+from dashpot.extensions.curves.checks import FOLLOWED
+from dashpot.fitting.checks.relaxation import largest_rms
+from dashpot.fitting.checks.solid import arms_said
+
+if TYPE_CHECKING:
+    from dashpot.extensions.curves.datamodel.creep import LoadHold
+    from dashpot.solids.interconversion import CreepSpectrum
+
+# of the displacement at rest that the hold did not show
+MAX_TO_COME = 0.05
+# a difference of BIC below which two solids are as good
+TOLD = 10.0
+# a displacement missed by so many times its noise is not followed
+MISSED, NOT_FOLLOWED = 2.0, 10.0
+# of the displacement at the end of a hold: a flow of less may be a slow retardation
+FLOWED = 0.5
+# times what a channel usually drifts
+DRIFTS = 2.0
+# of the travel: a misfit below it does not matter
+FINE_ENOUGH = 1e-3
+# a departure from proportion at the highest level that matters, and how surely
+BENT, SURELY = 0.03, 3.0
+
+
+@criterion("last third / first third", ">=", 0.8, "our choice: scatter", grade="stop")
+def compliance_rises(compliance: FloatArray) -> Finding:
+    """The compliance rises, as that of every relaxing solid does."""
+    third = max(len(compliance) // 3, 1)
+    first, last = float(compliance[:third].mean()), float(compliance[-third:].mean())
+    return Finding(
+        "The compliance rises with time",
+        last / first if first > 0 else None,
+        instead=f"The compliance falls with time, from {first:.3g} in its first third to "
+        f"{last:.3g} in its last",
+        remedy="Check whether it is a modulus, or has a recovery.",
+    )
+
+
+@criterion("of the creep to come / compliance at rest", "<=", MAX_TO_COME, grade="limit")
+def creep_finished(creep: CreepSpectrum, hold: float) -> Finding:
+    """The displacement had the time to come to rest, or the part flows and never does.
+
+    `hold` is in s.
+    """
+    if creep.flow > 0:
+        return Finding(
+            "The part flows, so the displacement never comes to rest and k_inf = 0", excused=True
+        )
+    left = 1 - float(creep.compliance(hold)) / creep.equilibrium
+    return Finding(
+        f"When the hold ended, after {rounded(hold)} s, {100 * left:.2g} % of the displacement at "
+        "rest was still to come",
+        left,
+        "So k_inf is extrapolated, with no lower limit",
+        "Hold longer.",
+    )
+
+
+@criterion("difference of BIC", ">=", TOLD, "our choice: 1 to 150 in likelihood")
+def flow_told(flows: bool, difference: float, se_of_flow: float | None) -> Finding:
+    """The record tells a solid that comes to rest from one that flows."""
+    word, other = ("flows", "comes to rest") if flows else ("comes to rest", "flows")
+    doubt = "" if se_of_flow is None else f" (its fluidity is known to {100 * se_of_flow:.2g} %)"
+    if np.isinf(difference):
+        return Finding(f"A part that {other} explains no more than one that {word}", excused=True)
+    return Finding(
+        f"A part that {word} explains the record better than one that {other}, by {difference:.3g} "
+        f"in BIC{doubt}",
+        difference,
+        instead=f"The record hardly separates a part that comes to rest from one that flows "
+        f"(BIC {difference:.3g}). One that {word} was taken; k_inf may be 0",
+        remedy="Hold longer, or record a recovery.",
+    )
+
+
+@criterion(
+    "flow / displacement at the end", ">=", FLOWED, "our choice: a slow retardation shows less"
+)
+def flow_prevails(creep: CreepSpectrum, hold: float) -> Finding:
+    """The flow that was found moved the part by more than a slow retardation would have.
+
+    `hold` is in s.
+    """
+    share = creep.flow * hold / float(creep.compliance(hold))
+    return Finding(
+        f"{100 * share:.2g} % of the displacement at the end is flow",
+        share,
+        "A part that comes to rest after the record ends looks the same, so k_inf may be above 0",
+        "Hold longer, or record a recovery.",
+    )
+
+
+@criterion("drift / what a channel drifts", "<=", DRIFTS, "our choice; two standard deviations")
+def drift_is_no_flow(drift: float, usual: float, *, told: bool) -> Finding:
+    """What was taken for a drift of the displacement is no flow of the part.
+
+    Both in m/s; `told` if the samples before the load show the drift.
+    """
+    return Finding(
+        f"The displacement drifts {drift / usual:.2g} times as far as load cell and encoder "
+        "usually do",
+        abs(drift) / usual,
+        "A part that flows slowly, or is not at rest yet, looks the same; k_inf is then too high",
+        "Record longer before the load.",
+        excused=told,
+    )
+
+
+@criterion(
+    "smooth misfit / noise", "<=", MISSED, "our choice", otherwise=f"stop beyond {NOT_FOLLOWED:g}"
+)
+def displacement_followed(test: LoadHold, residual: FloatArray) -> Finding:
+    """The solid follows the displacement to its noise.
+
+    `residual` is of the last samples of the record.
+    """
+    misfit, where = _worst(test, residual)
+    travel = float(np.ptp(test.displacement))
+    noise = max(test.displacement_noise, FINE_ENOUGH * travel)
+    ratio = misfit / noise if noise > 0 else 1.0
+    return Finding(
+        f"The model misses the displacement by {100 * misfit / travel:.2g} % of the travel rms "
+        f"{where}; {100 * noise / travel:.2g} % would be noise",
+        ratio,
+        "Stiffening, slip, lost contact or another temperature may cause this. The arms mean "
+        "nothing then",
+        "Check the fixture, and repeat the test.",
+        grade="stop" if ratio > NOT_FOLLOWED else None,
+    )
+
+
+@criterion("rms error of the fit", "<=", FOLLOWED)
+def compliance_followed(missed: float, arms: int) -> Finding:
+    """The fit follows the curve of compliance."""
+    return Finding(
+        f"{arms_said(arms)} leave {100 * missed:.2g} % rms of the compliance",
+        missed,
+        "They do not follow the curve",
+        Remedy("Cut off where the instrument's inertia oscillates, or use more arms.", "arms"),
+    )
+
+
+@criterion(
+    "departure at the highest load", "<=", BENT, "our choice; or less than 3 standard errors"
+)
+def levels_agree(departure: float | None, error: float | None) -> Finding:
+    """Loads of several levels move the part in proportion: it is linear."""
+    if departure is None or error is None:
+        return Finding("The record has one level of load, so proportion is not judged")
+    return Finding(
+        f"At the highest load the displacement departs from proportion by "
+        f"{100 * departure:+.2g} % ± {100 * error:.2g} %",
+        abs(departure),
+        "One linear model is not valid for all levels",
+        "Fit the levels one by one.",
+        excused=abs(departure) <= SURELY * error,
+    )
+
+
+def _worst(test: LoadHold, residual: FloatArray) -> tuple[float, str]:
+    """The largest rms of load ramp, what follows it, hold and recovery; and where, in words."""
+    time = test.time[-len(residual) :]
+    settled = test.ramp_end + test.ramp_time
+    parts = (
+        ("while the load rises", (time > test.onset) & (time <= test.ramp_end)),
+        ("right after it", (time > test.ramp_end) & (time <= settled)),
+        ("in the hold", (time > settled) & (time <= test.hold_end)),
+        ("after the hold", time > test.hold_end),
+    )
+    return largest_rms(residual, parts)

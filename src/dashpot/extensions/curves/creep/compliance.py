@@ -1,0 +1,92 @@
+"""What a creep test measured, as the compliance that a step would have shown."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import FitError
+from dashpot.datamodel.fit import Fit
+from dashpot.extensions.curves.creep.fit import fit_creep, known_before
+from dashpot.extensions.curves.creep.preprocess import load_hold
+from dashpot.extensions.curves.datamodel.creep import (
+    COMPLIANCES,
+    CreepCompliance,
+    CreepTest,
+    LoadHold,
+)
+
+# values per decade of time, each the mean of what was recorded between two of them
+_PER_DECADE = 10
+# a value is the mean of so many samples at least, and a curve has so many values
+_LEAST, _FEWEST = 4, 5
+# times shorter than this part of the ramp are those of the ramp, not of the part
+_OF_THE_RAMP = 1.0
+
+
+def fitted_displacement(fit: Fit, data: LoadHold) -> FloatArray:
+    """The displacement that the fit says at every sample, m, with its offset, drift and delay."""
+    time = data.time - data.time[0]
+    answer = fit.solid.displacement(time, data.load)
+    terms = {
+        "offset": np.ones(len(time)),
+        "drift": time,
+        "delay": np.gradient(answer, time),
+    }
+    told = [one.value * terms[one.name] for one in fit.nuisance if one.name in terms]
+    return np.asarray(answer + np.sum(told, axis=0))
+
+
+def measured_compliance(test: CreepTest | LoadHold) -> CreepCompliance:
+    r"""Return the creep compliance that a test measured, free of its ramp and of its zero.
+
+    A ramped load and a position before it are no part of J(t). The test's own fit knows both, so
+    the compliance is that of the fit with what the record leaves of it added over the load,
+
+    .. math:: J(t_i) = J_\mathrm{fit}(t_i) + \overline{(x - x_\mathrm{fit})}_i / F
+
+    in means over even steps of log t through the hold, t counted from the middle of the ramp. A
+    drift of the reading that the time before the load does not tell is left in: one test cannot
+    tell it from slow creep, several temperatures can.
+
+    Parameters
+    ----------
+    test : CreepTest or LoadHold
+        A raw test is prepared.
+
+    Raises
+    ------
+    DataError, FitError
+        As :func:`~dashpot.extensions.curves.creep.fit.fit_creep`, or if the hold is too short for a
+        curve.
+    """
+    record = load_hold(test) if isinstance(test, CreepTest) else test
+    fit = fit_creep(record)
+    left = record.displacement - fitted_displacement(fit, record)
+    if not known_before(record).told:
+        drift = sum(one.value for one in fit.nuisance if one.name == "drift")
+        left = left + drift * (record.time - record.time[0])
+    left = left[record.hold] / record.level
+    since = record.time[record.hold] - (record.onset + record.ramp_end) / 2
+    shortest = max(_OF_THE_RAMP * record.ramp_time, _LEAST * float(np.median(np.diff(since))))
+    ends = np.arange(np.log10(shortest), np.log10(since[-1]) + 1e-9, 1 / _PER_DECADE)
+    which = np.digitize(np.log10(np.maximum(since, shortest / 10)), ends)
+    counts = np.bincount(which, minlength=len(ends) + 1)
+    full = np.flatnonzero(counts >= _LEAST)
+    full = full[full > 0]
+    if len(full) < _FEWEST:
+        raise FitError(
+            f"the hold of {record.hold_time:.3g} s after a ramp of {record.ramp_time:.3g} s gives "
+            f"{len(full)} values of a compliance; expected at least {_FEWEST}: hold longer"
+        )
+    time, mean = (
+        np.bincount(which, one, minlength=len(counts))[full] / counts[full] for one in (since, left)
+    )
+    return CreepCompliance(
+        time,
+        fit.solid.creep(time) + mean,
+        COMPLIANCES[record.unit],
+        record.specimen,
+        record.source,
+        units="SI",
+    )

@@ -1,0 +1,88 @@
+"""The figure of a creep test, or of its curve: what was measured, the fit, what that leaves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.number_format import rounded
+from dashpot.datamodel.fit import Fit
+from dashpot.extensions.curves.creep.compliance import fitted_displacement
+from dashpot.extensions.curves.datamodel.creep import CreepCompliance, LoadHold
+from dashpot.extensions.curves.time_curve_figure import answer_panels
+from dashpot.plot.downsampling import extremes
+from dashpot.plot.picture import (
+    BENEATH,
+    FIT,
+    REF,
+    UPON,
+    Line,
+    Panel,
+    Picture,
+    Rule,
+    Scale,
+    around,
+    unit_of,
+)
+from dashpot.plot.provenance_stamp import of_fit
+
+SINCE = "time since the load began, s"
+
+
+def creep(fit: Fit, data: LoadHold | CreepCompliance, *, stamp: str = "") -> Picture:
+    """Creep over log time with the fit to it, and the residual.
+
+    Parameters
+    ----------
+    fit : Fit
+    data : LoadHold or CreepCompliance
+        What it was fitted to.
+    stamp : str
+        What the figure says of its origin; by default the fit's files, specimen and date.
+    """
+    panels = _curve(fit, data) if isinstance(data, CreepCompliance) else _test(fit, data)
+    caption = "Creep: measured, the fit to it, and what that leaves."
+    return Picture("creep", caption, (panels,), 1, stamp or of_fit(fit))
+
+
+def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
+    since = data.time - data.onset
+    first = max(float(np.diff(data.time).min()), 1e-3 * data.hold_time)
+    shown = since >= first
+    t, measured, said = (
+        since[shown],
+        data.displacement[shown],
+        fitted_displacement(fit, data)[shown],
+    )
+    if data.unit == "N/m":
+        word, scale = unit_of(measured, "m")
+        label = f"displacement, {word}"
+    else:
+        scale, label = 100.0, "strain, %"
+    across = Scale(SINCE, (first, float(t[-1])), log=True)
+
+    def line(values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return extremes(t, scale * values, bins=350, log=True)
+
+    upper = Panel(
+        across, Scale(label, around(scale * measured)),
+        (Line(*line(said), BENEATH, "fit"), Line(*line(measured), UPON, "measured")),
+        height=240,
+    )  # fmt: skip
+    left = measured - said
+    word, small = unit_of(left, "m") if data.unit == "N/m" else ("%", 100.0)
+    x, y = extremes(t, small * left, bins=350, log=True)
+    rms = rounded(small * fit.residual.rms)
+    lower = Panel(
+        across, Scale(f"residual, {word}", around(y, np.zeros(1), margin=0.1)),
+        (Rule(0.0, REF, across=True), Line(x, y, FIT)),
+        height=90, note=f"rms {rms} {word}",
+    )  # fmt: skip
+    return upper, lower
+
+
+def _curve(fit: Fit, data: CreepCompliance) -> tuple[Panel, Panel]:
+    return answer_panels(
+        data.time, data.compliance, answer=fit.solid.creep, unit=data.unit,
+        name="creep compliance", axis="time since the step, s",
+    )  # fmt: skip

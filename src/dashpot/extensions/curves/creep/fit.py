@@ -1,0 +1,654 @@
+r"""From a creep test, or a creep compliance, to the solid behind it.
+
+The recorded force is the input, and the displacement its answer,
+
+.. math:: x(t) = D_g F(t) + \sum_i D_i \int_0^t \bigl(1 - e^{-(t-u)/\lambda_i}\bigr)\,dF(u)
+          + D_f \int_0^t F\,du \; [+ x_0 + \dot x_0 t + \delta\,\dot x]
+
+linear in the compliances as a relaxation test is in the stiffnesses: the same engine finds them.
+The solid follows by interconversion, exactly, and its covariance by the derivative of that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError, FitError
+from dashpot.base.provenance import Step, sources_of
+from dashpot.base.sentences import lowered
+from dashpot.base.units import written
+from dashpot.datamodel.band_error import BandError
+from dashpot.datamodel.bounds import EndOfHold
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.parameter_estimate import Nuisance
+from dashpot.datamodel.relaxation import quantum
+from dashpot.extensions.curves.checks import plateau_told
+from dashpot.extensions.curves.creep import checks
+from dashpot.extensions.curves.creep.preprocess import OF_A_COUNT, load_hold
+from dashpot.extensions.curves.creep.retardation_spectrum import FLOW, GLASS, Retarded, spectrum_of
+from dashpot.extensions.curves.datamodel.creep import Creep, CreepCompliance, CreepTest, LoadHold
+from dashpot.extensions.curves.datamodel.superposition import AsMeasured, Superposition
+from dashpot.extensions.curves.relaxation_spectrum import shared_where_few_fall_short
+from dashpot.extensions.curves.superposition.superpose import superpose
+from dashpot.fitting.checks.relaxation import residuals_steady
+from dashpot.fitting.checks.solid import (
+    arms_distinct,
+    arms_supported,
+    frequencies_informed,
+    loss_factor_known,
+    order_agreed,
+    residuals_random,
+    tau_inside_window,
+)
+from dashpot.fitting.design_matrix import NUISANCE, evened
+from dashpot.fitting.fit_construction import assembled
+from dashpot.fitting.fit_data import DOUBTED, FitData, determinable_arms
+from dashpot.fitting.nonlinear_ramp.checks import clocks_agree
+from dashpot.fitting.nuisance_priors import ROUNDING, Prior, Terms, at_rest, delay_prior
+from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
+from dashpot.fitting.relaxation_likelihood import noise_power
+from dashpot.fitting.uncertainty.band_limits import band_of_curve
+from dashpot.fitting.uncertainty.curve_data import ENOUGH, CurveData, curve_data
+from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_curve, spectra_of_curve
+from dashpot.fitting.uncertainty.load_noise import load_rows
+from dashpot.fitting.uncertainty.solution_covariance import SolutionEstimate, estimated, rounding
+from dashpot.fitting.uncertainty.valid_band import informed_band
+from dashpot.numerics.design_matrices.block import DataBlock, retarding
+from dashpot.numerics.design_matrices.hold import hold_block
+from dashpot.numerics.design_matrices.recorded_motion import recorded_block
+from dashpot.numerics.exponential_fit.variable_projection import Solution, solve
+from dashpot.numerics.inference.model_order import MIN_K_OVER_SE, bic, significant
+from dashpot.preprocessing.checks import of_temperature
+from dashpot.signals.segments import find_segments
+from dashpot.solids.interconversion import CreepSpectrum
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# retardations of the first solution, which tells the velocity
+_ROUGH = 2
+_FEWEST = 5
+# retardations faster than so many times what the load resolves are none
+_RESOLVED = 4.0
+# a load is in step to this part of a sample; it is moved so often, and by so many sd at most
+_IN_STEP, _MOVES, _FARTHEST = 0.1, 4, 4.0
+#: largest angle, omega times the step of the clock, at which a creep test tells the loss
+SAMPLED = 0.1
+# so many sd of a delay before the load the displacement is sure to rest
+_RESTS = 2.0
+# loads this far apart, in parts of the highest, are two levels
+_APART = 0.2
+
+
+def fit_creep(
+    test: Creep | Superposition,
+    *,
+    arms: int | Literal["auto"] = "auto",
+    thorough: bool = False,
+    max_arms: int = 6,
+) -> Fit:
+    r"""Fit a generalized Maxwell solid to a creep test, or to a creep compliance.
+
+    The recorded force, freed of its noise, is the input, whatever it does: ramps, overshoot, a
+    controller that hunts, several levels, a recovery. Offset (the position before the load),
+    drift of the displacement and a delay are nuisance terms, bound by what the record shows
+    before the load. Whether the part comes to rest or flows, BIC decides. No starting guess is
+    needed.
+
+    Parameters
+    ----------
+    test : CreepTest, LoadHold, CreepCompliance or Superposition
+        A raw test is prepared (``dashpot.extensions.curves.creep.preprocess.load_hold``). A
+        compliance at several temperatures is shifted to a master curve first, with the defaults of
+        :func:`~dashpot.extensions.curves.superposition.superpose.superpose`; where few arms follow
+        it less closely than the spectrum that all temperatures share, that stands in their place.
+    arms : int or "auto"
+        Number of Maxwell arms: as many retardations, or one fewer and a flow. ``"auto"`` takes
+        the number that BIC and the significance of every retardation both support.
+    thorough : bool
+        Add quasi-random starts.
+    max_arms : int
+        The most that ``"auto"`` tries.
+
+    Returns
+    -------
+    Fit
+        `method` is ``"creep"``; `creep` holds compliances and retardation times with their
+        covariance; `solid` is their exact interconversion. The residual is in m, of strain in 1,
+        of a compliance relative.
+
+    Raises
+    ------
+    DataError, FitError
+        If no force is held, the compliance falls, or an option makes no sense.
+    """
+    asked_arms(arms, max_arms)
+    if isinstance(test, CreepCompliance) and test.temperature is not None:
+        test = superpose(test)
+    if isinstance(test, Superposition):
+        return _of_master_curve(test, arms, thorough=thorough, max_arms=max_arms)
+    if isinstance(test, CreepCompliance):
+        origin = AsMeasured(sources_of([test]))
+        return _of_curve(test, origin, arms, thorough=thorough, max_arms=max_arms)
+    record = load_hold(test) if isinstance(test, CreepTest) else test
+    record, found = _in_step(record, arms, max_arms=max_arms, thorough=thorough)
+    return _fit_of_test(record, found, arms)
+
+
+def _in_step(
+    record: LoadHold, arms: int | Literal["auto"], *, max_arms: int, thorough: bool
+) -> tuple[LoadHold, Retarded]:
+    r"""The record with its load as early as the displacement answers it, and what is found there.
+
+    A delay is a tangent, :math:`\delta\dot x`: of a load that rises in a few samples that is off
+    by half of the next power, which looks like a fast retardation. So the load is moved by what
+    was found, until hardly any delay is left, by Gauss-Newton.
+    """
+    most = _FARTHEST * delay_prior(record).sd
+    found = _found_as_recorded(record, arms, max_arms=max_arms, thorough=thorough)
+    for _ in range(_MOVES):
+        delay = found.solution.coefficient("delay")
+        if abs(delay) <= _IN_STEP * record.step or abs(record.lead + delay) > most:
+            break
+        earlier = record.with_load_earlier(delay)
+        if earlier is record:
+            break
+        record = earlier
+        found = _found_as_recorded(record, arms, max_arms=max_arms, thorough=thorough)
+    return record, found
+
+
+def _found_as_recorded(
+    record: LoadHold, arms: int | Literal["auto"], *, max_arms: int, thorough: bool
+) -> Retarded:
+    """The kind of part, and its retardations, with the load where the record has it."""
+    each = [
+        chosen_arms(_data(record, flows=flows), one, max_arms=max_arms, thorough=thorough)
+        for flows, one in _candidates(arms)
+    ]
+    return _better([_beyond_load_error(record, one) for one in each])
+
+
+def _candidates(arms: int | Literal["auto"]) -> list[tuple[bool, int | Literal["auto"]]]:
+    """Without and with flow, and as many retardations as make that many arms."""
+    if arms == "auto":
+        return [(False, arms), (True, arms)]
+    return [(False, arms), (True, arms - 1)] if arms > 0 else [(False, arms)]
+
+
+# -- a test ---------------------------------------------------------------------------------------
+
+
+def _data(record: LoadHold, *, flows: bool) -> FitData:
+    """The displacement as an answer to the load, with what is known of its zero before it."""
+    known = known_before(record)
+    time = evened(record.time - record.time[0])
+    window = slice(known.first, None)
+    block = retarding(
+        recorded_block(
+            time, record.load, record.displacement, window=window,
+            offset="offset", drift="drift", k_inf=GLASS,
+        ),
+        GLASS,
+    )  # fmt: skip
+    if flows:
+        block = block.with_column(FLOW, _impulse(time, record.load)[window])
+    rough = solve([block, *_bound(block, known)], min(_ROUGH, determinable_arms([block])))
+    block = block.with_column("delay", _velocity(block, rough, time[window]))
+    # what is faster than the load is known answers its noise
+    fast, slow = block.window
+    block = replace(block, window=(max(fast, _RESOLVED * record.resolution), slow))
+    return FitData(
+        [block], [block.exact], in_time=True,
+        bind=partial(_bound, block, known),
+    )  # fmt: skip
+
+
+class _BeforeLoad(NamedTuple):
+    """What the samples before the load say, SI units; the first sample that the fit may use."""
+
+    offset: Prior
+    at: float
+    drift: Prior
+    delay: Prior
+    first: int
+    noise: float
+    least: float
+    usual: float
+    told: bool
+
+    @property
+    def terms(self) -> Terms:
+        """Of the columns, which count from the first sample."""
+        each = {"offset": self.offset, "drift": self.drift, "delay": self.delay}
+        return Terms(each, -self.at, self.least)
+
+
+def known_before(record: LoadHold, *, claimed: bool = False) -> _BeforeLoad:
+    """Return what the samples before the load say of its zero, its drift and its clock.
+
+    `claimed` for limits, which bear all that a rig may drift unseen.
+    """
+    time, x = record.time - record.time[0], record.displacement
+    late = delay_prior(record)
+    # the displacement may have moved before the force shows it
+    first = int(np.searchsorted(record.time, record.onset - _RESTS * late.sd))
+    travel = float(np.ptp(x))
+    count = quantum(x)
+    noise = max(record.displacement_noise, OF_A_COUNT * count)
+    # load cell and displacement both drift
+    both, duration = float(np.sqrt(2)) * travel, float(record.time[-1] - record.onset)
+    unseen = noise if claimed else None
+    usual = Machine().drift_sd(both, duration, unseen)
+    slope = Prior(0.0, np.inf)
+    if first >= _FEWEST:
+        offset, at, slope = at_rest(time[:first], x[:first], record.displacement_noise)
+        # a reading that stands on one count hides a part of the next
+        offset = Prior(offset.mean, max(offset.sd, OF_A_COUNT * count))
+        slope = Prior(slope.mean, max(slope.sd, count / float(time[first - 1])))
+    else:
+        # under load from the first sample on, the channel's own zero is all there is
+        loaded = abs(record.load[0]) > 0.5 * record.level
+        offset, at, first = Prior(0.0 if loaded else float(x[0]), noise), 0.0, 0
+    *drift, told_drift = Machine().drift_told(slope, both, duration, unseen)
+    # of the load that was moved already, what is left
+    delay = Prior(-record.lead, late.sd)
+    return _BeforeLoad(
+        offset, at, Prior(*drift), delay, first, noise, ROUNDING * travel, usual, told_drift
+    )
+
+
+def _bound(
+    block: DataBlock, known: _BeforeLoad, spreads: Sequence[float] | None = None
+) -> tuple[DataBlock, ...]:
+    """Rows that bind the nuisance terms of a block."""
+    return (known.terms.rows(block, known.noise if spreads is None else spreads[0]),)
+
+
+def _impulse(time: FloatArray, load: FloatArray) -> FloatArray:
+    """The integral of the load over time, N s."""
+    steps = 0.5 * (load[1:] + load[:-1]) * np.diff(time)
+    return np.concatenate(([0.0], np.cumsum(steps)))
+
+
+def _answer(block: DataBlock, solution: Solution) -> FloatArray:
+    """The displacement that a solution gives at every sample, without its nuisance terms."""
+    rows = block.exact.evaluate(solution.log_tau, False)
+    fixed = [0.0 if name in NUISANCE else solution.coefficient(name) for name in block.fixed_names]
+    return np.asarray(rows.fixed @ fixed + rows.arms @ solution.arms[0])
+
+
+def _velocity(block: DataBlock, rough: Solution, time: FloatArray) -> FloatArray:
+    """The column of a force that is recorded late: the velocity of the answer, m/s."""
+    return np.gradient(_answer(block, rough), time)
+
+
+# -- a kind of part ------------------------------------------------------------------------------
+
+
+def _better(found: Sequence[Chosen]) -> Retarded:
+    """The kind of part that BIC supports, and by how much."""
+    effective = min(one.estimate.effective for one in found)
+    scores = []
+    for one in found:
+        floor = one.solution.samples * rounding(one.data.peak) ** 2
+        judged = bic(
+            one.solution.sse, effective=effective, parameters=len(one.estimate.names), floor=floor
+        )
+        scores.append(judged if _flow_stands_out(one) else np.inf)
+    best = int(np.argmin(scores))
+    others = [score for i, score in enumerate(scores) if i != best]
+    alternative = others[0] - scores[best] if others else None
+    one = found[best]
+    choice = one.choice
+    if choice is not None and FLOW in one.solution.fixed_names:  # a flow makes one more arm
+        more = (choice.arms + 1, choice.by_bic + 1, choice.by_significance + 1)
+        choice = choice._replace(arms=more[0], by_bic=more[1], by_significance=more[2])
+    return Retarded(one.data, one.estimate, one.scores, choice, one.asked, alternative)
+
+
+def _flow_stands_out(found: Chosen) -> bool:
+    """False if there is a flow and it is not significant, whatever BIC says."""
+    if FLOW not in found.solution.fixed_names:
+        return True
+    error = found.estimate.standard_error(FLOW)
+    return found.solution.coefficient(FLOW) > MIN_K_OVER_SE * error
+
+
+def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"]) -> Fit:
+    residual = found.estimate.residuals[0]
+    creep = found.spectrum
+    at_rest_or_end = creep.compliance(record.hold_time).item()
+    band = informed_band(
+        [record], found.data.rows, stiffness=at_rest_or_end,
+        noise=max(found.estimate.spread, 1e-6 * found.data.peak, 1e-300),
+    )  # fmt: skip
+    window = (2 * float(np.diff(record.time).min()), record.hold_time)
+    # between samples a delay and a fast retardation are one: nothing tells the loss there
+    resolved = SAMPLED / (2 * np.pi * float(np.median(np.diff(record.time))))
+    band = (band[0], max(min(band[1], resolved), band[0]))
+    end, band, known = _end_of_test(record, found, band)
+    word = "m" if record.unit == "N/m" else "1"
+    nuisance = _nuisances(record, found, word)
+    answers = (
+        found.ended,
+        *_checks(found, record.unit, window, "the record", word),
+        *_flow_checks(creep, record.hold_time),
+        checks.creep_finished(creep, record.hold_time),
+        *_plateau_checks(creep, end, record.unit),
+        *_drift_checks(record, found),
+        checks.displacement_followed(record, residual),
+        checks.levels_agree(*_departure(record, found)),
+        residuals_steady([residual], rounding=ROUNDING * found.data.peak),
+        frequencies_informed(band),
+        loss_factor_known(known),
+        clocks_agree([_late(nuisance)]),
+    )
+    return assembled(
+        found.outcome(replace(found.residual, unit=word), nuisance),
+        Evidence(
+            band,
+            found.orders,
+            found.certificate,
+            checks=(*record.checks, *answers),
+            end_of_hold=end,
+            creep=found.creep,
+            band_error=known,
+        ),
+        Provenance(
+            "creep",
+            sources_of([record]),
+            (
+                *record.steps,
+                *_moved(record),
+                _step(found, f"{len(residual)} samples of a creep test", arms),
+            ),
+            record.specimen,
+        ),
+        unit=record.unit,
+    )
+
+
+def _nuisances(record: LoadHold, found: Retarded, word: str) -> tuple[Nuisance, ...]:
+    """Offset, drift and delay, which is what the load was moved by and what was found beside it."""
+    lead = {"delay": record.lead}
+    return found.nuisances(
+        lambda name: found.solution.coefficient(name) + lead.get(name, 0.0),
+        of=word,
+        delays=[delay_prior(record).sd],
+    )
+
+
+def _late(nuisance: Sequence[Nuisance]) -> tuple[float, float, float]:
+    """The delay of the force, its standard error, and that before the fit, s."""
+    one = next(one for one in nuisance if one.name == "delay")
+    return one.value, one.standard_error, one.prior_sd or 0.0
+
+
+def _moved(record: LoadHold) -> tuple[Step, ...]:
+    """What was done to the load."""
+    if not record.lead:
+        return ()
+    way = "earlier" if record.lead > 0 else "later"
+    says = f"took the load {written(abs(record.lead), 'ms', '.3g')} {way}, as it is answered"
+    return (Step("lead", (("lead_s", f"{record.lead:.6g}"),), says),)
+
+
+def _beyond_load_error(record: LoadHold, found: Chosen) -> Chosen:
+    """The choice with what the noise of the load leaves unknown in its errors.
+
+    Where the number was left to the rules, a retardation that is not significant beside that
+    error, too, is not taken.
+    """
+    data, choice, taken = found.data, found.choice, found.solution.order
+    while True:
+        solution = found.scores[taken].solution
+        rows = partial(load_rows, record=record, creep=spectrum_of(solution))
+        estimate = estimated(
+            solution, data.samples, peak=data.peak, priors=data.priors, further=[rows]
+        )
+        if choice is None or taken == 0 or _stand_out(found, estimate):
+            break
+        taken -= 1
+    if choice is not None and taken < choice.arms:
+        choice = choice._replace(arms=taken, by_significance=taken, capped=False)
+    return replace(found, estimate=estimate, choice=choice)
+
+
+def _stand_out(found: Chosen, estimate: SolutionEstimate) -> bool:
+    """True if every retardation is significant, and every arm that they make."""
+    numbers, known = range(1, estimate.solution.order + 1), estimate.standard_error
+    if not significant(
+        estimate.solution.arms[0],
+        np.array([known(f"k_{i}") for i in numbers]),
+        np.array([known(f"ln_tau_{i}") for i in numbers]),
+    ):
+        return False
+    made = Retarded(found.data, estimate, found.scores, found.choice, found.asked)
+    arms, error = made.model.arms, made.every_error[1:]
+    return significant(np.array(made.model.k), error[:arms], error[arms:])
+
+
+def _checks(
+    found: Retarded, unit: str, window: tuple[float, float], of: str, left_in: str
+) -> tuple[Check, ...]:
+    """The checks of the solid, whatever it was fitted to; its residual is `left_in` a unit."""
+    model, estimate = found.model, found.estimate
+    told = []
+    if found.alternative is not None:
+        known = found.creep.standard_error(FLOW) / found.spectrum.flow if found.flows else None
+        told.append(checks.flow_told(found.flows, found.alternative, known))
+    return (
+        arms_distinct(model),
+        arms_supported(model, found.every_error, unit=unit),
+        tau_inside_window(model, window, of),
+        *told,
+        residuals_random(estimate.kappa, estimate.rms),
+        *([] if found.choice is None else [order_agreed(found.choice)]),
+        *found.enough(left_in),
+    )
+
+
+def _flow_checks(creep: CreepSpectrum, hold: float) -> list[Check]:
+    """Whether a flow that was taken may be slow creep."""
+    return [checks.flow_prevails(creep, hold)] if creep.flow > 0 else []
+
+
+def _drift_checks(record: LoadHold, found: Retarded) -> list[Check]:
+    """Whether a drift may be a flow, where none was taken."""
+    if found.flows:
+        return []
+    known = known_before(record)
+    drift = found.solution.coefficient("drift")
+    return [checks.drift_is_no_flow(drift, known.usual, told=known.told)]
+
+
+def _plateau_checks(creep: CreepSpectrum, end: EndOfHold | None, unit: str) -> list[Check]:
+    """Whether a part that is said to come to rest has done so, where that was asked."""
+    return [] if end is None or creep.flow > 0 else [plateau_told(end, unit)]
+
+
+def _end_of_test(
+    record: LoadHold, found: Retarded, band: tuple[float, float]
+) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
+    """What the record leaves open when its hold ends, and where in a band it knows the solid.
+
+    Its rig drifts as one that is not described may, and gives under the load.
+    """
+    block, residual = found.data.blocks[0], found.estimate.residuals[0]
+    if FLOW not in block.fixed_names:
+        time = evened(record.time - record.time[0])
+        own = slice(len(time) - len(residual), None)
+        block = block.with_column(FLOW, _impulse(time, record.load)[own])
+    terms = known_before(record, claimed=True).terms
+    if record.unit == "N/m":
+        give = Machine().give_sd(float(np.ptp(record.displacement)), record.level)
+        terms = terms.beside(**{GLASS: Prior(0.0, give / record.level)})
+    power = max(noise_power(residual), block.rounding_floor)
+    worth = len(residual) * float(np.mean(residual**2)) / power
+    data = CurveData(
+        block.weighted(1 / float(np.sqrt(power))), block.window, worth - len(block.fixed_names),
+        terms=terms,
+    )  # fmt: skip
+    lam = found.spectrum.lam
+    return _end_and_band(data, record.hold_time, found.model, lam, band)
+
+
+def _end_and_band(
+    data: CurveData,
+    time: float,
+    model: GeneralizedMaxwell,
+    lam: Sequence[float],
+    band: tuple[float, float],
+) -> tuple[EndOfHold, tuple[float, float], BandError | None]:
+    """What retardations leave open at the end of some data, and where in a band they are known."""
+    spectra = spectra_of_curve(data, time=time, further=lam)
+    end = end_of_curve(data, "creep", time=time, own=model, further=lam, spectra=spectra)
+    return end, *band_of_curve(spectra, model, band, creep=True)
+
+
+def _departure(record: LoadHold, found: Retarded) -> tuple[float | None, float | None]:
+    """How far the answer departs from proportion at its largest, and the standard error."""
+    holds = [one for one in find_segments(record.time, record.load) if one.kind == "hold"]
+    levels = np.array([one.level for one in holds if one.first > 0 or one.level > 0])
+    apart = levels[levels > _APART * record.level]
+    if not len(apart) or float(np.ptp(apart)) < _APART * float(apart.max()):
+        return None, None
+    block = found.data.blocks[0]
+    answer = _answer(block, found.solution)
+    largest = float(np.abs(answer).max())
+    bent = block.with_column("bend", answer**2 / largest)
+    solution = solve(
+        [bent, *found.data.priors], found.solution.order, log_tau_start=found.solution.log_tau
+    )
+    estimate = estimated(solution, [bent.exact], peak=found.data.peak, priors=found.data.priors)
+    return solution.coefficient("bend"), estimate.standard_error("bend")
+
+
+def _step(found: Retarded, to: str, arms: int | Literal["auto"]) -> Step:
+    count = len(found.spectrum.d)
+    flow = " and a flow" if found.flows else ""
+    says = (
+        f"fitted {count} retardation{'s' * (count != 1)}{flow} to {to}; the solid, with "
+        f"{found.model.arms} arm{'s' * (found.model.arms != 1)}, is their exact interconversion"
+    )
+    return Step("fit_creep", (("arms", str(arms)),), says)
+
+
+# -- a curve --------------------------------------------------------------------------------------
+
+
+def _of_curve(
+    curve: CreepCompliance,
+    origin: Superposition | AsMeasured,
+    arms: int | Literal["auto"],
+    *,
+    thorough: bool,
+    max_arms: int,
+) -> Fit:
+    """Return the fit of a compliance after a unit step, relative to what is expected of it."""
+    later = curve.time > 0
+    t, values = curve.time[later], curve.compliance[later]
+    rises = checks.compliance_rises(values)
+    if rises.failed:
+        raise DataError(f"this is no creep compliance: {lowered(rises.told)}")
+    bad = np.flatnonzero(values <= 0)
+    if bad.size:
+        i = int(bad[0])
+        raise DataError(
+            f"the compliance at {t[i]:g} s is {values[i]:g}; expected values > 0: leave out what "
+            "came before the load was there"
+        )
+    most = asked_arms(arms, max_arms)
+    window = ((float(t[min(1, len(t) - 1)]) - float(t[0])) / 3, float(t[-1]))
+    if not window[0] > 0:
+        raise FitError(f"{len(t)} values of a compliance after the step; expected at least 4")
+    weight = 1 / values
+    first = solve([_curve_block(t, values, weight, window, flows=True)], min(most, len(t) // 3))
+    expected = spectrum_of(first).compliance(t)
+    # the size of noisy data is a biased weight: low values would count most
+    weight = 1 / np.maximum(expected, DOUBTED * values)
+    found = []
+    for flows, count in _candidates(arms):
+        block = _curve_block(t, values, weight, window, flows=flows)
+        data = FitData([block], [block])
+        found.append(chosen_arms(data, count, max_arms=max_arms, thorough=thorough))
+    best = _better(found)
+    creep, unit = best.spectrum, curve.stiffness_unit
+    band = 1 / (2 * np.pi * float(t[-1])), 1 / (2 * np.pi * float(t[0]))
+    end, known = None, None
+    if len(t) >= ENOUGH:
+        flowing = _curve_block(t, values, weight, window, flows=True)
+        seen = curve_data(flowing, t, window=(window[0], 10 * window[1]))
+        end, band, known = _end_and_band(seen, float(t[-1]), best.model, creep.lam, band)
+        if known is not None:
+            line = 1 / (2 * np.pi * t)
+            missed = np.abs(creep.compliance(t) / values - 1)
+            inside = (line >= band[0]) & (line <= band[1])
+            known = replace(known, misfit=(float(np.max(missed[inside], initial=0.0)), 0.0))
+    answers = (
+        *origin.checks,
+        best.ended,
+        *of_temperature(curve.specimen),
+        *_checks(best, unit, window, "the curve", "1"),
+        *_flow_checks(creep, float(t[-1])),
+        checks.creep_finished(creep, float(t[-1])),
+        *_plateau_checks(creep, end, unit),
+        checks.compliance_followed(best.estimate.rms, best.model.arms),
+        loss_factor_known(known),
+    )
+    step = _step(best, f"{len(t)} values of a creep compliance", arms)
+    return assembled(
+        best.outcome(replace(best.residual, unit="1")),
+        Evidence(
+            band,
+            best.orders,
+            best.certificate,
+            checks=answers,
+            end_of_hold=end,
+            creep=best.creep,
+            band_error=known,
+        ),
+        Provenance("creep", origin.sources, (*origin.steps, step), curve.specimen),
+        unit=unit,
+        temperatures=origin.temperatures,
+    )
+
+
+def _of_master_curve(
+    moved: Superposition, arms: int | Literal["auto"], *, thorough: bool, max_arms: int
+) -> Fit:
+    """Return the fit of a compliance that was shifted together from several temperatures."""
+    curve = moved.curve
+    if not isinstance(curve, CreepCompliance):
+        raise FitError(
+            "this master curve is no creep compliance: fit_dynamic or fit_modulus fits it"
+        )
+    few = _of_curve(curve, moved, arms, thorough=thorough, max_arms=max_arms)
+    if arms != "auto" or few.creep is None:
+        return few
+    error = few.creep.spectrum.compliance(curve.time) / curve.compliance - 1
+    found = shared_where_few_fall_short(few, error, moved, moved.checks)
+    if found is few:
+        return few
+    return replace(found, evidence=replace(found.evidence, creep=None))
+
+
+def _curve_block(
+    t: FloatArray,
+    values: FloatArray,
+    weight: FloatArray,
+    window: tuple[float, float],
+    *,
+    flows: bool,
+) -> DataBlock:
+    block = hold_block(t, values, k_inf=GLASS, weights=weight, compress=False)
+    block = retarding(replace(block, window=(window[0], 10 * window[1])), GLASS)
+    return block.with_column(FLOW, weight * t) if flows else block

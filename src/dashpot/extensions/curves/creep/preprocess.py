@@ -1,0 +1,327 @@
+"""From a raw creep test to a load and its hold."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, IndexArray, distinct, median
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import Step
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.relaxation import quantum
+from dashpot.extensions.curves.datamodel.creep import STRAIGHT, CreepTest, LoadHold
+from dashpot.preprocessing import checks
+from dashpot.signals.noise import scatter, without_spikes
+from dashpot.signals.segments import cycles_of, find_segments
+
+_FEWEST = 8
+# steps and tolerance of the search for the times of corners
+_STEPS, _PART, _SETTLED = 20, 0.3, 1e-9
+# a mean of white noise is hardly ever so many standard deviations off, and seldom so many
+_SURELY, _HARDLY = 6.0, 4.0
+# the least readings of a part that is halved, and into how many one is cut that was
+_LEAST, _QUARTERS = 8, 4
+# standard deviation of a reading in counts
+OF_A_COUNT = 12**-0.5
+# a load with less noise than this part of it is taken as it is
+_EXACT = 1e-7
+# directions of a load whose squares are below this part of the largest are none
+_SINGULAR = 1e-12
+
+
+class _HeldLoad(NamedTuple):
+    """Times of a load, s, its level, the force before it, and the sign that makes it rise."""
+
+    onset: float
+    ramp_end: float
+    hold_end: float
+    level: float
+    preload: float
+    turn: int
+
+
+def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
+    """Find the load and its hold, turn both signals so that they rise; change nothing else.
+
+    The load is read from the force alone. A record that begins under load is a step at its first
+    sample. What follows the hold, such as a recovery, stays part of the record: the recorded
+    force is the input of the fit, whatever it does.
+
+    Parameters
+    ----------
+    test : CreepTest
+    machine : Machine, optional
+        What is known of the machine: of a creep test its `sync`.
+
+    Raises
+    ------
+    DataError
+        If no force is held, the displacement does not follow it, or something else is said of
+        the machine.
+    """
+    machine = machine or Machine()
+    machine.heeds("sync", of="a creep test")
+    where = test.source.file if test.source is not None else "the record"
+    force = without_spikes(test.time, test.force)
+    held = _held(test.time, force, where)
+    pressed = held.turn * test.force - held.preload
+    noise = _noise_held(test.time, test.force, held)
+    load, corners, heights = _freed(test.time, held.turn * force - held.preload, noise)
+    if held.ramp_end > test.time[0]:
+        load, heights = load - load[0], heights - load[0]
+    turn = _turn(test, held, where)
+    record = LoadHold(
+        time=test.time,
+        displacement=turn * test.displacement,
+        force=pressed,
+        load=load,
+        onset=held.onset,
+        ramp_end=held.ramp_end,
+        hold_end=held.hold_end,
+        level=held.level,
+        preload=held.preload,
+        displacement_noise=scatter(test.time, test.displacement),
+        force_noise=noise,
+        unit=test.unit,
+        specimen=test.specimen,
+        source=test.source,
+        steps=(_step(held, turn, test.unit),),
+        corners=tuple(corners.tolist()),
+        heights=tuple(heights.tolist()),
+        machine=machine,
+    )
+    answers = (
+        checks.load_begins_at_rest(record),
+        checks.load_held(record),
+        checks.travel_renewed(record, test.displacement),
+        checks.clock_steady(record),
+        *checks.of_temperature(test.specimen),
+    )
+    return replace(record, checks=answers)
+
+
+def _held(time: FloatArray, force: FloatArray, where: str) -> _HeldLoad:
+    """The load with the longest hold."""
+    found = [_cycle(time, turn * force, turn) for turn in (1, -1)]
+    loads = [one for one in found if one is not None]
+    if loads:
+        return max(loads, key=lambda one: (one.hold_end - one.ramp_end, one.turn))
+    level = median(force)
+    turn = 1 if level > 0 else -1
+    if not abs(level) > 4 * float(np.std(force)):
+        raise DataError(
+            f"{where}: no force is held: expected a load that rises and then stays, or stays from "
+            "the first sample on; check which column is the force (--column force=NAME)"
+        )
+    return _HeldLoad(float(time[0]), float(time[0]), float(time[-1]), abs(level), 0.0, turn)
+
+
+def _cycle(time: FloatArray, force: FloatArray, turn: int) -> _HeldLoad | None:
+    """The longest hold of a force that rises, and when its load began."""
+    cycles = cycles_of(find_segments(time, force))
+    holds = [(cycle, one) for cycle in cycles for one in cycle.segments if one.kind == "hold"]
+    if not holds:
+        return None
+    cycle, hold = max(holds, key=lambda pair: pair[1].duration)
+    before = force[: cycle.ramp.first + 1]
+    # a record that begins on its load ramp begins at its first reading
+    preload = median(before) if len(before) >= _FEWEST else float(force[0])
+    level = hold.level - preload
+    if not level > 0 or hold.last - hold.first < _FEWEST:
+        return None
+    at = cycle.segments.index(hold)
+    ramp = cycle.segments[at - 1]
+    return _HeldLoad(
+        float(cycle.ramp.start), float(ramp.end), float(hold.end), level, preload, turn
+    )
+
+
+def _turn(test: CreepTest, held: _HeldLoad, where: str) -> int:
+    """The sign that makes the displacement rise under the load."""
+    time, x = test.time, test.displacement
+    hold = (time >= held.ramp_end) & (time <= held.hold_end)
+    begin = x[time <= held.onset]
+    moved = float(x[hold][-max(1, hold.sum() // 10) :].mean()) - median(begin)
+    if moved == 0:
+        raise DataError(
+            f"{where}: the displacement does not move under the load; check which column it is "
+            "(--column displacement=NAME)"
+        )
+    return 1 if moved > 0 else -1
+
+
+def _noise_held(time: FloatArray, force: FloatArray, held: _HeldLoad) -> float:
+    """The scatter of the force late in its hold, where no curve of the load looks like one."""
+    late = (time >= (held.ramp_end + held.hold_end) / 2) & (time <= held.hold_end)
+    return scatter(time[late], force[late])
+
+
+def errors_of_load(record: LoadHold) -> Callable[[FloatArray], FloatArray]:
+    """Return what makes, of columns at every sample, their products with the errors of the load.
+
+    Of independent errors of unit variance, N: those of the load's corners, their heights and, of
+    a load of few, their times.
+    """
+    time, corners = record.time, np.array(record.corners)
+    if not record.corners:
+        return lambda columns: np.zeros((0, columns.shape[1]))
+    few = len(corners) <= STRAIGHT
+    leaning = _leaning(time, corners, np.interp(corners, time, record.load)) if few else None
+
+    def directions(columns: FloatArray) -> FloatArray:
+        heights = _onto(time, corners, columns)
+        return heights if leaning is None else np.concatenate((heights, leaning.T @ columns))
+
+    gram = _gram(time, corners)
+    if leaning is not None:
+        crossed = _onto(time, corners, leaning)
+        gram = np.block([[gram, crossed], [crossed.T, leaning.T @ leaning]])
+    value, turn = np.linalg.eigh(gram)
+    known = value > _SINGULAR * value[-1]
+    errors = record.force_noise * (turn[:, known] / np.sqrt(value[known])).T
+    # all is measured from the first reading
+    first = np.zeros(len(gram))
+    first[0] = 1.0
+
+    def products(columns: FloatArray) -> FloatArray:
+        felt = directions(columns) - np.outer(first, columns.sum(axis=0))
+        return np.asarray(errors @ felt)
+
+    return products
+
+
+def _freed(
+    time: FloatArray, force: FloatArray, noise: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The load behind its readings, freed of noise (errors in variables), its corners and heights.
+
+    A load is straight between corners. Ramps and holds that are straight to their noise have the
+    few that least squares puts there. Any other, one that overshoots or hunts, is halved until
+    each part is straight to its noise, and those parts are quartered: what a line then misses of
+    the curve is a sixteenth of what noise would hide.
+    """
+    floor = max(noise, quantum(force) * OF_A_COUNT)
+    if floor <= _EXACT * float(np.ptp(force)):
+        return force, np.zeros(0), np.zeros(0)
+    corners = _straightened(time, force)
+    heights = _laid(time, corners, force)
+    if not _is_noise(force - np.interp(time, corners, heights), floor, _SURELY):
+        corners = _divided(time, force, corners, floor)
+        heights = _laid(time, corners, force)
+    return np.interp(time, corners, heights), corners, heights
+
+
+def _straightened(time: FloatArray, force: FloatArray) -> FloatArray:
+    """Corners of a load, each at the time where least squares puts it: Gauss-Newton."""
+    corners = np.array([time[0], *(one.end for one in find_segments(time, force))])
+    if not 3 <= len(corners) <= STRAIGHT:
+        return corners
+    for _ in range(_STEPS):
+        tents = _tents(time, corners)
+        heights = np.asarray(np.linalg.lstsq(tents, force, rcond=None)[0])
+        both = np.column_stack((tents, _leaning(time, corners, heights)))
+        moved = np.linalg.lstsq(both, force - tents @ heights, rcond=None)[0][len(corners) :]
+        room = _PART * np.minimum(np.diff(corners)[:-1], np.diff(corners)[1:])
+        corners[1:-1] += np.clip(moved, -room, room)
+        if float(np.abs(moved).max()) < _SETTLED * (time[-1] - time[0]):
+            break
+    return corners
+
+
+def _divided(time: FloatArray, force: FloatArray, corners: FloatArray, noise: float) -> FloatArray:
+    """Corners, and more between them wherever the load is not straight."""
+    found, stack = [corners], list(pairwise(corners.tolist()))[::-1]
+    whole = set(stack)
+    while stack:
+        low, high = stack.pop()
+        here = slice(*np.searchsorted(time, [low, high]).tolist())
+        t, f = time[here], force[here]
+        if len(t) < _LEAST:
+            continue
+        line = np.column_stack((np.ones(len(t)), t - t[0]))
+        left = f - line @ np.linalg.lstsq(line, f, rcond=None)[0]
+        if _is_noise(left, noise, _HARDLY):
+            if (low, high) not in whole:
+                pieces = min(_QUARTERS, len(t) // _LEAST)
+                found.append(np.linspace(low, high, pieces + 1))
+            continue
+        middle = (low + high) / 2
+        stack += [(middle, high), (low, middle)]
+        found.append(np.array([middle]))
+    return distinct(np.concatenate(found))
+
+
+def _laid(time: FloatArray, corners: FloatArray, force: FloatArray) -> FloatArray:
+    """The heights of corners whose straight lines are nearest to a force."""
+    onto = _onto(time, corners, force[:, None])[:, 0]
+    gram = _gram(time, corners)
+    # a corner between which and its neighbours no reading lies has no height of its own
+    gram[np.diag_indices_from(gram)] += _SINGULAR * float(np.diag(gram).max())
+    return np.asarray(np.linalg.solve(gram, onto))
+
+
+def _places(time: FloatArray, corners: FloatArray) -> tuple[IndexArray, FloatArray]:
+    """The corner before each reading, and how far it is to the next, as a part."""
+    at = np.clip(np.searchsorted(corners, time, side="right") - 1, 0, len(corners) - 2)
+    return at, (time - corners[at]) / (corners[at + 1] - corners[at])
+
+
+def _onto(time: FloatArray, corners: FloatArray, columns: FloatArray) -> FloatArray:
+    """Products of columns with the shape that the height of each corner gives."""
+    at, part = _places(time, corners)
+    products = np.zeros((len(corners), columns.shape[1]))
+    np.add.at(products, at, (1 - part)[:, None] * columns)
+    np.add.at(products, at + 1, part[:, None] * columns)
+    return products
+
+
+def _gram(time: FloatArray, corners: FloatArray) -> FloatArray:
+    """Products of those shapes with one another."""
+    at, part = _places(time, corners)
+    gram = np.zeros((len(corners), len(corners)))
+    for i, one in ((0, 1 - part), (1, part)):
+        for j, other in ((0, 1 - part), (1, part)):
+            np.add.at(gram, (at + i, at + j), one * other)
+    return gram
+
+
+def _tents(time: FloatArray, corners: FloatArray) -> FloatArray:
+    """The shape that the height of each corner gives, shape (n, corners)."""
+    return np.stack([np.interp(time, corners, one) for one in np.eye(len(corners))], axis=1)
+
+
+def _leaning(time: FloatArray, corners: FloatArray, heights: FloatArray) -> FloatArray:
+    """How a load moves with the times of its inner corners, shape (n, corners - 2)."""
+    tents, slopes = _tents(time, corners), np.diff(heights) / np.diff(corners)
+    leaning = [
+        -tents[:, j] * np.where(time <= corners[j], slopes[j - 1], slopes[j])
+        for j in range(1, len(corners) - 1)
+    ]
+    return np.array(leaning).reshape(-1, len(time)).T
+
+
+def _is_noise(left: FloatArray, noise: float, chance: float) -> bool:
+    """True if means over 1, 2, 4, ... neighbours are no larger than white noise makes them."""
+    width = 1
+    while len(left) // width >= 2:
+        means = left[: len(left) // width * width].reshape(-1, width).mean(axis=1)
+        if float(np.abs(means).max()) > chance * noise / np.sqrt(width):
+            return False
+        width *= 2
+    return True
+
+
+def _step(held: _HeldLoad, turn: int, unit: str) -> Step:
+    word = "N" if unit == "N/m" else "Pa"
+    begun = f"the load of {held.level:.4g} {word} rises from {held.onset:.5g} s and is held from "
+    says = (
+        f"{begun}{held.ramp_end:.5g} to {held.hold_end:.5g} s, after {held.preload:.3g} {word} of "
+        "preload; the recorded force, freed of its noise, is what the fit answers"
+    )
+    options = (("force turned", str(held.turn)), ("displacement turned", str(turn)))
+    return Step("load_hold", options, says)

@@ -1,0 +1,127 @@
+"""From a file to a creep test, or to a creep compliance over time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.provenance import Source
+from dashpot.base.units import si_unit
+from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.curves.datamodel.creep import CreepCompliance, CreepTest
+from dashpot.extensions.curves.modulus.read import over_time
+from dashpot.reading.columns.kind_detection import FileKind
+from dashpot.reading.columns.role_assignment import assign, suited
+from dashpot.reading.columns.vocabulary import Role
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers import channels, size_checks
+from dashpot.reading.readers.channels import Channel, Opened
+from dashpot.reading.readers.header_specimen import stated_specimen
+from dashpot.reading.readers.relaxation import recorded
+from dashpot.reading.readers.time_columns import since_the_step
+
+_CURVE: tuple[Role, ...] = ("time", "creep_compliance")
+_MATERIAL: tuple[Role, ...] = ("time", "strain", "stress")
+_PART: tuple[Role, ...] = ("time", "displacement", "force")
+# a name that says it and a unit that fits; a gap under an axial force is no such pair
+_SURELY = 3.0
+_LIKELY = 2.5
+_NAMED = 1.5
+
+
+def read_creep(
+    path: str | Path, *, options: ReadOptions | None = None, specimen: Specimen | None = None
+) -> CreepTest | CreepCompliance:
+    """Return the creep test in a file, or the curve that a rheometer made of one, in SI units.
+
+    A column of compliance makes it a
+    :class:`~dashpot.extensions.curves.datamodel.creep.CreepCompliance`, J(t) since the step; else
+    displacement and force, or strain and stress, make it a
+    :class:`~dashpot.extensions.curves.datamodel.creep.CreepTest`.
+
+    Raises
+    ------
+    ReadError
+        If the file cannot be read, holds several steps of which none is chosen, or leaves open
+        which column is what or in which unit.
+    """
+    with channels.opened(path, options) as file:
+        return creep_in(file, specimen or Specimen())
+
+
+def roles(file: Opened) -> tuple[Role, ...]:
+    """The columns that a creep test is read from: a compliance, stress and strain, or a part's."""
+    for wanted in (_CURVE, _MATERIAL, _PART):
+        if any(getattr(file.options, role) for role in wanted[1:]):
+            return wanted
+    for wanted, least in ((_CURVE, _LIKELY), (_PART, _SURELY), (_MATERIAL, _LIKELY)):
+        if all(_suits(file, role, least) for role in wanted[1:]):
+            return wanted
+    return _PART
+
+
+def creep_in(file: Opened, specimen: Specimen) -> CreepTest | CreepCompliance:
+    """Return the creep test in an opened file."""
+    channels.refuse_summary(file)
+    wanted = roles(file)
+    named = ["displacement", "force", "stress", "strain", "creep_compliance"]
+    likely: list[FileKind] = ["creep", "relaxation", "cld"]
+    if wanted is _MATERIAL and (file.options.rate or _suits(file, "time", _NAMED)):
+        likely.append("stress-strain")  # what moves in it tells
+    channels.expect(file, likely, "a creep test is", named=named)
+    if wanted is _CURVE:
+        return _curve(file, *stated_specimen(file, specimen))
+    chosen = channels.choose(file, channels.timed(file, *wanted[1:]))
+    specimen, said = stated_specimen(file, specimen, chosen)
+
+    def source(notes: list[str]) -> Source:
+        return channels.source(file, [one.says for one in chosen], [*notes, *said])
+
+    values, notes = recorded(file, chosen)
+    time, moved, pushed = (values[role] for role in wanted)
+    if wanted is _PART:
+        notes += _refuse_sizes(file, chosen, values)
+    unit = "Pa" if wanted is _MATERIAL else "N/m"
+    return CreepTest(time, moved, pushed, unit, specimen, source(notes), units="SI")
+
+
+def _refuse_sizes(
+    file: Opened, chosen: Sequence[Channel], values: Mapping[Role, FloatArray]
+) -> list[str]:
+    """Ask for the units again that make a size no test of a seal has; notes on unusual ones."""
+    asked: dict[str, tuple[str, Callable[[float, str], Check]]] = {
+        "displacement": ("travel", size_checks.travel_of_a_seal),
+        "force": ("force", size_checks.force_of_a_seal),
+        "time": ("record", size_checks.time_of_a_test),
+    }
+    answers: list[tuple[Channel, list[Check]]] = []
+    for one in chosen:
+        span, unit = float(np.ptp(values[one.role])), one.unit.word
+        kind, unusual = asked[one.role]
+        possible = size_checks.size_possible(kind, span, unit, role=one.role)
+        answers.append((one, [possible, unusual(span, unit)]))
+    return channels.refuse_sizes(file, answers)
+
+
+def _curve(file: Opened, specimen: Specimen, said: list[str]) -> CreepCompliance:
+    """A compliance over time, where a column of temperature says several, at each of them."""
+    curve = assign(file.table, "creep_compliance", file.options)
+    columns = channels.answered(file, [since_the_step(file.table, file.options), curve])
+    chosen, values, warm, notes = over_time(file, columns)
+    return CreepCompliance(
+        values["time"],
+        values["creep_compliance"],
+        si_unit(chosen[1].unit.dimension).word,
+        specimen,
+        channels.source(file, [one.says for one in chosen], [*file.table.notes, *notes, *said]),
+        warm,
+        units="SI",
+    )
+
+
+def _suits(file: Opened, role: Role, least: float) -> bool:
+    return max(suited(file.table, role, file.options).values(), default=0.0) >= least

@@ -1,0 +1,123 @@
+"""The virtual rig under force control: a seal, a load that is held, what it moves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, exp, sin, sqrt
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, sample_count
+from dashpot.base.units import Quantity, si
+from dashpot.base.validators import not_negative, positive
+from dashpot.extensions.curves.datamodel.creep import CreepTest
+from dashpot.simulation.rig import Climate, Rig, RigTruth, in_steps, piece
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# a loop of more damping does not swing, and follows about as this one
+_LARGEST_DAMPING = 0.999
+
+
+@dataclass(frozen=True, eq=False)
+class CreepTruth(RigTruth):
+    """What really happened on the virtual rig under force control.
+
+    Attributes
+    ----------
+    load : float
+        As commanded, N.
+    ramp_time, hold_time, recovery_time : float
+        As commanded, s.
+    """
+
+    load: float
+    ramp_time: float
+    hold_time: float
+    recovery_time: float
+
+
+@dataclass(frozen=True)
+class SimulatedCreep:
+    """A simulated creep test and its truth."""
+
+    test: CreepTest
+    truth: CreepTruth
+
+
+def simulate_creep(
+    model: GeneralizedMaxwell,
+    *,
+    load: Quantity = 1.0,
+    ramp_time: Quantity = 1.0,
+    hold_time: Quantity = 40.0,
+    recovery_time: Quantity = 0.0,
+    rig: Rig | None = None,
+    seed: int = 0,
+    climate: Climate | None = None,
+) -> SimulatedCreep:
+    r"""A load reached in `ramp_time`, held for `hold_time`, and taken off as fast if asked for.
+
+    The force follows its command as a loop of second order with the natural frequency and the
+    damping of the rig's axis; the seal answers by its creep, exactly.
+
+    Parameters
+    ----------
+    model : GeneralizedMaxwell
+        One piece of seal; with a `climate`, at the reference of its law.
+    load : float
+        N.
+    ramp_time, hold_time : float
+        s.
+    recovery_time : float
+        How long the record goes on after the load was taken off, s; 0 leaves it on.
+    rig : Rig, optional
+        ``Rig()`` if not given.
+    seed : int
+        Of the noise.
+    climate : Climate, optional
+        Makes the seal that of its temperature, which the record's specimen then states.
+
+    Raises
+    ------
+    DataError
+        If the load or a time is not positive.
+    """
+    load, ramp_time, hold_time = si(load, "force"), si(ramp_time, "time"), si(hold_time, "time")
+    recovery_time, rig = si(recovery_time, "time"), Rig() if rig is None else rig
+    positive(load=load, ramp_time=ramp_time, hold_time=hold_time)
+    not_negative(recovery_time=recovery_time)
+    model, specimen = piece(model, rig, climate)
+    held = ramp_time + hold_time
+    corners, heights = [0.0, ramp_time, held], [0.0, load, load]
+    if recovery_time:
+        corners += [held + ramp_time, held + ramp_time + recovery_time]
+        heights += [0.0, 0.0]
+    end = rig.baseline + corners[-1]
+    sample_count(end, rig.rate)
+    time = np.arange(int(np.floor(end * rig.rate * (1 + 1e-12))) + 1) / rig.rate
+    force = _followed(np.interp(time - rig.baseline, corners, heights), rig)
+    position = rig.gap + model.displacement(time, force)
+    random = np.random.default_rng(seed)
+    measured = position + rig.position_noise * random.standard_normal(len(time))
+    displacement, read = in_steps(measured, rig.encoder), rig.read(time, force, random)
+    test = CreepTest(time, displacement, read, specimen=specimen, units="SI")
+    truth = CreepTruth(
+        load, ramp_time, hold_time, recovery_time, model=model, rig=rig, seed=seed,
+        displacement=position, force=force, climate=climate,
+    )  # fmt: skip
+    return SimulatedCreep(test, truth)
+
+
+def _followed(command: FloatArray, rig: Rig) -> FloatArray:
+    """The force that a loop of second order makes of its command, held between samples."""
+    damping = min(rig.axis.damping, _LARGEST_DAMPING)
+    omega, step = 2 * np.pi * rig.axis.frequency, 1 / rig.rate
+    turn = omega * sqrt(1 - damping**2)
+    fade, c, s = exp(-damping * omega * step), cos(turn * step), sin(turn * step)
+    stiff = damping * omega / turn
+    moves = fade * np.array([[c + stiff * s, s / turn], [-(omega**2) * s / turn, c - stiff * s]])
+    state, followed = np.zeros(2), np.empty(len(command))
+    for i, wanted in enumerate(command):
+        followed[i] = state[0]
+        state = np.array([wanted, 0.0]) + moves @ (state - [wanted, 0.0])
+    return followed

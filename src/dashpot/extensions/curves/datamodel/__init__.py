@@ -1,0 +1,1 @@
+"""Tests and results of curves over time, frequency and temperature."""

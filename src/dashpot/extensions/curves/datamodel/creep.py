@@ -1,0 +1,357 @@
+"""Creep tests: the force is given, the displacement is the answer; raw, prepared, as a curve."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from typing import TypeAlias
+
+import numpy as np
+
+from dashpot.base.array_units import Dimensions, into_si, own_unit, said_units
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured, median
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.base.plausibility import refuse_absurd_record
+from dashpot.base.provenance import Source, Step, of_file
+from dashpot.base.result_mixins import Described, Series, arrays
+from dashpot.base.serialisation import Documented
+from dashpot.base.units import Dimension, Quantity, si, written
+from dashpot.base.validators import positive
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.shift_factors import several
+from dashpot.datamodel.specimen import Specimen
+from dashpot.datamodel.step_response import curve_at, described_curve, since_a_step
+
+STRAIGHT = 16
+"""Corners of a load that is ramps and holds, at most."""
+COMPLIANCES = {"N/m": "m/N", "Pa": "1/Pa"}
+_ARE = {"N/m": ("m", "N"), "Pa": ("1", "Pa")}
+"""What displacement and force are in, by the unit of the stiffness."""
+"""Unit of the compliance by that of the stiffness."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CreepTest(ByValue, Described, Documented):
+    """A creep test as the machine wrote it, in SI units: a force held, and what it moves.
+
+    Attributes
+    ----------
+    time : array, shape (n,)
+        s, strictly increasing; any sampling.
+    displacement : array, shape (n,)
+        m, sign and zero as recorded; of a material (`unit` Pa) the strain.
+    force : array, shape (n,)
+        N, sign and zero as recorded; of a material the stress, Pa.
+    unit : str
+        Of the stiffness, force over displacement: ``"N/m"`` or ``"Pa"``.
+    specimen : Specimen
+    source : Source or None
+        The file it came from; None for arrays made in memory.
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+
+    Raises
+    ------
+    DataError
+        If the arrays differ in length, hold fewer than 8 samples, are not finite, or time stalls.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> dp.CreepTest(time=t, displacement=t, force=1 + 0 * t, units="s, mm, N").unit
+    'N/m'
+    """
+
+    schema = "dashpot/creep-test@1"
+
+    time: FloatArray
+    displacement: FloatArray
+    force: FloatArray
+    unit: str = "N/m"
+    specimen: Specimen = field(default_factory=Specimen)
+    source: Source | None = None
+    units: str = said_units()
+
+    def __post_init__(self) -> None:
+        said = into_si(
+            self, time="time", displacement=("length", "strain"), force=("force", "stress")
+        )
+        if said:
+            object.__setattr__(self, "unit", _of_parts(said["displacement"], said["force"]))
+        hold_measured(self, "time", "displacement", "force", minimum=8)
+        _known_unit(self.unit, COMPLIANCES)
+        if self.unit == "N/m":
+            refuse_absurd_record(self)
+
+    @property
+    def series(self) -> Series:
+        """Displacement and force, or strain and stress, over time."""
+        moved, pushed = _ARE[self.unit]
+        return arrays(self, time="s", displacement=moved, force=pushed)
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which record it is, and how far it reaches."""
+        moved, pressed = float(np.ptp(self.displacement)), float(np.ptp(self.force))
+        return (
+            of_file(self.source, len(self.time)),
+            f"{np.ptp(self.time):.5g} s; {_spans(moved, pressed, self.unit)}",
+        )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CreepCompliance(ByValue, Described, Documented):
+    r"""A curve :math:`J(t)`, measured or shifted together, after a step of the force at t = 0.
+
+    Attributes
+    ----------
+    time : array, shape (n,)
+        s since the step, >= 0, strictly increasing; at several temperatures in any order.
+    compliance : array, shape (n,)
+        1/Pa for a material, m/N for a part (`unit`).
+    unit : str
+        ``"1/Pa"`` or ``"m/N"``.
+    specimen : Specimen
+    source : Source or None
+    temperature : array, shape (n,), or None
+        K, where the curve was measured at several; to be shifted together.
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+
+    Raises
+    ------
+    DataError
+        If the arrays differ in length, are not finite, or time falls or starts below 0.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> dp.CreepCompliance(time=t, compliance=1 + t, units="s, 1/MPa").unit
+    '1/Pa'
+    """
+
+    schema = "dashpot/creep-compliance@1"
+
+    time: FloatArray
+    compliance: FloatArray
+    unit: str = "1/Pa"
+    specimen: Specimen = field(default_factory=Specimen)
+    source: Source | None = None
+    temperature: FloatArray | None = None
+    units: str = said_units()
+
+    def __post_init__(self) -> None:
+        of: Dimensions = ("material compliance", "compliance")
+        said = into_si(self, time="time", compliance=of, temperature="temperature")
+        own_unit(self, said, "compliance")
+        since_a_step(self, "compliance")
+        _known_unit(self.unit, COMPLIANCES.values())
+
+    def at(self, temperature: Quantity) -> CreepCompliance:
+        """The samples within a kelvin of a temperature, K, in order of time.
+
+        Raises
+        ------
+        DataError
+            If there are none, or two at the same time.
+        """
+        return curve_at(self, "compliance", si(temperature, "temperature"))
+
+    @property
+    def several_temperatures(self) -> bool:
+        """Whether the samples are too far apart in temperature to be of one solid."""
+        return several(self.temperature)
+
+    @property
+    def stiffness_unit(self) -> str:
+        """Unit of what the inverse gives: ``"Pa"`` or ``"N/m"``."""
+        return next(stiffness for stiffness, one in COMPLIANCES.items() if one == self.unit)
+
+    @property
+    def series(self) -> Series:
+        """Compliance over time."""
+        return arrays(self, time="s", compliance=self.unit)
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which curve it is, and what it covers."""
+        return described_curve(self, "compliance")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LoadHold(ByValue, Described, Documented):
+    """A creep test prepared: both signals rise under the load, from the state before it.
+
+    Attributes
+    ----------
+    time : array, shape (n,)
+        s, as recorded.
+    displacement : array, shape (n,)
+        m, positive the way the load pushes; its zero is the recorded one. A strain if `unit` is Pa.
+    force : array, shape (n,)
+        N beyond `preload`, as read; a stress, Pa, if `unit` is Pa.
+    load : array, shape (n,)
+        The same freed of the load cell's noise: the input that the fit answers.
+    onset, ramp_end, hold_end : float
+        When the load begins to rise, is reached and is left, s; onset and ramp_end are one where
+        the record begins under load.
+    level : float
+        The load held, N, > 0.
+    preload : float
+        The force before, N, positive the way the load pushes.
+    displacement_noise, force_noise : float
+        Standard deviation of the scatter from sample to sample.
+    unit : str
+        Of the stiffness: ``"N/m"`` or ``"Pa"``.
+    specimen : Specimen
+    source : Source or None
+    steps : tuple of Step
+    checks : tuple of Check
+    corners : tuple of float
+        Times, s, between which `load` is straight, both ends included; none if it is not.
+    heights : tuple of float
+        The load at the corners, N.
+    machine : Machine
+        What is known of the machine that made the test.
+    lead : float
+        By how much `load` comes before `force`, s: 0 as recorded.
+    """
+
+    schema = "dashpot/load-hold@1"
+
+    time: FloatArray
+    displacement: FloatArray
+    force: FloatArray
+    load: FloatArray
+    onset: float
+    ramp_end: float
+    hold_end: float
+    level: float
+    preload: float = 0.0
+    displacement_noise: float = 0.0
+    force_noise: float = 0.0
+    unit: str = "N/m"
+    specimen: Specimen = field(default_factory=Specimen)
+    source: Source | None = None
+    steps: tuple[Step, ...] = ()
+    checks: tuple[Check, ...] = ()
+    corners: tuple[float, ...] = ()
+    heights: tuple[float, ...] = ()
+    machine: Machine = field(default_factory=Machine)
+    lead: float = 0.0
+
+    def __post_init__(self) -> None:
+        hold_measured(self, "time", "displacement", "force", "load", minimum=8)
+        if not self.onset <= self.ramp_end < self.hold_end:
+            raise DataError(
+                f"the load must rise and be held in that order, found onset {self.onset:g} s, "
+                f"ramp end {self.ramp_end:g} s, hold end {self.hold_end:g} s"
+            )
+        positive(level=self.level, expected="a load > 0")
+        _known_unit(self.unit, COMPLIANCES)
+
+    @property
+    def series(self) -> Series:
+        """Displacement and force over time, and the load without noise."""
+        moved, pushed = _ARE[self.unit]
+        return arrays(self, time="s", displacement=moved, force=pushed, load=pushed)
+
+    @property
+    def step(self) -> float:
+        """Between two samples, s: the median."""
+        return median(np.diff(self.time))
+
+    def with_load_earlier(self, by: float) -> LoadHold:
+        """The record with its load so much earlier, s, as of a force that was recorded late.
+
+        A record that begins under its load has no moment that a delay moves, and stays.
+        """
+        if self.onset <= self.time[0]:
+            return self
+        first = float(self.time[0])
+        times = (max(one - by, first) for one in (self.onset, self.ramp_end, self.hold_end))
+        onset, ramp_end, hold_end = times
+        # what a straight line has between readings stands at its corners
+        at, heights = np.array(self.corners), np.array(self.heights)
+        if not len(heights):
+            at, heights = self.time, self.load
+        corners = np.clip(np.array(self.corners) - by, first, self.time[-1])
+        return replace(
+            self,
+            load=np.interp(self.time + by, at, heights),
+            onset=onset,
+            ramp_end=ramp_end,
+            hold_end=hold_end,
+            corners=tuple(corners.tolist()),
+            lead=self.lead + by,
+        )
+
+    @property
+    def ramp_time(self) -> float:
+        """How long the load rises, s; 0 for a step."""
+        return self.ramp_end - self.onset
+
+    @property
+    def hold_time(self) -> float:
+        """How long the load is held, s."""
+        return self.hold_end - self.ramp_end
+
+    @property
+    def hold(self) -> slice:
+        """The samples of the hold, ramp end included."""
+        start, stop = np.searchsorted(self.time, [self.ramp_end, self.hold_end]).tolist()
+        return slice(start, min(stop + 1, len(self.time)))
+
+    @property
+    def resolution(self) -> float:
+        """The shortest time between corners of a load that is not straight, s; 0 if it is."""
+        many = len(self.corners) > STRAIGHT
+        return float(np.diff(self.corners).min()) if many else 0.0
+
+    @property
+    def unloaded(self) -> bool:
+        """True if the record goes on after the load was left: a recovery."""
+        return bool(self.hold.stop < len(self.time))
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which record it is, its load and hold, and what preparation noticed."""
+        failed = (f"  {check.name}: {check.says}" for check in self.checks if check.failed)
+        return (
+            of_file(self.source, len(self.time)),
+            (
+                f"load of {self.level:.4g} {'N' if self.unit == 'N/m' else 'Pa'} in "
+                f"{self.ramp_time:.4g} s from {self.onset:.5g} s, held {self.hold_time:.5g} s"
+            ),
+            *failed,
+        )
+
+
+Creep: TypeAlias = CreepTest | LoadHold | CreepCompliance
+"""What creep is fitted to."""
+
+
+def _of_parts(moved: Dimension, pushed: Dimension) -> str:
+    """The unit of a stiffness, by what moves and what pushes."""
+    pairs = {("length", "force"): "N/m", ("strain", "stress"): "Pa"}
+    if (moved, pushed) not in pairs:
+        raise DataError(
+            f"CreepTest: a {moved} under a {pushed} is of neither a part nor a material. Give a "
+            "displacement and a force, or a strain and a stress"
+        )
+    return pairs[moved, pushed]
+
+
+def _known_unit(unit: str, known: Iterable[str]) -> None:
+    words = tuple(known)
+    if unit not in words:
+        raise DataError(f"unit = {unit!r}; expected {' or '.join(map(repr, words))}")
+
+
+def _spans(moved: float, pressed: float, unit: str) -> str:
+    if unit == "Pa":
+        return f"strain spans {moved:.4g}, stress {pressed:.4g} Pa"
+    return f"displacement spans {written(moved, 'mm')}, force {pressed:.4g} N"

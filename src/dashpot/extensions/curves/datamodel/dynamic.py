@@ -1,0 +1,144 @@
+"""Dynamic (DMA) tests: storage and loss against frequency."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from dashpot.base.array_units import Dimensions, into_si, own_unit, said_units
+from dashpot.base.arrays import (
+    BoolArray,
+    ByValue,
+    ComplexArray,
+    FloatArray,
+    IndexArray,
+    hold_measured,
+)
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import Source, of_file
+from dashpot.base.result_mixins import Described, Series, arrays
+from dashpot.base.serialisation import Documented
+from dashpot.base.units import Quantity, si
+from dashpot.datamodel.shift_factors import near, several, span
+from dashpot.datamodel.specimen import Specimen, tested_at
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DynamicTest(ByValue, Described, Documented):
+    r"""Storage and loss as a machine measured them under a harmonic motion.
+
+    :math:`K^*(\omega) = K'(\omega) + j K''(\omega)` with x(t) = Re X e^{+j omega t}: a positive
+    loss is dissipation.
+
+    Attributes
+    ----------
+    frequency : array, shape (n,)
+        Hz, > 0; in the order of the file, a sweep repeated at each temperature.
+    storage, loss : array, shape (n,)
+        Pa for a material, N/m for a part (`unit`).
+    temperature : array, shape (n,), or None
+        K.
+    unit : str
+        ``"Pa"`` or ``"N/m"``.
+    specimen : Specimen
+    source : Source or None
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+
+    Raises
+    ------
+    DataError
+        If the arrays differ in length, are not finite, or a frequency is not above 0.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> sweep = dp.DynamicTest(frequency=1 + t, storage=2 + t, loss=1 + t, units="Hz, MPa, MPa")
+    >>> sweep.unit, float(sweep.storage[0])
+    ('Pa', 2000000.0)
+    """
+
+    schema = "dashpot/dynamic-test@1"
+
+    frequency: FloatArray
+    storage: FloatArray
+    loss: FloatArray
+    temperature: FloatArray | None = None
+    unit: str = "Pa"
+    specimen: Specimen = field(default_factory=Specimen)
+    source: Source | None = None
+    units: str = said_units()
+
+    def __post_init__(self) -> None:
+        of: Dimensions = ("stress", "stiffness")
+        said = into_si(self, frequency="frequency", storage=of, loss=of, temperature="temperature")
+        own_unit(self, said, "storage", "loss")
+        hold_measured(self, "frequency", "storage", "loss", "temperature")
+        if self.temperature is not None:
+            tested_at("temperature", self.temperature.min(), self.temperature.max())
+        bad = np.flatnonzero(self.frequency <= 0)
+        if bad.size:
+            i = int(bad[0])
+            raise DataError(f"frequency[{i}] = {self.frequency[i]:g} Hz; expected > 0")
+        if self.unit not in {"Pa", "N/m"}:
+            raise DataError(f"unit '{self.unit}' of storage and loss; expected 'Pa' or 'N/m'")
+
+    @property
+    def series(self) -> Series:
+        """Storage and loss over frequency."""
+        return arrays(self, frequency="Hz", storage=self.unit, loss=self.unit, temperature="K")
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which sweep it is, and what it covers."""
+        return (
+            of_file(self.source, len(self.frequency)),
+            (
+                f"storage and loss in {self.unit}, {self.frequency.min():.4g} to "
+                f"{self.frequency.max():.4g} Hz{span(self.temperature)}"
+            ),
+        )
+
+    def only(self, chosen: BoolArray | IndexArray) -> DynamicTest:
+        """The chosen samples, in the order given."""
+        return replace(
+            self,
+            frequency=self.frequency[chosen],
+            storage=self.storage[chosen],
+            loss=self.loss[chosen],
+            temperature=None if self.temperature is None else self.temperature[chosen],
+        )
+
+    def at(self, temperature: Quantity) -> DynamicTest:
+        """The samples within a kelvin of a temperature, K.
+
+        Raises
+        ------
+        DataError
+            If there are none.
+        """
+        kelvin = si(temperature, "temperature")
+        chosen = self.only(near(self.temperature, kelvin))
+        return replace(chosen, specimen=replace(self.specimen, temperature=kelvin))
+
+    @property
+    def several_temperatures(self) -> bool:
+        """Whether the sweeps are too far apart in temperature to be of one solid."""
+        return several(self.temperature)
+
+    @property
+    def omega(self) -> FloatArray:
+        """Angular frequency, rad/s."""
+        return 2 * np.pi * self.frequency
+
+    @property
+    def value(self) -> ComplexArray:
+        """Complex modulus or stiffness, in `unit`."""
+        return np.asarray(self.storage + 1j * self.loss, dtype=complex)
+
+    @property
+    def loss_factor(self) -> FloatArray:
+        """Loss over storage."""
+        return self.loss / self.storage

@@ -1,0 +1,88 @@
+"""A relaxation modulus over time: the answer to a unit step, as a curve."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from dashpot.base.array_units import Dimensions, into_si, own_unit, said_units
+from dashpot.base.arrays import ByValue, FloatArray
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import Source
+from dashpot.base.result_mixins import Described, Series, arrays
+from dashpot.base.units import Quantity, si
+from dashpot.datamodel.shift_factors import several
+from dashpot.datamodel.specimen import Specimen
+from dashpot.datamodel.step_response import curve_at, described_curve, since_a_step
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RelaxationModulus(ByValue, Described):
+    r"""A curve :math:`E(t)`, measured or shifted together, after a step at t = 0.
+
+    Attributes
+    ----------
+    time : array, shape (n,)
+        s since the step, >= 0, strictly increasing; at several temperatures in any order.
+    modulus : array, shape (n,)
+        Pa for a material, N/m for a part (`unit`).
+    temperature : array, shape (n,), or None
+        K, where the curve was measured at several; to be shifted together.
+    unit : str
+        ``"Pa"`` or ``"N/m"``.
+    specimen : Specimen
+    source : Source or None
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+
+    Raises
+    ------
+    DataError
+        If the arrays differ in length, are not finite, or time falls or starts below 0.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> dp.RelaxationModulus(time=t, modulus=2 - t / 20, units="s, MPa").unit
+    'Pa'
+    """
+
+    time: FloatArray
+    modulus: FloatArray
+    unit: str = "Pa"
+    specimen: Specimen = field(default_factory=Specimen)
+    source: Source | None = None
+    temperature: FloatArray | None = None
+    units: str = said_units()
+
+    def __post_init__(self) -> None:
+        of: Dimensions = ("stress", "stiffness")
+        own_unit(self, into_si(self, time="time", modulus=of, temperature="temperature"), "modulus")
+        since_a_step(self, "modulus")
+        if self.unit not in {"Pa", "N/m"}:
+            raise DataError(f"unit '{self.unit}' of the modulus; expected 'Pa' or 'N/m'")
+
+    def at(self, temperature: Quantity) -> RelaxationModulus:
+        """The samples within a kelvin of a temperature, K, in order of time.
+
+        Raises
+        ------
+        DataError
+            If there are none, or two at the same time.
+        """
+        return curve_at(self, "modulus", si(temperature, "temperature"))
+
+    @property
+    def several_temperatures(self) -> bool:
+        """Whether the samples are too far apart in temperature to be of one solid."""
+        return several(self.temperature)
+
+    @property
+    def series(self) -> Series:
+        """Modulus over time."""
+        return arrays(self, time="s", modulus=self.unit, temperature="K")
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which curve it is, and what it covers."""
+        return described_curve(self, "modulus")

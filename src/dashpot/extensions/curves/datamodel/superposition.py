@@ -1,0 +1,92 @@
+"""Sweeps or moduli at several temperatures, shifted to one: a master curve."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from dashpot.base.arrays import ByValue, FloatArray, same_length, samples
+from dashpot.base.checks import Check
+from dashpot.base.provenance import Source, Step
+from dashpot.base.result_mixins import Pictured, Series
+from dashpot.base.units import celsius
+from dashpot.datamodel.shift_factors import TemperatureShifts
+from dashpot.extensions.curves.datamodel.creep import CreepCompliance
+from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
+from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+
+class AsMeasured(NamedTuple):
+    """What there is to say of a curve that nothing has shifted, as of one that was."""
+
+    sources: tuple[Source, ...]
+    checks: tuple[Check, ...] = ()
+    steps: tuple[Step, ...] = ()
+    temperatures: None = None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Superposition(ByValue, Pictured):
+    """What time-temperature superposition makes of tests at several temperatures.
+
+    Attributes
+    ----------
+    curve : DynamicTest, RelaxationModulus or CreepCompliance
+        The master curve: every sample where it lies at the reference, in reduced frequency or
+        time, rising; moduli over b_T, compliances times b_T.
+    temperature : array, shape (n,)
+        At which each of its samples was measured, K.
+    temperatures : TemperatureShifts
+    solid : GeneralizedMaxwell
+        The positive spectrum of all temperatures at the reference; its single arms mean nothing.
+    rms : float
+        What that leaves, relative to the size of the modulus.
+    checks : tuple of Check
+    sources : tuple of Source
+    steps : tuple of Step
+    """
+
+    curve: DynamicTest | RelaxationModulus | CreepCompliance
+    temperature: FloatArray
+    temperatures: TemperatureShifts
+    solid: GeneralizedMaxwell
+    rms: float
+    checks: tuple[Check, ...] = ()
+    sources: tuple[Source, ...] = ()
+    steps: tuple[Step, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "temperature", samples("temperature", self.temperature))
+        at = self.curve.frequency if isinstance(self.curve, DynamicTest) else self.curve.time
+        same_length(curve=at, temperature=self.temperature)
+
+    @property
+    def model(self) -> GeneralizedMaxwell:
+        """The spectrum, as a fit names it."""
+        return self.solid
+
+    @property
+    def series(self) -> Series:
+        """The master curve, and the temperature that each of its samples was measured at."""
+        return {**self.curve.series, "temperature": (self.temperature, "K")}
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """What was shifted, how far, by which law, and what that leaves."""
+        shifts = self.temperatures
+        farthest = max(abs(shift.log10_a_t) for shift in shifts.shifts)
+        cold, warm = shifts.tested
+        return (
+            (
+                f"{len(shifts.shifts)} temperatures, {celsius(cold)} to {celsius(warm)}, at "
+                f"{celsius(shifts.reference)}"
+            ),
+            *self.curve.described[1:],
+            (
+                f"shifted by up to {farthest:.3g} decades, {shifts.law.kind} law, b_T = "
+                f"{shifts.vertical}"
+            ),
+            f"{self.solid.arms} arms leave {100 * self.rms:.2g} % rms",
+            *(check.says for check in self.checks if check.failed),
+        )

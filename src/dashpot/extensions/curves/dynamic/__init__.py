@@ -1,0 +1,1 @@
+"""Dynamic mechanical analysis: storage and loss over frequency."""

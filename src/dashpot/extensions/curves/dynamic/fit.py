@@ -1,0 +1,463 @@
+"""From a dynamic (DMA) test to a fitted solid, alone or together with relaxation tests."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Literal, NamedTuple, TypeAlias
+
+import numpy as np
+
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.choices import FamilyAsked, refuse_other
+from dashpot.base.errors import FitError
+from dashpot.base.provenance import Step, sources_of, steps_of
+from dashpot.base.units import Quantity, si
+from dashpot.datamodel.band_error import BandError
+from dashpot.datamodel.bounds import EndOfHold
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
+from dashpot.datamodel.parameter_estimate import Residual
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.extensions.curves.checks import (
+    bands_meet,
+    data_agree,
+    instrument_stiff,
+    kramers_kronig,
+    loss_positive,
+    plateau,
+    storage_rises,
+)
+from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
+from dashpot.extensions.curves.datamodel.superposition import AsMeasured, Superposition
+from dashpot.extensions.curves.relaxation_spectrum import (
+    BEYOND,
+    dynamic_master_curve,
+    passive_misfit,
+    relative_scale,
+    spectrum_where_few_fail,
+)
+from dashpot.extensions.curves.superposition.superpose import superpose
+from dashpot.fitting.checks.solid import (
+    arms_distinct,
+    arms_supported,
+    loss_factor_known,
+    order_agreed,
+    residuals_random,
+    tau_inside_window,
+)
+from dashpot.fitting.design_matrix import Design, compressed
+from dashpot.fitting.fit_construction import assembled
+from dashpot.fitting.fit_data import DOUBTED, FitData, alone
+from dashpot.fitting.fractional_model.family_selection import (
+    SWEEPS,
+    ChosenElement,
+    checked_family,
+    chosen_family,
+    named,
+    refuse_beside_shifts,
+)
+from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
+from dashpot.fitting.replicates import refuse_copies
+from dashpot.fitting.uncertainty.band_limits import band_of_curve
+from dashpot.fitting.uncertainty.curve_data import ENOUGH, curve_data
+from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_curve, spectra_of_curve
+from dashpot.fitting.uncertainty.valid_band import informed_band
+from dashpot.numerics.design_matrices.block import DataBlock, frequency_block
+from dashpot.preprocessing.checks import of_temperature
+from dashpot.preprocessing.prepare_tests import Tests, ramp_holds
+from dashpot.solids.maxwell import Solid
+
+Weights: TypeAlias = Literal["relative", "modulus"]
+
+# an arm so much faster than a sweep is a dashpot to it
+_FASTER = 30.0
+# and so much slower one still adds a loss to its lowest lines
+_SLOWER = 1000.0
+# weights of one temperature, and of several
+_USUAL: tuple[Weights, Weights] = ("relative", "modulus")
+
+
+def fit_dynamic(
+    data: DynamicTest | Superposition,
+    *,
+    arms: int | Literal["auto"] = "auto",
+    tests: Tests = (),
+    weights: Weights | None = None,
+    dashpot: bool = False,
+    temperature: Quantity | None = None,
+    thorough: bool = False,
+    max_arms: int = 6,
+    family: FamilyAsked = "maxwell",
+) -> Fit:
+    r"""Fit a generalized Maxwell solid to storage and loss, and to relaxation tests with them.
+
+    .. math:: K' + jK'' = k_\infty + \sum_j k_j \frac{j\omega\tau_j}{1 + j\omega\tau_j}
+        \; [+ j\omega b]
+
+    No starting guess is needed. Residuals of storage and of loss are relative to what the best
+    solid of the sweep alone expects there; then each curve, and each relaxation test, is divided
+    by its own scatter about the best solid that it alone allows, so that every test speaks as
+    loudly as it is sure.
+
+    Parameters
+    ----------
+    data : DynamicTest or Superposition
+        One temperature; or several, shifted to a master curve first, by the defaults of
+        :func:`~dashpot.extensions.curves.superposition.superpose.superpose`; frequencies in any
+        order.
+    arms : int or "auto"
+        Number of Maxwell arms; ``"auto"`` takes the number that BIC with the effective sample
+        size and the significance of every arm both support.
+    tests : RampHold, RelaxationTest or sequence of them
+        Prepared relaxation tests of the same part, fitted in the same stack by their recorded
+        motion, each with its own tare and drift. `data` must then be in N/m.
+    weights : "relative" or "modulus"
+        Errors of storage and of loss relative each to its own size, or both to the size of the
+        complex modulus (an error of the phase), as by default those of a master curve.
+    dashpot : bool
+        Allow a parallel dashpot b; not together with `tests`.
+    temperature : float, optional
+        K; takes the samples within 1 K of it out of sweeps at several temperatures.
+    thorough : bool
+        Add quasi-random starts.
+    max_arms : int
+        The most that ``"auto"`` tries.
+    family : "maxwell", "fractional" or "auto"
+        Arms, a fractional Zener solid, or the one that BIC prefers, as in
+        :func:`~dashpot.fitting.relaxation.fit`; of one temperature.
+
+    Returns
+    -------
+    Fit
+        `method` is ``"dynamic"``, `unit` that of the data; the residual is relative, with `tests`
+        in units of scatter. Of several temperatures, the solid is that of their reference, and
+        where no few arms follow it, the positive spectrum that all of them share.
+        `band` is the measured frequencies, Hz, and with tests also what they inform, unless
+        more than a decade between the two was not measured.
+
+    Raises
+    ------
+    FitError
+        If sweeps at several temperatures cannot be shifted, a storage is not above 0, or an
+        option makes no sense.
+    """
+    temperature = si(temperature, "temperature")
+    checked_family(family, arms)
+    data, origin = _at_one_temperature(data, temperature)
+    records = _records(tests, data, dashpot=dashpot)
+    shifted = isinstance(origin, Superposition)
+    if shifted:
+        _refuse_of_one_temperature(family, records)
+    weights = weights or _USUAL[shifted]
+    most = asked_arms(arms, max_arms)
+    sets = (_sweep(data, weights, dashpot=dashpot, most=most), *_relaxations(records, most))
+    found = chosen_arms(_stacked(sets), arms, max_arms=max_arms, thorough=thorough)
+    both = chosen_family(found, family)
+    found = both.best
+    band, met = _band(data, records, sets[1:], found.model.k_0)
+    end, known = None, None
+    # relaxation tests beside it see further
+    if not records:
+        end, band, known = _end(data, sets[0], found, both.arms.model.tau, band)
+    other = both.alternative(band, SWEEPS)
+    of_data = (
+        kramers_kronig(passive_misfit(data)),
+        loss_positive(data),
+        instrument_stiff(data),
+        *origin.checks,
+    )
+    options = (
+        ("arms", str(arms)),
+        ("weights", weights),
+        ("dashpot", str(dashpot).lower()),
+        ("temperature", "all" if temperature is None else f"{temperature:g} K"),
+        ("thorough", str(thorough).lower()),
+    )
+    error = _relative_error(found.solid, data, weights if shifted else "relative")
+    left = replace(found.residual, unit="sd") if records else _left(error, found.residual)
+    few = assembled(
+        found.outcome(left, found.nuisances()),
+        Evidence(
+            band,
+            found.orders,
+            found.certificate,
+            checks=(
+                found.ended,
+                *of_data,
+                *of_temperature(data.specimen),
+                *_checks(found, data, records, end, [n for one in sets for n in one.freedom]),
+                *both.checks(other),
+                *met,
+                loss_factor_known(known),
+            ),
+            alternative=other,
+            end_of_hold=end,
+            band_error=known,
+        ),
+        Provenance(
+            "dynamic",
+            (*origin.sources, *sources_of(records)),
+            (*origin.steps, *steps_of(records), _step(data, records, found, options)),
+            data.specimen,
+        ),
+        unit=data.unit,
+        temperatures=origin.temperatures,
+    )
+    if records or arms != "auto" or dashpot or few.family != "maxwell":
+        return few
+    return spectrum_where_few_fail(few, error, origin, lambda: dynamic_master_curve(data), of_data)
+
+
+def _relative_error(solid: Solid, data: DynamicTest, weights: str) -> FloatArray:
+    """Errors of storage, then of loss, relative to each, or both to the complex modulus."""
+    K = solid.complex_stiffness(omega=data.omega)
+    storage, loss = relative_scale(data)
+    if weights == "modulus":
+        storage = loss = np.abs(data.value)
+    return np.concatenate(((K.real - data.storage) / storage, (K.imag - data.loss) / loss))
+
+
+def _left(error: FloatArray, weighted: Residual) -> Residual:
+    """Statistics of relative errors, whose neighbours say as much alike as weighted ones do."""
+    sse, rms = float(error @ error), float(np.sqrt(np.mean(error**2)))
+    return replace(weighted, n=len(error), sse=sse, rms=rms, unit="1")
+
+
+class _Set(NamedTuple):
+    """One data set in units of its scatter: the block to solve, and one block per record.
+
+    And the degrees of freedom that its own fit left of each.
+    """
+
+    block: DataBlock
+    rows: tuple[DataBlock, ...]
+    freedom: tuple[float, ...]
+
+
+def _at_one_temperature(
+    data: DynamicTest | Superposition, temperature: float | None
+) -> tuple[DynamicTest, Superposition | AsMeasured]:
+    """Return what is fitted, in order of frequency, and where it comes from."""
+    if isinstance(data, DynamicTest) and temperature is None and data.several_temperatures:
+        data = superpose(data)
+    if isinstance(data, Superposition):
+        if temperature is not None or not isinstance(data.curve, DynamicTest):
+            raise FitError(
+                "a master curve of storage and loss is fitted whole, at its own reference: no one "
+                "temperature of it, and no moduli over time"
+            )
+        return data.curve, data
+    if temperature is not None:
+        data = data.at(temperature)
+    data = data.only(np.argsort(data.frequency, kind="stable"))
+    return data, AsMeasured(sources_of([data]), (storage_rises(data),))
+
+
+def _refuse_of_one_temperature(family: str, records: Sequence[RampHold]) -> None:
+    """Refuse what goes with a sweep of one temperature alone."""
+    refuse_beside_shifts(family)
+    if records:
+        raise FitError(
+            "the sweeps are of several temperatures, the relaxation tests of one: choose the "
+            "sweep of theirs with --only (Python: temperature=)"
+        )
+
+
+def _records(tests: Tests, data: DynamicTest, *, dashpot: bool) -> tuple[RampHold, ...]:
+    records = ramp_holds(tests)
+    refuse_copies(records)
+    if records and data.unit != "N/m":
+        raise FitError(
+            f"the sweep is in {data.unit}, the relaxation tests in N and m; multiply storage and "
+            "loss by area over height to get N/m, or fit the two alone"
+        )
+    if records and dashpot:
+        raise FitError(
+            "a parallel dashpot is fitted to a sweep alone; leave out dashpot=True or the tests "
+            "(an arm much faster than the sweep is such a dashpot)"
+        )
+    return records
+
+
+def _stacked(sets: Sequence[_Set]) -> FitData:
+    return FitData([one.block for one in sets], [row for one in sets for row in one.rows])
+
+
+def _sweep(data: DynamicTest, weights: str, *, dashpot: bool, most: int) -> _Set:
+    _checked(data, weights)
+    n = len(data.frequency)
+    first = _sweep_block(data, _scale(data, data.value, weights), dashpot=dashpot)
+    best = alone([first], _halves(first, n), most)
+    # the size of noisy data is a biased weight: low values would speak loudest
+    storage, loss = _scale(data, best.model.complex_stiffness(omega=data.omega), weights)
+    scale = (storage * best.scatter[0], loss * best.scatter[1])
+    known = _sweep_block(data, scale, dashpot=dashpot)
+    return _Set(known, _halves(known, n), best.freedom)
+
+
+def _sweep_block(
+    data: DynamicTest, scale: tuple[FloatArray, FloatArray], *, dashpot: bool
+) -> DataBlock:
+    return frequency_block(
+        data.omega,
+        data.value,  # type: ignore[arg-type]
+        weights=(1 / scale[0], 1 / scale[1]),
+        dashpot=dashpot,
+    )
+
+
+def _checked(data: DynamicTest, weights: str) -> None:
+    refuse_other("weights", weights, Weights, FitError)
+    bad = np.flatnonzero(data.storage <= 0)
+    if bad.size:
+        i = int(bad[0])
+        raise FitError(
+            f"the storage at {data.frequency[i]:.3g} Hz is {data.storage[i]:g}; no relaxing solid "
+            "has a storage <= 0 (mass moved along, or the phase is wrong): leave it out"
+        )
+
+
+def _scale(
+    data: DynamicTest, expected: ComplexArray, weights: str
+) -> tuple[FloatArray, FloatArray]:
+    """Return what errors of storage and loss are relative to: the size expected of each."""
+    size = np.maximum(np.abs(expected), DOUBTED * np.abs(data.value))
+    if weights == "modulus":
+        return size, size
+    storage, loss = relative_scale(data)
+    return (
+        np.maximum(np.abs(expected.real), DOUBTED * storage),
+        np.maximum(np.abs(expected.imag), DOUBTED * loss),
+    )
+
+
+def _halves(block: DataBlock, n: int) -> tuple[DataBlock, DataBlock]:
+    """The storage and the loss of a sweep as records of their own, in order of frequency."""
+    first, second = slice(0, n), slice(n, 2 * n)
+    return (
+        block.changed(lambda part: part[first], samples=n),
+        block.changed(lambda part: part[second], samples=n),
+    )
+
+
+def _relaxations(records: Sequence[RampHold], most: int) -> list[_Set]:
+    design = Design("full")
+    blocks = compressed(records, design)
+    sets = []
+    for block in blocks:
+        own = alone([block], [block.exact], most)
+        factor = 1 / own.scatter[0]
+        sets.append(_Set(block.weighted(factor), (block.exact.weighted(factor),), own.freedom))
+    return sets
+
+
+def _end(
+    data: DynamicTest,
+    sweep: _Set,
+    found: Chosen,
+    tau: Sequence[float],
+    band: tuple[float, float],
+) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
+    """What a sweep leaves open of the storage below it, and where in a band it knows the solid.
+
+    Nothing of one of few lines.
+    """
+    if len(data.frequency) < ENOUGH:
+        return None, band, None
+    slowest = 1 / float(data.omega.min())
+    window = 1 / (_FASTER * float(data.omega.max())), _SLOWER * slowest
+    seen = curve_data(sweep.block, data.frequency, window=window)
+    spectra = spectra_of_curve(seen, time=slowest, further=tau)
+    end = end_of_curve(seen, "sweep", time=slowest, own=found.model, further=tau, spectra=spectra)
+    band, known = band_of_curve(spectra, found.solid, band)
+    if known is not None:
+        known = replace(known, misfit=_misfit_in_band(found.solid, data, band))
+    return end, band, known
+
+
+def _misfit_in_band(
+    solid: Solid, data: DynamicTest, band: tuple[float, float]
+) -> tuple[float, float]:
+    """By how much a solid misses stiffness and loss factor of a line in a band, relative to it."""
+    inside = (data.frequency >= band[0]) & (data.frequency <= band[1])
+    K, measured = solid.complex_stiffness(omega=data.omega), data.value
+    shown = inside & (data.loss > 0)
+    size = np.abs(np.abs(K) / np.abs(measured) - 1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        loss = np.abs((K.imag / K.real) / (measured.imag / measured.real) - 1)
+    return float(np.max(size[inside], initial=0.0)), float(np.max(loss[shown], initial=0.0))
+
+
+def _checks(
+    found: Chosen,
+    data: DynamicTest,
+    records: Sequence[RampHold],
+    end: EndOfHold | None,
+    freedom: Sequence[float],
+) -> tuple[Check, ...]:
+    """Return the checks of the fit; `freedom` is what each curve's own fit left of it."""
+    model, estimate, error = found.model, found.estimate, found.error
+    shortest, longest = 1 / float(data.omega.max()), 1 / float(data.omega.min())
+    if records:
+        shortest = min(shortest, *(2 * float(np.diff(one.time).min()) for one in records))
+        longest = max(longest, *(one.hold_time for one in records))
+    of_arms = (
+        []
+        if isinstance(found, ChosenElement)
+        else [
+            arms_distinct(model),
+            arms_supported(model, error, unit=data.unit),
+            tau_inside_window(
+                model,
+                (shortest / BEYOND, longest * BEYOND),
+                "the sweep and the holds" if records else "the sweep",
+            ),
+        ]
+    )
+    fastest = float(model.complex_stiffness(omega=data.omega.max()).real)
+    further = "Sweep to lower frequencies."
+    answers = [
+        *of_arms,
+        *plateau(model, float(error[0]), end, unit=data.unit, first=fastest, further=further),
+        residuals_random(estimate.kappa, estimate.rms),
+        *([] if found.choice is None else [order_agreed(found.choice)]),
+        *found.enough("sd"),
+    ]
+    if records:
+        spread = [
+            float(np.sqrt(np.mean(residual**2) * noise.kappa))
+            for residual, noise in zip(estimate.residuals, estimate.noises, strict=True)
+        ]
+        names = ["storage", "loss", *(f"relaxation test {i + 1}" for i in range(len(records)))]
+        answers.append(data_agree(spread, names, freedom))
+    return tuple(answers)
+
+
+def _band(
+    data: DynamicTest, records: Sequence[RampHold], held: Sequence[_Set], k_0: float
+) -> tuple[tuple[float, float], tuple[Check, ...]]:
+    """Return the frequencies that the tests inform, and whether they leave a gap."""
+    sweep = (float(data.frequency.min()), float(data.frequency.max()))
+    if not records:
+        return sweep, ()
+    # the blocks are in units of their own scatter
+    blocks = [one.block for one in held]
+    informed = informed_band(records, blocks, stiffness=max(k_0, 1e-300), noise=1.0)
+    met = bands_meet(sweep, informed)
+    if met.failed:
+        return sweep, (met,)
+    return (min(sweep[0], informed[0]), max(sweep[1], informed[1])), (met,)
+
+
+def _step(
+    data: DynamicTest,
+    records: Sequence[RampHold],
+    found: Chosen,
+    options: tuple[tuple[str, str], ...],
+) -> Step:
+    n = len(records)
+    beside = "" if not n else f" and {n} relaxation test{'s' * (n > 1)}"
+    says = f"fitted {named(found)} to storage and loss at {len(data.frequency)} frequencies{beside}"
+    return Step("fit_dynamic", options, says)

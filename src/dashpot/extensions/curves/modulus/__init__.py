@@ -1,0 +1,1 @@
+"""Relaxation modulus over time, as another laboratory states it."""

@@ -1,0 +1,255 @@
+"""From a relaxation modulus over time to the fewest arms that explain it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import DataError, FitError
+from dashpot.base.provenance import Source, Step, sources_of
+from dashpot.base.sentences import lowered
+from dashpot.datamodel.band_error import BandError
+from dashpot.datamodel.bounds import EndOfHold
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
+from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.curves.checks import modulus_falls, plateau
+from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
+from dashpot.extensions.curves.datamodel.superposition import AsMeasured, Superposition
+from dashpot.extensions.curves.relaxation_spectrum import master_curve, spectrum_where_few_fail
+from dashpot.extensions.curves.superposition.superpose import superpose
+from dashpot.fitting.checks.solid import (
+    arms_distinct,
+    arms_supported,
+    loss_factor_known,
+    order_agreed,
+    residuals_random,
+    tau_inside_window,
+)
+from dashpot.fitting.fit_construction import assembled
+from dashpot.fitting.fit_data import DOUBTED, FitData, alone
+from dashpot.fitting.pipeline import asked_arms, chosen_arms
+from dashpot.fitting.uncertainty.band_limits import BeforeCurve, band_of_curve
+from dashpot.fitting.uncertainty.curve_data import ENOUGH, curve_data
+from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_curve, spectra_of_curve
+from dashpot.numerics.design_matrices.block import DataBlock
+from dashpot.numerics.design_matrices.hold import hold_block
+from dashpot.preprocessing.checks import of_temperature
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# a dense spectrum needs a curve
+_LEAST = 3
+
+
+def fit_modulus(
+    time: npt.ArrayLike | RelaxationModulus | Superposition,
+    modulus: npt.ArrayLike = (),
+    *,
+    arms: int | Literal["auto"] = "auto",
+    weights: Literal["relative", "uniform"] = "relative",
+    thorough: bool = False,
+    max_arms: int = 6,
+    unit: str = "Pa",
+    source: Source | None = None,
+    specimen: Specimen | None = None,
+) -> Fit:
+    r"""Fit a generalized Maxwell solid to a relaxation modulus, the answer to a unit step.
+
+    .. math:: E(t) = E_\infty + \sum_j E_j e^{-t/\tau_j}, \qquad E_\infty, E_j \ge 0
+
+    A plateau is always looked for; a liquid's rests at zero. A force record is no modulus: its
+    ramp must be answered for, as :func:`~dashpot.fitting.relaxation.fit` does.
+
+    Parameters
+    ----------
+    time : array_like, shape (n,), RelaxationModulus or Superposition
+        s, >= 0, strictly increasing; or the whole curve, with its unit, source and specimen. At
+        several temperatures :func:`~dashpot.extensions.curves.superposition.superpose.superpose`
+        shifts it to a master curve with its defaults first.
+    modulus : array_like, shape (n,)
+        In `unit`; > 0 with relative weights.
+    arms : int or "auto"
+        ``"auto"`` takes the number that BIC and the significance of every arm both support; if no
+        number up to `max_arms` follows the curve, with relative weights, the dense spectrum of
+        :func:`~dashpot.extensions.curves.relaxation_spectrum.master_curve` stands in, without
+        standard errors; of several temperatures, the one that all of them share.
+    weights : "relative" or "uniform"
+        Residuals relative to what the best solid expects, or all alike.
+    thorough : bool
+        Add quasi-random starts.
+    max_arms : int
+        The most that ``"auto"`` tries.
+    unit : str
+        ``"Pa"`` or ``"N/m"``.
+    source : Source, optional
+    specimen : Specimen, optional
+
+    Returns
+    -------
+    Fit
+        `method` is ``"modulus"``; residuals are relative, or in `unit` if uniform; `band` is
+        1/(2 pi t) of the first and last time above 0, Hz.
+
+    Raises
+    ------
+    DataError
+        If the arrays are not what they should be.
+    FitError
+        If an option makes no sense, or there are fewer samples than parameters.
+    """
+    if unit not in {"Pa", "N/m"}:
+        raise FitError(f"unit = {unit!r}; expected 'Pa' or 'N/m'")
+    if isinstance(time, RelaxationModulus | Superposition):
+        data, origin = _at_one_temperature(time)
+    else:
+        curve = RelaxationModulus(time, modulus, unit, specimen or Specimen(), source, units="SI")  # type: ignore[arg-type]
+        data, origin = curve, AsMeasured(sources_of([curve]))
+    t, values, unit = data.time, data.modulus, data.unit
+    falls = modulus_falls(values)
+    if falls.failed:
+        raise DataError(f"this is no relaxation modulus: {lowered(falls.told)}")
+    most = asked_arms(arms, max_arms)
+    window = _window(t)
+    block = _weighed(t, values, weights, window, most)
+    found = chosen_arms(FitData([block], [block]), arms, max_arms=max_arms, thorough=thorough)
+    model = found.model
+    positive = t[t > 0]
+    band = float(1 / (2 * np.pi * positive[-1])), float(1 / (2 * np.pi * positive[0]))
+    end, band, known = _end(t, block, model, band)
+    if known is not None:
+        # a curve shows its modulus alone
+        missed = _misfit_in_band(model, t, values, band)
+        known = replace(known, misfit=(missed, 0.0))
+    told = plateau(
+        model,
+        float(found.error[0]),
+        end,
+        unit=unit,
+        first=float(model.relaxation(t[0])),
+        further="Measure longer.",
+    )
+    asked = (
+        found.ended,
+        *origin.checks,
+        *of_temperature(data.specimen),
+        arms_supported(model, found.error, unit=unit),
+        tau_inside_window(model, window, "the curve"),
+        arms_distinct(model),
+        *told,
+        residuals_random(found.estimate.kappa, found.estimate.rms),
+        *([] if found.choice is None else [order_agreed(found.choice)]),
+        *found.enough("1" if weights == "relative" else unit),
+        loss_factor_known(known),
+    )
+    step = Step(
+        "fit_modulus",
+        (("arms", str(arms)), ("weights", weights), ("unit", unit)),
+        f"fitted a generalized Maxwell solid with {model.arms} arms to {len(t)} values of a "
+        "relaxation modulus",
+    )
+    left = replace(found.residual, unit="1" if weights == "relative" else unit)
+    few = assembled(
+        found.outcome(left),
+        Evidence(
+            band,
+            found.orders,
+            found.certificate,
+            checks=asked,
+            end_of_hold=end,
+            band_error=known,
+        ),
+        Provenance("modulus", origin.sources, (*origin.steps, step), data.specimen),
+        unit=unit,
+        temperatures=origin.temperatures,
+    )
+    later = t > 0
+    if arms != "auto" or weights != "relative" or later.sum() < _LEAST:
+        return few
+    error = model.relaxation(t) / values - 1.0
+    return spectrum_where_few_fail(
+        few, error, origin, lambda: master_curve(t[later], values[later]), (*origin.checks, *told)
+    )
+
+
+def _end(
+    t: FloatArray, block: DataBlock, model: GeneralizedMaxwell, band: tuple[float, float]
+) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
+    """What the curve leaves open of its end, and where in a band it knows the solid.
+
+    Nothing of one of few values.
+    """
+    if len(t) < ENOUGH:
+        return None, band, None
+    shortest, longest = _window(t)
+    later = np.maximum(t, t[1])
+    data = curve_data(block, later, window=(shortest, 10 * longest))
+    end = end_of_curve(data, "curve", time=longest, own=model, further=model.tau)
+    early = BeforeCurve(data, float(t[t > 0][0]), model)
+    spectra = spectra_of_curve(early, time=longest, further=model.tau)
+    return end, *band_of_curve(spectra, model, band)
+
+
+def _misfit_in_band(
+    model: GeneralizedMaxwell, t: FloatArray, values: FloatArray, band: tuple[float, float]
+) -> float:
+    """By how much the model misses a value of the curve in a band, relative to it, at most."""
+    with np.errstate(divide="ignore"):
+        line = 1 / (2 * np.pi * t)
+    error = np.abs(model.relaxation(t) / values - 1)
+    return float(np.max(error[(line >= band[0]) & (line <= band[1])], initial=0.0))
+
+
+def _at_one_temperature(
+    data: RelaxationModulus | Superposition,
+) -> tuple[RelaxationModulus, Superposition | AsMeasured]:
+    """Return what is fitted, and where it comes from."""
+    if isinstance(data, RelaxationModulus):
+        if data.temperature is None:
+            return data, AsMeasured(sources_of([data]))
+        data = superpose(data)
+    if not isinstance(data.curve, RelaxationModulus):
+        raise FitError("a master curve of storage and loss is fitted with fit_dynamic")
+    return data.curve, data
+
+
+def _weighed(
+    t: FloatArray, values: FloatArray, weights: str, window: tuple[float, float], most: int
+) -> DataBlock:
+    """The curve as rows, relative to what the best of up to `most` arms expects, or all alike."""
+    first = _block(t, values, _weights(values, weights), window)
+    if weights == "uniform":
+        return first
+    # the size of noisy data is a biased weight: low values would count most
+    expected = alone([first], [first], most).model.relaxation(t)
+    return _block(t, values, 1 / np.maximum(expected, DOUBTED * values), window)
+
+
+def _block(
+    t: FloatArray, values: FloatArray, weight: FloatArray, window: tuple[float, float]
+) -> DataBlock:
+    block = hold_block(t, values, weights=weight, compress=False)
+    return replace(block, window=(window[0], 10 * window[1]))
+
+
+def _window(t: FloatArray) -> tuple[float, float]:
+    """Return the relaxation times that the curve can show, s: two samples apart to its end."""
+    return (float(t[min(1, len(t) - 1)]) - float(t[0])) / 3, float(t[-1])
+
+
+def _weights(values: FloatArray, weights: str) -> FloatArray:
+    if weights == "uniform":
+        return np.ones(len(values))
+    if weights != "relative":
+        raise FitError(f"weights = {weights!r}; expected 'relative' or 'uniform'")
+    bad = np.flatnonzero(values <= 0)
+    if bad.size:
+        i = int(bad[0])
+        raise DataError(
+            f"modulus[{i}] = {values[i]:g}; relative weights need values > 0: cut the curve "
+            "before it drowns in noise (Python: or weights='uniform')"
+        )
+    return np.asarray(1 / values)

@@ -1,0 +1,340 @@
+"""A dense discrete spectrum for a master curve over many decades."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import FloatArray, increasing, same_length, samples
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError, FitError
+from dashpot.base.provenance import Source
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.parameter_estimate import ParameterEstimate, Residual
+from dashpot.extensions.curves.checks import FOLLOWED, few_arms_suffice
+from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
+from dashpot.extensions.curves.datamodel.superposition import AsMeasured, Superposition
+from dashpot.fitting.fit_construction import FoundSolid, assembled
+from dashpot.numerics.least_squares.nnls import linear
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# arms this far beyond the measured frequencies still shape the loss at their ends, half a decade;
+# one farther out shows only its tail
+BEYOND = float(np.sqrt(10.0))
+# a loss below this part of the modulus is not weighed by its own value
+_FLAT = 1e-3
+_FINEST = 24
+# a grid on which one sharp arm between two others is followed to 1 %
+_DENSE = 8
+
+
+@dataclass(frozen=True)
+class Misfit:
+    """How far a curve is from the model's, relative to the data.
+
+    Attributes
+    ----------
+    curve : str
+        ``"modulus"``, ``"storage"`` or ``"loss"``.
+    samples : int
+    rms, largest : float
+        Root mean square and largest |model/data - 1|.
+    at : float
+        Where the largest stands: s for a modulus over time, else Hz.
+    """
+
+    curve: str
+    samples: int
+    rms: float
+    largest: float
+    at: float
+
+
+@dataclass(frozen=True)
+class MasterCurve:
+    r"""The non-negative spectrum on an even grid of ln tau that is nearest to a master curve.
+
+    Attributes
+    ----------
+    model : GeneralizedMaxwell
+        In the unit of the data; only the arms that carry something.
+    misfit : tuple of Misfit
+        One for each curve.
+    grid : tuple of float
+        Relaxation times offered, s.
+    band : (float, float)
+        Frequencies that the data cover, Hz; for a curve over time 1/(2 pi t) of its ends.
+    source : Source or None
+    """
+
+    model: GeneralizedMaxwell
+    misfit: tuple[Misfit, ...]
+    grid: tuple[float, ...]
+    band: tuple[float, float]
+    source: Source | None = None
+
+    @property
+    def rms(self) -> float:
+        """Root mean square relative error over every sample of every curve."""
+        count = sum(one.samples for one in self.misfit)
+        return float(np.sqrt(sum(one.samples * one.rms**2 for one in self.misfit) / count))
+
+    @property
+    def largest(self) -> float:
+        """Largest relative error of any sample."""
+        return max(one.largest for one in self.misfit)
+
+
+def master_curve(
+    time: npt.ArrayLike, modulus: npt.ArrayLike, *, per_decade: float = 4
+) -> MasterCurve:
+    r"""Fit a dense spectrum to a relaxation modulus over time.
+
+    .. math:: \min_{k_\infty, k_j \ge 0} \sum_i \Bigl(
+        \frac{k_\infty + \sum_j k_j e^{-t_i/\tau_j}}{E_i} - 1\Bigr)^2
+
+    with :math:`\tau_j` on an even grid of ln tau between the second and the last time. This is
+    the table of terms that a finite-element code wants; for the fewest arms that explain a curve
+    see :func:`~dashpot.extensions.curves.modulus.fit.fit_modulus`.
+
+    Parameters
+    ----------
+    time : array_like, shape (n,)
+        s, > 0, strictly increasing.
+    modulus : array_like, shape (n,)
+        > 0, in Pa for a material or N/m for a part.
+    per_decade : float
+        Relaxation times offered per decade.
+
+    Returns
+    -------
+    MasterCurve
+        `model` in the unit of `modulus`.
+
+    Raises
+    ------
+    DataError
+        If the times do not increase from above 0, or a modulus is not above 0.
+    """
+    t = increasing("time", samples("time", time, minimum=3))
+    values = samples("modulus", modulus)
+    same_length(time=t, modulus=values)
+    _all_positive("time", t)
+    _all_positive("modulus", values)
+    # an arm faster than the second time would show in one sample only
+    grid = _grid(float(t[1]), float(t[-1]), per_decade)
+    columns = np.concatenate((np.ones((len(t), 1)), np.exp(-t[:, None] / grid)), axis=1)
+    found, _ = linear(columns / values[:, None], np.ones(len(t)), positive=True)
+    return MasterCurve(
+        _solid(found, grid),
+        (_misfit("modulus", columns @ found / values - 1.0, t),),
+        tuple(grid.tolist()),
+        (float(1 / (2 * np.pi * t[-1])), float(1 / (2 * np.pi * t[0]))),
+    )
+
+
+def dynamic_master_curve(data: DynamicTest, *, per_decade: float = 4) -> MasterCurve:
+    r"""Fit a dense spectrum to storage and loss over frequency.
+
+    .. math:: \min_{k_\infty, k_j \ge 0} \sum_i \Bigl(\frac{K'(\omega_i)}{K'_i} - 1\Bigr)^2
+        + \Bigl(\frac{K''(\omega_i)}{K''_i} - 1\Bigr)^2
+
+    with :math:`\tau_j` on an even grid of ln tau, half a decade beyond the measured
+    :math:`1/\omega` at both ends. Each value is weighed by itself; a loss below a thousandth of
+    the modulus by that thousandth, and its relative error is told against it too.
+
+    Parameters
+    ----------
+    data : DynamicTest
+        One temperature, or a master curve; the frequencies in any order.
+    per_decade : float
+        Relaxation times offered per decade.
+
+    Raises
+    ------
+    DataError
+        If a storage is not above 0.
+    """
+    w = data.omega
+    _all_positive("storage", data.storage)
+    scale = relative_scale(data)
+    grid = _grid(1 / (BEYOND * float(w.max())), BEYOND / float(w.min()), per_decade)
+    x = w[:, None] * grid
+    storage = np.concatenate((np.ones((len(w), 1)), x * x / (1 + x * x)), axis=1)
+    loss = np.concatenate((np.zeros((len(w), 1)), x / (1 + x * x)), axis=1)
+    columns = np.concatenate((storage / scale[0][:, None], loss / scale[1][:, None]))
+    target = np.concatenate((data.storage / scale[0], data.loss / scale[1]))
+    found, _ = linear(columns, target, positive=True)
+    error = columns @ found - target
+    n = len(w)
+    return MasterCurve(
+        _solid(found, grid),
+        (
+            _misfit("storage", error[:n], data.frequency),
+            _misfit("loss", error[n:], data.frequency),
+        ),
+        tuple(grid.tolist()),
+        (float(data.frequency.min()), float(data.frequency.max())),
+        data.source,
+    )
+
+
+def relative_scale(data: DynamicTest) -> tuple[FloatArray, FloatArray]:
+    """Return what errors of storage and loss are relative to, each its own size, (n,) and (n,)."""
+    return (
+        np.abs(data.storage),
+        np.maximum(np.abs(data.loss), _FLAT * np.abs(data.value)),
+    )
+
+
+def passive_misfit(data: DynamicTest) -> tuple[FloatArray, FloatArray] | None:
+    """Return what the nearest passive solid misses of storage and loss, relative, by frequency.
+
+    None if a storage is not above 0, so that errors cannot be relative.
+    """
+    try:
+        nearest = dynamic_master_curve(data, per_decade=_DENSE).model
+    except DataError:
+        return None
+    order = np.argsort(data.frequency, kind="stable")
+    error = nearest.complex_stiffness(omega=data.omega) - data.value
+    storage, loss = relative_scale(data)
+    return (error.real / storage)[order], (error.imag / loss)[order]
+
+
+def _grid(shortest: float, longest: float, per_decade: float) -> FloatArray:
+    if not 1 <= per_decade <= _FINEST:
+        raise FitError(
+            f"per_decade = {per_decade!r}; expected a number of relaxation times per decade, "
+            f"1 to {_FINEST}"
+        )
+    count = int(np.ceil(np.log10(longest / shortest) * per_decade)) + 1
+    return np.geomspace(shortest, longest, count)
+
+
+def _solid(found: FloatArray, grid: FloatArray) -> GeneralizedMaxwell:
+    k = found[1:]
+    return GeneralizedMaxwell(float(found[0]), tuple(k[k > 0]), tuple(grid[k > 0]))
+
+
+def _misfit(curve: str, error: FloatArray, where: FloatArray) -> Misfit:
+    worst = int(np.argmax(np.abs(error)))
+    return Misfit(
+        curve,
+        len(error),
+        float(np.sqrt(np.mean(error * error))),
+        float(abs(error[worst])),
+        float(where[worst]),
+    )
+
+
+def _all_positive(name: str, values: FloatArray) -> None:
+    bad = np.flatnonzero(values <= 0)
+    if bad.size:
+        i = int(bad[0])
+        raise DataError(
+            f"{name}[{i}] = {values[i]:g}; expected > 0, so that errors can be relative "
+            f"({bad.size} of {len(values)} are not): cut the curve before it drowns in noise"
+        )
+
+
+# where few arms do not follow the curves, a dense spectrum must miss far less
+_MUCH_BETTER = 0.5
+# few arms that leave no more than this of what a spectrum of several temperatures leaves will do
+_AS_CLOSE = 1.2
+
+
+class Dense(Protocol):
+    """A dense spectrum, and its relative root mean square error."""
+
+    @property
+    def model(self) -> GeneralizedMaxwell:
+        """Its arms."""
+        ...
+
+    @property
+    def rms(self) -> float:
+        """Over every value of the curves."""
+        ...
+
+
+def spectrum_where_few_fail(
+    few: Fit,
+    error: FloatArray,
+    origin: Superposition | AsMeasured,
+    spectrum: Callable[[], Dense],
+    of_data: Sequence[Check] = (),
+) -> Fit:
+    """Return the fit, or the dense spectrum where no small number of arms follows the curves.
+
+    Parameters
+    ----------
+    few : Fit
+    error : array, shape (n,)
+        Its relative errors on every value of the curves.
+    origin : Superposition or AsMeasured
+        Of several temperatures: then :func:`shared_where_few_fall_short`.
+    spectrum : callable
+        Fits the dense spectrum of one temperature.
+    of_data : sequence of Check
+        Those of the fit's checks that do not speak of its arms.
+    """
+    if isinstance(origin, Superposition):
+        return shared_where_few_fall_short(few, error, origin, of_data)
+    missed = float(np.sqrt(np.mean(error * error)))
+    if missed < FOLLOWED:
+        return few
+    dense = spectrum()
+    if dense.rms > _MUCH_BETTER * missed:
+        return few
+    return _dense(few, (missed, None), dense, len(error), of_data)
+
+
+def shared_where_few_fall_short(
+    few: Fit, error: FloatArray, shared: Dense, of_data: Sequence[Check] = ()
+) -> Fit:
+    """Return the fit, or the spectrum of several temperatures where few arms follow less closely.
+
+    The parameters are those of :func:`spectrum_where_few_fail`; `shared` is there already.
+    """
+    missed, limit = float(np.sqrt(np.mean(error * error))), _AS_CLOSE * shared.rms
+    return few if missed < limit else _dense(few, (missed, limit), shared, len(error), of_data)
+
+
+def _dense(
+    few: Fit,
+    missed: tuple[float, float | None],
+    dense: Dense,
+    values: int,
+    of_data: Sequence[Check],
+) -> Fit:
+    """Return the fit with a dense spectrum in the place of arms that miss more than a limit."""
+    check = few_arms_suffice(
+        missed[0],
+        few.model.arms,
+        max(order.arms for order in few.orders),
+        (dense.model.arms, dense.rms),
+        missed[1],
+    )
+    residual = Residual(values, values * dense.rms**2, dense.rms, unit="1")
+    estimate = ParameterEstimate((), np.zeros((0, 0)), np.inf, residual, nuisance=few.nuisance)
+    end = few.end_of_hold
+    known = few.evidence.band_error
+    evidence = replace(
+        few.evidence,
+        band_error=None if known is None else known.about(dense.model, few.model),
+        certificate=None,
+        checks=(*of_data, check),
+        end_of_hold=None if end is None else end.holding(dense.model),
+    )
+    return assembled(
+        FoundSolid(dense.model, estimate),
+        evidence,
+        few.provenance,
+        unit=few.unit,
+        temperatures=few.temperatures,
+    )

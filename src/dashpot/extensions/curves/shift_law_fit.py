@@ -1,0 +1,295 @@
+r"""A law through shift factors, by generalised least squares with their full covariance.
+
+.. math:: D = (s - f(\theta))' C^{-1} (s - f(\theta)), \qquad \mathrm{BIC} = D + p \ln n
+
+over the n shifts :math:`s = \log_{10} a_T` away from the reference. Shifts along a master curve are
+chained and hang together: with the diagonal of C alone their law misses the truth every third time.
+WLF is sought as :math:`-\beta\,(T - T_r) / (1 + u\,(T - T_r))` with :math:`u = 1/C_2` and
+:math:`\beta = C_1/C_2`, which is a straight line in T where u is 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import FloatArray, samples
+from dashpot.base.choices import ShiftLaw, refuse_other
+from dashpot.base.errors import FitError
+from dashpot.numerics.inference.covariance_estimate import estimate, white_noise
+from dashpot.numerics.inference.model_order import bic_of_deviance, needed
+from dashpot.numerics.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
+from dashpot.solids.shift_laws import GAS, WLF, Arrhenius, FreeShifts, TemperatureLaw
+
+MAX_MISSED = 0.15
+"""Decades by which a law may miss a shift: a factor 1.4 in time."""
+# of BIC: "not worth more than a bare mention" (Kass and Raftery, J. Am. Stat. Assoc. 90, 1995)
+_EVEN = 2.0
+# a temperature is the odd one if a law follows the others so much better, two of them to spare
+_ODD, _LEAST_LEFT = 0.1, 2
+# temperatures that a law needs: two shifts, the fewest of which one can contradict the other
+LEAST = 3
+# C_2 less the least it can be, and C_2 beyond which WLF is a straight line in T, K
+_SHORTEST, _LONGEST = 1e-3, 1e5
+# part of the largest eigenvalue of a covariance that rounding can make
+_ROUNDING = 1e-13
+
+
+@dataclass(frozen=True)
+class LawScore:
+    """How one law follows the shifts.
+
+    Attributes
+    ----------
+    kind : str
+        ``"wlf"``, ``"arrhenius"`` or ``"free"``.
+    deviance : float
+        D, chi-square where the law holds.
+    dof : int
+    bic : float
+        Differences count.
+    missed : float
+        Decades by which it misses a shift at most.
+    at : float
+        There, K.
+    """
+
+    kind: str
+    deviance: float
+    dof: int
+    bic: float
+    missed: float
+    at: float
+
+    @property
+    def fails(self) -> bool:
+        """Whether it misses a shift by more than matters, and by more than chance."""
+        beyond_chance = self.dof > 0 and needed(self.deviance, self.dof)
+        return beyond_chance and self.missed > MAX_MISSED
+
+
+@dataclass(frozen=True)
+class OddOne:
+    """A temperature whose shift lies off the law that all others follow.
+
+    Attributes
+    ----------
+    temperature : float
+        K.
+    missed : float
+        Decades between its shift and that law.
+    """
+
+    temperature: float
+    missed: float
+
+
+@dataclass(frozen=True, eq=False)
+class LawThroughShifts:
+    """The law chosen, how well its constants are known, and how the others did.
+
+    Attributes
+    ----------
+    law : TemperatureLaw
+    parameters : tuple of str
+        ``("c1", "c2")``, ``("energy",)`` or none.
+    covariance : array, shape (p, p)
+        Of them; widened by D/dof where the law misses the shifts by more than their errors.
+    scores : tuple of LawScore
+        Of every law that was tried, the best BIC first.
+    odd : OddOne or None
+        The one temperature off the law of all others; None if there is none, or too few others.
+    """
+
+    law: TemperatureLaw
+    parameters: tuple[str, ...]
+    covariance: FloatArray
+    scores: tuple[LawScore, ...]
+    odd: OddOne | None = None
+
+    @property
+    def score(self) -> LawScore:
+        """Of the law chosen."""
+        return next(score for score in self.scores if score.kind == self.law.kind)
+
+
+@dataclass(frozen=True, eq=False)
+class _Shifts:
+    """Shifts in units of their errors, away from the reference."""
+
+    temperature: FloatArray
+    log10: FloatArray
+    whitener: FloatArray
+    reference: float
+
+    def rows(self, column: FloatArray, slope: FloatArray | None = None) -> Rows:
+        """Of a law that is so large for a factor of one, of which one theta has that slope."""
+        W = self.whitener
+        by = None if slope is None else lambda beta: (W @ slope * beta)[:, None]
+        return Rows(W @ self.log10, (W @ column)[:, None], by)
+
+
+class _SolvedLaw(NamedTuple):
+    """A law, the problem that it solves, and its constants out of theta and beta."""
+
+    law: TemperatureLaw
+    optimum: Optimum
+    constants: Callable[[FloatArray], FloatArray]
+
+
+def law_through(
+    temperature: npt.ArrayLike,
+    log10_shift: npt.ArrayLike,
+    covariance: npt.ArrayLike,
+    *,
+    reference: float,
+    law: ShiftLaw = "auto",
+) -> LawThroughShifts:
+    """Lay a law through shift factors.
+
+    Parameters
+    ----------
+    temperature : array_like, shape (n,)
+        K, rising; the reference is among them.
+    log10_shift : array_like, shape (n,)
+        Decadic logarithm of each shift factor, 0 at the reference.
+    covariance : array_like, shape (n, n)
+        Of them, as :class:`~dashpot.datamodel.shift_factors.TemperatureShifts` begins with it.
+    reference : float
+        T_r, K.
+    law : str
+        ``"auto"`` takes WLF or Arrhenius by BIC, the simpler within 2; the shifts themselves at
+        fewer than three temperatures or where neither law follows them. Else the law to be taken.
+
+    Raises
+    ------
+    FitError
+        If the law asked for cannot follow the shifts.
+    """
+    refuse_other("law", law, ShiftLaw, FitError)
+    t, s = samples("temperature", temperature), samples("log10_shift", log10_shift)
+    free = FreeShifts(tuple(t), tuple(s), reference)
+    away = t != reference
+    c = np.asarray(covariance, dtype=float)[np.ix_(away, away)]
+    shifts = _Shifts(t[away], s[away], _whitener(c), reference)
+    n = int(away.sum())
+    found: dict[str, tuple[TemperatureLaw, FloatArray]] = {"free": (free, np.empty((0, 0)))}
+    bic = bic_of_deviance(0.0, effective=max(n, 1), parameters=n)
+    scores = [LawScore("free", 0.0, 0, bic, 0.0, reference)]
+    for kind, lay in _LAID.items():
+        if n < (LEAST - 1 if law == "auto" else 1) or (laid := lay(shifts)) is None:
+            continue
+        one, fit, constants = laid
+        size, deviance = len(fit.values), fit.sse
+        if size > n:
+            continue
+        off = np.abs(one.log10_a_t(shifts.temperature) - shifts.log10)
+        wider = max(1.0, deviance / (n - size)) if n > size else 1.0
+        known = estimate(fit, noises=[white_noise(fit, wider)])
+        found[kind] = one, known.derived(constants).covariance
+        bic = bic_of_deviance(deviance, effective=n, parameters=size)
+        worst = int(np.argmax(off))
+        scores.append(
+            LawScore(
+                kind, deviance, n - size, bic, float(off[worst]), float(shifts.temperature[worst])
+            )
+        )
+    scores.sort(key=lambda score: score.bic)
+    kind = law
+    if law == "auto":
+        best = _best(scores)
+        kind = "free" if best.fails else best.kind
+    if kind not in found:
+        raise FitError(
+            f"no {kind} law follows the shifts at {n + 1} temperatures: time scales must fall as "
+            "it gets warmer, and WLF needs three temperatures; take the "
+            "shifts themselves (dashpot fit --shift free)"
+        )
+    chosen, errors = found[kind]
+    return LawThroughShifts(chosen, _PARAMETERS[kind], errors, tuple(scores), _odd(shifts, c))
+
+
+def _odd(shifts: _Shifts, covariance: FloatArray) -> OddOne | None:
+    """Return the temperature without which a law follows the shifts that it fails with it."""
+    found: list[tuple[float, OddOne]] = []
+    n = len(shifts.temperature)
+    for kind, lay in _LAID.items():
+        dof = n - len(_PARAMETERS[kind])
+        if dof < _LEAST_LEFT or (laid := lay(shifts)) is None:
+            continue
+        deviance = laid.optimum.sse
+        if not needed(deviance, dof):
+            return None
+        for i in range(n):
+            rest = np.delete(np.arange(n), i)
+            part = _Shifts(
+                shifts.temperature[rest], shifts.log10[rest],
+                _whitener(covariance[np.ix_(rest, rest)]), shifts.reference,
+            )  # fmt: skip
+            if (without := lay(part)) is None:
+                continue
+            at, left = float(shifts.temperature[i]), without.optimum.sse / (dof - 1)
+            missed = float(shifts.log10[i]) - float(without.law.log10_a_t(at))
+            found.append((left / (deviance / dof), OddOne(at, missed)))
+    share, odd = min(found, key=lambda one: one[0], default=(1.0, None))
+    return odd if share < _ODD else None
+
+
+def _best(scores: Sequence[LawScore]) -> LawScore:
+    """Return the law, if any, that BIC takes: of two that are nearly even, the simpler."""
+    laws = [score for score in scores if score.kind != "free"]
+    if not laws:
+        return scores[0]
+    return max((one for one in laws if one.bic < laws[0].bic + _EVEN), key=lambda one: one.dof)
+
+
+_PARAMETERS = {"wlf": ("c1", "c2"), "arrhenius": ("energy",), "free": ()}
+
+
+def _whitener(covariance: FloatArray) -> FloatArray:
+    """Return W with W C W' = 1."""
+    if not len(covariance):
+        return np.empty((0, 0))
+    values, vectors = np.linalg.eigh((covariance + covariance.T) / 2)
+    floor = max(_ROUNDING * float(values[-1]), np.finfo(float).tiny)
+    return np.asarray((vectors / np.sqrt(np.maximum(values, floor))).T)
+
+
+def _arrhenius(shifts: _Shifts) -> _SolvedLaw | None:
+    column = (1 / shifts.temperature - 1 / shifts.reference) / (GAS * np.log(10.0))
+    best = solved(Problem(lambda _: shifts.rows(column), positive=True))
+    energy = float(best.beta[0])
+    return _SolvedLaw(Arrhenius(energy, shifts.reference), best, np.array) if energy > 0 else None
+
+
+def _wlf(shifts: _Shifts) -> _SolvedLaw | None:
+    """The law, unless the best is a straight line in T."""
+    above = shifts.temperature - shifts.reference
+    least = max(0.0, -float(above.min(initial=0.0)))
+
+    def rows(theta: FloatArray) -> Rows:
+        bent = 1 + theta * above
+        return shifts.rows(-above / bent, (above / bent) ** 2)
+
+    range_ = Parameter(1 / _LONGEST, 1 / (least + _SHORTEST), scale=0.01)
+    # linear where every shift is multiplied by what it is divided by
+    straight = np.column_stack((-shifts.log10 * above, -above))
+    start = np.asarray(np.linalg.lstsq(straight, shifts.log10)[0][:1])
+    best = solved(Problem(rows, [range_], positive=True), [start])
+    if best.beta[0] <= 0 or best.theta[0] <= range_.low:
+        return None
+    c1, c2 = _constants(best.values)
+    return _SolvedLaw(WLF(float(c1), float(c2), shifts.reference), best, _constants)
+
+
+def _constants(values: FloatArray) -> FloatArray:
+    """C1 and C2 of u and beta."""
+    u, beta = values
+    return np.array([beta / u, 1 / u])
+
+
+_LAID: dict[str, Callable[[_Shifts], _SolvedLaw | None]] = {"arrhenius": _arrhenius, "wlf": _wlf}

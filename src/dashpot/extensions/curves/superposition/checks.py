@@ -1,0 +1,270 @@
+"""What tests at several temperatures must hold to be one solid that is shifted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check, Finding, Remedy, criterion
+from dashpot.base.units import celsius
+from dashpot.datamodel.shift_factors import ABOVE_GLASS
+from dashpot.extensions.curves.shift_law_fit import MAX_MISSED, LawScore, LawThroughShifts, OddOne
+from dashpot.numerics.inference.model_order import needed
+from dashpot.solids.shift_laws import WLF, TemperatureLaw
+
+OVERLAP = 0.5
+"""Decades that neighbours are to share."""
+MAX_STEP_SE = 0.3
+MAX_RISE = 3.0
+MAX_JOINT_OVER_OWN = 1.2
+MIN_BIC_MARGIN = 10.0
+MAX_ODD = 0.05
+MAX_VERTICAL = 0.03
+# residuals below this part of the modulus are of no instrument
+_EXACT = 1e-6
+# decades by which shifts may differ without a matter
+_SLIGHT = 0.1
+
+
+@criterion(
+    "decades shared",
+    ">=",
+    OVERLAP,
+    "our choice: less, and everything fits; of ramps and holds 1.5, as simulated pairs ask",
+)
+def overlap(
+    shared: FloatArray | Sequence[float],
+    temperature: FloatArray | Sequence[float],
+    least: float = OVERLAP,
+) -> Finding:
+    """Neighbouring temperatures inform a stretch of relaxation times in common, once shifted.
+
+    `shared` is of each pair of neighbours, shape (n - 1,), `temperature` K, (n,); `least` is what
+    they must share.
+    """
+    i = int(np.argmin(shared))
+    return Finding(
+        f"{celsius(temperature[i])} and {celsius(temperature[i + 1])} share {shared[i]:.2g} "
+        f"decades of relaxation time; at least {least:g} are needed",
+        float(shared[i]),
+        "With less in common, the shift between them follows from the assumed spectrum alone",
+        "Test at a temperature between them, or over more decades.",
+        limit=least,
+    )
+
+
+@criterion("SE of a step, decades", "<=", MAX_STEP_SE, "our choice: a factor 2 in time")
+def shifts_determined(error: FloatArray, temperature: FloatArray) -> Finding:
+    """The data say how far each temperature lies from the next.
+
+    `error` is of each step of log10 a_T, shape (n - 1,).
+    """
+    i = int(np.argmax(error))
+    return Finding(
+        f"The step from {celsius(temperature[i])} to {celsius(temperature[i + 1])} is known to "
+        f"±{error[i]:.2g} decades, the least certain of all",
+        float(error[i]),
+        "The curves are flat there, as those of a glass or of rubber at rest, and flat curves "
+        "fit anywhere",
+        Remedy("Leave the outer temperature out, or use the law alone.", "only"),
+    )
+
+
+@criterion("rise of log a_T, SE", "<=", MAX_RISE, "3 standard errors")
+def shift_monotone(step: FloatArray, error: FloatArray, temperature: FloatArray) -> Finding:
+    """Every relaxation is faster where it is warmer.
+
+    `step` is log10 a_T of each temperature less that of the next colder one, with its `error`.
+    """
+    rise = np.where(error > 0, step / np.where(error > 0, error, 1.0), np.sign(step) * np.inf)
+    rise = np.where(step == 0, 0.0, rise)
+    i = int(np.argmax(rise))
+    return Finding(
+        "Relaxation is faster at every warmer temperature",
+        float(np.clip(rise[i], -1e9, 1e9)),
+        instead=f"From {celsius(temperature[i])} to {celsius(temperature[i + 1])} relaxation times "
+        f"grow by {step[i]:.2g} decades; warmth should shorten them",
+        remedy="Look for exchanged files, a wrong temperature, or a specimen that changed.",
+    )
+
+
+@criterion(
+    "mean square jointly / alone",
+    "<=",
+    MAX_JOINT_OVER_OWN,
+    "simulated simple solids give 0.96 to 1.12",
+)
+def thermorheologically_simple(ratio: float | None, by_chance: float, rms: float) -> Finding:
+    """One shift moves every relaxation time: each temperature fits as well as it does alone.
+
+    `ratio` is None where the temperatures alone leave too few degrees of freedom, `by_chance` what
+    it reaches by chance alone, `rms` what the joint fit leaves, relative.
+    """
+    return Finding(
+        "Each temperature has too few values to be compared with its own fit"
+        if ratio is None
+        else f"The joint fit leaves {ratio:.3g} times the mean square that each temperature leaves "
+        "alone",
+        ratio,
+        "No single shift moves the whole model: two processes, crystals, a filler network, or "
+        "another strain. A prediction at a new temperature is worse than its errors",
+        "Fit each temperature alone.",
+        limit=max(MAX_JOINT_OVER_OWN, by_chance),
+        excused=ratio is not None and rms < _EXACT,
+    )
+
+
+def of_law(laid: LawThroughShifts, coldest: float, *, asked: bool = False) -> list[Check]:
+    """Return what must hold of a law and of the shifts that it was laid through.
+
+    `coldest` is the coldest test, K; `asked` is as in :func:`law_follows_shifts`.
+    """
+    error = float(np.sqrt(laid.covariance[-1, -1])) if laid.law.kind == "wlf" else 0.0
+    return [
+        law_follows_shifts(laid.score, laid.scores, asked=asked),
+        temperatures_in_line(laid.odd),
+        glass_below_tests(laid.law, coldest, error),
+    ]
+
+
+@criterion("decades between law and shift", "<=", MAX_MISSED, "our choice: a factor 1.4 in time")
+def law_follows_shifts(
+    taken: LawScore, scores: Sequence[LawScore], *, asked: bool = False
+) -> Finding:
+    """The law of temperature follows the shifts, as far as they are known.
+
+    `scores` are of every law that was tried; `asked` if the user wants none.
+    """
+    laws = [score for score in scores if score.kind != "free"]
+    if taken.kind == "free":
+        none = "No law was fitted to the shifts; they reach no further than the tests"
+        if asked or not laws:
+            return Finding(none)
+        best = min(laws, key=lambda score: score.missed)
+        return Finding(
+            none,
+            best.missed,
+            f"The nearest law, {best.kind}, is {best.missed:.2g} decades off at {celsius(best.at)}",
+            "Look for a glass transition among the temperatures, or a wrong temperature.",
+            faulted=True,
+        )
+    return Finding(
+        f"The {taken.kind} law misses a shift by at most {taken.missed:.2g} decades, at "
+        f"{celsius(taken.at)}",
+        taken.missed,
+        "That is more than chance. A glass transition among them or a wrong temperature may cause "
+        "this",
+        Remedy("Use the shifts themselves between the tested temperatures.", "shift", "free"),
+        excused=not taken.fails,
+    )
+
+
+@criterion("decades off the law of the others", "|x| <=", MAX_ODD, "our choice: 12 % in time")
+def temperatures_in_line(odd: OddOne | None) -> Finding:
+    """No one temperature lies off the law that all others follow."""
+    if odd is None:
+        return Finding("No single temperature lies off a law that all others follow", 0.0)
+    return Finding(
+        f"{celsius(odd.temperature)} lies {odd.missed:+.2g} decades off the law that all other "
+        "temperatures follow",
+        odd.missed,
+        remedy="Check that temperature, its gain and its piece, or leave it out.",
+    )
+
+
+@criterion("K from the coldest test to the law's end", "<=", 0.0, "10 K above the glass transition")
+def glass_below_tests(law: TemperatureLaw, coldest: float, error: float) -> Finding:
+    """The glass transition that the law implies lies well below the coldest test.
+
+    `coldest` is in K, and so is the standard `error` of C_2.
+    """
+    if not isinstance(law, WLF):
+        return Finding("No WLF law was fitted, so none gives a glass transition")
+    short = law.glass + ABOVE_GLASS - coldest
+    return Finding(
+        f"The WLF law puts the glass transition near {celsius(law.glass)}",
+        short,
+        f"The coldest test, at {celsius(coldest)}, is less than {ABOVE_GLASS:g} K above it, where "
+        "no such law is valid",
+        Remedy("Check the temperatures. Until then use the shifts themselves.", "shift", "free"),
+        excused=short < MAX_RISE * error,
+    )
+
+
+@criterion(
+    "difference of BIC",
+    ">=",
+    MIN_BIC_MARGIN,
+    "Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773: very strong",
+)
+def vertical_shift_known(vertical: str, margin: float, apart: float) -> Finding:
+    """The data, or the user, say how stiffness itself follows temperature.
+
+    `margin` is the BIC of the other rule less that of the one taken, or N ln of the ratio of what
+    they leave if that is less, and `apart` by how many decades its shifts differ.
+    """
+    free = vertical == "free"
+    return Finding(
+        "The vertical shifts are free"
+        if free
+        else f"b_T = {vertical} is ahead by {margin:.3g} in BIC. The other rule moves no shift by "
+        f"more than {apart:.2g} decades",
+        None if free else margin,
+        "They trade with the horizontal shifts, so neither can be used; this is a diagnostic"
+        if free
+        else "The data hardly separate the two rules",
+        Remedy("Choose one: T for rubber, 1 below the glass transition.", "vertical", "T"),
+        excused=not free and apart < _SLIGHT,
+        faulted=free,
+    )
+
+
+@criterion(
+    "relative change of b_T",
+    "<=",
+    MAX_VERTICAL,
+    "our choice; or what chance exceeds with probability 0.0027",
+)
+def vertical_rule_holds(step: FloatArray, score: float, temperature: FloatArray) -> Finding:
+    """The stiffness follows temperature as the vertical rule says.
+
+    `step` is by how much ln b_T of each temperature would move if it could, and `score` the fall of
+    chi-square.
+    """
+    i = int(np.argmax(np.abs(step)))
+    return Finding(
+        f"Free factors of the moduli would change by at most {100 * abs(step[i]):.2g} %, at "
+        f"{celsius(temperature[i])}",
+        float(abs(step[i])),
+        "That is more than chance. The moduli there differ from the rule of b_T, and the shift "
+        "with them",
+        "Look for another grip, length or strain, machine compliance, or a glass transition.",
+        excused=not needed(score, max(len(step) - 1, 1)),
+    )
+
+
+def of_shifts(
+    temperature: FloatArray,
+    log10_a_t: npt.ArrayLike,
+    covariance: FloatArray,
+    laid: LawThroughShifts,
+    *,
+    asked: bool = False,
+) -> tuple[Check, ...]:
+    """How each shift lies against that of the next temperature, and the law against all.
+
+    `covariance` begins with that of the shifts; `asked` if none but they were asked for.
+    """
+    n = len(temperature)
+    between = np.diff(np.eye(n), axis=0)
+    step = between @ np.asarray(log10_a_t)
+    spread = np.diag(between @ covariance[:n, :n] @ between.T)
+    error = np.sqrt(np.maximum(spread, 0.0))
+    return (
+        shifts_determined(error, temperature),
+        shift_monotone(step, error, temperature),
+        *of_law(laid, float(temperature[0]), asked=asked),
+    )

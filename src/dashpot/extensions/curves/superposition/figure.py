@@ -1,0 +1,178 @@
+"""The figure of a master curve: where every temperature came to lie, how far it moved, and why."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.units import in_unit
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.shift_factors import TemperatureShifts
+from dashpot.extensions.curves.datamodel.creep import CreepCompliance
+from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
+from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
+from dashpot.extensions.curves.datamodel.superposition import Superposition
+from dashpot.extensions.curves.time_curve_figure import TIME
+from dashpot.plot.dynamic_stiffness_figure import FREQUENCY
+from dashpot.plot.picture import (
+    FIT,
+    REF,
+    Area,
+    Dots,
+    Line,
+    Mark,
+    Panel,
+    Pen,
+    Picture,
+    Rule,
+    Scale,
+    Tag,
+    around,
+    around_log,
+    read_as,
+)
+from dashpot.plot.provenance_stamp import of_fit
+from dashpot.plot.provenance_stamp import stamp as stamped
+from dashpot.plot.style import SEQUENTIAL, sequential
+from dashpot.solids.maxwell import Solid
+
+_DOT = 4.5
+_THIN = Pen("measured", 1.3)
+"""The fit beneath the samples, whose colours say more."""
+
+
+def superposition(data: Superposition, fit: Fit | None = None, *, stamp: str = "") -> Picture:
+    """A master curve, coloured from cold to warm, its shifts and their law, and van Gurp-Palmen.
+
+    The last, the loss angle against the size of the modulus, knows no time: temperatures that do
+    not lie on one line there are not shifted onto one either.
+
+    Parameters
+    ----------
+    data : Superposition
+    fit : Fit, optional
+        Drawn as a line; by default the spectrum that all temperatures share.
+    stamp : str
+        What the figure says of its origin; by default files, specimen and date.
+    """
+    if isinstance(data.curve, DynamicTest):
+        panels = _of_sweeps(data, data.curve, fit)
+    else:
+        panels = _of_curves(data, data.curve, fit)
+    shifted = shift_panel(data.temperatures)
+    caption = (
+        "Master curve: every sample where it lies at the reference, from cold to warm, the "
+        "spectrum that all share, and the shift factors with their law and two standard errors."
+    )
+    said = stamp or (stamped(data.sources, data.curve.specimen) if fit is None else of_fit(fit))
+    strips = tuple((panel,) for panel in (*panels, shifted))
+    return Picture("superposition", caption, strips, 2, said, width=860.0)
+
+
+def _of_sweeps(data: Superposition, curve: DynamicTest, fit: Fit | None) -> tuple[Panel, ...]:
+    word, scale = read_as(curve.unit)
+    solid, said = _line(data, fit)
+    f = np.geomspace(float(curve.frequency.min()), float(curve.frequency.max()), 400)
+    value = scale * solid.complex_stiffness(omega=2 * np.pi * f)
+    measured = scale * curve.value
+    letter = "E" if curve.unit == "Pa" else "K"
+    across = Scale(f"reduced {FREQUENCY}", (float(f[0]), float(f[-1])), log=True)
+    panels: list[Panel] = []
+    for name, one, line in (
+        (f"storage {letter}′", measured.real, value.real),
+        (f"loss {letter}″", np.where(measured.imag > 0, measured.imag, np.nan), value.imag),
+    ):
+        dots = _dots(data, curve.frequency, one)
+        named = _named(dots) if not panels else ()
+        panels.append(
+            Panel(across, Scale(f"{name}, {word}", around_log(one, line), log=True),
+                  (Line(f, line, _THIN, said), *dots, *named), height=220)
+        )  # fmt: skip
+    size, angle = np.abs(measured), np.degrees(np.angle(measured))
+    palmen = Panel(
+        Scale(f"size of the modulus, {word}", around_log(size), log=True),
+        Scale("loss angle, °", around(angle)),
+        (Line(np.abs(value), np.degrees(np.angle(value)), _THIN), *_dots(data, size, angle)),
+        title="van Gurp-Palmen", height=220,
+    )  # fmt: skip
+    return (*panels, palmen)
+
+
+def _of_curves(
+    data: Superposition, curve: RelaxationModulus | CreepCompliance, fit: Fit | None
+) -> tuple[Panel, ...]:
+    """A relaxation modulus, or a creep compliance, and what the solid leaves of it."""
+    solid, said = _line(data, fit)
+    if isinstance(curve, CreepCompliance):
+        name, answer, value = "creep compliance", solid.maxwell.creep, curve.compliance
+    else:
+        name, answer, value = "relaxation modulus", solid.relaxation, curve.modulus
+    word, scale = read_as(curve.unit)
+    t = np.geomspace(float(curve.time[0]), float(curve.time[-1]), 400)
+    line, measured = scale * answer(t), scale * value
+    left = 100 * (value / answer(curve.time) - 1)
+    across = Scale(f"reduced {TIME}", (float(t[0]), float(t[-1])), log=True)
+    dots = _dots(data, curve.time, measured)
+    upper = Panel(
+        across, Scale(f"{name}, {word}", around_log(measured, line), log=True),
+        (Line(t, line, _THIN, said), *dots, *_named(dots)), height=220,
+    )  # fmt: skip
+    lower = Panel(
+        across, Scale("residual, %", around(left, np.zeros(1), margin=0.1)),
+        (Rule(0.0, REF, across=True), *_dots(data, curve.time, left)), height=220,
+    )  # fmt: skip
+    return upper, lower
+
+
+def shift_panel(moved: TemperatureShifts) -> Panel:
+    """Shift factors over temperature, with two standard errors, and the law with its own."""
+    t = np.array([one.temperature for one in moved.shifts])
+    log10 = np.array([one.log10_a_t for one in moved.shifts])
+    error = 2 * np.array([one.se for one in moved.shifts])
+    dense = np.linspace(t[0], t[-1], 200)
+    law = moved.law.log10_a_t(dense)
+    celsius, at = in_unit(dense, "degC"), in_unit(t, "degC")
+    named = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(moved.law.kind, "between the shifts")
+    marks: list[Mark] = []
+    if moved.law_parameters:
+        wide = 2 / np.log(10.0) * np.array([moved.error(float(one))[0] for one in dense])
+        marks.append(Area(celsius, law - wide, law + wide, "fit", "± 2 standard errors"))
+    marks += [
+        Line(celsius, law, FIT, named),
+        Dots(at, log10, "measured", "shift", error=error),
+    ]
+    return Panel(
+        Scale("temperature, °C", around(at)),
+        Scale("log₁₀ of the shift factor", around(log10 - error, log10 + error)),
+        tuple(marks), title=f"shift factors, b = {moved.vertical}", height=220,
+    )  # fmt: skip
+
+
+def _dots(data: Superposition, x: FloatArray, y: FloatArray) -> list[Dots]:
+    """The samples, in as many colours as there are for temperatures."""
+    celsius = in_unit(data.temperature, "degC")
+    every = np.unique(celsius)
+    classes = np.array_split(every, min(len(every), len(SEQUENTIAL)))
+    found = []
+    for colour, part in zip(sequential(len(classes)), classes, strict=True):
+        here = np.isin(celsius, part)
+        ends = dict.fromkeys(f"{end:.0f}".replace("-", "−") for end in (part[0], part[-1]))
+        label = f"{' to '.join(ends)} °C"
+        found.append(Dots(x[here], y[here], colour, label, size=_DOT))
+    return found
+
+
+def _named(dots: list[Dots]) -> list[Tag]:
+    """The temperatures, each at the middle of its samples."""
+    found = []
+    for one in dots:
+        seen = np.flatnonzero(np.isfinite(one.y))
+        if len(seen):
+            at = seen[np.argsort(one.x[seen])[len(seen) // 2]]
+            found.append(Tag(float(one.x[at]), float(one.y[at]), one.label, one.colour, bold=True))
+    return found
+
+
+def _line(data: Superposition, fit: Fit | None) -> tuple[Solid, str]:
+    """Which solid is drawn, and what it is called."""
+    return (data.solid, "spectrum of all temperatures") if fit is None else (fit.solid, "fit")

@@ -1,0 +1,218 @@
+r"""What was measured at one temperature, as rows of a positive spectrum that is shifted.
+
+With :math:`v = t / (a_T \tau)` over time, :math:`z = \omega a_T \tau` over frequency:
+
+.. math:: E(t) = b_T \Bigl(E_\infty + \sum_k h_k e^{-v_k}\Bigr), \qquad
+          E^*(\omega) = b_T \Bigl(E_\infty + \sum_k h_k \frac{j z_k}{1 + j z_k}\Bigr), \qquad
+          J(t) = \frac{1}{b_T} \Bigl(J_g + \sum_k h_k (1 - e^{-v_k})\Bigr)
+
+with retardation times in the place of relaxation times in the last, the slowest of them, far beyond
+what was measured, as good as a flow.
+
+Residuals are over the size of the measured modulus; storage and loss both over :math:`|E^*|`, for
+a loss relative to itself weighs most where it is nearly zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+
+from dashpot.base.arrays import ComplexArray, FloatArray, IndexArray, median
+from dashpot.base.errors import FitError
+from dashpot.base.provenance import Source, sources_of
+from dashpot.base.units import celsius
+from dashpot.datamodel.shift_factors import ONE_TEMPERATURE
+from dashpot.extensions.curves.datamodel.creep import CreepCompliance
+from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
+from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
+
+Measured: TypeAlias = DynamicTest | RelaxationModulus | CreepCompliance
+Domain: TypeAlias = Literal["frequency", "time", "creep"]
+
+_COLUMNS: dict[type, tuple[str, ...]] = {
+    DynamicTest: ("frequency", "storage", "loss"),
+    RelaxationModulus: ("time", "modulus"),
+    CreepCompliance: ("time", "compliance"),
+}
+
+# an isotherm of fewer values has no place of its own along the axis
+LEAST = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Isotherm:
+    """One temperature.
+
+    Attributes
+    ----------
+    temperature : float
+        K, the median of its samples.
+    domain : str
+    at : array, shape (n,)
+        Angular frequency, rad/s, or time, s; rising.
+    value : array, shape (m,)
+        Storage, then loss (m = 2 n), or the modulus or compliance (m = n), over `size`.
+    size : array, shape (m,)
+        What errors are relative to, in the unit of the data.
+    """
+
+    temperature: float
+    domain: Domain
+    at: FloatArray
+    value: FloatArray
+    size: FloatArray
+
+    @property
+    def window(self) -> tuple[float, float]:
+        """The shortest and the longest relaxation time that it sees there, natural logarithms."""
+        ends = np.log(self.at[[0, -1]])
+        low, high = -ends[::-1] if self.domain == "frequency" else ends
+        return float(low), float(high)
+
+    @property
+    def complex(self) -> ComplexArray:
+        """The complex modulus, in the unit of the data, shape (n,)."""
+        n, value = len(self.at), self.value * self.size
+        return np.asarray(value[:n] + 1j * value[n:], dtype=complex)
+
+    def vertical(self, ln_b: float) -> float:
+        """Factor of its values where stiffnesses are b_T times those of the reference."""
+        return float(np.exp(-ln_b if self.domain == "creep" else ln_b))
+
+    def columns(self, ln_tau: FloatArray, ln_a: float) -> FloatArray:
+        """Rows of the plateau and of unit arms at the reference, shape (m, 1 + k)."""
+        unit = self._unit(ln_tau, ln_a)
+        plateau = np.ones((len(unit), 1))
+        if self.domain == "frequency":
+            plateau[len(self.at) :] = 0.0
+        return np.concatenate((plateau, unit), axis=1) / self.size[:, None]
+
+    def _unit(self, ln_tau: FloatArray, ln_a: float) -> FloatArray:
+        if self.domain != "frequency":
+            v = self.at[:, None] * np.exp(-ln_tau - ln_a)
+            return np.exp(-v) if self.domain == "time" else -np.expm1(-v)
+        z = self.at[:, None] * np.exp(ln_tau + ln_a)
+        storage = 1 - 1 / (1 + z * z)
+        return np.concatenate((storage, z / (1 + z * z)))
+
+    def slope(self, ln_tau: FloatArray, ln_a: float, h: FloatArray) -> FloatArray:
+        r"""Derivative of the rows' sum, arms `h`, in :math:`\ln a_T`, shape (m,)."""
+        if self.domain != "frequency":
+            v = self.at[:, None] * np.exp(-ln_tau - ln_a)
+            sign = 1.0 if self.domain == "time" else -1.0
+            return np.asarray(sign * (np.exp(-v) * v) @ h / self.size)
+        z = self.at[:, None] * np.exp(ln_tau + ln_a)
+        share = 1 / (1 + z * z)
+        storage, loss = 2 * share * (1 - share), z * share * (2 * share - 1)
+        return np.concatenate((storage @ h, loss @ h)) / self.size
+
+
+def joined(data: Measured | Sequence[Measured]) -> tuple[Measured, tuple[Source, ...]]:
+    """Return several tests as the samples of one, each at its specimen's temperature if need be.
+
+    Rows that repeat another to the last digit are left out.
+
+    Raises
+    ------
+    FitError
+        If they are of different kinds or units, or one has no temperature.
+    """
+    tests = [data] if isinstance(data, Measured) else list(data)
+    if len({(type(test), test.unit) for test in tests}) != 1:
+        raise FitError(
+            "a master curve takes tests of one kind and one unit: sweeps, or relaxation moduli, "
+            "or creep compliances, all of a material or all of a part"
+        )
+    warm = [_with_temperature(test, i) for i, test in enumerate(tests, start=1)]
+
+    def all_of(name: str) -> FloatArray:
+        return np.concatenate([getattr(test, name) for test in warm])
+
+    names = (*_COLUMNS[type(warm[0])], "temperature")
+    columns = [all_of(name) for name in names]
+    # a row that stands twice is one measurement
+    kept = np.sort(np.unique(np.column_stack(columns), axis=0, return_index=True)[1])
+    whole: Any = dict(zip(names, (one[kept] for one in columns), strict=True))
+    return replace(warm[0], **whole), sources_of(tests)
+
+
+def _with_temperature(test: Measured, number: int) -> Measured:
+    if test.temperature is not None:
+        return test
+    kelvin = test.specimen.temperature
+    if kelvin is None:
+        name = f"test {number}" if test.source is None else test.source.file
+        raise FitError(
+            f"{name} says no temperature, so nothing can be shifted. Of one temperature leave "
+            "--reference out. Of several name the column, --column temperature=NAME, or give "
+            "--temperature for each file"
+        )
+    at = test.frequency if isinstance(test, DynamicTest) else test.time
+    return replace(test, temperature=np.full(len(at), kelvin))
+
+
+def isotherms_of(data: Measured) -> tuple[Isotherm, ...]:
+    """Return the isotherms of a test, by rising temperature.
+
+    Samples belong together whose temperatures lie within :data:`ONE_TEMPERATURE` of each other,
+    without a gap of half of that.
+
+    Raises
+    ------
+    FitError
+        If the test has no temperatures, an isotherm too few values, or a modulus is not above 0.
+    """
+    if data.temperature is None:
+        raise FitError("the test has no temperatures, so nothing can be shifted")
+    found = []
+    for chosen in _groups(data.temperature):
+        kelvin = median(data.temperature[chosen])
+        if len(chosen) < LEAST:
+            raise FitError(
+                f"there is one value at {celsius(kelvin)}; a shift needs at least "
+                f"{LEAST} frequencies or times at each temperature: leave it out"
+            )
+        if isinstance(data, DynamicTest):
+            part = data.only(chosen[np.argsort(data.frequency[chosen], kind="stable")])
+            size = np.abs(part.value)
+            _above_zero(part.storage, kelvin)
+            both = np.concatenate((size, size))
+            value = np.concatenate((part.storage, part.loss)) / both
+            found.append(Isotherm(kelvin, "frequency", part.omega, value, both))
+        else:
+            rising = chosen[np.argsort(data.time[chosen], kind="stable")]
+            name = _COLUMNS[type(data)][1]
+            time, values = data.time[rising], getattr(data, name)[rising]
+            _above_zero(values, kelvin, name)
+            _above_zero(time, kelvin, "time")
+            domain: Domain = "time" if isinstance(data, RelaxationModulus) else "creep"
+            found.append(Isotherm(kelvin, domain, time, np.ones(len(chosen)), values))
+    return tuple(found)
+
+
+def _above_zero(values: FloatArray, kelvin: float, what: str = "modulus") -> None:
+    if (values <= 0).any():
+        raise FitError(
+            f"a {what} at {celsius(kelvin)} is {values.min():g}; expected > 0, so that errors can "
+            "be relative and times be shifted: leave it out"
+        )
+
+
+def _groups(temperature: FloatArray) -> list[IndexArray]:
+    """Indices of the samples of each isotherm, by rising temperature."""
+    groups: list[list[int]] = []
+    for i in np.argsort(temperature, kind="stable"):
+        t = temperature[i]
+        near = groups and (
+            t - temperature[groups[-1][-1]] <= ONE_TEMPERATURE / 2
+            and t - temperature[groups[-1][0]] <= ONE_TEMPERATURE
+        )
+        if near:
+            groups[-1].append(int(i))
+        else:
+            groups.append([int(i)])
+    return [np.sort(np.array(group)) for group in groups]

@@ -1,0 +1,265 @@
+r"""One positive spectrum of many isotherms, and their shifts, by variable projection.
+
+At given shifts the spectrum is a convex problem on a grid of reduced relaxation times; the shifts
+descend with it (:mod:`dashpot.numerics.least_squares.problem`). Nothing smooths the spectrum;
+smoothing doubles the errors. Each step between neighbours has a prior as wide as their window: flat
+isotherms, of a glass or a plateau, would else be thrown decades apart for a hundredth of a standard
+deviation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.extensions.curves.superposition.isotherms import Isotherm
+from dashpot.numerics.inference.covariance import white
+from dashpot.numerics.inference.covariance_estimate import white_noise
+from dashpot.numerics.inference.model_order import bic, deviance
+from dashpot.numerics.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
+
+_LN10 = float(np.log(10.0))
+# relaxation times per decade: fewer make the errors of shifts too small; the last descent has more,
+# so that one sharp arm is followed too
+COARSE, FINE = 4, 8
+# of the grid beyond the data: the shifts are to be free of where it ends
+BEYOND = _LN10
+# a retardation so far beyond the data is a flow
+FLOWS = 4 * _LN10
+# sizes of ln a and ln b: a step is at most half as long again
+_SIZES = 0.3, 0.2
+_STEPS, _GRIDS, _STILL, _LEAST_GAIN = 60, 4, 1e-5, 1e-8
+# of ln a, from which the grid no longer fits
+_REGRID = 0.2 * _LN10
+
+
+@dataclass(frozen=True, eq=False)
+class Shifted:
+    """Isotherms on one spectrum.
+
+    Attributes
+    ----------
+    ln_a, ln_b : array, shape (n,)
+        Of each isotherm; 0 at the reference.
+    ln_tau : array, shape (k,)
+        The grid, of relaxation times at the reference, s.
+    optimum : Optimum
+        Theta the shifts that were free, ln a, then ln b; beta the spectrum, plateau and arms, >= 0;
+        residuals relative, of all isotherms one after another.
+    """
+
+    ln_a: FloatArray
+    ln_b: FloatArray
+    ln_tau: FloatArray
+    optimum: Optimum
+
+    @property
+    def sse(self) -> float:
+        """Sum of squared relative residuals."""
+        return self.optimum.sse
+
+    @property
+    def values(self) -> int:
+        """How many residuals there are."""
+        return len(self.optimum.residual)
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the relative residuals."""
+        return float(np.sqrt(self.sse / self.values))
+
+    @property
+    def parameters(self) -> int:
+        """Coefficients above zero, and free shifts."""
+        return int(self.optimum.free.sum())
+
+    @property
+    def variance(self) -> float:
+        """Mean square of the residuals per degree of freedom."""
+        return white_noise(self.optimum).power
+
+    @property
+    def bic(self) -> float:
+        """Of the spectrum and the shifts, what was known of these counted in."""
+        return bic(self.optimum.cost, effective=self.values, parameters=self.parameters)
+
+    @property
+    def deviance(self) -> float:
+        """Of the data alone, as part of a BIC."""
+        return deviance(self.sse, effective=self.values)
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Of the free shifts, natural logarithms."""
+        return white(self.optimum.projected, self.variance)
+
+
+def grid_of(
+    isotherms: Sequence[Isotherm],
+    ln_a: FloatArray,
+    beyond: float = BEYOND,
+    per_decade: int = COARSE,
+) -> FloatArray:
+    """Return the even grid of ln tau at the reference, `beyond` all that was measured."""
+    windows = np.array([one.window for one in isotherms]) - np.asarray(ln_a)[:, None]
+    low, high = float(windows[:, 0].min()) - beyond, float(windows[:, 1].max()) + beyond
+    count = int(np.ceil((high - low) / _LN10 * per_decade)) + 1
+    grid = np.linspace(low, high, count)
+    return np.append(grid, high + FLOWS) if isotherms[0].domain == "creep" else grid
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """What is shifted, and what may move.
+
+    Attributes
+    ----------
+    isotherms : sequence of Isotherm
+        By rising temperature.
+    ln_tau : array, shape (k,)
+    shifts : array, shape (2 n,)
+        Ln a, then ln b: where the search starts, and where the others stay.
+    free : array
+        Which of them move.
+    noise : float
+        Relative standard deviation of the values, the unit of the prior.
+    """
+
+    isotherms: Sequence[Isotherm]
+    ln_tau: FloatArray
+    shifts: FloatArray
+    free: IndexArray
+    noise: float = 0.0
+
+    @property
+    def problem(self) -> Problem:
+        """The shifts that are free, and the spectrum."""
+        n = len(self.isotherms)
+        sizes = [Parameter(scale=_SIZES[i // n]) for i in self.free.tolist()]
+        return Problem(self.rows, sizes, positive=True, priors=n - 1)
+
+    def placed(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Ln a and ln b of each isotherm."""
+        shifts = self.shifts.copy()
+        shifts[self.free] = theta
+        ln_a, ln_b = np.split(shifts, 2)
+        return ln_a, ln_b
+
+    def rows(self, theta: FloatArray) -> Rows:
+        """Of every isotherm, and what is known of the steps between neighbours."""
+        ln_a, ln_b = self.placed(theta)
+        n, prior = len(ln_a), _prior(self.isotherms, self.noise)
+        each = list(zip(self.isotherms, ln_a.tolist(), ln_b.tolist(), strict=True))
+        columns = [one.vertical(b) * one.columns(self.ln_tau, a) for one, a, b in each]
+        A = np.concatenate((*columns, np.zeros((len(prior), 1 + len(self.ln_tau)))))
+        y = np.concatenate((*(one.value for one in self.isotherms), -prior @ ln_a))
+
+        def slope(h: FloatArray) -> FloatArray:
+            by, start = np.zeros((len(y), 2 * n)), 0
+            for i, (one, a, b) in enumerate(each):
+                rows = slice(start, start := start + len(one.value))
+                by[rows, i] = one.vertical(b) * one.slope(self.ln_tau, a, h[1:])
+                by[rows, n + i] = np.log(one.vertical(1.0)) * (columns[i] @ h)
+            by[start:, :n] = prior
+            return by[:, self.free]
+
+        return Rows(y, A, slope)
+
+    @property
+    def found(self) -> Shifted:
+        """The best there is from the start."""
+        start = self.shifts[self.free]
+        best = solved(self.problem, [start], most=_STEPS, finished=_STILL, flat=_LEAST_GAIN)
+        return Shifted(*self.placed(best.theta), self.ln_tau, best)
+
+
+def spectrum_at(
+    isotherms: Sequence[Isotherm], ln_a: FloatArray, ln_b: FloatArray, ln_tau: FloatArray
+) -> Shifted:
+    """Return the spectrum at given shifts."""
+    none = np.zeros(0, dtype=np.intp)
+    return Search(isotherms, ln_tau, np.concatenate((ln_a, ln_b)), none).found
+
+
+def shifted(
+    isotherms: Sequence[Isotherm],
+    ln_a: FloatArray,
+    ln_b: FloatArray,
+    *,
+    reference: int,
+    noise: float = 0.0,
+) -> Shifted:
+    """Return the shifts from a start, all isotherms at once, the grid laid anew as they move.
+
+    Parameters
+    ----------
+    isotherms : sequence of Isotherm
+        By rising temperature.
+    ln_a, ln_b : array, shape (n,)
+        Where the search starts; ln b stays.
+    reference : int
+        The isotherm that does not move.
+    noise : float
+        Relative standard deviation of the values, the unit of the prior.
+    """
+    free = _free(len(isotherms), reference)
+    for _ in range(_GRIDS):
+        grid = grid_of(isotherms, ln_a)
+        found = Search(isotherms, grid, np.concatenate((ln_a, ln_b)), free, noise).found
+        far = float(np.abs(found.ln_a - ln_a).max())
+        ln_a = found.ln_a
+        if far < _REGRID:
+            break
+    return found
+
+
+def refined(
+    isotherms: Sequence[Isotherm],
+    found: Shifted,
+    *,
+    reference: int,
+    noise: float = 0.0,
+    free_b: bool = False,
+) -> Shifted:
+    """Return the shifts from those found, on a finer grid; with `free_b`, ln b moves too."""
+    fine = grid_of(isotherms, found.ln_a, per_decade=FINE)
+    free = _free(len(isotherms), reference, both=free_b)
+    return Search(isotherms, fine, np.concatenate((found.ln_a, found.ln_b)), free, noise).found
+
+
+def vertical_step(
+    isotherms: Sequence[Isotherm], best: Shifted, *, reference: int, noise: float
+) -> tuple[FloatArray, float]:
+    """Return by how much ln b_T would move if it could, (n,), and the fall of chi-square: a score.
+
+    One step of Gauss and Newton from the shifts found; the fall is about chi-square with n - 1
+    degrees of freedom where the rule of b_T holds.
+    """
+    n, shifts = len(isotherms), np.concatenate((best.ln_a, best.ln_b))
+    free = _free(n, reference, both=True)
+    problem = Search(isotherms, best.ln_tau, shifts, free, noise).problem
+    point = problem.at(shifts[free], best.optimum.beta > 0)
+    step = -np.linalg.lstsq(point.projected, point.every, rcond=None)[0]
+    moved = np.zeros(2 * n)
+    moved[free] = step
+    return moved[n:], float(-step @ point.gradient / max(best.variance, 1e-300))
+
+
+def _free(count: int, reference: int, *, both: bool = False) -> IndexArray:
+    """Which of ln a and, with `both`, ln b move."""
+    away = np.delete(np.arange(count), reference)
+    return np.concatenate((away, away + count)) if both else away
+
+
+def _prior(isotherms: Sequence[Isotherm], noise: float) -> FloatArray:
+    step = np.diff(np.eye(len(isotherms)), axis=0)
+    return np.asarray(noise * step / windows(isotherms)[:, None])
+
+
+def windows(isotherms: Sequence[Isotherm]) -> FloatArray:
+    """Return the shorter window of each pair of neighbours, natural logarithm, (n - 1,)."""
+    length = np.array([one.window[1] - one.window[0] for one in isotherms])
+    return np.asarray(np.minimum(length[1:], length[:-1]))

@@ -1,0 +1,57 @@
+"""Where the shifts of several temperatures start: each on its neighbour, chained."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.extensions.curves.superposition.checks import OVERLAP
+from dashpot.extensions.curves.superposition.isotherms import Isotherm
+from dashpot.extensions.curves.superposition.joint_spectrum import Search, grid_of
+from dashpot.numerics.least_squares.problem import Problem
+
+_LN10 = float(np.log(10.0))
+_STEP, _FARTHEST, _LEAST = 0.2, 4.0, 0.3
+
+
+def chained(pairs: Iterable[tuple[Problem, FloatArray]], reference: int) -> FloatArray:
+    """Return ln a of each temperature, rising, 0 at the reference.
+
+    Parameters
+    ----------
+    pairs : iterable of (Problem, array)
+        One positive spectrum of each temperature and the next warmer one, its theta how much ln a
+        falls from that to this; and the falls that are tried.
+    reference : int
+    """
+    chain = np.concatenate(([0.0], -np.cumsum([_best(*pair) for pair in pairs])))
+    return np.asarray(chain - chain[reference])
+
+
+def _best(problem: Problem, falls: FloatArray) -> float:
+    cost, near = [], None
+    for fall in falls:
+        found = problem.at(np.array([fall]), near)
+        near = found.beta > 0
+        cost.append(found.cost)
+    return float(falls[int(np.argmin(cost))])
+
+
+def chained_starts(isotherms: Sequence[Isotherm], ln_b: FloatArray, reference: int) -> FloatArray:
+    """Return ln a of each isotherm, by rising temperature, 0 at the reference."""
+    return chained(map(_falls, pairwise(isotherms), pairwise(ln_b.tolist())), reference)
+
+
+def _falls(
+    pair: tuple[Isotherm, Isotherm], ln_b: tuple[float, float]
+) -> tuple[Problem, FloatArray]:
+    shared = min(one.window[1] - one.window[0] for one in pair) / _LN10
+    farthest = min(max(shared - OVERLAP, _LEAST), _FARTHEST)
+    falls = _LN10 * np.arange(0.0, farthest + _STEP / 2, _STEP)
+    # of all that are tried, so that each knows where the spectrum of the last had weight
+    grid = grid_of((pair[0], *pair), np.array([falls[-1], 0.0, 0.0]))
+    search = Search(pair, grid, np.array([0.0, 0.0, *ln_b]), np.array([0]))
+    return search.problem, falls

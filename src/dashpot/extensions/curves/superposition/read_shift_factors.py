@@ -1,0 +1,87 @@
+"""From a table of shift factors to shifts."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import ReadError
+from dashpot.datamodel.shift_factors import Shift
+from dashpot.reading.columns.role_assignment import assign, list_columns
+from dashpot.reading.columns.vocabulary import plain
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers import channels
+from dashpot.reading.table import Column
+
+# log aT, log10_a_t, lg(a_T), ln aT, aT, shift factor; and b_T, vertical shift
+_HORIZONTAL = re.compile(r"(log10|log|lg|ln|)(at|shiftfactors?|horizontalshifts?)")
+_VERTICAL = re.compile(r"(log10|log|lg|ln|)(bt|verticalshifts?)")
+_PATTERNS = {"a": _HORIZONTAL, "b": _VERTICAL, "se": re.compile("()se")}
+
+
+def read_shifts(path: str | Path, *, options: ReadOptions | None = None) -> tuple[Shift, ...]:
+    """Return the shifts in a table of temperature and a_T, by rising temperature.
+
+    The column of shifts is named a_T, log a_T or ln a_T (or shift factor, with or without the
+    log); one of b_T and one of standard errors, of log a_T, named se, may stand beside it.
+
+    Raises
+    ------
+    ReadError
+        If temperature or shift is not found, a factor is not above 0, or a temperature recurs.
+    """
+    with channels.opened(path, options) as file:
+        columns = channels.with_units(
+            file, channels.answered(file, [assign(file.table, "temperature", file.options)])
+        )
+        names = [_joined(column) for column in file.table.columns]
+        found = {role: _found(names, pattern) for role, pattern in _PATTERNS.items()}
+        known = {role: one for role, one in found.items() if one is not None}
+        if "a" not in known:
+            raise ReadError(
+                "no column is named a_T, log a_T or ln a_T; the columns are "
+                f"{list_columns(file.table.columns)}"
+            )
+        wanted = [columns[0].index, *(index for index, _ in known.values())]
+        rows, _ = channels.whole_rows(channels.load(file.table, wanted, file.options.segment))
+        kelvin = channels.si(rows[:, 0].copy(), columns[0].unit)
+        if len(set(kelvin.tolist())) < len(kelvin):
+            raise ReadError("a temperature stands in the table of shifts twice")
+        values, nil = dict(zip(known, rows.T[1:], strict=True)), np.zeros(len(rows))
+        log10_a = _decadic(values["a"], known["a"][1])
+        log10_b = _decadic(values["b"], known["b"][1]) if "b" in known else nil
+        error = values.get("se", nil)
+    return tuple(
+        Shift(float(kelvin[i]), float(log10_a[i]), float(error[i]), float(10 ** log10_b[i]))
+        for i in np.argsort(kelvin)
+    )
+
+
+def _joined(column: Column) -> str:
+    """A column's name in one word; what looks like a unit in log(a_T) is none."""
+    whole = plain(f"{column.name} {column.unit or ''}").replace(" ", "")
+    parted = _HORIZONTAL.fullmatch(whole) or _VERTICAL.fullmatch(whole)
+    return whole if parted else plain(column.name).replace(" ", "")
+
+
+def _found(names: list[str], pattern: re.Pattern[str]) -> tuple[int, str] | None:
+    """Return the index of the first column of such a name, and its logarithm if it has one."""
+    for i, name in enumerate(names):
+        if found := pattern.fullmatch(name):
+            return i, found[1]
+    return None
+
+
+def _decadic(values: FloatArray, logarithm: str) -> FloatArray:
+    """Return the decadic logarithm of a factor, or of what its logarithm is."""
+    if logarithm:
+        return np.asarray(values / np.log(10.0) if logarithm == "ln" else values)
+    if (values <= 0).any():
+        raise ReadError(
+            f"a shift factor is {values.min():g}; expected > 0: is the column its logarithm? name "
+            "it log a_T then"
+        )
+    return np.asarray(np.log10(values))

@@ -1,0 +1,347 @@
+"""From tests at several temperatures to their master curve, its shifts and their law."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.choices import ShiftLaw, VerticalAsked, refuse_other
+from dashpot.base.errors import FitError
+from dashpot.base.provenance import Step
+from dashpot.base.units import Quantity, celsius, si
+from dashpot.datamodel.shift_factors import ONE_TEMPERATURE, Shift, TemperatureShifts, shifts_with
+from dashpot.extensions.curves.datamodel.creep import CreepCompliance
+from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
+from dashpot.extensions.curves.datamodel.superposition import Superposition
+from dashpot.extensions.curves.shift_law_fit import LawThroughShifts, law_through
+from dashpot.extensions.curves.superposition.checks import (
+    MIN_BIC_MARGIN,
+    of_shifts,
+    overlap,
+    thermorheologically_simple,
+    vertical_rule_holds,
+    vertical_shift_known,
+)
+from dashpot.extensions.curves.superposition.isotherms import (
+    Isotherm,
+    Measured,
+    isotherms_of,
+    joined,
+)
+from dashpot.extensions.curves.superposition.joint_spectrum import (
+    Shifted,
+    grid_of,
+    refined,
+    shifted,
+    spectrum_at,
+    vertical_step,
+)
+from dashpot.extensions.curves.superposition.pairwise_shifts import chained_starts
+from dashpot.solids.interconversion import CreepSpectrum, relaxation_spectrum
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+ROOM = 296.15
+"""The reference where nobody gives one: the temperature tested that is nearest to 23 degC, K."""
+_LN10 = float(np.log(10.0))
+# decades to which shifts are known that come without an error: as curves are overlaid by eye
+_BY_EYE = 0.1
+# relative misfit that is of no instrument
+_NO_MATTER = 1e-3
+# degrees of freedom that the temperatures alone must leave, for their scatter to be known
+_LEAST_DOF = 10
+
+
+def superpose(
+    data: Measured | Sequence[Measured],
+    *,
+    reference: Quantity | None = None,
+    law: ShiftLaw = "auto",
+    vertical: VerticalAsked = "auto",
+    shifts: Sequence[Shift] = (),
+) -> Superposition:
+    r"""Shift sweeps, moduli or creep at several temperatures onto one positive spectrum.
+
+    .. math:: E^*_i(\omega) = b_i \Bigl(E_\infty + \sum_k h_k
+        \frac{j\omega a_i\tau_k}{1 + j\omega a_i\tau_k}\Bigr), \qquad h_k \ge 0
+
+    All shifts and the spectrum are fitted together, with errors relative to :math:`|E^*|`; nothing
+    is overlaid in sequence, and nothing is smoothed. A law is laid through the shifts by their full
+    covariance.
+
+    Parameters
+    ----------
+    data : DynamicTest, RelaxationModulus, CreepCompliance or sequence of one of them
+        Several temperatures, as the samples of one test or in one test each. A creep compliance is
+        shifted as :math:`J(t) = J_r(t/a_T)/b_T`, onto one positive spectrum of retardations.
+    reference : float, optional
+        K, or a text such as ``"25degC"``: the tested temperature within 2 K of it; by default that
+        nearest to 23 degC.
+    law : str
+        ``"auto"`` takes WLF or Arrhenius by BIC; or ``"wlf"``, ``"arrhenius"``, ``"free"``.
+    vertical : str
+        How moduli follow temperature: ``"1"``, not at all; ``"T/T_r"``, as those of an ideal
+        rubber; ``"auto"``, the one of these that BIC supports; ``"free"``, one factor for each
+        temperature, which ruins the horizontal shifts: a diagnostic.
+    shifts : sequence of Shift
+        Known shifts, taken as they are; the spectrum alone is then fitted.
+
+    Raises
+    ------
+    FitError
+        If there are no several temperatures, none is near the reference, or a modulus is not
+        above 0.
+    """
+    refuse_other("vertical", vertical, VerticalAsked, FitError)
+    test, sources = joined(data)
+    isotherms = isotherms_of(test)
+    t = np.array([one.temperature for one in isotherms])
+    if len(t) < 2:
+        raise FitError(
+            f"every sample was measured at about {celsius(float(t[0]))}: a master curve needs "
+            "several temperatures"
+        )
+    at = _reference(t, si(reference, "temperature"))
+    alone = _alone(isotherms)
+    if shifts:
+        best, how, known = _as_given(isotherms, shifts, at)
+    else:
+        best, how, known = _searched(isotherms, at, vertical, np.sqrt(alone.variance))
+    covariance = _decadic(best, at)
+    table = shifts_with(t, best.ln_a / _LN10, np.exp(best.ln_b), covariance)
+    doubt = covariance[: len(t), : len(t)] if covariance.any() else _BY_EYE**2 * np.eye(len(t))
+    laid = law_through(
+        t, [one.log10_a_t for one in table], doubt, reference=float(t[at]), law=law
+    )  # fmt: skip
+    temperatures = TemperatureShifts(
+        laid.law, table, covariance, laid.parameters, laid.covariance, how
+    )
+    solid, rms = _solid(isotherms, best)
+    curve, measured_at = _master(test, isotherms, best, float(t[at]))
+    return Superposition(
+        curve,
+        measured_at,
+        temperatures,
+        solid,
+        rms,
+        (
+            *_judged(isotherms, best, at, laid, law),
+            thermorheologically_simple(*alone.beside(best), rms),
+            *known,
+        ),
+        sources,
+        (_step(isotherms, temperatures, laid, given=bool(shifts)),),
+    )
+
+
+class _Apart(NamedTuple):
+    """What the isotherms leave, each with a spectrum of its own."""
+
+    sse: float
+    dof: int
+
+    @property
+    def variance(self) -> float:
+        return self.sse / max(self.dof, 1)
+
+    def beside(self, best: Shifted) -> tuple[float | None, float]:
+        """Mean square of the joint fit over this, and what that reaches by chance."""
+        if self.dof < _LEAST_DOF or self.sse <= 0:
+            return None, 1.0
+        more = best.values - best.parameters - self.dof
+        by_chance = 1 + 3 * np.sqrt(2 * max(more, 1)) / self.dof
+        return best.variance / self.variance, float(by_chance)
+
+
+def _alone(isotherms: Sequence[Isotherm]) -> _Apart:
+    at = np.zeros(1)
+    own = [spectrum_at([one], at, at, grid_of([one], at)) for one in isotherms]
+    return _Apart(sum(one.sse for one in own), sum(one.values - one.parameters for one in own))
+
+
+def _reference(t: FloatArray, asked: float | None) -> int:
+    nearest = int(np.argmin(np.abs(t - (ROOM if asked is None else asked))))
+    if asked is not None and abs(t[nearest] - asked) > ONE_TEMPERATURE:
+        raise FitError(
+            f"no test within {ONE_TEMPERATURE:g} K of the reference of {celsius(asked)}; tested "
+            f"were {', '.join(celsius(one) for one in t)}"
+        )
+    return nearest
+
+
+def _searched(
+    isotherms: Sequence[Isotherm], at: int, vertical: VerticalAsked, noise: float
+) -> tuple[Shifted, str, tuple[Check, ...]]:
+    """Return the shifts by the vertical rule that was asked for, or that BIC takes."""
+    t = np.array([one.temperature for one in isotherms])
+    rules = {"1": np.zeros(len(t)), "T/T_r": np.log(t / t[at])}
+    asked = {"auto": ("1", "T/T_r"), "free": ("1",)}.get(vertical, (vertical,))
+    found: dict[str, Shifted] = {}
+    for name in asked:
+        start = chained_starts(isotherms, rules[name], at)
+        found[name] = shifted(isotherms, start, rules[name], reference=at, noise=noise)
+    how = min(found, key=lambda name: found[name].bic)
+    free = vertical == "free"
+    best = refined(isotherms, found[how], reference=at, noise=noise, free_b=free)
+    if free:
+        return best, "free", (vertical_shift_known("free", 0.0, 0.0),)
+    step, score = vertical_step(isotherms, best, reference=at, noise=noise)
+    followed = vertical_rule_holds(step, score, t)
+    if vertical != "auto":
+        return best, how, (followed,)
+    other = next(one for name, one in found.items() if name != how)
+    apart = float(np.abs(other.ln_a - found[how].ln_a).max()) / _LN10
+    # the support of a spectrum is a rough count: what both measures say is known
+    taken = found[how]
+    margin = min(other.bic - taken.bic, other.deviance - taken.deviance)
+    return best, how, (vertical_shift_known(how, margin, apart), followed)
+
+
+def _as_given(
+    isotherms: Sequence[Isotherm], shifts: Sequence[Shift], at: int
+) -> tuple[Shifted, str, tuple[Check, ...]]:
+    """Return the spectrum at shifts from elsewhere, referred to the isotherm `at`."""
+    known = np.array([one.temperature for one in shifts])
+    taken = []
+    for one in isotherms:
+        i = int(np.argmin(np.abs(known - one.temperature)))
+        if abs(known[i] - one.temperature) > ONE_TEMPERATURE:
+            raise FitError(
+                f"the table of shifts has none within {ONE_TEMPERATURE:g} K of "
+                f"{celsius(one.temperature)}; it has {', '.join(celsius(k) for k in known)}"
+            )
+        taken.append(shifts[i])
+    ln_a = _LN10 * np.array([one.log10_a_t for one in taken])
+    ln_b = np.log([one.b_t for one in taken])
+    ln_a, ln_b = ln_a - ln_a[at], ln_b - ln_b[at]
+    how = "free" if ln_b.any() else "1"
+    return spectrum_at(isotherms, ln_a, ln_b, grid_of(isotherms, ln_a)), how, ()
+
+
+# -- what is known of the shifts ------------------------------------------------------------------
+
+
+def _decadic(best: Shifted, at: int) -> FloatArray:
+    """Return the covariance of log10 a_T, then ln b_T, of every temperature, shape (2 n, 2 n)."""
+    n = len(best.ln_a)
+    away = np.delete(np.arange(n), at)
+    free = np.concatenate((away, away + n))[: len(best.optimum.theta)]
+    full = np.zeros((2 * n, 2 * n))
+    if len(free):
+        scale = np.where(free < n, 1 / _LN10, 1.0)
+        full[np.ix_(free, free)] = best.covariance * np.outer(scale, scale)
+    return full
+
+
+def _judged(
+    isotherms: Sequence[Isotherm],
+    best: Shifted,
+    at: int,
+    laid: LawThroughShifts,
+    law: ShiftLaw,
+) -> tuple[Check, ...]:
+    t = np.array([one.temperature for one in isotherms])
+    known, asked = _decadic(best, at), law == "free"
+    return (
+        overlap(_shared(isotherms, best), t),
+        *of_shifts(t, best.ln_a / _LN10, known, laid, asked=asked),
+    )
+
+
+def _shared(isotherms: Sequence[Isotherm], best: Shifted) -> FloatArray:
+    """Return the decades of reduced time that neighbours share, negative for a gap, (n - 1,)."""
+    ends = np.array([one.window for one in isotherms]) - best.ln_a[:, None]
+    return np.array(
+        [
+            (min(one[1], two[1]) - max(one[0], two[0])) / _LN10
+            for one, two in pairwise(ends)
+        ]
+    )  # fmt: skip
+
+
+# -- the master curve -----------------------------------------------------------------------------
+
+
+def _solid(isotherms: Sequence[Isotherm], best: Shifted) -> tuple[GeneralizedMaxwell, float]:
+    """Return the spectrum for use, and what it leaves, relative.
+
+    Its times end where the data do, but for half a decade where the loss still shows an arm: an
+    arm of which only the tail was measured can have any stiffness.
+    """
+    beyond = _LN10 / 2 if isotherms[0].domain == "frequency" else 0.0
+    ln_tau = grid_of(isotherms, best.ln_a, beyond)
+    found = spectrum_at(isotherms, best.ln_a, best.ln_b, ln_tau)
+    h, tau = found.optimum.beta, np.exp(ln_tau)
+    if isotherms[0].domain == "creep":
+        # what comes to rest, as long as no flow is needed
+        at_rest = spectrum_at(isotherms, best.ln_a, best.ln_b, ln_tau[:-1])
+        closer = at_rest.deviance - found.deviance
+        if closer < MIN_BIC_MARGIN or at_rest.rms < _NO_MATTER:
+            h, found = np.append(at_rest.optimum.beta, 0.0), at_rest
+        d, there = h[1:-1], h[1:-1] > 0
+        creep = CreepSpectrum(
+            float(h[0]), tuple(d[there]), tuple(tau[:-1][there]), float(h[-1] / tau[-1])
+        )
+        solid = GeneralizedMaxwell(*relaxation_spectrum(creep))
+    else:
+        k, there = h[1:], h[1:] > 0
+        solid = GeneralizedMaxwell(float(h[0]), tuple(k[there]), tuple(tau[there]))
+    return solid, found.rms
+
+
+def _master(
+    test: Measured, isotherms: Sequence[Isotherm], best: Shifted, reference: float
+) -> tuple[Measured, FloatArray]:
+    """Return every sample where it lies at the reference, and where it was measured, K."""
+    counts = [len(one.at) for one in isotherms]
+    temperature = np.repeat([one.temperature for one in isotherms], counts)
+    a, b = np.repeat(np.exp(best.ln_a), counts), np.repeat(np.exp(best.ln_b), counts)
+    at = np.concatenate([one.at for one in isotherms])
+    specimen = replace(test.specimen, temperature=reference)
+    if isinstance(test, DynamicTest):
+        frequency = at * a / (2 * np.pi)
+        order = np.argsort(frequency, kind="stable")
+        value = np.concatenate([one.complex for one in isotherms]) / b
+        curve: Measured = DynamicTest(
+            frequency[order], value.real[order], value.imag[order], None, test.unit, specimen,
+            test.source, units="SI",
+        )  # fmt: skip
+        return curve, temperature[order]
+    time, value = at / a, np.concatenate([one.size for one in isotherms])
+    value = value * b if isinstance(test, CreepCompliance) else value / b
+    order = np.argsort(time, kind="stable")
+    time, value, temperature = time[order], value[order], temperature[order]
+    # two temperatures at the very same time are one sample of the curve
+    first = np.concatenate(([True], np.diff(time) > 1e-12 * time[1:]))
+    of = np.cumsum(first) - 1
+    value = np.bincount(of, value) / np.bincount(of)
+    curve = type(test)(time[first], value, test.unit, specimen, test.source, units="SI")
+    return curve, temperature[first]
+
+
+def _step(
+    isotherms: Sequence[Isotherm],
+    temperatures: TemperatureShifts,
+    laid: LawThroughShifts,
+    *,
+    given: bool,
+) -> Step:
+    cold, warm = temperatures.tested
+    tried = ", ".join(f"{score.kind} {score.bic:.4g}" for score in laid.scores)
+    options = (
+        ("reference", f"{temperatures.reference:g} K"),
+        ("law", temperatures.law.kind),
+        ("vertical", temperatures.vertical),
+        ("shifts", "given" if given else "fitted"),
+    )
+    says = (
+        f"shifted {len(isotherms)} temperatures from {celsius(cold)} to {celsius(warm)} onto one "
+        f"spectrum at {celsius(temperatures.reference)}, b_T = {temperatures.vertical}, and laid "
+        f"a law through the shifts (BIC: {tried})"
+    )
+    return Step("superpose", options, says)

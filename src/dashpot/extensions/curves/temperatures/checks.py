@@ -1,0 +1,130 @@
+"""Whether tests at several temperatures are of one solid that only gets slower, as criteria."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dashpot.base.checks import Finding, criterion
+from dashpot.base.status import Status
+from dashpot.base.units import celsius
+from dashpot.datamodel.parameter_estimate import Nuisance
+from dashpot.datamodel.shift_factors import CONTRADICT, TemperatureShifts
+
+# decades of time that neighbours both inform: pairs of simulated tests that shared 1.9 found their
+# shift within its error, of those that shared 0.8 to 1.4 some missed it by five
+SHARED = 1.5
+# of a normal variable beyond 3 standard deviations
+CHANCE = 0.0027
+# a misfit of this part of the peak force is rounding; of that one, no solid of these tests
+ROUNDING, TOO_MUCH = 5e-6, 1e-3
+# how much further a decade of tau may shift: K at the resonance then is still inside its errors
+APART = 0.05
+# K over a record
+STEADY = 1.0
+# of ln b_T: rubbers, filled ones too, stay within a few per cent of T/T_r over a tested step
+ELSEWISE = 0.15
+MAX_BACK = 2.5
+
+
+@criterion(
+    "probability by chance",
+    ">=",
+    CHANCE,
+    "chi-square of the joint fit, alone and over that of each test's own, 3 standard errors; and "
+    "arms that shift apart by less than 5 % per decade, or 2.5 standard errors",
+    otherwise="stop where the misfit is above 0.1 % of the peak force",
+    ends=Status.TESTS_DISAGREE,
+)
+def thermorheologically_simple(
+    chance: float, excess: float, *, temperatures: int, slope: tuple[float, float] | None
+) -> Finding:
+    """One solid whose arms all shift together explains every test as well as its own fit does.
+
+    `excess` is what the joint fit leaves beyond the noise, as a part of the peak force; `slope` is
+    how much further each decade of tau shifts, and its error, by the data alone: what is held of it
+    beforehand would hide what two temperatures say.
+    """
+    apart, faulted = "", False
+    if slope is not None and abs(slope[0]) > MAX_BACK * slope[1]:
+        apart = (
+            f"By the data alone slow arms shift {100 * slope[0]:+.2g} ± {100 * slope[1]:.1g} % "
+            "further per decade"
+        )
+        faulted = abs(slope[0]) > APART
+    missed = (
+        f"One model does not explain the tests: it misses the force by {100 * excess:.2g} % of the "
+        "peak. The arms do not shift together, or a temperature drifted"
+    )
+    found = (missed,) if chance < CHANCE else ()
+    said = ". ".join((*found, apart) if apart else (missed,))
+    return Finding(
+        f"One model explains the tests at {temperatures} temperatures (probability {chance:.2g} "
+        f"by chance){apart and '. '}{apart}",
+        chance,
+        instead=f"{said}. The stiffness outside the band of each test is not supported",
+        remedy="Fit each temperature alone.",
+        faulted=faulted,
+        excused=excess < ROUNDING,
+        grade="stop" if excess > TOO_MUCH else "limit",
+    )
+
+
+@criterion("K over the record", "|x| <=", STEADY, "our choice: chambers hold 0.5 K")
+def temperature_steady(warming: Sequence[Nuisance]) -> Finding:
+    """The temperature of each test stood still."""
+    worst = max(warming, key=lambda one: abs(one.value))
+    title = worst.name.partition(" of ")[2]
+    return Finding(
+        f"By its force, {title} warmed by {worst.value:.2g} ± {worst.standard_error:.1g} K while "
+        "it was recorded",
+        worst.value,
+        remedy="Let the seal soak longer, and record its temperature.",
+    )
+
+
+@criterion("|ln b_T - ln T/T_r|", "<=", ELSEWISE, "our choice: three times what rubbers show")
+def stiffness_of_one_seal(moved: TemperatureShifts) -> Finding:
+    """Stiffness itself follows temperature about as rubber's does, as T/T_r."""
+    away = [
+        float(np.log(shift.b_t * moved.reference / shift.temperature)) for shift in moved.shifts
+    ]
+    worst = int(np.argmax(np.abs(away)))
+    at = celsius(moved.shifts[worst].temperature)
+    return Finding(
+        f"At {at} every stiffness differs by {100 * np.expm1(away[worst]):+.2g} % from rubber "
+        "elasticity",
+        abs(away[worst]),
+        remedy="Check piece, depth, length and temperature.",
+    )
+
+
+@criterion(
+    "temperatures",
+    ">=",
+    CONTRADICT,
+    "our choice: two cannot contradict each other",
+    grade="note",
+)
+def shifts_told_apart(count: int) -> Finding:
+    """There are temperatures enough to see arms that shift apart, and to lay a law."""
+    return Finding(
+        f"{count} temperatures were tested; three are needed",
+        count,
+        "Two cannot show arms that shift apart, and no law can be extended beyond them",
+        "Test at a third temperature, between them or beyond.",
+    )
+
+
+@criterion("K beyond the tested range", "<=", 0.0, "by definition")
+def temperature_tested(moved: TemperatureShifts, temperature: float) -> Finding:
+    """The temperature asked for lies within those tested."""
+    low, high = moved.tested
+    return Finding(
+        f"{celsius(temperature)} lies within the tested {celsius(low)} to {celsius(high)}",
+        max(low - temperature, temperature - high, 0.0),
+        instead=f"{celsius(temperature)} lies outside the tested {celsius(low)} to "
+        f"{celsius(high)}. The {moved.law.kind.upper()} law is extrapolated",
+        remedy="Test at that temperature.",
+    )

@@ -1,0 +1,64 @@
+"""The figure of one solid at several temperatures: every test with it, and its shifts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import DataError
+from dashpot.base.units import celsius
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.extensions.curves.superposition.figure import shift_panel
+from dashpot.plot.downsampling import extremes
+from dashpot.plot.picture import Line, Mark, Panel, Pen, Picture, Scale, around
+from dashpot.plot.provenance_stamp import of_fit
+from dashpot.plot.relaxation import SINCE, fitted_force
+from dashpot.plot.style import sequential
+
+
+def temperatures(fit: Fit, tests: Sequence[RampHold], *, stamp: str = "") -> Picture:
+    """The force of every test, coloured from cold to warm, what one solid says of it, and shifts.
+
+    Log time from first contact: raw curves are no master curve, for the ramp does not shift.
+
+    Parameters
+    ----------
+    fit : Fit
+        Of tests at several temperatures.
+    tests : sequence of RampHold
+        What it was fitted to.
+    stamp : str
+        What the figure says of its origin; by default the fit's files, specimen and date.
+
+    Raises
+    ------
+    DataError
+        If the fit is of one temperature.
+    """
+    if fit.temperatures is None:
+        raise DataError("the fit is of one temperature; expected one of several")
+    marks: list[Mark] = []
+    cold_first = sorted(tests, key=lambda test: test.specimen.temperature or 0.0)
+    shortest = min(0.1 * test.ramp_time for test in tests)
+    longest = max(test.hold_end - test.onset for test in tests)
+    shown: list[FloatArray] = []
+    for test, colour in zip(cold_first, sequential(len(cold_first)), strict=True):
+        since = test.time - test.onset
+        inside = (since >= shortest) & (since <= test.hold_end - test.onset)
+        x, y = extremes(since[inside], test.force[inside], bins=400, log=True)
+        said = celsius(test.specimen.temperature or 0.0).replace("deg", "°")
+        marks.append(Line(x, y, Pen(colour, 3.2), said))
+        at, force = fitted_force(fit, test)
+        on = at >= shortest
+        x, y = extremes(at[on], force[on], bins=400, log=True)
+        marks.append(Line(x, y, Pen("fit", 1.2), "" if shown else "one solid"))
+        shown.append(y)
+    axes = Scale(SINCE, (shortest, longest), log=True), Scale("force, N", around(*shown))
+    force_panel = Panel(*axes, tuple(marks), height=240)
+    caption = (
+        "One solid at several temperatures: the force of each test, what the solid says of it, and "
+        "the shift factors of time with two standard errors."
+    )
+    strips = ((force_panel,), (shift_panel(fit.temperatures),))
+    return Picture("temperatures", caption, strips, 2, stamp or of_fit(fit), width=860.0)

@@ -1,0 +1,344 @@
+"""Tests of one seal at several temperatures: one solid, its shifts, and their law."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.checks import Check
+from dashpot.base.choices import ShiftLaw, Vertical
+from dashpot.datamodel.band_error import BandError
+from dashpot.datamodel.bounds import EndOfHold
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit_diagnostics import Evidence, OrderScore
+from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate, parameter_names
+from dashpot.datamodel.shift_factors import TemperatureShifts
+from dashpot.extensions.curves.shift_law_fit import LawThroughShifts
+from dashpot.extensions.curves.superposition.checks import of_shifts, overlap
+from dashpot.extensions.curves.temperatures import checks
+from dashpot.extensions.curves.temperatures.joint_covariance import Knowledge, known
+from dashpot.extensions.curves.temperatures.joint_optimum import ThermalOptimum, optimum
+from dashpot.extensions.curves.temperatures.marginalised_data import Own, moved
+from dashpot.extensions.curves.temperatures.result import (
+    elastic_law,
+    law_of,
+    point_alone,
+    provenance,
+    shifts_of,
+)
+from dashpot.fitting.check_suite import RelaxationWindow, Residuals, of_solid
+from dashpot.fitting.checks.relaxation import hold_long_enough, same_specimen
+from dashpot.fitting.checks.solid import (
+    arms_enough,
+    frequencies_informed,
+    loss_factor_known,
+    optimum_found,
+    order_agreed,
+)
+from dashpot.fitting.fit_construction import FoundSolid, assembled
+from dashpot.fitting.pipeline import FURTHER, certified
+from dashpot.fitting.relaxation_likelihood import relaxation_data
+from dashpot.fitting.replicates import end_stiffnesses
+from dashpot.fitting.uncertainty.band_limits import band_of_hold
+from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_hold, spectra_of_holds
+from dashpot.fitting.uncertainty.valid_band import informed_alone, informed_band
+from dashpot.numerics.design_matrices.block import DataBlock
+from dashpot.numerics.exponential_fit.variable_projection import Solution, solve
+from dashpot.numerics.inference.model_order import Shortage, chance_beyond
+from dashpot.preprocessing.checks import of_records
+
+# data that narrow what was held before by no more than this part of its variance say nothing
+_LITTLE = 0.01
+
+
+class Thermal(NamedTuple):
+    """One solid at several temperatures, found and known.
+
+    Attributes
+    ----------
+    best : ThermalOptimum
+    knowledge : Knowledge
+    """
+
+    best: ThermalOptimum
+    knowledge: Knowledge
+
+
+def fit_thermal(
+    tests: Sequence[Own],
+    *,
+    arms: int | None,
+    max_arms: int,
+    vertical: Vertical = "free",
+    shift_law: ShiftLaw = "auto",
+    reference: int = 0,
+    intervals: bool = True,
+    thorough: bool = False,
+) -> Fit:
+    r"""Fit one solid to tests at several temperatures.
+
+    .. math:: K^*(\omega; T) = b_T K^*(a_T \omega; T_r)
+
+    Every shift factor is unknown along with the solid, through the exact answer to each recorded
+    motion. How slow and fast arms shift apart, and a seal that warms while it is recorded, are
+    nuisances always.
+
+    Parameters
+    ----------
+    tests : sequence of Own
+    arms : int or None
+        None to choose.
+    max_arms : int
+    vertical : "free", "T/T_r" or "1"
+        What b_T may be.
+    shift_law : str
+        As in :func:`~dashpot.extensions.curves.shift_law_fit.law_through`.
+    reference : int
+        Which of the temperatures the solid is that of.
+    intervals : bool
+        False, with a number of arms, returns the optimum alone, without errors, checks or bounds.
+    thorough : bool
+        Add quasi-random starts.
+    """
+    best = optimum(
+        tests, reference, arms=arms, max_arms=max_arms, vertical=vertical, thorough=thorough
+    )
+    if not intervals and arms is not None:
+        return point_alone(best, vertical, shift_law, asked=arms)
+    found = Thermal(best, known(best.joint, best.tests, best.point))
+    made = _assembled(found, vertical, shift_law, asked=arms)
+    end = _end_of_hold(found, made)
+    band, error = _known_band(found, made)
+    checks = (*made.checks, hold_long_enough(end), loss_factor_known(error))
+    if arms is not None:
+        more = optimum(
+            tests, reference, arms=None, max_arms=arms + FURTHER, vertical=vertical,
+            thorough=thorough,
+        )  # fmt: skip
+        checks += (_arms_enough(best, more),)
+    evidence = replace(made.evidence, band=band, end_of_hold=end, checks=checks, band_error=error)
+    return replace(made, evidence=evidence)
+
+
+def _arms_enough(best: ThermalOptimum, more: ThermalOptimum) -> Check:
+    """Whether the data support no more arms than were asked for."""
+    few, many = best.point, more.point
+    shortage = None
+    if many.order > few.order:
+        rows = sum(block.samples for block in best.joint.blocks)
+        left = (float(np.sqrt(one.chi_square / rows)) for one in (few, many))
+        shortage = Shortage(few.order, many.order, *left)
+    return arms_enough(shortage, few.order, unit="sd")
+
+
+def _known_band(found: Thermal, made: Fit) -> tuple[tuple[float, float], BandError | None]:
+    """The valid band, and how well all tests together know the solid there; their ramps linear."""
+    tests = found.best.tests
+    if made.temperatures is None or any(test.law is not None for test in tests):
+        return made.band, None
+    data = [relaxation_data(test.record, made) for test in tests]
+    spectra = spectra_of_holds(
+        data,
+        time=max(test.record.hold_time for test in tests),
+        own=made.model,
+        dof=made.dof,
+    )
+    return band_of_hold(spectra, made.model, made.band)
+
+
+def _end_of_hold(found: Thermal, made: Fit) -> EndOfHold | None:
+    """What the tests at the reference leave open of the end of their hold; their ramps linear."""
+    records = [
+        test.record
+        for test, at in zip(found.best.tests, found.best.joint.at, strict=True)
+        if at == found.best.joint.reference and test.law is None
+    ]
+    if not records:
+        return None
+    return end_of_hold(
+        [relaxation_data(record, made) for record in records],
+        time=max(record.hold_time for record in records),
+        own=made.model,
+        dof=made.dof,
+    )
+
+
+# -- the fit --------------------------------------------------------------------------------------
+
+
+def _assembled(
+    found: Thermal, vertical: Vertical, shift_law: ShiftLaw, *, asked: int | None
+) -> Fit:
+    best, knowledge = found
+    tests, point = best.tests, best.point
+    errors = knowledge.shift_covariance
+    laid = law_of(best, errors, shift_law)
+    shifts = shifts_of(best, vertical, laid, errors, knowledge.cross)
+    records = [test.record for test in tests]
+    model = point.solid
+    solution = _solution(found)
+    slower = [float(np.exp(point.log_a[i])) for i in best.joint.at]
+    band = informed_band(
+        records, _reduced(found), stiffness=max(model.k_0, 1e-300), noise=1.0, slower=slower
+    )
+    estimate = ParameterEstimate(
+        parameter_names(point.order),
+        knowledge.of_solid,
+        knowledge.dof,
+        knowledge.residual,
+        nuisance=knowledge.nuisances,
+    ).with_rig(knowledge.solid_moved)
+    fewer = asked is not None and model.arms < asked
+    noticed = [check for record in records for check in record.checks]
+    return assembled(
+        FoundSolid(model, estimate, fewer, bool(solution.at_bound.any())),
+        Evidence(
+            band,
+            orders=_orders(found),
+            certificate=certified(_reduced(found), solution),
+            checks=(*noticed, *_checks(found, shifts, laid, band)),
+        ),
+        provenance(best, shifts),
+        elastic_law=elastic_law(best),
+        temperatures=shifts,
+    )
+
+
+def _reduced(found: Thermal) -> list[DataBlock]:
+    """Every test in the time of the reference."""
+    point = found.best.point
+    return [
+        moved(block, float(point.log_a[i]), float(point.log_b[i]), point.slope)
+        for block, i in zip(found.best.joint.blocks, found.best.joint.at, strict=True)
+    ]
+
+
+def _solution(found: Thermal) -> Solution:
+    """The optimum as the engine's, the shifts held."""
+    return solve(_reduced(found), found.best.point.order, log_tau_start=found.best.point.log_tau)
+
+
+def _orders(found: Thermal) -> tuple[OrderScore, ...]:
+    """Every number tried; sums of squares in the noise of the fit taken."""
+    sse = found.knowledge.residual.sse / found.best.point.chi_square
+    return tuple(
+        OrderScore(
+            point.order, sse * point.chi_square, bic, found.best.joint.clear(point), point.solid
+        )
+        for point, bic in found.best.tried
+    )
+
+
+def _checks(
+    found: Thermal,
+    shifts: TemperatureShifts,
+    laid: LawThroughShifts,
+    band: tuple[float, float],
+) -> tuple[Check, ...]:
+    """Return every check of the records, of the solid and of its shifts."""
+    point, knowledge = found.best.point, found.knowledge
+    records, residual = [test.record for test in found.best.tests], knowledge.residual
+    solids = [point.solid_at(int(i)) for i in found.best.joint.at]
+    low, high = zip(*(block.window for block in _reduced(found)), strict=True)
+    answers = [
+        optimum_found(stationary=True),
+        *of_records(records, method="full", solids=solids),
+        *of_solid(
+            records,
+            point.solid,
+            np.sqrt(np.diag(knowledge.of_solid)),
+            Residuals(knowledge.residuals, residual.rms, residual.kappa),
+            RelaxationWindow((min(low), max(high)), "the tests together"),
+            solids=solids,
+            needed=found.best.choice is not None,
+        ),
+        *_of_shifts(found, shifts, laid),
+        frequencies_informed(band),
+    ]
+    if found.best.choice is not None:
+        answers.append(order_agreed(found.best.choice))
+    if len(records) > len(shifts.shifts):
+        answers.append(same_specimen(end_stiffnesses(records)))
+    return tuple(answers)
+
+
+def _of_shifts(found: Thermal, shifts: TemperatureShifts, laid: LawThroughShifts) -> list[Check]:
+    temperatures = [shift.temperature for shift in shifts.shifts]
+    bands = [_informed_at(found, i) for i in range(len(temperatures))]
+    # the colder of two neighbours informs the lower reduced times: the higher frequencies
+    shared = [
+        float(np.log10(min(cold[1], warm[1]) / max(cold[0], warm[0])))
+        for cold, warm in pairwise(bands)
+    ]
+    warming = [one for one in found.knowledge.nuisances if one.name.startswith("warming")]
+    slope = next((one for one in found.knowledge.nuisances if one.name == "shift slope"), None)
+    chance, excess = _misfit(found)
+    return [
+        overlap(shared, temperatures, checks.SHARED),
+        *of_shifts(
+            found.best.joint.temperatures,
+            [shift.log10_a_t for shift in shifts.shifts],
+            shifts.covariance,
+            laid,
+        ),
+        checks.thermorheologically_simple(
+            chance,
+            excess,
+            temperatures=len(temperatures),
+            slope=None if slope is None else _by_data(slope, found.best.joint.slope_sd),
+        ),
+        checks.stiffness_of_one_seal(shifts),
+        checks.temperature_steady(warming),
+        checks.shifts_told_apart(len(temperatures)),
+    ]
+
+
+def _by_data(one: Nuisance, known: float) -> tuple[float, float] | None:
+    r"""What the data alone say of one that was held to 0 within `known`; None where that is little.
+
+    .. math:: 1/s^2 = 1/s_d^2 + 1/s_0^2, \qquad v/s^2 = v_d/s_d^2
+    """
+    part = 1.0 - (one.standard_error / known) ** 2
+    if not part > _LITTLE:
+        return None
+    return one.value / part, one.standard_error / float(np.sqrt(part))
+
+
+def _informed_at(found: Thermal, i: int) -> tuple[float, float]:
+    """The band that the tests of one temperature inform, Hz at the reference."""
+    each = [
+        informed_alone(block, stiffness=max(found.best.point.solid.k_0, 1e-300), noise=1.0)
+        for block, at in zip(_reduced(found), found.best.joint.at, strict=True)
+        if at == i
+    ]
+    return min(low for low, _ in each), max(high for _, high in each)
+
+
+def _misfit(found: Thermal) -> tuple[float, float]:
+    r"""Return how likely chance makes the joint fit as bad, and its excess over the peak force.
+
+    The smaller probability, doubled, of two: what the joint fit leaves in the rows that a solid can
+    reach, in units of the noise, and how much more that is than the free fits of each test leave.
+    """
+    tests, point, joint = found.best.tests, found.best.point, found.best.joint
+    floor = sum(block.floor for block in joint.blocks)
+    rows = sum(len(block.target) for block in joint.blocks)
+    parameters = len(joint.names(point.order))
+    left, own = point.chi_square - floor, sum(test.chi_square for test in tests) - floor
+    freed = sum(test.parameters for test in tests) - parameters
+    # noise that remembers is itself known to so much only
+    doubt = 1 + 2 * max(
+        float(np.sqrt(2 * (2 * len(noise.autocovariance) - 1) / noise.samples))
+        for noise in found.knowledge.noises
+    )
+    absolute = chance_beyond(left / doubt, max(rows - parameters, 1))
+    relative = chance_beyond((left - own) / doubt, max(freed, 1))
+    spread = max(test.spread for test in tests)
+    peak = max(float(np.abs(test.record.force).max()) for test in tests)
+    samples = sum(test.effective for test in tests)
+    beyond = max(left - (rows - parameters), 0.0) / samples
+    return min(1.0, 2 * min(absolute, relative)), spread * float(np.sqrt(beyond)) / peak

@@ -1,0 +1,171 @@
+"""How well a solid and its shifts are known: every sample, every column, the noise as it is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.datamodel.parameter_estimate import Nuisance, Residual, parameter_names
+from dashpot.extensions.curves.temperatures.joint_problem import JointTests, Part, ShiftedSolid
+from dashpot.extensions.curves.temperatures.marginalised_data import Own
+from dashpot.fitting.fit_construction import nuisances
+from dashpot.fitting.uncertainty.encoder_resolution import Encoder, Kernel, encoder_rows
+from dashpot.fitting.uncertainty.solution_covariance import Known, rounding
+from dashpot.numerics.inference.covariance import Noise, directions, noise_of, sandwich
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+
+@dataclass(frozen=True, eq=False)
+class Knowledge(Known):
+    """All that was fitted together, the noises in units of the spread that each test weighs by.
+
+    Attributes
+    ----------
+    joint : JointTests
+    point : ShiftedSolid
+        Relaxation times ascending.
+    own : array
+        Coefficients of the columns of each test, ``"offset@0"``; in `names` they stand behind what
+        is shared, stiffnesses in N/m.
+    moved : array, shape (p, d)
+        What each doubt of each rig adds to everything that was fitted.
+    """
+
+    joint: JointTests
+    point: ShiftedSolid
+    own: FloatArray
+    moved: FloatArray
+
+    @property
+    def of_solid(self) -> FloatArray:
+        """Covariance of the solid's parameters, for the noise."""
+        return np.asarray(self.covariance[np.ix_(self._solid, self._solid)])
+
+    @property
+    def solid_moved(self) -> FloatArray:
+        """What the doubts of the rigs add to the solid's parameters, shape (p, d)."""
+        return self.moved[self._solid]
+
+    @property
+    def _solid(self) -> list[int]:
+        return [self.names.index(name) for name in parameter_names(self.point.order)]
+
+    @property
+    def shift_covariance(self) -> FloatArray:
+        """Of log10 a_T of every temperature, then of ln b_T; zero where nothing was sought."""
+        turn = self.joint.shift_rows(self.names)
+        return np.asarray(turn @ self.covariance @ turn.T)
+
+    @property
+    def cross(self) -> FloatArray:
+        """Of the solid's parameters and the slope, with the shifts and the slope."""
+        solid = [self.names.index(name) for name in parameter_names(self.point.order)]
+        every = np.eye(len(self.names))
+        slope = every[[self.names.index("slope")]] if "slope" in self.names else 0 * every[:1]
+        rows = np.concatenate((every[solid], slope))
+        columns = np.concatenate((self.joint.shift_rows(self.names), slope))
+        return np.asarray(rows @ self.covariance @ columns.T)
+
+    @property
+    def nuisances(self) -> tuple[Nuisance, ...]:
+        """The columns of each test, and how arms shift apart."""
+        own = self.names[len(self.names) - len(self.own) :]
+        return of_tests(own, self.own, self.point, self.standard_error)
+
+    @property
+    def residual(self) -> Residual:
+        """Of every sample."""
+        return self.statistics([noise.samples for noise in self.noises])
+
+
+def of_tests(
+    names: Sequence[str], own: FloatArray, point: ShiftedSolid, error: Callable[[str], float]
+) -> tuple[Nuisance, ...]:
+    """Return the columns of each test, ``"offset@0"``, and how arms shift apart, in words."""
+    values = dict(zip(names, own.tolist(), strict=True))
+    found = nuisances(names, values.__getitem__, error)
+    if point.order < 2:
+        return found
+    return (*found, Nuisance("shift slope", point.slope, error("slope"), "1/decade"))
+
+
+class Left(NamedTuple):
+    """What a point leaves of one test, N, the coefficients of the test's own columns fitted.
+
+    Attributes
+    ----------
+    left : array, shape (n,)
+    own : array
+    part : Part
+    columns : array, shape (n, q)
+        Of the test's own.
+    """
+
+    left: FloatArray
+    own: FloatArray
+    part: Part
+    columns: FloatArray
+
+
+def left_of(joint: JointTests, test: Own, i: int, point: ShiftedSolid) -> Left:
+    """Return what a point leaves of every sample of test i."""
+    weight, exact = 1 / test.spread, test.block.exact
+    part = joint.part(exact, int(joint.at[i]), point)
+    columns = exact.evaluate(np.zeros(0), False).fixed[:, test.own_columns]
+    rows, target = test.prior_rows
+    own = np.linalg.lstsq(
+        np.concatenate((weight * columns, rows)),
+        np.concatenate((weight * part.residual, target)),
+        rcond=None,
+    )[0]
+    return Left(part.residual - columns @ own, own, part, columns)
+
+
+def own_names(tests: Sequence[Own]) -> tuple[str, ...]:
+    """Return the columns of each test, ``"offset@0"``."""
+    return tuple(f"{kind}@{i}" for i, test in enumerate(tests) for kind in test.kinds)
+
+
+def known(joint: JointTests, tests: Sequence[Own], point: ShiftedSolid) -> Knowledge:
+    """Return what all samples say of a point, the columns of every test fitted beside it."""
+    shared = joint.names(point.order)
+    names = (*shared, *own_names(tests))
+    each = [left_of(joint, test, i, point) for i, test in enumerate(tests)]
+    jacobians, before, noises, further, unseen = [], [], [], [], []
+    for i, (test, found) in enumerate(zip(tests, each, strict=True)):
+        weight, rows = 1 / test.spread, test.prior_rows[0]
+        here = [names.index(f"{kind}@{i}") for kind in test.kinds]
+        jacobian, known = np.zeros((len(found.left), len(names))), np.zeros((len(rows), len(names)))
+        jacobian[:, : len(shared)] = weight * found.part.by
+        jacobian[:, here], known[:, here] = weight * found.columns, rows
+        least = weight * rounding(float(np.abs(test.record.force).max()))
+        jacobians.append(jacobian)
+        before.append(known)
+        noises.append(noise_of(weight * found.left, jacobian, rounding=least))
+        solid = point.solid_at(int(joint.at[i]))
+        further.append(partial(_encoder_rows, test, solid))
+        unseen.append(weight * test.unseen(solid))
+    if "slope" in names:
+        before.append(np.eye(len(names))[[names.index("slope")]] / joint.slope_sd)
+    beside = np.concatenate(before)
+    told = directions([*jacobians, beside])
+    covariance = sandwich(
+        told, [*noises, Noise(len(beside), np.ones(1), 1.0, 2.0)], further=further
+    )
+    moved = [
+        told.turn @ (columns.matrix.T @ one)
+        for columns, one in zip(told.columns, unseen, strict=False)
+    ]
+    left, own = tuple(one.left for one in each), np.concatenate([one.own for one in each])
+    return Knowledge(names, covariance, left, tuple(noises), joint, point, own, np.hstack(moved))
+
+
+def _encoder_rows(test: Own, solid: GeneralizedMaxwell, columns: FloatArray) -> FloatArray:
+    """What errors of a test's encoder make of columns of its Jacobian."""
+    kernel = Kernel(solid.k_inf, np.asarray(solid.k), np.asarray(solid.tau))
+    return encoder_rows(columns, Encoder.of(test.record), kernel) / test.spread

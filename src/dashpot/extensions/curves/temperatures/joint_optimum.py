@@ -1,0 +1,114 @@
+"""The optimum of one solid and its shifts over tests at several temperatures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.choices import Vertical
+from dashpot.extensions.curves.temperatures.joint_problem import JointTests, ShiftedSolid
+from dashpot.extensions.curves.temperatures.marginalised_data import Own
+from dashpot.extensions.curves.temperatures.starting_points import (
+    OrderCandidate,
+    again,
+    candidates,
+    first_shifts,
+)
+from dashpot.extensions.curves.temperatures.test_temperatures import temperatures_of
+from dashpot.numerics.inference.model_order import DECISIVE, Choice, choose
+
+# what is known of how arms shift apart: two temperatures hardly tell, three do
+_SLOPE_OF_TWO, _SLOPE = 0.03, 0.3
+
+
+class ThermalOptimum(NamedTuple):
+    """One solid at several temperatures, found.
+
+    Attributes
+    ----------
+    tests : tuple of Own
+        With the columns of a seal that warms.
+    joint : JointTests
+    tried : tuple of OrderCandidate
+    choice : Choice or None
+        None if the number of arms was asked for.
+    point : ShiftedSolid
+        Relaxation times ascending.
+    thorough : bool
+        With quasi-random starts.
+    """
+
+    tests: tuple[Own, ...]
+    joint: JointTests
+    tried: tuple[OrderCandidate, ...]
+    choice: Choice | None
+    point: ShiftedSolid
+    thorough: bool
+
+
+def optimum(
+    tests: Sequence[Own],
+    reference: int,
+    *,
+    arms: int | None,
+    max_arms: int,
+    vertical: Vertical,
+    thorough: bool,
+) -> ThermalOptimum:
+    """Return the optimum over all tests, the number of arms chosen if none is asked for.
+
+    Parameters are those of
+    :func:`~dashpot.extensions.curves.temperatures.fit_temperatures.fit_thermal`.
+    """
+    temperatures = temperatures_of([test.record for test in tests])
+    at = np.array([int(np.argmin(np.abs(temperatures - test.temperature))) for test in tests])
+    slope = _SLOPE_OF_TWO if len(temperatures) == 2 else _SLOPE
+
+    def joint_of(every: Sequence[Own]) -> JointTests:
+        blocks = [test.marginal for test in every]
+        return JointTests(blocks, at, temperatures, reference, vertical, slope)
+
+    effective = sum(test.effective for test in tests)
+    joint = joint_of(tests)
+    most = max_arms if arms is None else arms
+    tried = candidates(joint, first_shifts(joint), most, effective=effective, thorough=thorough)
+    choice = _choice(joint, tried, exhausted=len(tried) - 1 < most)
+    # the columns of a warming seal are those of the solid found without them, then with them
+    for _ in range(2):
+        point = _taken(tried, choice, arms).point
+        tests = tuple(
+            _warmed(test, point, int(i), temperatures) for test, i in zip(tests, at, strict=True)
+        )
+        joint = joint_of(tests)
+        tried = again(joint, tried, effective)
+        choice = _choice(joint, tried, exhausted=len(tried) - 1 < most)
+    best = _ascending(_taken(tried, choice, arms).point)
+    return ThermalOptimum(
+        tuple(tests), joint, tried, choice if arms is None else None, best, thorough
+    )
+
+
+def _warmed(test: Own, point: ShiftedSolid, i: int, temperatures: FloatArray) -> Own:
+    by_a, by_b = (np.gradient(one, temperatures)[i] for one in (point.log_a, point.log_b))
+    return test.warmed(point.solid_at(i), by_a=float(by_a), by_b=float(by_b))
+
+
+def _ascending(point: ShiftedSolid) -> ShiftedSolid:
+    order = np.argsort(point.log_tau)
+    return replace(point, k=point.k[order], log_tau=point.log_tau[order])
+
+
+def _choice(joint: JointTests, tried: Sequence[OrderCandidate], *, exhausted: bool) -> Choice:
+    numbers = [one.point.order for one in tried]
+    clear = [joint.clear(one.point) for one in tried]
+    bics = [one.bic for one in tried]
+    return choose(numbers, bics, clear, exhausted=exhausted, decisive=DECISIVE)
+
+
+def _taken(tried: Sequence[OrderCandidate], choice: Choice, asked: int | None) -> OrderCandidate:
+    most = choice.arms if asked is None else asked
+    return [one for one in tried if one.point.order <= most][-1]

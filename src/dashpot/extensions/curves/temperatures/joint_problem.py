@@ -1,0 +1,269 @@
+r"""One solid, its shifts, and tests at several temperatures: least squares over all at once.
+
+Everything that is shared is unknown together: k_inf and every k, which are linear, and every
+ln tau, ln a_T and ln b_T of every further temperature, and how much further slow arms shift than
+fast ones,
+
+.. math:: \ln a_T(\tau) = \ln a_T \bigl[1 + g\,(\log_{10} \tau - \log_{10} 0.5\,\mathrm{s})\bigr]
+
+With :math:`q'_j = \partial q / \partial \ln \tau` of the column of an arm, the derivative by
+:math:`\ln a_T` is :math:`b_T \sum_j k_j q'_j`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
+from dashpot.base.choices import Vertical
+from dashpot.datamodel.shift_factors import decades, shifted_log_tau
+from dashpot.numerics.design_matrices.block import DataBlock
+from dashpot.numerics.inference.covariance import white
+from dashpot.numerics.inference.model_order import significant
+from dashpot.numerics.least_squares.problem import Parameter, Problem, Rows, solved
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# target, columns of k_inf and k, and the derivative by theta
+_Rows: TypeAlias = tuple[FloatArray, FloatArray, Callable[[FloatArray], FloatArray]]
+
+# sizes of ln tau, ln a, ln b and g: a step is at most half as long again
+_SIZES = {"ln_tau": 0.7, "ln_a": 0.35, "ln_b": 0.2, "slope": 0.07}
+# an arm smaller than this part of the stiffness is none
+_NOTHING = 1e-8
+# steps of a descent, and the relative fall of chi-square that is none
+_STEPS, _STATIONARY = 80, 1e-10
+
+
+@dataclass(frozen=True, eq=False)
+class ShiftedSolid:
+    """One solid at the reference, and where every temperature lies.
+
+    Attributes
+    ----------
+    k_inf : float
+        N/m.
+    k, log_tau : array, shape (N,)
+    log_a, log_b : array, shape (T,)
+        Of every temperature; 0 at the reference.
+    slope : float
+        g, per decade.
+    chi_square : float
+    """
+
+    k_inf: float
+    k: FloatArray
+    log_tau: FloatArray
+    log_a: FloatArray
+    log_b: FloatArray
+    slope: float = 0.0
+    chi_square: float = np.inf
+
+    @property
+    def order(self) -> int:
+        """Number of arms."""
+        return len(self.log_tau)
+
+    @property
+    def stiffnesses(self) -> FloatArray:
+        """K_inf, then k."""
+        return np.append(self.k_inf, self.k)
+
+    @property
+    def alive(self) -> BoolArray:
+        """Which arms are there."""
+        return np.asarray(self.k > _NOTHING * self.stiffnesses.sum())
+
+    @property
+    def solid(self) -> GeneralizedMaxwell:
+        """At the reference."""
+        order = np.argsort(self.log_tau)
+        return GeneralizedMaxwell(
+            self.k_inf, tuple(self.k[order]), tuple(np.exp(self.log_tau[order]))
+        )
+
+    def moved_log_tau(self, i: int) -> FloatArray:
+        """Ln of the relaxation times at temperature i."""
+        return shifted_log_tau(self.log_tau, float(self.log_a[i]), self.slope)
+
+    def solid_at(self, i: int) -> GeneralizedMaxwell:
+        """At temperature i."""
+        order, b = np.argsort(self.log_tau), float(np.exp(self.log_b[i]))
+        return GeneralizedMaxwell(
+            b * self.k_inf,
+            tuple(b * self.k[order]),
+            tuple(np.exp(self.moved_log_tau(i)[order])),
+        )
+
+
+class Part(NamedTuple):
+    """One test at a point: what it leaves, and the derivatives of the model by what is shared."""
+
+    residual: FloatArray
+    by: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class JointTests:
+    """Tests at several temperatures.
+
+    Attributes
+    ----------
+    blocks : sequence of DataBlock
+        Rows of unit noise, one fixed column, k_inf.
+    at : array, shape (n,)
+        Which temperature each is of.
+    temperatures : array, shape (T,)
+        K, rising.
+    reference : int
+        Which of them has no shift.
+    vertical : str
+        ``"free"``, or what ln b_T is held to.
+    slope_sd : float
+        What is known of g.
+    """
+
+    blocks: Sequence[DataBlock]
+    at: IndexArray
+    temperatures: FloatArray
+    reference: int
+    vertical: Vertical
+    slope_sd: float
+
+    @cached_property
+    def further(self) -> IndexArray:
+        """The temperatures whose shifts are sought."""
+        every = np.arange(len(self.temperatures))
+        return np.asarray(every[every != self.reference])
+
+    @property
+    def held_log_b(self) -> FloatArray:
+        """Ln b_T where it is held, and where it starts."""
+        if self.vertical == "1":
+            return np.zeros(len(self.temperatures))
+        return np.asarray(np.log(self.temperatures / self.temperatures[self.reference]))
+
+    def names(self, order: int) -> tuple[str, ...]:
+        """What is shared, in the order of the derivatives."""
+        arms, further = range(1, order + 1), self.further
+        return (
+            "k_inf",
+            *(f"k_{j}" for j in arms),
+            *(f"ln_tau_{j}" for j in arms),
+            *(f"ln_a_{i}" for i in further),
+            *((f"ln_b_{i}" for i in further) if self.vertical == "free" else ()),
+            # one arm cannot shift apart
+            *(("slope",) if order > 1 else ()),
+        )
+
+    def shift_rows(self, names: Sequence[str]) -> FloatArray:
+        """What picks log10 a_T and ln b_T of every temperature out of the parameters named."""
+        count = len(self.temperatures)
+        turn = np.zeros((2 * count, len(names)))
+        for i in self.further:
+            turn[i, names.index(f"ln_a_{i}")] = 1 / np.log(10.0)
+            if f"ln_b_{i}" in names:
+                turn[count + i, names.index(f"ln_b_{i}")] = 1.0
+        return turn
+
+    def part(self, block: DataBlock, i: int, point: ShiftedSolid) -> Part:
+        """One test of temperature i, in the rows of its block."""
+        return _part(self._test(block, i, point), point)
+
+    def descend(self, point: ShiftedSolid) -> ShiftedSolid:
+        """Return the nearest optimum."""
+        best = solved(self.problem(point), [self.theta(point)], most=_STEPS, flat=_STATIONARY)
+        k_inf, k = float(best.beta[0]), best.beta[1:]
+        return replace(self._placed(point, best.theta), k_inf=k_inf, k=k, chi_square=best.cost)
+
+    def clear(self, point: ShiftedSolid) -> bool:
+        """Whether every arm is significant."""
+        n, error = point.order, np.sqrt(np.diag(self.covariance(point)))
+        return significant(point.k, error[1 : 1 + n], error[1 + n : 1 + 2 * n])
+
+    def covariance(self, point: ShiftedSolid) -> FloatArray:
+        """Covariance of what is shared under white noise of unit variance."""
+        return white(_part(self._every(point), point).by, 1.0)
+
+    def problem(self, start: ShiftedSolid) -> Problem:
+        """All tests at once, with as many arms."""
+        n, (low, high) = start.order, np.array([block.bounds for block in self.blocks]).T
+
+        def shown(theta: FloatArray) -> FloatArray:
+            """Relaxation times that one of the tests shows."""
+            moved = self._placed(start, theta).log_a[self.at]
+            tau = np.clip(theta[:n], (low - moved).min(), (high - moved).max())
+            return np.concatenate((tau, theta[n:]))
+
+        kinds = [name.rpartition("_")[0] or name for name in self.names(n)[1 + n :]]
+        return Problem(
+            lambda theta: Rows(*self._every(self._placed(start, theta))),
+            [Parameter(scale=_SIZES[kind]) for kind in kinds],
+            positive=True,
+            priors=len(self._known(start)),
+            gauge=shown,
+        )
+
+    def _known(self, point: ShiftedSolid) -> FloatArray:
+        """Rows by theta of what is known of g, below one of what no model of the tests removes."""
+        known = np.zeros((1 + (point.order > 1), len(self.theta(point))))
+        known[1:, -1:] = 1 / self.slope_sd
+        return known
+
+    def _every(self, point: ShiftedSolid) -> _Rows:
+        """Every test, and what is known beside them."""
+        tests = zip(self.blocks, self.at.tolist(), strict=True)
+        y, A, slopes = zip(*(self._test(block, i, point) for block, i in tests), strict=True)
+        known = self._known(point)
+        beside = -known @ self.theta(point)
+        beside[0] = np.sqrt(sum(block.floor for block in self.blocks))
+        return (
+            np.concatenate((*y, beside)),
+            np.concatenate((*A, np.zeros((len(known), 1 + point.order)))),
+            lambda k: np.concatenate((*(slope(k) for slope in slopes), known)),
+        )
+
+    def _test(self, block: DataBlock, i: int, point: ShiftedSolid) -> _Rows:
+        """One test of temperature i."""
+        n, found = point.order, block.evaluate(point.moved_log_tau(i))
+        b, spring = float(np.exp(point.log_b[i])), list(block.fixed_names).index("k_inf")
+        A = b * np.column_stack((found.fixed[:, spring], found.arms))
+
+        def slope(k: FloatArray) -> FloatArray:
+            names, far = self.names(n)[1 + n :], decades(point.log_tau)
+            by, each = np.zeros((len(A), len(names))), b * found.d_arms * k[1:]
+            by[:, :n] = each * (1 + point.log_a[i] * point.slope / np.log(10.0))
+            if i != self.reference:
+                by[:, names.index(f"ln_a_{i}")] = each @ (1 + point.slope * far)
+                if self.vertical == "free":
+                    by[:, names.index(f"ln_b_{i}")] = A @ k
+            if n > 1:
+                by[:, -1] = each @ (point.log_a[i] * far)
+            return by
+
+        return found.target, A, slope
+
+    def theta(self, point: ShiftedSolid) -> FloatArray:
+        """Ln tau, the shifts that are sought, and g."""
+        log_b = point.log_b[self.further] if self.vertical == "free" else ()
+        slope = [point.slope] * (point.order > 1)
+        return np.concatenate((point.log_tau, point.log_a[self.further], log_b, slope))
+
+    def _placed(self, point: ShiftedSolid, theta: FloatArray) -> ShiftedSolid:
+        """The point with its ln tau, shifts and g."""
+        n, m = point.order, len(self.further)
+        log_a, log_b = point.log_a.copy(), point.log_b.copy()
+        log_a[self.further] = theta[n : n + m]
+        if self.vertical == "free":
+            log_b[self.further] = theta[n + m : n + 2 * m]
+        slope = float(theta[-1]) if n > 1 else 0.0
+        return replace(point, log_tau=theta[:n], log_a=log_a, log_b=log_b, slope=slope)
+
+
+def _part(rows: _Rows, point: ShiftedSolid) -> Part:
+    (y, A, slope), k = rows, point.stiffnesses
+    return Part(y - A @ k, np.concatenate((A, slope(k)), axis=1))

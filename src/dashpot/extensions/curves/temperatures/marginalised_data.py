@@ -1,0 +1,231 @@
+r"""One test at one temperature, as rows of unit noise, freed of all that is its own.
+
+At the temperature T the solid of the reference answers with every relaxation time times
+:math:`a_T` and every stiffness times :math:`b_T`, so that a test is the same data at other
+relaxation times,
+
+.. math:: F_T(t) = b_T \Bigl[k_\infty x + \sum_j k_j\, q(t; a_T \tau_j)\Bigr]
+    + F_0 + \dot F t - \delta\,\dot F_T + \theta\,\partial_\theta F_T
+
+Offset, drift and delay are those of :mod:`dashpot.fitting.nuisance_priors`. The last term is a seal
+that warms by :math:`\theta` over the record: it answers in reduced time :math:`\int dt/a(T(t))`.
+What is known of the four beforehand makes them a part of the noise, whose rows are whitened for it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.datamodel.shift_factors import shifted_log_tau
+from dashpot.fitting.design_matrix import first_sample, motion
+from dashpot.fitting.fit_data import First
+from dashpot.fitting.nuisance_priors import Terms, kind_of, priors, terms_of, warmed
+from dashpot.fitting.relaxation_likelihood import laid_out, unseen
+from dashpot.numerics.design_matrices.block import DataBlock, Evaluation
+from dashpot.numerics.design_matrices.relaxation_kernels import compact_block
+from dashpot.numerics.inference.whitening import marginal
+from dashpot.signals.rig_disturbances import warming
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# relaxation times up to this factor outside a record's window are asked about
+BEYOND = 1e4
+WARMED = "warming@0"
+# relaxation times that stand for all, and the weakest direction that their columns know of
+_COLUMNS, _WEAKEST = 240, 5e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Own:
+    """One test by itself: its data, and what its own free fit says of them.
+
+    Attributes
+    ----------
+    record : RampHold
+    temperature : float
+        K.
+    bare : DataBlock
+        The data, with the columns of its load cell and of its clock.
+    spread : float
+        Standard deviation of one independent residual, N.
+    effective : float
+        Independent residuals.
+    chi_square : float
+        What the free fit leaves, in units of the noise.
+    parameters : int
+        Of the solid of that fit.
+    law : ElasticLaw or None
+        Where its ramp is not linear: the hold alone is then fitted, after this path.
+    warming : array or None
+        The column of a seal that warms by one kelvin over the record, N/K.
+    """
+
+    record: RampHold
+    temperature: float
+    bare: DataBlock
+    spread: float
+    effective: float
+    chi_square: float
+    parameters: int
+    law: ElasticLaw | None = None
+    warming: FloatArray | None = None
+
+    @classmethod
+    def of(cls, record: RampHold, temperature: float, first: First, law: ElasticLaw | None) -> Own:
+        """From its own free fit."""
+        noise, best = first.noises[0], first.solutions[-1]
+        block = first.data.blocks[0]
+        least = block.rounding_floor / noise.samples
+        spread = float(np.sqrt(max(noise.power, least, 1e-300)))
+        return cls(
+            record,
+            temperature,
+            block,
+            spread,
+            noise.effective,
+            float(best.sse) / spread**2,
+            1 + 2 * best.order,
+            law,
+        )
+
+    @cached_property
+    def block(self) -> DataBlock:
+        """The data with every column that is the test's own."""
+        if self.warming is None:
+            return self.bare
+        return self.bare.with_column(WARMED, self.warming)
+
+    @cached_property
+    def terms(self) -> Terms:
+        """What is known of those columns."""
+        return terms_of(self.record).beside(warming=warmed(self.record.specimen))
+
+    @property
+    def own_columns(self) -> list[int]:
+        """Which fixed columns are the test's own."""
+        return [i for i, name in enumerate(self.block.fixed_names) if name != "k_inf"]
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """What they are: ``"offset"``, ``"drift"``, ``"delay"``, ``"warming"``."""
+        return tuple(kind_of(self.block.fixed_names[i]) for i in self.own_columns)
+
+    @cached_property
+    def prior_rows(self) -> tuple[FloatArray, FloatArray]:
+        """What is known of its own columns as rows of unit noise, with their targets."""
+        prior = self.terms.rows(self.block, self.spread)
+        found, unit = prior.evaluate(np.zeros(0), False), float(np.sqrt(prior.variance or 1.0))
+        return found.fixed / unit, found.target / unit
+
+    @cached_property
+    def marginal(self) -> DataBlock:
+        """The data in a few rows of unit noise, its own columns projected out."""
+        return _marginal(self)
+
+    @property
+    def path(self) -> tuple[FloatArray, FloatArray]:
+        """Time and compression as a linear solid answers it, up to the end of the hold."""
+        time, x, _ = motion(self.record)
+        return time, x if self.law is None else self.law.path(x)
+
+    @property
+    def start(self) -> int:
+        """The first sample that is fitted."""
+        return first_sample(self.record) if self.law is None else self.record.settled.start
+
+    def warmed(self, solid: GeneralizedMaxwell, *, by_a: float, by_b: float) -> Own:
+        """Return the test with the column of a seal that warms while it is recorded.
+
+        Parameters
+        ----------
+        solid : GeneralizedMaxwell
+            At the temperature of the test.
+        by_a, by_b : float
+            Slopes of ln a_T and of ln b_T there, 1/K.
+        """
+        time, x = self.path
+        column = warming(time, x, solid, by_a=by_a, by_b=by_b)
+        return replace(self, warming=column[self.start :])
+
+    def unseen(self, solid: GeneralizedMaxwell) -> FloatArray:
+        """What the rig may add that no column looks for, N, one standard deviation each, (n, d).
+
+        Of the drift, what the fit holds to be less than it may be. `solid` is that at the
+        temperature of the test.
+        """
+        (time, x), known = self.path, priors(self.record)
+        at = laid_out(self.record, time)
+        found = unseen(self.record, time[at], x[at], solid)
+        # it is sought
+        del found["warming"]
+        each = [sd * np.interp(time, time[at], column) for column, sd in found.values()]
+        each.append(known.doubt.beyond(known.drift).sd * (time - known.at))
+        return np.column_stack(each)[self.start :]
+
+
+class _Basis(NamedTuple):
+    """Rows of unit noise that hold whatever a solid and the test's own columns can do.
+
+    Attributes
+    ----------
+    turn : array, shape (d, n)
+        From the rows of the compressed block.
+    target, fixed : arrays, shapes (d,) and (d, q)
+    floor : float
+        Sum of squares beside them.
+    """
+
+    turn: FloatArray
+    target: FloatArray
+    fixed: FloatArray
+    floor: float
+
+
+def _basis(compact: DataBlock, spread: float) -> _Basis:
+    low, high = compact.bounds
+    every = np.linspace(low - np.log(BEYOND), high + np.log(BEYOND), _COLUMNS)
+    found = compact.evaluate(every, False)
+    columns = np.concatenate((found.fixed, found.arms), axis=1)
+    size = np.linalg.norm(columns, axis=0)
+    left, strength, _ = np.linalg.svd(columns / np.where(size > 0, size, 1.0), full_matrices=False)
+    turn = left[:, strength > _WEAKEST * strength[0]].T / spread
+    target, whole = turn @ found.target, found.target / spread
+    aside = float(whole @ whole - target @ target) + compact.floor / spread**2
+    return _Basis(turn, target, turn @ found.fixed, max(aside, 0.0))
+
+
+def _marginal(test: Own) -> DataBlock:
+    compact = compact_block(test.block, beyond=BEYOND)
+    basis, names = _basis(compact, test.spread), compact.fixed_names
+    doubts, mean = test.terms.doubts(basis.fixed, names)
+    white = marginal(basis.fixed[:, :0], doubts)
+    data, left = white(basis.turn), white(basis.target - mean)
+    stiff = white(basis.fixed[:, [names.index("k_inf")]])
+
+    def at(log_tau: FloatArray, derivative: bool) -> Evaluation:
+        found = compact.evaluate(log_tau, derivative)
+        arms = data @ found.arms
+        return Evaluation(left, stiff, arms, data @ found.d_arms if derivative else arms)
+
+    return replace(compact, rows=at, fixed_names=("k_inf",), floor=basis.floor, arm_group="k")
+
+
+def moved(block: DataBlock, log_a: float, log_b: float, slope: float = 0.0) -> DataBlock:
+    """The data of another temperature as those of the reference: at other times, other sizes.
+
+    `slope` is how much further each decade of tau shifts.
+    """
+    low, high = block.window
+    a_t = float(np.exp(log_a))
+    return block.elsewhere(
+        lambda log_tau: shifted_log_tau(log_tau, log_a, slope),
+        float(np.exp(log_b)),
+        stretch=1 + log_a * slope / float(np.log(10.0)),
+        window=(low / a_t, high / a_t),
+    )

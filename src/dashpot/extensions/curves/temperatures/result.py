@@ -1,0 +1,123 @@
+"""What an optimum over several temperatures says: its shifts, their law, where it comes from."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.choices import ShiftLaw, Vertical
+from dashpot.base.provenance import Step, sources_of, steps_of
+from dashpot.base.units import celsius
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit_diagnostics import Provenance
+from dashpot.datamodel.shift_factors import TemperatureShifts, shifts_with
+from dashpot.extensions.curves.shift_law_fit import LawThroughShifts, law_through
+from dashpot.extensions.curves.temperatures.joint_covariance import left_of, of_tests, own_names
+from dashpot.extensions.curves.temperatures.joint_optimum import ThermalOptimum
+from dashpot.extensions.curves.temperatures.marginalised_data import Own
+from dashpot.fitting.fit_construction import UNJUDGED, FoundSolid, assembled, point_estimate
+from dashpot.solids.elastic import ElasticLaw
+
+
+def law_of(best: ThermalOptimum, covariance: FloatArray, law: ShiftLaw) -> LawThroughShifts:
+    """Return the law through the shifts, whose covariance begins with that of log10 a_T."""
+    joint, point, count = best.joint, best.point, len(best.joint.temperatures)
+    return law_through(
+        joint.temperatures,
+        point.log_a / np.log(10.0),
+        covariance[:count, :count],
+        reference=float(joint.temperatures[joint.reference]),
+        law=law,
+    )
+
+
+def shifts_of(
+    best: ThermalOptimum,
+    vertical: Vertical,
+    laid: LawThroughShifts,
+    covariance: FloatArray,
+    cross: FloatArray,
+) -> TemperatureShifts:
+    """Return the shifts, with what is known of them."""
+    joint, point = best.joint, best.point
+    log10_a, b = point.log_a / np.log(10.0), np.exp(point.log_b)
+    return TemperatureShifts(
+        laid.law,
+        shifts_with(joint.temperatures, log10_a, b, covariance),
+        covariance,
+        laid.parameters,
+        laid.covariance,
+        vertical,
+        slope=point.slope,
+        cross=cross,
+    )
+
+
+def _deepest(best: ThermalOptimum) -> Own:
+    """The test at the reference whose elastic law and specimen are those of the solid."""
+    joint = best.joint
+    there = [test for test, i in zip(best.tests, joint.at, strict=True) if i == joint.reference]
+    return max(there, key=lambda test: test.record.depth)
+
+
+def elastic_law(best: ThermalOptimum) -> ElasticLaw:
+    """Return the elastic law at the reference."""
+    deepest, k_inf = _deepest(best), best.point.k_inf
+    if deepest.law is None:
+        return ElasticLaw.linear(k_inf, deepest.record.depth)
+    return replace(deepest.law, stiffness=k_inf)
+
+
+def provenance(best: ThermalOptimum, shifts: TemperatureShifts) -> Provenance:
+    """Return which records were fitted, and how."""
+    records = [test.record for test in best.tests]
+    return Provenance(
+        "full",
+        sources_of(records),
+        (*steps_of(records), _step(best, shifts)),
+        replace(_deepest(best).record.specimen, temperature=shifts.reference),
+    )
+
+
+def _step(best: ThermalOptimum, shifts: TemperatureShifts) -> Step:
+    arms = best.point.order
+    listed = ", ".join(celsius(shift.temperature) for shift in shifts.shifts)
+    says = (
+        f"fitted a generalized Maxwell solid with {arms} arm{'s' * (arms != 1)} to "
+        f"{len(best.tests)} tests at {listed}; the solid is that of {celsius(shifts.reference)}, "
+        f"its shifts follow the {shifts.law.kind} law"
+    )
+    parameters = (
+        ("arms", "auto" if best.choice is not None else str(arms)),
+        ("thorough", str(best.thorough).lower()),
+        ("vertical", shifts.vertical),
+        ("temperatures_K", ", ".join(repr(float(test.temperature)) for test in best.tests)),
+        ("reference_K", repr(shifts.reference)),
+        ("law", shifts.law.kind),
+    )
+    return Step("fit", parameters, says)
+
+
+def point_alone(best: ThermalOptimum, vertical: Vertical, law: ShiftLaw, *, asked: int) -> Fit:
+    """Return the optimum as a fit of which nothing more is known.
+
+    The law is laid through the shifts as white noise would leave them.
+    """
+    joint, point = best.joint, best.point
+    turn = joint.shift_rows(joint.names(point.order))
+    laid = law_of(best, turn @ joint.covariance(point) @ turn.T, law)
+    unknown = np.where(turn.any(axis=1), np.inf, 0.0)
+    shifts = shifts_of(best, vertical, laid, np.diag(unknown), np.empty(0))
+    each = [left_of(joint, test, i, point) for i, test in enumerate(best.tests)]
+    left, own = (np.concatenate([getattr(one, part) for one in each]) for part in ("left", "own"))
+    nuisance = of_tests(own_names(best.tests), own, point, lambda _: np.inf)
+    estimate = point_estimate(point.solid, len(left), float(left @ left), nuisance)
+    return assembled(
+        FoundSolid(point.solid, estimate, fewer=point.order < asked),
+        UNJUDGED,
+        provenance(best, shifts),
+        elastic_law=elastic_law(best),
+        temperatures=shifts,
+    )

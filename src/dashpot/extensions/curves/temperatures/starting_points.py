@@ -1,0 +1,130 @@
+"""Where the descent starts, and how many arms: shifts by pairs, arms by the engine."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.extensions.curves.superposition.pairwise_shifts import chained
+from dashpot.extensions.curves.temperatures.joint_problem import JointTests, ShiftedSolid
+from dashpot.extensions.curves.temperatures.marginalised_data import moved
+from dashpot.numerics.design_matrices.block import DataBlock
+from dashpot.numerics.exponential_fit.variable_projection import solve_orders
+from dashpot.numerics.inference.model_order import bic_of_deviance
+from dashpot.numerics.least_squares.problem import Parameter, Problem, Rows
+
+# decades that a colder test may lie away from its warmer neighbour, and a wrong order of them
+_FARTHEST, _BACK, _STEP = 4.0, 0.5, 0.1
+_PER_DECADE = 8
+# shifts and numbers of arms are sought again from each other
+_ROUNDS = 2
+
+
+class OrderCandidate(NamedTuple):
+    """One number of arms.
+
+    Attributes
+    ----------
+    point : ShiftedSolid
+    bic : float
+    """
+
+    point: ShiftedSolid
+    bic: float
+
+
+def first_shifts(joint: JointTests) -> FloatArray:
+    """Return ln a_T of every temperature, each on its neighbour, 0 at the reference."""
+    falls = np.arange(-_BACK, _FARTHEST + _STEP / 2, _STEP) * np.log(10.0)
+    pairs = range(len(joint.temperatures) - 1)
+    return chained(((_pair(joint, i, falls), falls) for i in pairs), joint.reference)
+
+
+def _pair(joint: JointTests, i: int, falls: FloatArray) -> Problem:
+    """One positive spectrum for temperature i and the next warmer one, over how far ln a falls."""
+    log_b = joint.held_log_b
+
+    def of(at: int, fall: float) -> list[DataBlock]:
+        every = zip(joint.blocks, joint.at, strict=True)
+        return [moved(one, fall, log_b[at] - log_b[i + 1]) for one, here in every if here == at]
+
+    ends = [*of(i, falls[0]), *of(i, falls[-1]), *of(i + 1, 0.0)]
+    low, high = min(one.bounds[0] for one in ends), max(one.bounds[1] for one in ends)
+    grid = np.linspace(low, high, int((high - low) / np.log(10.0) * _PER_DECADE) + 2)
+    warm = [block.evaluate(grid, False) for block in of(i + 1, 0.0)]
+
+    def rows(theta: FloatArray) -> Rows:
+        found = [*(block.evaluate(grid, False) for block in of(i, theta[0])), *warm]
+        columns = [np.concatenate((one.fixed, one.arms), axis=1) for one in found]
+        return Rows(np.concatenate([one.target for one in found]), np.concatenate(columns))
+
+    return Problem(rows, [Parameter()], positive=True)
+
+
+def candidates(
+    joint: JointTests, start: FloatArray, most: int, *, effective: float, thorough: bool
+) -> tuple[OrderCandidate, ...]:
+    """Return the best point of every number of arms, from none up to `most`.
+
+    Parameters
+    ----------
+    joint : JointTests
+    start : array, shape (T,)
+        Ln a_T.
+    most : int
+    effective : float
+        Independent residuals.
+    thorough : bool
+        Add quasi-random starts.
+    """
+    best: dict[int, OrderCandidate] = {}
+    log_a, log_b = start, joint.held_log_b
+    for _ in range(_ROUNDS):
+        blocks = [
+            moved(block, log_a[i], log_b[i])
+            for block, i in zip(joint.blocks, joint.at, strict=True)
+        ]
+        for solution in solve_orders(blocks, most, thorough=thorough):
+            k = np.maximum(solution.arms[0], 0.0) if solution.order else np.zeros(0)
+            there = k > 0
+            point = joint.descend(
+                ShiftedSolid(
+                    max(solution.coefficient("k_inf"), 0.0),
+                    k[there],
+                    solution.log_tau[there],
+                    np.array(log_a),
+                    np.array(log_b),
+                )
+            )
+            _keep(best, joint, point, effective)
+        chosen = min(best.values(), key=lambda one: one.bic).point
+        log_a, log_b = chosen.log_a, chosen.log_b
+    return tuple(best[n] for n in sorted(best))
+
+
+def again(
+    joint: JointTests, found: Sequence[OrderCandidate], effective: float
+) -> tuple[OrderCandidate, ...]:
+    """Return candidates descended anew, from where they were, on data that changed a little."""
+    best: dict[int, OrderCandidate] = {}
+    for one in found:
+        _keep(best, joint, joint.descend(one.point), effective)
+    return tuple(best[n] for n in sorted(best))
+
+
+def _keep(
+    best: dict[int, OrderCandidate], joint: JointTests, point: ShiftedSolid, effective: float
+) -> None:
+    there = point.alive
+    if not there.all():
+        point = replace(point, k=point.k[there], log_tau=point.log_tau[there])
+        point = joint.descend(point)
+    parameters = len(joint.names(point.order))
+    score = bic_of_deviance(point.chi_square, effective=effective, parameters=parameters)
+    before = best.get(point.order)
+    if before is None or score < before.bic:
+        best[point.order] = OrderCandidate(point, score)

@@ -1,0 +1,77 @@
+"""The figure of a relaxation modulus: what was measured, the fit, and what that leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.number_format import rounded
+from dashpot.datamodel.fit import Fit
+from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
+from dashpot.plot.picture import (
+    FIT,
+    REF,
+    Dots,
+    Line,
+    Panel,
+    Picture,
+    Rule,
+    Scale,
+    around,
+    around_log,
+    read_as,
+)
+from dashpot.plot.provenance_stamp import of_fit
+
+TIME = "time, s"
+
+
+def modulus(fit: Fit, data: RelaxationModulus, *, stamp: str = "") -> Picture:
+    """A relaxation modulus over log time with the fit to it, and the residual in per cent.
+
+    Parameters
+    ----------
+    fit : Fit
+    data : RelaxationModulus
+        What it was fitted to.
+    stamp : str
+        What the figure says of its origin; by default the fit's files, specimen and date.
+    """
+    panels = answer_panels(
+        data.time, data.modulus, answer=fit.solid.relaxation, unit=data.unit,
+        name="relaxation modulus", axis=TIME,
+    )  # fmt: skip
+    caption = "Relaxation modulus: measured, the fit to it, and what that leaves."
+    return Picture("modulus", caption, (panels,), 1, stamp or of_fit(fit))
+
+
+def answer_panels(
+    time: FloatArray,
+    values: FloatArray,
+    *,
+    answer: Callable[[FloatArray], FloatArray],
+    unit: str,
+    name: str,
+    axis: str,
+) -> tuple[Panel, Panel]:
+    """The answer to a step over log time with that of a solid, and the residual in per cent."""
+    word, scale = read_as(unit)
+    known = time > 0
+    t, measured = time[known], scale * values[known]
+    dense = np.geomspace(t[0], t[-1], 300)
+    curve = scale * answer(dense)
+    left = 100 * (measured / (scale * answer(t)) - 1)
+    across = Scale(axis, (float(t[0]), float(t[-1])), log=True)
+    upper = Panel(
+        across, Scale(f"{name}, {word}", around_log(measured, curve), log=True),
+        (Line(dense, curve, FIT, "fit"), Dots(t, measured, "measured", "measured")),
+        height=240,
+    )  # fmt: skip
+    lower = Panel(
+        across, Scale("residual, %", around(left, np.zeros(1), margin=0.1)),
+        (Rule(0.0, REF, across=True), Dots(t, left, "fit")),
+        height=90, note=f"rms {rounded(float(np.sqrt(np.mean(left**2))))} %",
+    )  # fmt: skip
+    return upper, lower

@@ -1,0 +1,338 @@
+"""From the file of a door to its modes, FRFs and response to a base that shakes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError, ReadError
+from dashpot.datamodel.compression_limits import refuse_far
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.free_modes import FreeModes
+from dashpot.datamodel.seal_line import SealLine, SealSection, Shear
+from dashpot.extensions.curves.temperatures.checks import temperature_tested
+from dashpot.extensions.door import checks as asked
+from dashpot.extensions.door.assembly import BODY, DOOR, Assembly, implied_mass
+from dashpot.extensions.door.door_model import Door, DoorPoint, SealChoice
+from dashpot.extensions.door.modes import (
+    DoorMode,
+    basis_error,
+    door_modes,
+    farthest,
+    left_sideways,
+    loose_motions,
+    oscillations,
+    station_error,
+)
+from dashpot.extensions.door.mounts import SEAL
+from dashpot.extensions.door.read import read_door
+from dashpot.extensions.door.read_modes import read_modes
+from dashpot.extensions.door.result import DoorResult, Shaken
+from dashpot.reading.raw_file import about
+from dashpot.reading.readers.psd import read_psd
+from dashpot.solids.maxwell import Solid
+from dashpot.vibration.checks import compression_tested
+from dashpot.vibration.systems.bodies import Point
+from dashpot.vibration.systems.random_base import RandomResponse, random_response
+from dashpot.workflow.json_files import read_fit, stored, told_as
+
+__all__ = ["DoorResult", "door_file", "open_door"]
+
+LINES = 2001
+"""Of an FRF."""
+
+
+def open_door(
+    path: str | Path | Door, *, temperature: float | None = None
+) -> tuple[Assembly, Fit | None]:
+    """Return the door of a file with its seal, parts and modes, and the fit of its seal.
+
+    Parameters
+    ----------
+    path : path or Door
+        TOML, as :func:`~dashpot.extensions.door.read.read_door` reads it, or what it reads.
+    temperature : float, optional
+        Of the seal, K, instead of what the file says.
+
+    Raises
+    ------
+    ReadError
+        If a file cannot be read, or what it says cannot be.
+    """
+    door = path if isinstance(path, Door) else read_door(path)
+    modes = None
+    if door.modes is not None:
+        choice = door.modes
+        modes = read_modes(
+            choice.path, unit=choice.unit, modal_mass=choice.modal_mass, damping=choice.damping
+        )
+        kept = modes.frequency <= choice.most
+        if not kept.any():
+            raise ReadError(f"{choice.path}: no mode lies below {choice.most:g} Hz (most)")
+        modes = modes.only(kept)
+    with named(path):
+        fit = None
+        if door.seal is not None and door.line is not None:
+            choice_of_seal = door.seal
+            fit = read_fit(choice_of_seal.fit)
+            kelvin = choice_of_seal.temperature if temperature is None else temperature
+            section = SealSection.of(
+                fit,
+                length=choice_of_seal.length,
+                temperature=kelvin,
+                shear=shear_of(choice_of_seal, kelvin),
+                friction=choice_of_seal.friction,
+            )
+            fit = fit if kelvin is None else fit.at_temperature(kelvin)
+            if door.line.compression is not None:
+                most = float(door.line.compression.max())
+                refuse_far(most, fit.elastic_law, fit.specimen.height)
+            door = replace(door, line=replace(door.line, section=section))
+        return Assembly(door, modes, dict(_parts_of(door))), fit
+
+
+def shear_of(choice: SealChoice, temperature: float | None) -> Shear:
+    """What the seal of a door answers sideways: ratios, or one metre of what was tested so.
+
+    Raises
+    ------
+    ReadError
+        If a fit cannot be read.
+    DataError
+        If it is of no part, of another temperature, or its length is not known.
+    """
+    said, band = choice.shear, None
+    found: list[float | Solid] = []
+    for one in (said.across, said.along):
+        if not isinstance(one, str):
+            found.append(one)
+            continue
+        fit = read_fit(one)
+        try:
+            section = SealSection.of(fit, length=said.length, temperature=temperature)
+        except DataError as error:
+            raise DataError(f"{one}: {error}") from None
+        found.append(section.solid)
+        band = _of_both(band, section.band)
+    across, along = found
+    return Shear(across, along, band)
+
+
+def _of_both(
+    one: tuple[float, float] | None, other: tuple[float, float] | None
+) -> tuple[float, float] | None:
+    """The frequencies that both tests inform, Hz; (0, 0) where they have none in common."""
+    if one is None or other is None:
+        return one or other
+    low, high = max(one[0], other[0]), min(one[1], other[1])
+    return (low, high) if low <= high else (0.0, 0.0)
+
+
+def named(path: str | Path | Door) -> AbstractContextManager[None]:
+    """Put a file's name before what is wrong; a door that was read has none."""
+    return nullcontext() if isinstance(path, Door) else about(Path(path).name)
+
+
+def _parts_of(door: Door) -> Iterator[tuple[str, Solid]]:
+    """Hinges, latch and bumpers that a fit describes, at their compression."""
+    for support in (*door.hinges, *((door.latch,) if door.latch else ()), *door.bumpers):
+        if not support.fit:
+            continue
+        found = stored(support.fit)
+        if isinstance(found, Fit):
+            here = found.at_compression(support.compression) if support.compression else found
+            yield support.fit, here.solid
+        elif isinstance(found, Solid):
+            yield support.fit, found
+        else:
+            raise ReadError(f"{told_as(support.fit, found)}; expected a fit")
+
+
+BAND = (1.0, 200.0)
+"""Hz, where none is said."""
+
+
+def door_file(
+    path: str | Path | Door,
+    *,
+    band: tuple[float, float] | None = None,
+    temperature: float | None = None,
+) -> DoorResult:
+    """Find the modes of a door on its seal, its FRFs, and how it follows a base that shakes.
+
+    Parameters
+    ----------
+    path : path or Door
+        TOML, as :func:`~dashpot.extensions.door.read.read_door` reads it, or what it reads.
+    band : (float, float), optional
+        Of the FRFs and modes, Hz; 1 to 200 Hz by default.
+    temperature : float, optional
+        Of the seal, K, instead of what the file says.
+
+    Raises
+    ------
+    ReadError
+        If a file cannot be read, or what it says cannot be.
+    """
+    assembly, fit = open_door(path, temperature=temperature)
+    band = band or BAND
+    with named(path):
+        system, bare = assembly.system(), assembly.system(sealed=False)
+        modes = door_modes(assembly, band[1])
+        points = _points(assembly)
+        driven = next(one for one in points if one.on == DOOR)
+        lines = np.linspace(*band, LINES)
+        frfs = []
+        for one in points:
+            sealed, loose = (
+                each.frf(response=_place(one), force=_place(driven), frequency=lines)
+                for each in (system, bare)
+            )
+            frfs.append((one.name, sealed, loose))
+        shaken = tuple(_shaken(assembly, points)) if assembly.door.base else ()
+        return DoorResult(
+            assembly,
+            fit,
+            band,
+            modes,
+            tuple(mode.frequency for mode in oscillations(bare, band[1])),
+            driven,
+            tuple(frfs),
+            shaken,
+            (*(fit.checks if fit else ()), *_asked(assembly, fit, modes, band[1])),
+        )
+
+
+def _points(assembly: Assembly) -> tuple[DoorPoint, ...]:
+    """Those of the file, the first on the door being driven; else the corner farthest away."""
+    door = assembly.door
+    if any(one.on == BODY for one in door.points) and door.body is None:
+        raise DataError(
+            "a point is on the body, which stands still: give [body] a mass, inertia and centre"
+        )
+    if any(one.on == DOOR for one in door.points):
+        return door.points
+    return (_corner(assembly), *door.points)
+
+
+def _corner(assembly: Assembly) -> DoorPoint:
+    """The point of the door that is farthest from its hinges."""
+    door, modes = assembly.door, assembly.modes
+    held = np.array([one.at for one in door.hinges] or [assembly.body().at])
+    places = door.line.points if door.line else modes.place if modes else held
+    away = np.linalg.norm(places[:, None] - held, axis=2).min(axis=1)
+    x, y, z = places[int(away.argmax())].tolist()
+    a, b, c = (0.0, 0.0, 1.0)
+    if door.line:
+        a, b, c = door.line.normal_at(door.line.along[int(away.argmax())]).tolist()
+    return DoorPoint("farthest from the hinges", (x, y, z), (a, b, c))
+
+
+def _place(one: DoorPoint) -> Point:
+    return Point(one.on, one.at, one.along)
+
+
+def _shaken(assembly: Assembly, points: tuple[DoorPoint, ...]) -> Iterator[Shaken]:
+    door = assembly.door
+    if door.body is not None:
+        raise DataError(
+            "[base] shakes a body that [body] lets move by itself: leave one of both out"
+        )
+    base = read_psd(door.base)
+    for one in points:
+        found: list[RandomResponse | None] = []
+        for sealed in (True, False):
+            try:
+                response = random_response(
+                    assembly.system(sealed=sealed),
+                    response=_place(one),
+                    psd=base.density,
+                    frequency=base.frequency,
+                    base=BODY,
+                    along=door.base_along,
+                )
+            except DataError:
+                if sealed:
+                    raise
+                response = None
+            found.append(response)
+        if found[0] is not None:
+            yield Shaken(one.name, found[0], found[1])
+
+
+def _asked(
+    assembly: Assembly, fit: Fit | None, modes: tuple[DoorMode, ...], below: float
+) -> Iterator[Check]:
+    """Every check of a door."""
+    door = assembly.door
+    yield from _asked_sideways(assembly)
+    yield asked.door_held(loose_motions(assembly.system()))
+    if fit is not None and door.line is not None:
+        felt = [(one.mode.frequency, max(one.share(SEAL), one.loss_share(SEAL))) for one in modes]
+        section = door.line.section
+        band = fit.band if section is None else _of_both(fit.band, section.shear.band)
+        yield asked.door_modes_informed(felt, band)
+        yield from _asked_of_line(door.line, assembly, fit, below)
+        if fit.temperatures is not None and fit.specimen.temperature is not None:
+            yield temperature_tested(fit.temperatures, fit.specimen.temperature)
+    if assembly.modes is not None:
+        yield from _asked_of_modes(assembly.modes, assembly, below)
+
+
+def _asked_sideways(assembly: Assembly) -> Iterator[Check]:
+    """What the seal's section holds across the way in which it is pressed."""
+    line = assembly.door.line
+    section = None if line is None else line.section
+    if line is None or section is None:
+        return
+    if not section.shear.holds:
+        yield asked.line_holds_sideways(*left_sideways(assembly))
+        return
+    stations = line.stations(assembly.door.pitch)
+    normal, *others = (one.solid.k_inf * one.share.sum() for one in section.ways(stations))
+    if normal > 0:
+        yield asked.shear_usual(float(max(others) / normal))
+
+
+def _asked_of_line(line: SealLine, assembly: Assembly, fit: Fit, below: float) -> Iterator[Check]:
+    """Whether the seal is all there, finely enough, and pressed as it was tested."""
+    apart = float(np.linalg.norm(line.points[0] - line.points[-1]))
+    pieces = np.diff(line.along).tolist()
+    yield asked.line_closed(line.length, 0.0 if line.closed else apart, pieces)
+    yield asked.stations_suffice(station_error(assembly, below), assembly.door.pitch)
+    stations = line.stations(assembly.door.pitch)
+    pressed = stations.compression
+    if pressed is not None:
+        yield touches_along(pressed, stations.along, line.length)
+        law = fit.elastic_law
+        yield compression_tested(float(pressed.max()), None if law is None else law.depth)
+
+
+def touches_along(pressed: FloatArray, along: FloatArray, length: float) -> Check:
+    """Return whether the seal touches at all stations, by their compressions and places, m."""
+    worst = int(pressed.argmin())
+    return asked.seal_touches(
+        float((pressed < 0).mean()),
+        length=length,
+        least=float(pressed[worst]),
+        where=float(along[worst]),
+        most=float(pressed.max()),
+    )
+
+
+def _asked_of_modes(modes: FreeModes, assembly: Assembly, below: float) -> Iterator[Check]:
+    """Whether the shapes are known where they are held, and enough of them."""
+    yield asked.shapes_known_there(*farthest(assembly, modes))
+    elastic = modes.frequency[~modes.rigid]
+    highest = float(elastic.max(initial=0.0))
+    yield asked.modes_suffice(basis_error(assembly, below), len(elastic), highest)
+    rigid = assembly.door.rigid
+    implied = None if rigid is None else implied_mass(modes, rigid)
+    if rigid is not None and implied is not None:
+        yield asked.masses_agree(rigid.mass, implied)

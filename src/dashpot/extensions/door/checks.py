@@ -1,0 +1,225 @@
+"""What a door on its seal can be trusted with, as criteria with a sentence."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from dashpot.base.checks import Finding, criterion
+from dashpot.base.plausibility import SIZES
+from dashpot.base.units import written
+
+NOT_THERE = 0.3
+"""m, beyond which shapes are not those of this door."""
+ANOTHER = 2.0
+"""Ratio of masses, so too."""
+JUMP = 10.0
+"""Times the longest of the other pieces, beyond which that which closes a line skips points."""
+HELD_BY_SEAL = 0.01
+"""Share of a mode's energy, or of its loss, in the seal above which its test has a say."""
+
+
+@criterion("distance from the band, a factor", "<=", 1.0, "the band of the fit")
+def door_modes_informed(
+    modes: Sequence[tuple[float, float]], band: tuple[float, float] | None
+) -> Finding:
+    """Modes of which the seal holds or loses a hundredth lie where its test informs it.
+
+    `modes` are their frequencies, Hz, and the seal's share of their energy or loss.
+    """
+    felt = [f for f, share in modes if share > HELD_BY_SEAL]
+    if band is None or not felt:
+        return Finding("The seal holds no mode of the door, or its test has no valid band")
+    low, high = band
+    if not high > 0:
+        return Finding(
+            "No test behind the fit of the seal has a valid band", math.inf, remedy="Test the seal."
+        )
+    away = {f: max(f / high, low / f) for f in felt}
+    outside = [f for f in felt if away[f] > 1]
+    worst = max(away.values())
+    first = [f"{f:.3g}" for f in outside[:3]]
+    listed = " and ".join(first) if len(outside) < 3 else ", ".join(first)
+    listed += " and more" if len(outside) > 3 else ""
+    return Finding(
+        f"All {len(felt)} modes that the seal affects lie in the valid band of its test",
+        worst,
+        instead=f"The seal's damping is not known at {listed} Hz. Its test covers {low:.2g} to "
+        f"{high:.2g} Hz. {len(outside)} of {len(felt)} modes that it affects lie outside, up to "
+        f"{worst:.3g} times",
+        remedy="Test the seal with a hammer, or in the cold.",
+    )
+
+
+@criterion(
+    "part of the line", "<=", 0.0, "by definition: there it leaks",
+    otherwise="stop where nothing is pressed",
+)  # fmt: skip
+def seal_touches(part: float, *, length: float, least: float, where: float, most: float) -> Finding:
+    """The seal reaches its counterpart all along the line."""
+    if most <= 0:
+        return Finding(
+            f"No station of the seal is pressed: the compression is {written(most, 'mm', '.3g')} "
+            "at most",
+            part,
+            remedy="Check compression, gap and height in [seal], and their units.",
+            faulted=True,
+            grade="stop",
+        )
+    return Finding(
+        "The seal touches all along the line",
+        part,
+        instead=f"{written(part * length, 'mm')} of {length:.3g} m of seal do not touch: there is "
+        f"a leak. The gap is largest at {where:.4g} m along the line, "
+        f"{written(-least, 'mm', '.3g')}",
+        remedy="Close the gap there, or use a higher seal.",
+    )
+
+
+@criterion("motions", "<=", 0, "our choice: a tenth of a seal as stiff sideways as it is pressed")
+def line_holds_sideways(motions: int, slowest: float | None) -> Finding:
+    """What holds the door sideways is there: hinges, latch, or the shear of its seal."""
+    several = motions > 1
+    near = "" if slowest is None else f" from {slowest:.3g} Hz"
+    return Finding(
+        "Hinges, latch or bumpers hold the door where its seal line does not, in its plane",
+        motions,
+        instead=f"In-plane motion is held by nothing: no shear is given, and {motions} "
+        f"motion{'s' * several} {'are' if several else 'is'} free{near}",
+        remedy="Give across and along in [seal.shear].",
+    )
+
+
+@criterion(
+    "sideways / pressed", "<=", SIZES["shear"].soft[1],
+    "our choice: G/E of a block is 1/3, bulbs have 0.1 to 0.5",
+)  # fmt: skip
+def shear_usual(ratio: float) -> Finding:
+    """The seal is no stiffer sideways than seals are."""
+    return Finding(
+        f"The seal is {ratio:.3g} times as stiff sideways as where it is pressed",
+        ratio,
+        "Hardly any seal is so stiff that way, and the door's modes in its plane rest on it",
+        "Check across and along in [seal.shear], or the length of the piece that was tested.",
+    )
+
+
+@criterion(source="our choice: most door seals are closed", grade="note")
+def line_closed(length: float, apart: float, pieces: Sequence[float] = (1.0, 1.0)) -> Finding:
+    """The seal line ends where it begins, and no long piece alone closes it."""
+    closing, longest = pieces[-1], max(pieces[:-1])
+    jumps = closing > JUMP * longest
+    return Finding(
+        f"The seal line of {length:.4g} m is closed",
+        instead=f"The seal line of {length:.4g} m is closed by a straight piece of "
+        f"{written(closing, 'mm')}, and no other is longer than {written(longest, 'mm')}"
+        if jumps and not apart > 0
+        else f"The seal line of {length:.4g} m ends {written(apart, 'mm')} from where it begins",
+        remedy="Add its last points, if some are missing.",
+        faulted=apart > 0 or jumps,
+    )
+
+
+@criterion("change of frequency", "<=", 1e-3, "our choice: below what a door is tuned to")
+def stations_suffice(change: float, pitch: float) -> Finding:
+    """Half the distance of the stations changes no mode."""
+    return Finding(
+        f"With stations twice as dense as {written(pitch, 'mm')} no mode moves by more than "
+        f"{100 * change:.2g} %",
+        change,
+        remedy="Use a smaller pitch in [seal].",
+    )
+
+
+@criterion("change of frequency", "<=", 5e-3, "our choice: half a percent")
+def modes_suffice(change: float | None, kept: int, highest: float) -> Finding:
+    """The elastic modes of the door are enough: without the upper third of them little changes."""
+    if change is None:
+        return Finding(f"{kept} elastic modes are too few to judge whether they are enough")
+    return Finding(
+        f"Without the upper third of {kept} elastic modes, to {highest:.4g} Hz, those below move "
+        f"by {100 * change:.2g} %",
+        change,
+        remedy="Give more modes of the door, to higher frequencies.",
+    )
+
+
+@criterion(
+    "distance, m", "<=", 0.03, "our choice: a tenth of a short panel wave",
+    otherwise="stop beyond 0.3",
+)  # fmt: skip
+def shapes_known_there(away: float, place: str) -> Finding:
+    """Shapes are known near the seal, the supports and the points."""
+    return Finding(
+        f"The shapes are known within {written(away, 'mm', '.3g')} of all places that are used",
+        away,
+        instead=f"The shapes are known only {written(away, 'mm', '.3g')} from {place}",
+        remedy="Export points there, or check the axes and the unit of the modes.",
+        grade="stop" if away > NOT_THERE else "limit",
+    )
+
+
+@criterion("ratio of masses", "x/", 1.05, "5 %: trim is often left out", otherwise="stop beyond 2")
+def masses_agree(stated: float, implied: float) -> Finding:
+    """The rigid modes weigh what [door] says."""
+    return Finding(
+        f"The rigid modes weigh {implied:.4g} kg; [door] gives {stated:.4g} kg",
+        implied / stated,
+        "The modal masses or the units of the modes are wrong, or the modes are of another door",
+        "Check the mass in [door], and the units of the modes.",
+        grade="limit" if 1 / ANOTHER <= implied / stated <= ANOTHER else "stop",
+    )
+
+
+@criterion("motions", "<=", 0, "by definition")
+def door_held(loose: int) -> Finding:
+    """Something holds the door in every motion in which it is free."""
+    return Finding(
+        "Every motion of the door is held",
+        loose,
+        instead=f"{loose} motions of the door are free, and have no natural frequency",
+        remedy="Check that no hinge or latch is missing, and along which directions they act.",
+    )
+
+
+@criterion("distance from the band, a factor", "<=", 1.0, "the band of the fit")
+def closing_informed(
+    seconds: float,
+    band: tuple[float, float] | None,
+    *,
+    glassy: float,
+    known: tuple[float, float] | None,
+) -> Finding:
+    """A door that closes presses its seal as slowly as the test of it informs.
+
+    An even press over a time T is taken as a quarter of a period, 1/(4 T); `glassy` is
+    k_0/k_inf of the fit, `known` the least speeds that its doubt leaves, m/s.
+    """
+    if band is None or not band[1] > 0 or not seconds > 0:
+        return Finding("The valid band of the seal's test is not known")
+    factor = 1 / (4 * seconds) / band[1]
+    speeds = ""
+    if known is not None:
+        ends = f"lies between {known[0]:.3g} and {known[1]:.3g} m/s"
+        if math.isinf(known[1]):
+            ends = f"is {known[0]:.3g} m/s or more"
+        speeds = f"The least closing speed {ends}. "
+    return Finding(
+        f"The door presses its seal in {written(seconds, 'ms', '.3g')}, as slowly as its test",
+        factor,
+        instead=f"{speeds}The door presses its seal in {written(seconds, 'ms', '.3g')}, "
+        f"{factor:.3g} times faster than its test did. There the fit gives {glassy:.3g} times the "
+        "relaxed force",
+        remedy="Test the seal faster, or in the cold.",
+    )
+
+
+@criterion(source="by definition", grade="note")
+def faster_doors_close(closes: bool) -> Finding:
+    """Every door that is faster than the least speed closes."""
+    return Finding(
+        "Every faster door that was tried closes too",
+        instead="Some faster doors do not close. The air takes more, the faster the door",
+        remedy="Look at the air in the energy table.",
+        faulted=not closes,
+    )

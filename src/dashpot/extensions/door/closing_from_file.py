@@ -1,0 +1,66 @@
+"""From the file of a door to how it closes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base.checks import Check
+from dashpot.datamodel.fit import Fit
+from dashpot.extensions.door import checks as asked
+from dashpot.extensions.door.analyse_file import named, open_door, touches_along
+from dashpot.extensions.door.closing_analysis import Closing, SealDoubt, close_door
+from dashpot.extensions.door.closing_result import ClosingResult
+from dashpot.extensions.door.door_model import Door
+from dashpot.vibration.checks import compression_tested
+
+__all__ = ["ClosingResult", "close_file"]
+
+
+def close_file(
+    path: str | Path | Door, speed: float, *, temperature: float | None = None
+) -> ClosingResult:
+    """Close the door of a file against its seal.
+
+    Parameters
+    ----------
+    path : path or Door
+        TOML, as :func:`~dashpot.extensions.door.read.read_door` reads it.
+    speed : float
+        At the door's edge where it begins, m/s.
+    temperature : float, optional
+        Of the seal, K, instead of what the file says.
+
+    Raises
+    ------
+    ReadError
+        If a file cannot be read, or what it says cannot be.
+    DataError
+        If the file lacks what closing needs.
+    """
+    assembly, fit = open_door(path, temperature=temperature)
+    with named(path):
+        found = close_door(
+            assembly.door, speed=speed, doubt=None if fit is None else SealDoubt.of(fit)
+        )
+        return ClosingResult(assembly.door, fit, found, tuple(_asked(found, fit)))
+
+
+def _asked(found: Closing, fit: Fit | None) -> Iterator[Check]:
+    yield asked.faster_doors_close(found.monotone)
+    pressed, pieces = found.door.compression, found.door.length
+    yield touches_along(pressed, np.cumsum(pieces) - 0.5 * pieces, float(pieces.sum()))
+    if fit is None:
+        return
+    solid = found.door.section.solid
+    yield asked.closing_informed(
+        found.sealing,
+        fit.band,
+        glassy=solid.k_0 / solid.k_inf if solid.k_inf > 0 else float("inf"),
+        known=found.interval,
+    )
+    law = fit.elastic_law
+    yield compression_tested(float(pressed.max()), None if law is None else law.depth)
+    yield from fit.checks

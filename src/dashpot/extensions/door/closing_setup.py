@@ -1,0 +1,311 @@
+"""What else resists a door that closes: air, latch, check, friction, weight; and what varies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import DataError
+from dashpot.base.units import written
+from dashpot.base.validators import not_negative, picked, positive
+
+Vector: TypeAlias = tuple[float, float, float]
+
+DISCHARGE = 0.62
+"""Of a sharp-edged hole."""
+ADIABATIC, ISOTHERMAL = 1.4, 1.0
+"""Exponents n of p ~ density^n."""
+
+
+class Ajar(NamedTuple):
+    """A door at an angle.
+
+    Attributes
+    ----------
+    angle : float
+        From closed, rad.
+    pressed, gap : array, shape (doors, stations)
+        How far the seal is pressed, and what it lacks to its counterpart, m, >= 0.
+    length : array, shape (stations,)
+        m of seal that each stands for.
+    lever : array, shape (stations,)
+        By how much the gap grows with the angle, m.
+    """
+
+    angle: float
+    pressed: FloatArray
+    gap: FloatArray
+    length: FloatArray
+    lever: FloatArray
+
+
+@dataclass(frozen=True)
+class Air:
+    r"""Air that the door presses out through holes and gaps.
+
+    Attributes
+    ----------
+    discharge : float
+        Coefficient of the openings.
+    exponent : float
+        n of :math:`p \sim \rho^n`: 1.4 adiabatic, 1 isothermal.
+    """
+
+    discharge: float = DISCHARGE
+    exponent: float = ADIABATIC
+
+    def __post_init__(self) -> None:
+        if not 0 < self.discharge <= 1 or self.exponent not in {ADIABATIC, ISOTHERMAL}:
+            raise DataError(
+                f"a discharge coefficient of {self.discharge:g}, an exponent of "
+                f"{self.exponent:g}; expected > 0 and at most 1, and 1.4 or 1"
+            )
+
+    def chambers(self, door: Ajar) -> tuple[FloatArray, FloatArray]:
+        """Volumes, m^3, and openings, m^2, each of shape (doors, chambers)."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class Vents(Air):
+    """Holes in the bulb of the seal, which closing empties: a chamber at every station.
+
+    Attributes
+    ----------
+    width : float
+        Of the bulb where it is pressed, m.
+    section : float
+        Area of the free bulb's hollow, m^2.
+    opening : float
+        Of the holes of one metre of seal, m^2/m; 0 is a sealed bulb.
+    """
+
+    width: float = 0.0
+    section: float = 0.0
+    opening: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        positive("the vents: ", width=self.width, section=self.section)
+        not_negative("the vents: ", opening=self.opening)
+
+    def chambers(self, door: Ajar) -> tuple[FloatArray, FloatArray]:
+        """The hollow less what is pressed out of it."""
+        hollow = self.section - self.width * door.pressed
+        if (hollow <= 0).any():
+            raise DataError(
+                f"a bulb of {written(self.section, 'mm^2')} that is {written(self.width, 'mm')} "
+                f"wide has no air left when pressed by {written(door.pressed.max(), 'mm')}; give "
+                "the area of its hollow and the width over which it is pressed"
+            )
+        return door.length * hollow, np.broadcast_to(door.length * self.opening, hollow.shape)
+
+
+@dataclass(frozen=True)
+class Between(Air):
+    """Air between two seals, which escapes past the one that does not touch yet.
+
+    Attributes
+    ----------
+    width : float
+        Distance of the two seals, m.
+    depth : float
+        Of the room between them with the door closed, m.
+    opening : float
+        Of drains and leaks of one metre, m^2/m.
+    """
+
+    width: float = 0.0
+    depth: float = 0.0
+    opening: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        positive("the air between the seals: ", width=self.width, depth=self.depth)
+        not_negative("the air between the seals: ", opening=self.opening)
+
+    def chambers(self, door: Ajar) -> tuple[FloatArray, FloatArray]:
+        """The room between the seals, and its leaks with the gap that is still open."""
+        depth = self.depth + np.maximum(door.lever, 0.0) * door.angle
+        volume = np.broadcast_to(door.length * self.width * depth, door.gap.shape)
+        return volume, door.length * (self.opening + door.gap)
+
+
+@dataclass(frozen=True)
+class Cabin(Air):
+    """The air of the cabin, into which the door sweeps.
+
+    Attributes
+    ----------
+    volume : float
+        m^3.
+    area : float
+        Of the door, m^2.
+    lever : float
+        Of its middle about the hinges, m.
+    opening : float
+        Of exhaust vents, open windows and leaks, m^2.
+    """
+
+    volume: float = 0.0
+    area: float = 0.0
+    lever: float = 0.0
+    opening: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        positive("the cabin: ", volume=self.volume, area=self.area, lever=self.lever)
+        not_negative("the cabin: ", opening=self.opening)
+
+    def chambers(self, door: Ajar) -> tuple[FloatArray, FloatArray]:
+        """The cabin with what the door still encloses, and its vents with the open gap."""
+        volume = self.volume + self.area * self.lever * door.angle
+        opening = self.opening + (door.gap @ door.length)[:, None]
+        return np.full_like(opening, volume), opening
+
+
+@dataclass(frozen=True)
+class Latch:
+    """What latching takes: force over what is left of the travel.
+
+    Attributes
+    ----------
+    travel, force : tuple of float
+        m left to fully latched, rising from 0, and N against closing.
+    lever : float
+        m about the hinges.
+    beyond : float
+        How far the door must go beyond closed for the pawl to drop, m.
+    """
+
+    travel: tuple[float, ...]
+    force: tuple[float, ...]
+    lever: float
+    beyond: float = 0.0
+
+    def __post_init__(self) -> None:
+        positive("the latch: ", lever=self.lever)
+        not_negative("the latch: ", beyond=self.beyond)
+        _table("the latch", self.travel, self.force, from_zero=True)
+
+    def moment(self, angle: FloatArray) -> FloatArray:
+        """N m against closing, at angles from fully latched, rad; none beyond its travel."""
+        left = self.lever * np.asarray(angle)
+        return self.lever * np.interp(left, self.travel, self.force, right=0.0)
+
+
+@dataclass(frozen=True)
+class CheckStrap:
+    """The check strap: moment over angle.
+
+    Attributes
+    ----------
+    angle, moment : tuple of float
+        From closed, rad, rising; N m against closing, below 0 where it helps.
+    """
+
+    angle: tuple[float, ...]
+    moment: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        _table("the check", self.angle, self.moment)
+
+    def at(self, angle: FloatArray) -> FloatArray:
+        """N m against closing; none outside the table."""
+        return np.interp(angle, self.angle, self.moment, left=0.0, right=0.0)
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """What differs from door to door.
+
+    Attributes
+    ----------
+    gap : float
+        Tolerance of the gap, m: three standard deviations of a normal law.
+    load : float
+        Tolerance of the seal's force, a part of it: likewise.
+    correlation : float or None
+        Length along the line over which the gap forgets itself, m; None moves it as one.
+    count : int
+        Doors drawn.
+    seed : int
+    limit : float or None
+        Speed that a door may need, m/s.
+    """
+
+    gap: float = 0.0
+    load: float = 0.0
+    correlation: float | None = None
+    count: int = 200
+    seed: int = 0
+    limit: float | None = None
+
+    def __post_init__(self) -> None:
+        not_negative("the variation: ", gap=self.gap, load=self.load)
+        if self.load >= 1 or not 2 <= self.count <= 100_000:
+            raise DataError(
+                f"a tolerance of {self.load:g} of the seal's force in {self.count} doors; expected "
+                "below 1 and 2 to 100000 doors"
+            )
+
+
+@dataclass(frozen=True)
+class ClosingSetup:
+    """All that meets a closing door besides its seal; what is None or 0 is not there.
+
+    Attributes
+    ----------
+    edge : float or None
+        Distance from the hinge axis at which the speed is meant, m; None is the door's width.
+    inertia : float or None
+        About the hinge axis, kg m^2; None follows from the door's mass, centre and inertia.
+    axis : (float, float, float) or None
+        Direction of the hinge axis; None runs through the hinges.
+    start : float or None
+        Angle at which the door has its speed, rad; None is where the seal first touches.
+    friction : float
+        Moment of the hinges, N m.
+    gravity : (float, float, float) or None
+        Direction in which weight pulls.
+    check, latch, vents, between, cabin : the terms
+    variation : Tolerances or None
+    """
+
+    edge: float | None = None
+    inertia: float | None = None
+    axis: Vector | None = None
+    start: float | None = None
+    friction: float = 0.0
+    gravity: Vector | None = None
+    check: CheckStrap | None = None
+    latch: Latch | None = None
+    vents: Vents | None = None
+    between: Between | None = None
+    cabin: Cabin | None = None
+    variation: Tolerances | None = None
+    airs: tuple[tuple[str, Air], ...] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        not_negative("closing: ", friction=self.friction)
+        positive("closing: ", **picked(self, "edge", "inertia", "start"), optional=True)
+        named = (
+            ("vents", self.vents), ("air between seals", self.between), ("cabin air", self.cabin),
+        )  # fmt: skip
+        airs = tuple((name, air) for name, air in named if air is not None)
+        object.__setattr__(self, "airs", airs)
+
+
+def _table(
+    whose: str, x: tuple[float, ...], y: tuple[float, ...], *, from_zero: bool = False
+) -> None:
+    rises = len(x) >= 2 and bool((np.diff(x) > 0).all()) and (x[0] == 0 or not from_zero)
+    if len(x) != len(y) or not rises or not np.isfinite([*x, *y]).all():
+        begins = "from 0 " if from_zero else ""
+        raise DataError(
+            f"{whose}: {len(x)} places and {len(y)} values; expected as many of both, at least "
+            f"two, the places rising {begins}and all finite"
+        )

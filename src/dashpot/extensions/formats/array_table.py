@@ -1,0 +1,283 @@
+"""Named arrays of a binary file gathered to one table."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from itertools import chain
+
+import numpy as np
+
+from dashpot.base import units
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.errors import ReadError
+from dashpot.base.provenance import Caution
+from dashpot.reading.columns import vocabulary
+from dashpot.reading.columns.header_names import part_unit
+from dashpot.reading.columns.unit_factors import (
+    factors_among,
+    names_factor,
+    words_beside_factor,
+    words_of_name,
+)
+from dashpot.reading.table import Column, FileTable, in_memory
+
+_RATES = {
+    "fs", "rate", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency", "sr",
+    "samplerates", "samplingrates", "samplespersecond", "acquisitionrate", "scanrate", "abtastrate",
+    "abtastfrequenz", "messrate", "fsample", "fsampling",
+}  # fmt: skip
+_STEPS = {
+    "dt", "ts", "deltat", "timestep", "sampletime", "deltax", "increment", "samplinginterval",
+    "sampleinterval", "sampleperiod", "samplingperiod", "samplingtime", "timeincrement",
+    "abtastintervall", "abtastzeit", "timedelta", "tsample",
+}  # fmt: skip
+_STARTS = {
+    "t0", "starttime", "startoffset", "tstart", "delay", "timeoffset", "wfstartoffset", "start",
+    "wfstarttime", "timestart", "begin", "xoffset", "x0", "timedelay", "triggeroffset", "xstart",
+    "triggerdelay", "timelag", "lag", "latency", "timeshift", "skew", "timestamp", "starttimestamp",
+    "acquisitionstart", "recordingstart", "begintime", "timezero", "timeorigin", "startx", "tzero",
+    "starttimeutc", "startdate", "startdatetime", "startzeit", "startvalue", "firsttime",
+}  # fmt: skip
+"""Attributes that say when a signal begins, without signs."""
+_FEW = 64
+"""Numbers of a calibration, at most: more are a signal."""
+_WINDOWS = ("window", "fenster", "exp_decay", "expdecay")
+
+
+@dataclass(frozen=True, eq=False)
+class Named:
+    """One array with its name and unit as found."""
+
+    name: str
+    values: FloatArray | ComplexArray
+    unit: str | None = None
+    factor: str = ""
+    """What is stated beside its numbers that would change them, such as "gain = 10"."""
+    start: str = ""
+    """When it is said to begin, such as "t0 = 0.1"."""
+
+
+def gather(arrays: Sequence[Named], *, format_: str, notes: Sequence[str] = ()) -> FileTable:
+    """Return the arrays of the commonest length as one table; single numbers become hints.
+
+    A complex array becomes two columns, named after it: its real and its imaginary part.
+
+    Raises
+    ------
+    ReadError
+        If no two arrays, nor one wide array, could be a test.
+    """
+    vectors = _vectors(arrays)
+    if not vectors:
+        raise ReadError(f"no numeric channels found in this {format_} file")
+    counts = Counter(array.values.size for array in vectors)
+    length = max(counts, key=lambda size: (counts[size] > 1, counts[size] * size))
+    kept = [array for array in vectors if array.values.size == length]
+    left = [array.name for array in vectors if array.values.size != length]
+    passed = f"{len(left)} arrays of another length than {length} were passed over: " + ", ".join(
+        left[:5]
+    )
+    _refuse_clocks_apart(arrays, kept)
+    factors, cautions = _stated_factors(arrays, kept)
+    return FileTable(
+        format=format_,
+        columns=tuple(map(_column, kept, factors)),
+        load=in_memory(np.column_stack([array.values for array in kept])),
+        notes=(*notes, *([passed] if left else []), *cautions),
+        hints=rate_hints(arrays),
+        header=tuple(_window_lines(arrays)),
+    )
+
+
+def window_line(name: str, value: object) -> str:
+    """Return a line of a header for what a file states of a window; empty of anything else."""
+    return f"{name}: {value}" if any(word in name.casefold() for word in _WINDOWS) else ""
+
+
+def _window_lines(arrays: Sequence[Named]) -> list[str]:
+    """What single numbers say of a window."""
+    single = [one for one in arrays if np.size(one.values) == 1 and not np.iscomplexobj(one.values)]
+    lines = [
+        window_line(one.name, f"{float(np.squeeze(one.values)):g} {one.unit or ''}".strip())
+        for one in single
+    ]
+    return [line for line in lines if line]
+
+
+def _column(array: Named, factor: str) -> Column:
+    name, unit = (array.name, array.unit) if array.unit else part_unit(array.name)
+    return Column(name, unit, factor=factor)
+
+
+def _stated_factors(
+    arrays: Sequence[Named], columns: Sequence[Named]
+) -> tuple[list[str], list[Caution]]:
+    """What is stated of each column that would change its numbers, and what of none of them.
+
+    A single number named for a factor belongs to the column that it is named for (``force_gain``),
+    or inside whose struct or dataset it stands (``force.gain``).
+    """
+    factors = [[column.factor] if column.factor else [] for column in columns]
+    cautions = []
+    for array in arrays:
+        if np.size(array.values) > _FEW or np.iscomplexobj(array.values):
+            continue
+        stem, _, last = array.name.rpartition(".")
+        if any(array.name == column.name for column in columns):
+            continue
+        inside = stem.rpartition(".")[2]
+        if not names_factor(last) and names_factor(inside):  # a group "calibration" of numbers
+            stem, last = stem.rpartition(".")[0], f"{inside}_{last}"
+        said = factors_among({last: array.values})
+        if not said:
+            continue
+        places = _meant(stem, last, columns)
+        for place in places:
+            factors[place].append(said)
+        if not places:
+            cautions.append(
+                Caution(f"the file states {array.name}{said[len(last) :]}; it is not applied")
+            )
+    return [" and ".join(each) for each in factors], cautions
+
+
+def _meant(stem: str, last: str, columns: Sequence[Named]) -> list[int]:
+    """The columns that a factor is stated of, by its name and where it stands."""
+    words = words_beside_factor(last)
+    if words:
+        return [
+            i
+            for i, column in enumerate(columns)
+            if words_of_name(part_unit(column.name.rpartition(".")[2])[0]) == words
+        ]
+    inside = [i for i, column in enumerate(columns) if column.name.rpartition(".")[0] == stem]
+    alone = inside if stem and len(inside) == 1 else []
+    return [i for i, column in enumerate(columns) if stem and column.name == stem] or alone
+
+
+def _refuse_clocks_apart(arrays: Sequence[Named], columns: Sequence[Named]) -> None:
+    """Refuse channels of which it is stated that they start, or are sampled, otherwise."""
+    signals = [one for one in columns if vocabulary.matches(one.name).get("time", 0.0) < 1.5]
+    starts = {one.start.rpartition(" = ")[2] or "0" for one in signals}
+    if len(starts) > 1:
+        listed = ", ".join(f"'{one.name}' {one.start or 'says nothing'}" for one in signals[:6])
+        raise ReadError(
+            f"the channels are said to start at different times ({listed}): export them on one "
+            "clock, as a column of time"
+        )
+    names = {column.name for column in columns}
+    rates = {
+        float(f"{rate:.6g}")
+        for array in arrays
+        if (rate := _rate(array)) and array.name.rpartition(".")[0] in names
+    }
+    if len(rates) > 1:
+        listed = ", ".join(f"{rate:g} Hz" for rate in sorted(rates)[:6])
+        raise ReadError(
+            f"the channels are said to be sampled at different rates ({listed}); export them at one"
+        )
+
+
+def _vectors(arrays: Sequence[Named]) -> list[Named]:
+    """Vectors as they are; a matrix as one vector for each of its columns."""
+    out = []
+    for array in chain.from_iterable(map(_parts, arrays)):
+        values = np.squeeze(np.asarray(array.values, dtype=float))
+        if values.ndim == 1:
+            out.append(replace(array, values=values))
+        elif values.ndim == 2 and min(values.shape) <= 64:
+            tall = values if values.shape[0] >= values.shape[1] else values.T
+            out += [
+                replace(array, name=f"{array.name} {i + 1}", values=tall[:, i])
+                for i in range(tall.shape[1])
+            ]
+    return [array for array in out if array.values.size >= 2]
+
+
+def _parts(array: Named) -> tuple[Named, ...]:
+    if not np.iscomplexobj(array.values):
+        return (array,)
+    real = np.asarray(np.real(array.values), dtype=float)
+    imaginary = np.asarray(np.imag(array.values), dtype=float)
+    return (
+        replace(array, name=f"{array.name} real", values=real),
+        replace(array, name=f"{array.name} imaginary", values=imaginary),
+    )
+
+
+def rate_hints(arrays: Sequence[Named]) -> tuple[str, ...]:
+    """Return what single numbers say about the sampling rate, each rate once."""
+    hints: dict[str, str] = {}
+    for array in arrays:
+        rate = _rate(array)
+        if rate > 0:
+            value = float(np.squeeze(array.values))
+            unit = f" {array.unit}" if array.unit else ""
+            hints.setdefault(
+                f"{rate:.10g}",
+                f"the file says {array.name} = {value:g}{unit}; if that is right, add "
+                f"--rate {rate:.10g}Hz",
+            )
+    return tuple(hints.values())
+
+
+def _rate(array: Named) -> float:
+    """The sampling rate, Hz, that a single number of this name states, 0 if it states none."""
+    if np.size(array.values) != 1 or np.iscomplexobj(array.values):
+        return 0.0
+    return stated_rate(array.name.rpartition(".")[2], float(np.squeeze(array.values)), array.unit)
+
+
+@lru_cache(maxsize=4096)
+def stated_rate(name: str, value: float, unit: str | None = None) -> float:
+    """Return the sampling rate, Hz, that a number of this name states, 0 if it states none.
+
+    Its unit stands behind the name, as in ``dt_ms``, or beside it; by default it is SI.
+
+    >>> stated_rate("sample_rate_kHz", 2.0), stated_rate("dt", 0.01), stated_rate("mass", 1.0)
+    (2000.0, 100.0, 0.0)
+    """
+    stem, inner = _parted_name(name)
+    word = "".join(c for c in stem.casefold() if c.isalpha())
+    word = word.removeprefix("wf").removeprefix("ni")
+    if word in _RATES and value > 0:
+        size = units.find(unit or inner or "Hz", "frequency")
+        return value * size.factor if size else 0.0
+    if word in _STEPS and value > 0:
+        size = units.find(unit or inner or "s", "time")
+        return 1 / (value * size.factor) if size else 0.0
+    return 0.0
+
+
+@lru_cache(maxsize=4096)
+def names_start(name: str) -> bool:
+    """Whether an attribute of this name says when a signal begins; its unit may stand behind it.
+
+    >>> names_start("t0"), names_start("delay_s"), names_start("start_of_test")
+    (True, True, False)
+    """
+    spelled = (
+        "".join(filter(str.isalnum, one.casefold())) for one in (name, _parted_name(name)[0])
+    )
+    return not _STARTS.isdisjoint(spelled)
+
+
+def _parted_name(name: str) -> tuple[str, str | None]:
+    """The name of a rate or a step, and the unit behind it."""
+    stem, inner = part_unit(name)
+    if inner:
+        return stem, inner
+    head, _, tail = name.rpartition("_")
+    known = head and (units.find(tail, "time") or units.find(tail, "frequency"))
+    return (head, tail) if known else (name, None)
+
+
+def numbers(values: object) -> FloatArray | ComplexArray | None:
+    """Return an array of numbers as floats, complex ones as such, or None for anything else."""
+    array = np.asarray(values)
+    if array.dtype.kind == "c":
+        return array.astype(complex)
+    return array.astype(float) if array.dtype.kind in "iufb" else None

@@ -1,0 +1,247 @@
+"""ATI force/torque transducers: six gauge voltages to force and torque, by their ``.cal`` file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from dashpot.base import units
+from dashpot.base.arrays import ByValue, FloatArray, frozen
+from dashpot.base.errors import ReadError
+from dashpot.reading.raw_file import Raw, about, open_raw
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.table import Column, FileTable, Loaded
+
+AXES = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
+_NEAR = 0.9
+_LITTLE = 0.05
+"""Part of a range of which its maker's error, a hundredth of the range, is a fifth and more."""
+_LARGEST = 1 << 20
+_GAUGE = re.compile(r"(?:\b|_)(?:sg|g|gauge|gage|ch|ai|v|volt|voltage)[\s_]{0,9}(\d)\b", re.I)
+_REST = 0.02
+"""Share of the record, from its start, whose median is taken as the unloaded voltages."""
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration(ByValue):
+    r"""A transducer's calibration: :math:`[F; T] = C\,(v - v_0)`.
+
+    Attributes
+    ----------
+    serial, part, date : str
+    matrix : array, shape (6, 6)
+        C, N/V for the forces and N m/V for the torques.
+    limit : array, shape (6,)
+        Range of each axis, N and N m.
+    """
+
+    serial: str
+    part: str
+    date: str
+    matrix: FloatArray
+    limit: FloatArray
+
+    def load(self, volts: FloatArray, bias: FloatArray | None = None) -> FloatArray:
+        """Return force and torque, shape (6, n), of gauge voltages, shape (6, n).
+
+        The bias, six voltages of the unloaded transducer, is subtracted in volts.
+        """
+        unloaded = np.zeros(6) if bias is None else np.asarray(bias, dtype=float)
+        return np.asarray(self.matrix @ (np.asarray(volts, dtype=float) - unloaded[:, None]))
+
+    def overload(self, load: FloatArray) -> list[str]:
+        """Say which axes pass 90 % of their range."""
+        share = np.abs(load).max(axis=1) / self.limit
+        return [
+            f"{axis} reaches {100 * part:.0f} % of its range {limit:g} "
+            f"{'N' if axis[0] == 'F' else 'N m'}: a transducer may saturate before its limit"
+            for axis, part, limit in zip(AXES, share, self.limit, strict=True)
+            if part > _NEAR
+        ]
+
+    def small(self, load: FloatArray, axis: str) -> list[str]:
+        """Say if an axis uses little of its range."""
+        at = AXES.index(axis)
+        limit, most = float(self.limit[at]), float(np.abs(load[at]).max())
+        if not 0 < most < _LITTLE * limit:
+            return []
+        unit = "N" if axis[0] == "F" else "N m"
+        used = f"{axis} reaches {100 * most / limit:.2g} % of its range {limit:g} {unit}"
+        times = f"{limit / most:.0f} times that part of this load"
+        return [f"{used}: what its maker states as a part of the range is {times}"]
+
+
+def read_calibration(path: str | Path) -> Calibration:
+    r"""Return the calibration in an ATI ``.cal`` file of either version.
+
+    Version 1.1 holds the matrix in use, ``UserAxis``. Version 1.0 holds scaled rows, ``Axis``,
+    about the transducer's own origin: with :math:`U = A/\mathrm{scale}` row by row and
+    :math:`d` from ``BasicTransform``, the torques about the tool face are
+    :math:`T' = T - d \times F`.
+
+    Raises
+    ------
+    ReadError
+        If the file is no calibration, lacks an axis or a unit, or its transform turns the axes.
+    """
+    content = open_raw(path).head(_LARGEST + 1)
+    with about(Path(path).name):
+        root, sensor = _parsed(content)
+        force = _factor(sensor.get("ForceUnits"), "force")
+        torque = _factor(sensor.get("TorqueUnits"), "torque")
+        si = np.repeat([force, torque], 3)
+        rows, limits, scaled = _rows(sensor)
+        matrix = rows * si[:, None]
+        return Calibration(
+            serial=root.get("Serial", ""),
+            part=sensor.get("PartNumber", ""),
+            date=sensor.get("CalDate", ""),
+            matrix=frozen(_moved(sensor, matrix) if scaled else matrix),
+            limit=frozen(limits * si),
+        )
+
+
+def _parsed(content: bytes) -> tuple[ET.Element, ET.Element]:
+    """The root of a calibration file and its calibration."""
+    no = "not an ATI calibration file"
+    if len(content) > _LARGEST or b"<!DOCTYPE" in content or b"<!ENTITY" in content:
+        raise ReadError(no)
+    try:
+        root = ET.fromstring(content)  # noqa: S314 - entities are refused above
+    except (ET.ParseError, ValueError, LookupError) as error:
+        raise ReadError(f"{no}: {error}") from None
+    sensor = root.find("Calibration")
+    if root.tag != "FTSensor" or sensor is None:
+        raise ReadError(f"{no}: no FTSensor/Calibration in it")
+    return root, sensor
+
+
+def _factor(word: str | None, dimension: units.Dimension) -> float:
+    unit = units.find(word or "", dimension)
+    if unit is None:
+        raise ReadError(f"'{word}' is no unit of {dimension} that dashpot knows")
+    return unit.factor
+
+
+def _rows(sensor: ET.Element) -> tuple[FloatArray, FloatArray, bool]:
+    """The matrix in the file's units, the ranges, and whether it is the scaled form."""
+    users = {entry.get("Name"): entry for entry in sensor.findall("UserAxis")}
+    found = users or {entry.get("Name"): entry for entry in sensor.findall("Axis")}
+    matrix, limits = np.empty((6, 6)), np.empty(6)
+    for i, axis in enumerate(AXES):
+        entry = found.get(axis)
+        if entry is None:
+            raise ReadError(f"axis {axis} is missing")
+        try:
+            row = np.array(entry.get("values", "").split(), dtype=float)
+            scale = 1.0 if users else float(entry.get("scale", "nan"))
+            limits[i] = float(entry.get("max", "nan"))
+            matrix[i] = row / scale
+        except ValueError:
+            raise ReadError(f"axis {axis} does not hold six numbers") from None
+    if not (np.isfinite(matrix).all() and (limits > 0).all()):
+        raise ReadError("an axis lacks its scale or its range")
+    return matrix, limits, not users
+
+
+def _moved(sensor: ET.Element, matrix: FloatArray) -> FloatArray:
+    """Torques about the tool face, from those about the transducer's origin."""
+    entry = sensor.find("BasicTransform")
+    if entry is None:
+        return matrix
+    try:
+        shift = np.array([float(entry.get(key, "0")) for key in ("Dx", "Dy", "Dz")])
+        turn = [float(entry.get(key, "0")) for key in ("Rx", "Ry", "Rz")]
+    except ValueError:
+        raise ReadError("BasicTransform does not hold numbers") from None
+    if any(turn):
+        raise ReadError(
+            f"BasicTransform turns the axes ({turn}), which a version 1.0 file does not "
+            "define clearly; ask for a calibration file of version 1.1"
+        )
+    shift = shift * _factor(sensor.get("DistUnits"), "length")
+    moved = matrix.copy()
+    moved[3:] -= np.cross(shift, matrix[:3], axisb=0, axisc=0)
+    return moved
+
+
+def calibrated(table: FileTable, raw: Raw, options: ReadOptions) -> FileTable:
+    """Return the table with the axis of the calibrated transducer as one more column, the force.
+
+    The bias is the median of the first rows, subtracted in volts.
+
+    Raises
+    ------
+    ReadError
+        If the table has not six columns of gauge voltages, in order.
+    """
+    axis = options.axis
+    if axis not in AXES:
+        raise ReadError(f"--calibration ...,axis={axis}: expected one of {', '.join(AXES)}")
+    calibration = read_calibration(str(options.calibration))
+    with about(raw.name):
+        gauges, factor = _gauges(table)
+    row, place = AXES.index(axis), len(table.columns)
+
+    def load(indexes: Sequence[int]) -> Loaded:
+        if place not in indexes:
+            return table.load(indexes)
+        plain = [i for i in indexes if i != place]
+        loaded = table.load([*plain, *gauges])
+        loads, notes = _loads(calibration, factor * loaded.values[:, len(plain) :].T, axis)
+        column = dict(zip(plain, loaded.values.T, strict=False)) | {place: loads[row]}
+        values = np.column_stack([column[i] for i in indexes])
+        return replace(loaded, values=values, notes=(*loaded.notes, *notes))
+
+    hidden = [replace(c, content="text") if i in gauges else c for i, c in enumerate(table.columns)]
+    column = Column(axis, "N" if row < 3 else "N*m")
+    return replace(table, columns=(*hidden, column), load=load)
+
+
+def _loads(calibration: Calibration, volts: FloatArray, axis: str) -> tuple[FloatArray, list[str]]:
+    """Force and torque of gauge voltages, the first of which are of the unloaded transducer."""
+    rest = max(1, int(_REST * volts.shape[1]))
+    loads = calibration.load(volts, np.nanmedian(volts[:, :rest], axis=1))
+    known = np.isfinite(loads).all(axis=0)
+    says = (
+        f"{axis} from six gauge voltages by the calibration of {calibration.serial} "
+        f"({calibration.part}, {calibration.date}); the median of the first {rest} rows is "
+        "taken as unloaded and subtracted in volts"
+    )
+    if not known.any():
+        return loads, [says]
+    whole = loads[:, known]
+    return loads, [says, *calibration.overload(whole), *calibration.small(whole, axis)]
+
+
+def _gauges(table: FileTable) -> tuple[list[int], float]:
+    """The six gauge columns in the order of their numbers, and the factor to volts."""
+    found = [units.find(column.unit or "", "voltage") for column in table.columns]
+    volts = {i: unit.factor for i, unit in enumerate(found) if unit is not None}
+    gauges = _numbered(table) or list(volts)
+    if len(gauges) != 6:
+        raise ReadError(
+            f"--calibration needs six columns of gauge voltages, found {len(gauges)}; name "
+            "them G0 [V] ... G5 [V] in the header"
+        )
+    factors = {volts[i] for i in gauges if i in volts}
+    if len(factors) != 1:
+        raise ReadError(
+            "the gauge columns need one unit of voltage; write it as 'G0 [V]' in the header"
+        )
+    return gauges, factors.pop()
+
+
+def _numbered(table: FileTable) -> list[int]:
+    """The six columns that are called gauges by number, in that order; none if not six."""
+    found: dict[int, int] = {}
+    for i, column in enumerate(table.columns):
+        numbers = _GAUGE.findall(column.name)
+        if numbers and column.content == "number":
+            found.setdefault(int(numbers[-1]), i)
+    return [found[number] for number in sorted(found)] if len(found) == 6 else []

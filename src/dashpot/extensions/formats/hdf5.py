@@ -1,0 +1,346 @@
+"""HDF5 files, MATLAB's version 7.3 among them, through h5py."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field, replace
+from itertools import islice
+from typing import Any
+
+import numpy as np
+
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.errors import ReadError
+from dashpot.extensions.formats.array_table import Named, gather, names_start, numbers, stated_rate
+from dashpot.extensions.formats.sandbox import limits
+from dashpot.reading.columns.unit_factors import (
+    factors_among,
+    names_factor,
+    stated_numbers,
+    stated_unit,
+)
+from dashpot.reading.raw_file import Raw, extra
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.table import FileTable
+
+_UNIT = ("unit", "units", "Unit", "Units", "unit_string", "UNIT")
+_NAMES = ("columns", "names", "channels", "column_names", "fields")
+_INNER = {"data", "values"}
+_COMPLEX = ("real", "imag")
+"""The fields that MATLAB writes a complex number in."""
+_CF = (
+    "scale_factor", "add_offset", "_FillValue", "missing_value", "valid_range", "valid_min",
+    "valid_max",
+)  # fmt: skip
+"""Attributes of the CF conventions that change numbers."""
+_PACKED = ("scale_factor", "add_offset")
+_INSTANTS = "MmSO"
+"""Kinds of NumPy types that may hold instants."""
+_LEAST = 8
+_SINCE = re.compile(r"\A\s*(\w+)\s+since\b", re.IGNORECASE)
+"""A unit of time with its zero, as the CF conventions write it."""
+_TEXT = 1000
+_NUMERIC = "iufbcV"
+"""Kinds of NumPy types that may hold numbers, records among them."""
+_FOREIGN = "it is data of another file, which this file's hash does not cover; save both as one"
+
+
+@dataclass
+class _Walked:
+    """What a walk has found, and the objects it has been to: links may lead in circles."""
+
+    datasets: list[tuple[Any, str]] = field(default_factory=list)
+    stated: list[Named] = field(default_factory=list)
+    """What attributes say of the clock and of factors, as single numbers."""
+    notes: list[str] = field(default_factory=list)
+    visited: set[tuple[int, int]] = field(default_factory=set)
+    numbers: int = 0
+
+
+def read(raw: Raw, options: ReadOptions) -> FileTable:
+    """Return the datasets of an HDF5 file, or of the group ``options.sheet``, as a table.
+
+    Units are read from the attribute ``unit`` or ``units``, or from a text dataset of that name
+    beside the data (as MATLAB structs become).
+
+    Raises
+    ------
+    ReadError
+        If there is no such group, or numbers stand in another file (external links and storage,
+        virtual datasets).
+    """
+    h5py = extra("h5py", "h5py", "HDF5 or MAT 7.3 files")
+    found = _Walked()
+    with raw.open() as stream, h5py.File(stream, "r") as file:
+        group: Any = file
+        for key in (options.sheet or "").strip("/").split("/"):
+            inner = _linked(group, key) if key else group
+            if inner is None:
+                raise ReadError(
+                    f"--part sheet={options.sheet}: there is no such group; there are "
+                    f"{', '.join(islice(file, 10))}"
+                )
+            group = inner
+        _walk(group, "", found)
+        limits.within(found.numbers, "the datasets hold")
+        arrays = [array for node, name in found.datasets for array in _dataset(node, name, found)]
+    matlab = raw.head(10) == b"MATLAB 7.3"
+    form = "MAT 7.3" if matlab else "HDF5"
+    return gather([*arrays, *found.stated], format_=form, notes=found.notes)
+
+
+def _linked(group: Any, key: str) -> Any:
+    """The member of a group, or None; what a soft link names has a place of its own."""
+    h5py = extra("h5py", "h5py", "HDF5 files")
+    link = group.get(key, getlink=True) if isinstance(group, h5py.Group) else None
+    if isinstance(link, h5py.ExternalLink):
+        raise ReadError(f"'{key}' is a link into '{link.filename}': {_FOREIGN}")
+    return group[key] if isinstance(link, h5py.HardLink) else None
+
+
+def _walk(node: Any, name: str, found: _Walked) -> None:
+    from h5py import Dataset, Group, h5o
+
+    info = h5o.get_info(node.id)
+    if (info.fileno, info.addr) in found.visited:
+        return
+    found.visited.add((info.fileno, info.addr))
+    if isinstance(node, Dataset):
+        _take(node, name, found)
+    elif isinstance(node, Group):
+        found.stated += _stated_numbers(node, name, also_factors=True)
+        for key in node:
+            if not key.startswith("#") and key not in _UNIT:
+                inner = _linked(node, key)
+                if inner is not None:
+                    _walk(inner, f"{name}.{key}".strip("."), found)
+
+
+def _take(node: Any, name: str, found: _Walked) -> None:
+    """Keep a dataset that holds numbers of its own, no more than may be read."""
+    if node.is_virtual or node.external:
+        raise ReadError(f"'{name}' is a virtual or external dataset: {_FOREIGN}")
+    if node.dtype.kind not in _NUMERIC + _INSTANTS or not node.size:
+        return
+    size = max(node.size, node.size * node.dtype.itemsize // 8)
+    if size > limits.VALUES:
+        found.notes.append(f"'{name}' with {node.size} values was passed over")
+    elif not node.id.get_storage_size():
+        found.notes.append(f"'{name}' was never written and was passed over")
+    else:
+        found.numbers += size
+        found.datasets.append((node, name))
+
+
+def _dataset(node: Any, name: str, found: _Walked) -> list[Named]:
+    """The numbers of one dataset, parted where its columns or fields have names."""
+    if node.dtype.kind in _INSTANTS:
+        return _instants(node, name, found)
+    whole = _columns_of(node, name, found)
+    for array in whole:
+        found.stated += _stated_numbers(node, array.name, also_factors=False)
+    factor, start = _factors(node, len(whole)), _start(node)
+    return [replace(one, factor=said, start=start) for one, said in zip(whole, factor, strict=True)]
+
+
+def _columns_of(node: Any, name: str, found: _Walked) -> list[Named]:
+    if node.dtype.names == _COMPLEX:
+        whole = node[()]
+        return [Named(name, whole["real"] + 1j * whole["imag"], _unit(node))]
+    if node.dtype.names:
+        packed = [key for key in _CF if key in node.attrs]
+        if packed:
+            raise ReadError(
+                f"'{name}' has named fields and states {', '.join(packed)}, which the CF "
+                "conventions know of one variable alone; write each field as a dataset of its own"
+            )
+        whole, fields = node[()], node.dtype.names
+        each = zip(
+            fields,
+            map(numbers, map(whole.__getitem__, fields)),
+            _units(node, len(fields)),
+            strict=True,
+        )
+        return [Named(field, value, unit) for field, value, unit in each if value is not None]
+    text = _word(node.attrs.get("MATLAB_class")) == "char"
+    values = None if text else numbers(node[()])
+    if values is None:
+        return []
+    values = _unpacked(node, name, values, found)
+    unit = _unit(node)
+    return _parted(node, name, values) or [Named(_stem(name) if unit else name, values, unit)]
+
+
+def _unpacked(
+    node: Any, name: str, values: FloatArray | ComplexArray, found: _Walked
+) -> FloatArray | ComplexArray:
+    """The numbers as the CF conventions unpack them: fill values out, scale and offset applied.
+
+    References
+    ----------
+    CF Metadata Conventions 1.11, sections 2.5.1 and 8.1.
+    """
+    packed = {key: _stated(name, key, node.attrs[key]) for key in _CF if key in node.attrs}
+    if not packed or np.iscomplexobj(values):
+        return values
+    missing = np.zeros(values.shape, bool)
+    for key in ("_FillValue", "missing_value"):
+        for mark in packed.get(key, ()):
+            missing |= values == np.asarray(mark).astype(node.dtype).astype(float)
+    low, high = packed.get("valid_range", (-np.inf, np.inf))[:2] or (-np.inf, np.inf)
+    low = max([low, *packed.get("valid_min", ())])
+    high = min([high, *packed.get("valid_max", ())])
+    missing |= (values < low) | (values > high)
+    scale, offset = (packed.get(key, ()) for key in ("scale_factor", "add_offset"))
+    if len(scale) > 1 or len(offset) > 1:
+        raise ReadError(
+            f"'{name}' has a scale_factor or add_offset of several numbers, and the CF conventions "
+            "know one of each; write the numbers as they were measured"
+        )
+    unpacked = np.where(missing, np.nan, values * (scale or (1.0,))[0] + (offset or (0.0,))[0])
+    listed = [f"{key} = {one[0]:g}" for key, one in packed.items() if key in _PACKED and one]
+    if listed:
+        found.notes.append(f"{' and '.join(listed)} of '{name}' applied (CF conventions)")
+    if missing.any():
+        found.notes.append(
+            f"{np.count_nonzero(missing)} numbers of '{name}' are fill values, or outside the "
+            "valid range that the file states: they are no numbers"
+        )
+    return unpacked
+
+
+def _stated(name: str, key: str, value: Any) -> tuple[float, ...]:
+    """The numbers of an attribute of the CF conventions, also where they are written as text.
+
+    Raises
+    ------
+    ReadError
+        If it holds no number: what it does to the data is then not known.
+    """
+    own = _numbers_of(value)
+    if own:
+        return own
+    word = _word(value)
+    try:
+        return tuple(float(part) for part in (word or "").replace(",", " ").split())
+    except ValueError:
+        raise ReadError(
+            f"'{name}' states {key} = {word!r}, which is no number; write it as one, or "
+            "leave it out"
+        ) from None
+
+
+def _numbers_of(value: Any) -> tuple[float, ...]:
+    """The numbers of an attribute, in its own order."""
+    array = np.ravel(np.asarray(value))
+    return tuple(array.astype(float).tolist()) if array.dtype.kind in "iufb" else ()
+
+
+def _factors(node: Any, count: int) -> list[str]:
+    """What the attributes of a dataset state of factors that no convention applies, by column."""
+    stated = {
+        key: node.attrs[key]
+        for key in node.attrs
+        if key not in _CF and names_factor(key) and key not in _UNIT
+    }
+    said = []
+    for place in range(count):
+        own = {
+            key: value[place] if count > 1 and np.shape(value) == (count,) else value
+            for key, value in stated.items()
+        }
+        said.append(factors_among(own))
+    return said
+
+
+def _start(node: Any) -> str:
+    """When a dataset, or the group in which it stands, is said to begin, "" if nothing says so."""
+    for holder in (node, node.parent):
+        for key in filter(names_start, holder.attrs):
+            value = holder.attrs[key]
+            word = _word(value)
+            said = word if word is not None else ", ".join(f"{one:g}" for one in _numbers_of(value))
+            if said:
+                return f"{key} = {said}"
+    return ""
+
+
+def _stated_numbers(node: Any, name: str, *, also_factors: bool) -> list[Named]:
+    """The attributes of a node that state a rate, a step or a factor, as single numbers."""
+    said = []
+    for key in node.attrs:
+        names_rate = stated_rate(key, 1.0) > 0
+        if not names_rate and not (also_factors and names_factor(key)):
+            continue
+        value = stated_numbers(node.attrs[key])
+        if value:
+            unit = stated_unit(node.attrs[key]) if names_rate else None
+            said.append(Named(f"{name}.{key}".strip("."), np.array(value), unit))
+    return said
+
+
+def _instants(node: Any, name: str, found: _Walked) -> list[Named]:
+    """Instants as seconds since the first: numbers of NumPy's kind, or text by ISO 8601."""
+    if node.ndim != 1 or node.size < _LEAST:
+        return []
+    try:
+        cells = node[()]
+        if node.dtype.kind not in "Mm":
+            words = [_word(one) or "" for one in cells]
+            if not all(word[:1].isdigit() for word in words[:_LEAST]):
+                return []
+            cells = np.array([word.removesuffix("Z").strip() for word in words], "datetime64[ns]")
+        since = cells - cells[0]
+        return [Named(name, since / np.timedelta64(1, "s"), "s")]
+    except (ValueError, TypeError):
+        found.notes.append(f"'{name}' holds text that is no instant, and was passed over")
+        return []
+
+
+def _parted(node: Any, name: str, values: FloatArray | ComplexArray) -> list[Named]:
+    """The columns of a matrix by the names in an attribute, if it has one for each."""
+    names: Any = next((node.attrs[key] for key in _NAMES if key in node.attrs), None)
+    if np.ndim(names) != 1 or values.ndim != 2 or len(names) not in values.shape:
+        return []
+    tall = values if values.shape[1] == len(names) else values.T
+    each = zip(names, tall.T, _units(node, len(names)), strict=True)
+    return [Named(_word(n) or name, column, unit) for n, column, unit in each]
+
+
+def _stem(name: str) -> str:
+    """The struct that ``struct.data`` is the numbers of."""
+    stem, _, last = name.rpartition(".")
+    return stem if stem and last in _INNER else name
+
+
+def _unit(node: Any) -> str | None:
+    for key in _UNIT:
+        if key in node.attrs:
+            word = _word(node.attrs[key])
+            match = _SINCE.match(word or "")
+            return match[1] if match else word
+    for key in _UNIT:
+        beside: Any = _linked(node.parent, key) if node.name.rsplit("/", 1)[-1] in _INNER else None
+        if 0 < (getattr(beside, "size", None) or 0) < _TEXT and not beside.is_virtual:
+            return _word(beside[()])
+    return None
+
+
+def _units(node: Any, count: int) -> list[str | None]:
+    """The units of the columns or fields in an attribute, if it has one for each."""
+    words: Any = next((node.attrs[key] for key in _UNIT if key in node.attrs), None)
+    one_each = np.ndim(words) == 1 and len(words) == count
+    return [_word(word) or None for word in words] if one_each else [None] * count
+
+
+def _word(value: Any) -> str | None:
+    """Text from what HDF5 and MATLAB keep it in: bytes, str, or an array of character codes."""
+    if isinstance(value, bytes):
+        return value.decode("utf-8", "replace")
+    if isinstance(value, str):
+        return value
+    if isinstance(value, np.ndarray) and value.size and value.dtype.kind == "u":
+        return "".join(map(chr, value.ravel().tolist()))
+    if isinstance(value, np.ndarray) and value.size == 1:
+        return _word(value.ravel()[0])
+    return None

@@ -1,0 +1,304 @@
+"""LabVIEW measurement files (LVM): several segments, with or without columns of time."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from decimal import Decimal, InvalidOperation
+from itertools import chain
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import ReadError
+from dashpot.reading.columns.header_names import part_unit
+from dashpot.reading.raw_file import Raw
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.table import Column, Content, FileTable, Loaded, Question
+from dashpot.reading.text import cells as cell
+from dashpot.reading.text.cells import Mark
+from dashpot.reading.text.dialect import Dialect
+from dashpot.reading.text.encoding import decoded, find_encoding
+from dashpot.reading.text.rows import load_rows
+from dashpot.reading.time_budget import Patience
+
+_HEAD = 1 << 20
+_SURE = 1e-4
+"""Relative doubt of a rate that is not worth a word."""
+_END = "***End_of_Header***"
+_KEYS = re.compile(
+    r"^(Separator|Decimal_Separator|X_Columns|Channels|Samples|Y_Unit_Label|X0|Delta_X|Notes|X_Value)"
+    r"(?:[\t,]|$)(.*)$",
+    re.MULTILINE,
+)
+
+
+@dataclass(frozen=True)
+class _LvmHead:
+    """The header of one segment, its cells as text."""
+
+    channels: int
+    names: tuple[str, ...]
+    samples: tuple[int, ...]
+    units: tuple[str, ...]
+    start: tuple[float, ...]
+    step: tuple[float, ...]
+    half_digit: float
+
+
+@dataclass(frozen=True)
+class _LvmRows:
+    """The rows under the headers, and whether their time (column 0) is counted."""
+
+    dialect: Dialect
+    clocks: tuple[int, ...]
+    counted: bool
+    segments: tuple[_LvmHead, ...]
+
+    def __post_init__(self) -> None:
+        if not self.signals():
+            raise ReadError("no rows of numbers under the LVM header")
+
+    def signals(self) -> list[int]:
+        return [i for i in self.dialect.numbers if i not in self.clocks]
+
+    def load(
+        self, blocks: Callable[[], Iterator[str]], indexes: Sequence[int], patience: Patience
+    ) -> Loaded:
+        wanted = [i for i in indexes if not (self.counted and i == 0)]
+        places = wanted or self.signals()[:1]
+        loaded = load_rows(blocks, self.dialect, places, patience=patience)
+        loaded = _stacked(loaded, self.segments)
+        if len(wanted) == len(indexes):
+            return loaded
+        column = dict(zip(wanted, loaded.values.T, strict=False))
+        column[0] = _counted(loaded, self.segments)
+        return replace(loaded, values=np.column_stack([column[i] for i in indexes]))
+
+
+def read(raw: Raw, options: ReadOptions) -> FileTable:
+    """Return the channels of an LVM file; each segment, and each record stacked in one, parts.
+
+    Where the file holds no column of time it is counted from ``X0`` and ``Delta_X``. Records of
+    ``Samples`` rows that follow one another under a single header become segments of their own.
+
+    Raises
+    ------
+    ReadError
+        If the header is not that of an LVM file, or its segments differ in their channels.
+    """
+    encoding = options.encoding or find_encoding(raw.head(_HEAD))
+    found = options.encoding is None
+    first = next(decoded([raw.head(_HEAD)], encoding, found=found), "")
+    lines = first.split("\n")
+    top = _top(lines)
+    sign = "," if re.search(r"^Separator[\t,]Comma", first, re.MULTILINE) else "\t"
+    mark = _mark(first, lines[top : top + 50], sign, options)
+    segments = _segments(decoded(raw.blocks(), encoding, found=found), sign, mark)
+    names, clocks = _names(lines[top - 1], sign)
+    counted = not any(_filled(line, clocks, sign) for line in lines[top : top + 20])
+    dialect = Dialect(sign, mark, _contents(names, clocks, lines[top : top + 200], sign, mark), top)
+    rows = _LvmRows(dialect, tuple(clocks), counted, tuple(segments))
+    columns = _columns(names, clocks, segments[0], dialect.contents)
+    if _unlike(segments[0], len(columns)):
+        raise ReadError("channels have different Delta_X; export them at one rate")
+    asks = counted and options.rate is None
+    notes, doubts = _rate(segments[0]) if asks else ((), ())
+
+    def load(indexes: Sequence[int]) -> Loaded:
+        def blocks() -> Iterator[str]:
+            return decoded(raw.blocks(), encoding, found=found)
+
+        return rows.load(blocks, indexes, raw.patience)
+
+    return FileTable(
+        format="LVM",
+        columns=tuple(columns),
+        load=load,
+        encoding=encoding,
+        delimiter="comma" if sign == "," else "tab",
+        decimal="comma" if mark == "," else "point",
+        header=tuple(filter(str.strip, lines[: top - 2])),
+        notes=notes,
+        simulated="simulated" in "\n".join(lines[: top - 2]).casefold(),
+        doubts=doubts,
+    )
+
+
+def _top(lines: Sequence[str]) -> int:
+    """The line of the first row: two below the end of the second header."""
+    ends = [i for i, line in enumerate(lines) if line.startswith(_END)]
+    if len(ends) < 2 or ends[1] + 1 >= len(lines):
+        raise ReadError(f"an LVM file without two '{_END}' lines and channel names")
+    return ends[1] + 2
+
+
+def _names(line: str, sign: str) -> tuple[list[str], list[int]]:
+    """The names of the columns, without the comment, and which are clocks."""
+    names = cell.split(line, sign)
+    if names and names[-1].casefold() == "comment":
+        names.pop()
+    return names, [i for i, name in enumerate(names) if name.casefold().startswith("x_value")]
+
+
+def _mark(head: str, rows: Sequence[str], sign: str, options: ReadOptions) -> Mark:
+    """The decimal mark stated, or else (old writers) the one that the rows use."""
+    if options.decimal is not None:
+        return "," if options.decimal == "," else "."
+    stated = re.search(r"^Decimal_Separator[\t,]\s*\"?([.,])", head, re.MULTILINE)
+    if stated:
+        return "," if stated[1] == "," else "."
+    return "," if sign != "," and any("," in row and "." not in row for row in rows) else "."
+
+
+def _segments(blocks: Iterable[str], sign: str, mark: Mark) -> list[_LvmHead]:
+    found = [_segment(header, mark) for header in _headers(blocks, sign) if "Channels" in header]
+    if len({segment.channels for segment in found}) != 1:
+        raise ReadError("the LVM segments differ in their channels; export them apart")
+    for what, said in (
+        ("units", {segment.units for segment in found} - {()}),
+        ("names of channels", {segment.names for segment in found} - {()}),
+    ):
+        if len(said) > 1:
+            first, other = sorted(said)[:2]
+            raise ReadError(
+                f"the LVM segments differ in their {what}: {', '.join(filter(None, first))} and "
+                f"{', '.join(filter(None, other))}; export them apart"
+            )
+    return found
+
+
+def _headers(blocks: Iterable[str], sign: str) -> list[dict[str, list[str]]]:
+    """What each header says: the cells after its keys."""
+    headers: list[dict[str, list[str]]] = [{}]
+    with_keys = (block for block in blocks if "\nDelta_X" in block or "\nChannels" in block)
+    for key, rest in chain.from_iterable(map(_KEYS.findall, with_keys)):
+        if key == "Channels" and key in headers[-1]:
+            headers.append({})
+        headers[-1][key] = [text.strip() for text in rest.split(sign)]
+    return headers
+
+
+def _segment(header: dict[str, list[str]], mark: Mark) -> _LvmHead:
+    def numbers(key: str) -> tuple[float, ...]:
+        values = (cell.number(text, mark) for text in header.get(key, []) if text)
+        return tuple(value for value in values if value is not None)
+
+    step = next((text for text in header.get("Delta_X", []) if text), "")
+    count = numbers("Channels")
+    return _LvmHead(
+        channels=int(count[0]) if count else 0,
+        names=tuple(header.get("X_Value", [])),
+        samples=tuple(int(value) for value in numbers("Samples")),
+        units=tuple(header.get("Y_Unit_Label", [])),
+        start=numbers("X0"),
+        step=numbers("Delta_X"),
+        half_digit=_half_digit(step.replace(",", ".")),
+    )
+
+
+def _half_digit(text: str) -> float:
+    """Half of the last digit printed."""
+    try:
+        exponent = Decimal(text).as_tuple().exponent
+    except InvalidOperation:
+        return 0.0
+    return 0.5 * 10.0**exponent if isinstance(exponent, int) and abs(exponent) < 300 else 0.0
+
+
+def _unlike(segment: _LvmHead, columns: int) -> bool:
+    """Whether the channels that hold samples differ in their step."""
+    filled = {step for step, n in zip(segment.step, segment.samples, strict=False) if n > 0}
+    return len(set(segment.step[:columns])) > 1 and len(filled) > 1
+
+
+def _filled(line: str, clocks: Sequence[int], sign: str) -> bool:
+    row = cell.split(line, sign)
+    return bool(clocks) and clocks[0] < len(row) and bool(row[clocks[0]])
+
+
+def _contents(
+    names: Sequence[str], clocks: Sequence[int], rows: Sequence[str], sign: str, mark: Mark
+) -> tuple[Content, ...]:
+    """What each column holds; one that is blank in every row holds nothing."""
+    cut = [cell.split(row, sign) for row in rows if row.strip()]
+    contents: list[Content] = []
+    for i in range(len(names)):
+        numbers = any(i < len(row) and cell.number(row[i], mark) is not None for row in cut)
+        contents.append(
+            "number" if numbers and i not in clocks[1:] else "blank" if not numbers else "text"
+        )
+    return tuple(contents)
+
+
+def _columns(
+    names: Sequence[str], clocks: Sequence[int], segment: _LvmHead, contents: Sequence[Content]
+) -> list[Column]:
+    """Names, and the unit labels, which stand over the channels."""
+    columns = []
+    for i, name in enumerate(names):
+        if i in clocks:
+            columns.append(Column("X_Value", "s", "number" if i == clocks[0] else "text"))
+            continue
+        # the labels follow the key "Y_Unit_Label" itself, so that they stand one to the left
+        place = i - (1 if len(clocks) > 1 else sum(c < i for c in clocks))
+        unit = dict(enumerate(segment.units)).get(place, "")
+        stem, inner = part_unit(name)
+        columns.append(Column(stem if inner and not unit else name, unit or inner, contents[i]))
+    return columns
+
+
+def _rate(segment: _LvmHead) -> tuple[tuple[str, ...], tuple[Question, ...]]:
+    """A note where the step is printed with so few digits that the rate is uncertain."""
+    if not segment.step or segment.step[0] <= 0:
+        says = "there is no column of time and no Delta_X; give the rate, --rate 1000Hz"
+        return (), (Question(says, "--rate RATE"),)
+    rate = 1 / segment.step[0]
+    doubt = segment.half_digit / segment.step[0]
+    if doubt < _SURE or abs(rate - round(rate)) < 1e-6 * rate:
+        return (), ()
+    says = (
+        f"Delta_X = {segment.step[0]:g} s is rounded: the rate is {rate:.2f} Hz, give or take "
+        f"{doubt * rate:.1f} Hz; if you know it, say it, for example --rate {_likely(rate)}Hz"
+    )
+    return (says,), ()
+
+
+def _likely(rate: float) -> int:
+    """The power of two nearby, which samplers love, else the whole number."""
+    power = 2 ** round(np.log2(rate)) if rate > 1 else 1
+    return power if abs(power / rate - 1) < 1e-3 else max(1, round(rate))
+
+
+def _parts(loaded: Loaded, segments: Sequence[_LvmHead]) -> Iterator[tuple[int, int, _LvmHead]]:
+    """First row, end and header of each part; what has no header of its own has the last."""
+    stops = (*loaded.starts[1:], len(loaded.values))
+    for k, (start, stop) in enumerate(zip(loaded.starts, stops, strict=True)):
+        yield start, stop, segments[min(k, len(segments) - 1)]
+
+
+def _stacked(loaded: Loaded, segments: Sequence[_LvmHead]) -> Loaded:
+    """Part each segment where it holds several records of ``Samples`` rows."""
+    starts: list[int] = []
+    notes = list(loaded.notes)
+    for start, stop, segment in _parts(loaded, segments):
+        length = max(segment.samples, default=0)
+        count = (stop - start) // length if length > 1 else 1
+        if count > 1 and (stop - start) % length == 0:
+            notes.append(f"{count} records of {length} samples stand under one header; parted")
+            starts += range(start, stop, length)
+        else:
+            starts.append(start)
+    names = ("",) * len(starts)
+    return replace(loaded, starts=tuple(starts), segments=names, notes=tuple(notes))
+
+
+def _counted(loaded: Loaded, segments: Sequence[_LvmHead]) -> FloatArray:
+    """Time of every row, from X0 and Delta_X of its segment; NaN without, asked for before use."""
+    time = np.full(len(loaded.values), np.nan)
+    for start, stop, segment in _parts(loaded, segments):
+        if segment.step:
+            origin = segment.start[0] if segment.start else 0.0
+            time[start:stop] = origin + segment.step[0] * np.arange(stop - start)
+    return time

@@ -1,0 +1,281 @@
+"""MATLAB files up to version 7, through SciPy.
+
+SciPy looks an element's type up in a table without a check: a damaged tag ends the process, not the
+call. The tags are therefore walked first. Layout: MathWorks, *MAT-File Format*, chapter 1.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import prod
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from dashpot.base.errors import ReadError
+from dashpot.extensions.formats.array_table import Named, gather, names_start, numbers, stated_rate
+from dashpot.extensions.formats.sandbox import limits
+from dashpot.reading.columns.unit_factors import factors_among, names_factor
+from dashpot.reading.raw_file import Raw
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.table import FileTable
+
+_DATA = ("data", "values", "value", "y", "signal")
+_UNITS = ("unit", "units", "unit_string", "label_unit")
+_HEADER, _TAG, _MATRIX, _COMPRESSED = 128, 8, 14, 15
+_NAME, _INT32, _UINT32 = frozenset({1}), frozenset({5}), 6
+_ARRAYS, _VARIABLES = frozenset({_MATRIX}), frozenset({_MATRIX, _COMPRESSED})
+_NUMBERS = frozenset({*range(1, 8), 9, 12, 13})
+_LETTERS = _NUMBERS | {16, 17, 18}
+_CELL, _STRUCT, _OBJECT, _CHAR, _SPARSE = range(1, 6)
+_NUMERIC = range(_SPARSE, 16)
+_COMPLEX = 0x800
+_DIMENSIONS = range(8, 132, 4)  # two to 31 whole numbers
+_DEEPEST = 32
+_AT_ONCE = 1 << 16
+
+Take = Callable[[int], bytes]
+
+
+def read(raw: Raw, options: ReadOptions) -> FileTable:
+    """Return the vectors of a MAT file as a table; a struct's fields are named ``struct.field``."""
+    from scipy.io import loadmat
+
+    with raw.open() as stream:
+        check_elements(stream)
+        content: dict[str, Any] = loadmat(stream, simplify_cells=True)  # type: ignore[arg-type]
+    arrays: list[Named] = []
+    for name, value in content.items():
+        if not name.startswith("__"):
+            _flatten(name, value, arrays)
+    if options.sheet is not None:
+        arrays = [array for array in arrays if array.name.startswith(options.sheet)]
+        if not arrays:
+            raise ReadError(f"--part sheet={options.sheet}: there is no such variable")
+    return gather(arrays, format_="MAT")
+
+
+def _flatten(name: str, value: Any, arrays: list[Named], depth: int = 0) -> None:
+    """Append the arrays in a variable, a struct or a cell; a struct may hold data and unit."""
+    if isinstance(value, dict | list) and depth < 8:
+        measured = _measured(name, value) if isinstance(value, dict) else None
+        if isinstance(value, dict) and measured is not None:
+            arrays.append(measured)
+            arrays += [
+                Named(f"{name}.{key}", np.array(float(one)))
+                for key, one in value.items()
+                if isinstance(one, int | float | np.number) and stated_rate(str(key), 1.0) > 0
+            ]
+            return
+        inner = value.items() if isinstance(value, dict) else enumerate(value, start=1)
+        for key, entry in inner:
+            _flatten(f"{name}.{key}", entry, arrays, depth + 1)
+    elif isinstance(value, int | float | complex | np.ndarray | np.number):
+        found = numbers(value)
+        if found is not None:
+            arrays.append(Named(name, found))
+
+
+def _measured(name: str, fields: dict[str, Any]) -> Named | None:
+    """The array of a struct that holds numbers and their unit."""
+    folded = {str(key).casefold(): value for key, value in fields.items()}
+    data = next((folded[key] for key in _DATA if key in folded), None)
+    unit = next((folded[key] for key in _UNITS if key in folded), None)
+    found = None if data is None else numbers(data)
+    if found is None or not isinstance(unit, str):
+        return None
+    beside = {key: value for key, value in fields.items() if names_factor(str(key))}
+    start = next((f"{key} = {value}" for key, value in fields.items() if names_start(str(key))), "")
+    return Named(name, found, unit, factors_among(beside), start)
+
+
+def check_elements(stream: BinaryIO) -> None:
+    """Raise a ReadError if a tag is none that a MAT file can hold, or all arrays hold too much.
+
+    Files of another version than 5 to 7 are passed over; the stream is left at its start.
+    """
+    header = stream.read(_HEADER)
+    order = {b"IM": "<", b"MI": ">"}.get(header[126:128])
+    if order is not None and 0 not in header[:4]:
+        size = stream.seek(0, 2)
+        stream.seek(_HEADER)
+        file = _MatFile(order)
+        try:
+            while stream.tell() < size:
+                _element(stream.read, file, size - stream.tell(), _VARIABLES, depth=0)
+        except (_Damaged, zlib.error, struct.error) as error:
+            at = stream.tell()
+            raise ReadError(
+                f"the MAT file is damaged near byte {at}: {error}; save it again"
+            ) from None
+    stream.seek(0)
+
+
+class _Damaged(Exception):  # noqa: N818
+    pass
+
+
+@dataclass
+class _MatFile:
+    """The order of the bytes of a file, and the numbers that have been met in it."""
+
+    order: str
+    numbers: int = 0
+
+    def count(self, numbers: int) -> None:
+        self.numbers += numbers
+        limits.within(self.numbers, "the variables hold")
+
+
+def _element(take: Take, file: _MatFile, room: int, kinds: frozenset[int], *, depth: int) -> int:
+    """Walk one element, of these kinds and at most `room` bytes; return how many it took."""
+    kind, size, short = _tag(take, file, room, kinds)
+    if short is not None:
+        return 8
+    if kind == _COMPRESSED:
+        _inflated(take, file, size, depth=depth)
+    elif kind == _MATRIX:
+        _array(take, file, size, depth=depth)
+    else:
+        size = min(-(-size // 8) * 8, room - 8)
+        _passed(take, size)
+    return 8 + size
+
+
+def _tag(
+    take: Take, file: _MatFile, room: int, kinds: frozenset[int]
+) -> tuple[int, int, bytes | None]:
+    """Kind and size of the next element, and its data if they stand in the tag."""
+    if room < _TAG:
+        raise _Damaged(f"an element where {max(room, 0)} bytes are left")
+    word: int = struct.unpack(file.order + "I", _exactly(take, 4))[0]
+    kind, size = word & 0xFFFF, word >> 16
+    if size:
+        if kind not in kinds - _VARIABLES or size > 4:
+            raise _Damaged(f"an element of type {kind} with {size} bytes in its tag")
+        return kind, size, _exactly(take, 4)[:size]
+    size = int(struct.unpack(file.order + "I", _exactly(take, 4))[0])
+    if kind not in kinds or size > room - 8:
+        raise _Damaged(f"an element of type {kind} and {size} bytes, {room - 8} are left")
+    return kind, size, None
+
+
+def _content(take: Take, file: _MatFile, room: int, kinds: frozenset[int]) -> tuple[int, bytes]:
+    """How many bytes the next element took, and its data."""
+    _, size, short = _tag(take, file, room, kinds)
+    if short is not None:
+        return 8, short
+    padded = min(-(-size // 8) * 8, room - 8)
+    return 8 + padded, _exactly(take, padded)[:size]
+
+
+def _array(take: Take, file: _MatFile, size: int, *, depth: int) -> None:
+    """The elements of an array: class, dimensions, name, then as many as its class holds."""
+    if not size:
+        return
+    if depth > _DEEPEST:
+        raise _Damaged("arrays nested too deep")
+    kind, length, flags, _ = struct.unpack(file.order + "4I", _exactly(take, min(16, size)))
+    class_, parts = flags & 0xFF, 1 + bool(flags & _COMPLEX)
+    if (kind, length) != (_UINT32, 8):
+        raise _Damaged("an array without a class")
+    left = size - 16
+    read, dimensions = _content(take, file, left, _INT32)
+    left -= read
+    if len(dimensions) not in _DIMENSIONS:
+        raise _Damaged(f"an array with {len(dimensions)} bytes of dimensions")
+    shape = _integers(dimensions, file)
+    cells = 0 if class_ == _SPARSE else prod(abs(n) for n in shape)
+    if cells > size:
+        raise _Damaged(f"an array of {cells} values in {size} bytes")
+    file.count(cells)
+    left -= _content(take, file, left, _NAME)[0]
+    read, kinds, parts = _inside(take, file, left, class_=class_, cells=cells, parts=parts)
+    left -= read
+    if class_ == _SPARSE:
+        left, parts = left - _indices(take, file, left, shape), parts - 2
+    for _part in range(parts):
+        left -= _element(take, file, left, kinds, depth=depth + 1)
+    _passed(take, left)
+
+
+def _indices(take: Take, file: _MatFile, room: int, shape: Sequence[int]) -> int:
+    """Rows and starts of the columns of a sparse array, which SciPy follows without a look."""
+    first, rows = _content(take, file, room, _INT32)
+    second, starts = _content(take, file, room - first, _INT32)
+    at, begins = _integers(rows, file), _integers(starts, file)
+    if (
+        len(shape) != 2
+        or len(begins) != shape[1] + 1
+        or begins[0] != 0
+        or begins[-1] > len(at)
+        or any(a > b for a, b in pairwise(begins))
+        or any(not 0 <= row < shape[0] for row in at)
+    ):
+        raise _Damaged("a sparse array whose indices lie outside it")
+    return first + second
+
+
+def _inside(
+    take: Take, file: _MatFile, room: int, *, class_: int, cells: int, parts: int
+) -> tuple[int, frozenset[int], int]:
+    """Bytes that name the fields, and the kinds and number of the elements that follow them."""
+    if class_ in {_STRUCT, _OBJECT}:
+        left = room - (_content(take, file, room, _NAME)[0] if class_ == _OBJECT else 0)
+        read, longest = _content(take, file, left, _INT32)
+        left -= read
+        read, names = _content(take, file, left, _NAME)
+        width = sum(_integers(longest, file))
+        if width < 1:
+            raise _Damaged(f"a struct with names of {width} letters")
+        return room - left + read, _ARRAYS, cells * (len(names) // width)
+    if class_ == _CELL:
+        return 0, _ARRAYS, cells
+    if class_ == _CHAR:
+        return 0, _LETTERS, 1
+    if class_ not in _NUMERIC:
+        raise _Damaged(f"an array of class {class_}")
+    return 0, _NUMBERS, parts + 2 * (class_ == _SPARSE)
+
+
+def _integers(data: bytes, file: _MatFile) -> tuple[int, ...]:
+    return struct.unpack(f"{file.order}{len(data) // 4}i", data[: len(data) // 4 * 4])
+
+
+def _inflated(take: Take, file: _MatFile, size: int, *, depth: int) -> None:
+    """A compressed element: the one inside, inflated a stretch at a time."""
+    inflate = zlib.decompressobj()
+    waiting, packed = b"", size
+
+    def more(count: int) -> bytes:
+        nonlocal waiting, packed
+        while len(waiting) < count and (packed or inflate.unconsumed_tail):
+            source = inflate.unconsumed_tail
+            if not source:
+                source = _exactly(take, min(packed, _AT_ONCE))
+                packed -= len(source)
+            fresh = inflate.decompress(source, _AT_ONCE)
+            if not fresh and inflate.eof:
+                break
+            waiting += fresh
+        found, waiting = waiting[:count], waiting[count:]
+        return found
+
+    _element(more, file, 1 << 62, _ARRAYS, depth=depth + 1)
+    _passed(take, packed)
+
+
+def _passed(take: Take, count: int) -> None:
+    while count > 0:
+        count -= len(_exactly(take, min(count, _AT_ONCE)))
+
+
+def _exactly(take: Take, count: int) -> bytes:
+    found = take(count)
+    if len(found) < count:
+        raise _Damaged("it ends inside an array")
+    return found

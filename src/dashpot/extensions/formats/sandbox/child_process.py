@@ -1,0 +1,73 @@
+"""The child: reads one file for its parent, and is gone."""
+
+from __future__ import annotations
+
+import gc
+import os
+import sys
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import BinaryIO
+
+from dashpot.base.errors import DashpotError, ReadError
+from dashpot.extensions.formats.sandbox import limits, message_protocol
+from dashpot.reading.raw_file import Raw
+from dashpot.reading.read_options import ReadOptions
+
+_LONGEST = 2000
+
+
+def main() -> None:
+    """Read a request from stdin, write the answer to stdout, and leave without ceremony."""
+    with os.fdopen(os.dup(1), "wb") as out:
+        os.dup2(2, 1)  # what a library prints is not the answer
+        _serve(sys.stdin.buffer, out)
+    os._exit(0)
+
+
+def _serve(stream: BinaryIO, out: BinaryIO) -> None:
+    request = message_protocol.receive(stream)
+    gc.disable()  # soon all is gone; of sixty thousand channels it costs a fifth to look for it
+    limits.confine(request["seconds"])
+    raw = Raw(request["name"], request["path"] and Path(request["path"]), stream.read())
+    options = ReadOptions(
+        sheet=request["sheet"], segment=request["segment"], format=request["plugin"]
+    )
+    module, name = request["function"]
+    try:
+        function = getattr(import_module(module), name)
+        message_protocol.send_answer(out, parsed(request["format"], function, raw, options))
+    except DashpotError as error:
+        message_protocol.send(out, {"error": str(error)[:_LONGEST]})
+
+
+def parsed(
+    what: str,
+    function: Callable[[Raw, ReadOptions], message_protocol.Answer],
+    raw: Raw,
+    options: ReadOptions,
+) -> message_protocol.Answer:
+    """Return what a foreign parser makes of a file of the format `what`.
+
+    Raises
+    ------
+    DashpotError
+        Whatever goes wrong, and it is not only an Exception: Rust's panics are none.
+    """
+    try:
+        return function(raw, options)
+    except DashpotError:
+        raise
+    except MemoryError:
+        raise ReadError(
+            f"takes more than {limits.MEMORY >> 30} GiB of memory to read as {what}; "
+            "export a part of it, or as text"
+        ) from None
+    except OSError as error:
+        raise ReadError(f"cannot be read: {type(error).__name__} {error}") from None
+    except BaseException as error:  # noqa: BLE001
+        raise ReadError(
+            f"a broken or unknown variety of {what}: {type(error).__name__}: {error}; "
+            "export it again, or as text"
+        ) from None

@@ -1,0 +1,185 @@
+"""What the two processes say to each other: a JSON head and the bytes that it announces.
+
+The child is what is not trusted: no pickle, no object but text and numbers, every size bounded
+before it is read, every word of the head checked for its type.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Iterable, Iterator
+from typing import Any, BinaryIO, TypeAlias, get_args
+
+from dashpot.base.provenance import Caution
+from dashpot.extensions.formats.sandbox.limits import LARGEST, within
+from dashpot.reading.table import Column, Content, FileTable, Question, in_memory
+
+Answer: TypeAlias = FileTable | dict[str, bytes]
+"""A table whose numbers are in memory, or the texts of a file by name."""
+
+_HEAD = 1 << 22
+_BLOCK = 1 << 16
+"""Numbers that are handed over at a time, or one column of more."""
+_CONTENTS = get_args(Content)
+_LENGTH = struct.Struct("<Q")
+
+
+class Garbled(Exception):  # noqa: N818
+    """What came is no message: its sender died, or was led astray."""
+
+
+def send(stream: BinaryIO, head: dict[str, Any], parts: Iterable[bytes | memoryview] = ()) -> None:
+    """Write a head and its bytes."""
+    text = json.dumps(head).encode()
+    stream.write(_LENGTH.pack(len(text)))
+    stream.write(text)
+    for part in parts:
+        stream.write(part)
+    stream.flush()
+
+
+def receive(stream: BinaryIO) -> dict[str, Any]:
+    """Read a head.
+
+    Raises
+    ------
+    Garbled
+        If there is none.
+    """
+    size = _LENGTH.unpack(exactly(stream, _LENGTH.size))[0]
+    if size > _HEAD:
+        raise Garbled
+    try:
+        head = json.loads(exactly(stream, size))
+    except (ValueError, RecursionError):
+        raise Garbled from None
+    return dict(_typed(head, dict))
+
+
+def exactly(stream: BinaryIO, size: int) -> bytes:
+    """Read so many bytes, or raise `Garbled`."""
+    found = stream.read(size)
+    if len(found) < size:
+        raise Garbled
+    return found
+
+
+def send_answer(stream: BinaryIO, answer: Answer) -> None:
+    """Write an answer, a table some columns at a time.
+
+    Raises
+    ------
+    ReadError
+        Before anything is written, if it is more than a test can be.
+    """
+    if isinstance(answer, dict):
+        within(sum(map(len, answer.values())) // 8, "the sheets hold as much text as")
+        send(stream, {"texts": [[k, len(v)] for k, v in answer.items()]}, answer.values())
+        return
+    import numpy as np
+
+    width = len(answer.columns)
+    first = answer.load([0])
+    rows = len(first.values)
+    within(rows * width, "the file holds")
+    head = {
+        "format": answer.format, "rows": rows, "starts": first.starts, "segments": first.segments,
+        "columns": [[c.name, c.unit, c.content, c.factor] for c in answer.columns],
+        "doubts": [[d.says, d.option] for d in answer.doubts], "simulated": answer.simulated,
+        "notes": answer.notes, "header": answer.header, "hints": answer.hints,
+        "cautions": [i for i, note in enumerate(answer.notes) if isinstance(note, Caution)],
+    }  # fmt: skip
+    blocks = (answer.load(range(*of)).values.T for of in _blocks(rows, width))
+    send(stream, head, (np.ascontiguousarray(each, float).data.cast("B") for each in blocks))
+
+
+def receive_answer(stream: BinaryIO, head: dict[str, Any]) -> Answer:
+    """Read the answer that a head announces.
+
+    Raises
+    ------
+    Garbled
+        If it is none.
+    """
+    try:
+        if "texts" in head:
+            sizes = {_typed(name, str): _count(size) for name, size in head["texts"]}
+            _bounded(sum(sizes.values()))
+            return {name: exactly(stream, size) for name, size in sizes.items()}
+        return _table(stream, head)
+    except (KeyError, TypeError, ValueError):
+        raise Garbled from None
+
+
+def _table(stream: BinaryIO, head: dict[str, Any]) -> FileTable:
+    import numpy as np
+
+    rows, starts = _count(head["rows"]), tuple(_count(start) for start in head["starts"])
+    columns = tuple(
+        Column(
+            _typed(name, str),
+            unit if unit is None else _typed(unit, str),
+            _content(content),
+            _typed(factor, str),
+        )
+        for name, unit, content, factor in head["columns"]
+    )
+    segments = _strings(head["segments"])
+    if len(segments) != len(starts) or starts[:1] != (0,) or max(starts) > rows:
+        raise Garbled
+    _bounded(8 * rows * len(columns))
+    values = np.empty((rows, len(columns)))
+    for first, stop in _blocks(rows, len(columns)):
+        whole = np.frombuffer(exactly(stream, 8 * rows * (stop - first)))
+        values[:, first:stop] = whole.reshape(stop - first, rows).T
+    return FileTable(
+        format=_typed(head["format"], str),
+        columns=columns,
+        load=in_memory(values, starts, segments),
+        simulated=_typed(head["simulated"], bool),
+        doubts=tuple(Question(_typed(a, str), _typed(b, str)) for a, b in head["doubts"]),
+        notes=_notes(_strings(head["notes"]), head["cautions"]),
+        header=_strings(head["header"]),
+        hints=_strings(head["hints"]),
+    )
+
+
+def _blocks(rows: int, width: int) -> Iterator[tuple[int, int]]:
+    """Where each block of columns begins and ends: one column, or thousands of short ones."""
+    many = max(1, _BLOCK // max(1, rows))
+    return ((first, min(first + many, width)) for first in range(0, width, many))
+
+
+def _typed(value: Any, kind: type) -> Any:
+    if not isinstance(value, kind):
+        raise Garbled
+    return value
+
+
+def _strings(values: Any) -> tuple[str, ...]:
+    return tuple(_typed(value, str) for value in _typed(values, list))
+
+
+def _notes(notes: tuple[str, ...], cautions: Any) -> tuple[str, ...]:
+    """The notes, those at the places given as cautions."""
+    places = {_count(place) for place in _typed(cautions, list)}
+    return tuple(Caution(note) if i in places else note for i, note in enumerate(notes))
+
+
+def _count(value: Any) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+        raise Garbled
+    return value
+
+
+def _content(value: Any) -> Content:
+    if value not in _CONTENTS:
+        raise Garbled
+    content: Content = value
+    return content
+
+
+def _bounded(size: int) -> None:
+    if size > LARGEST:
+        raise Garbled

@@ -1,0 +1,145 @@
+"""The parent: a child for each file, its answer within limits, and no trace of it afterwards.
+
+A child costs the start of an interpreter, and the parent saves what the foreign library would
+have cost to import. One that serves several files would carry what one of them broke to the next.
+"""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from typing import BinaryIO, TypeVar, cast
+
+from dashpot.base.errors import ReadError
+from dashpot.base.subprocesses import interpreter, one_thread
+from dashpot.extensions.formats.sandbox import limits, message_protocol
+from dashpot.reading import time_budget
+from dashpot.reading.raw_file import Raw
+from dashpot.reading.read_options import ReadOptions
+
+A = TypeVar("A", bound=message_protocol.Answer)
+_MARK = "--read-for-dashpot"
+_frozen_children: list[str] = []
+
+
+def frozen_support() -> None:
+    """Let a packed program read foreign files; call it first, before anything is parsed.
+
+    A packed program has no interpreter to start, so it starts itself, and this call turns that
+    second one into a child.
+    """
+    if sys.argv[1:] == [_MARK]:
+        from dashpot.extensions.formats.sandbox.child_process import main
+
+        main()
+    _frozen_children[:] = [_MARK]
+
+
+def in_child(
+    what: str, function: Callable[[Raw, ReadOptions], A], raw: Raw, options: ReadOptions
+) -> A:
+    """Return ``function(raw, options)``, run in a process with limits of memory, time and numbers.
+
+    The function reads files of the format `what` and stands at the top of a module of dashpot; of
+    the options it gets the sheet and the segment.
+
+    Raises
+    ------
+    ReadError
+        What the function raises there; and where the process dies, or takes too long.
+    """
+    seconds = time_budget.seconds_for(raw.size)
+    request = {
+        "format": what, "function": [function.__module__, function.__name__],
+        "seconds": seconds, "name": raw.name, "path": raw.path and str(raw.path.absolute()),
+        "sheet": options.sheet, "segment": options.segment, "plugin": options.format,
+    }  # fmt: skip
+    late = threading.Event()
+    with _child(seconds, late) as child:
+        try:
+            with suppress(OSError):  # the child is gone; what it left is read below
+                _send(child, request, raw)
+            answer = _received(cast("BinaryIO", child.stdout))
+        except message_protocol.Garbled:
+            answer = None
+    if answer is None:
+        raise ReadError(_death(what, child.returncode, seconds if late.is_set() else None))
+    return cast("A", answer)
+
+
+def _send(child: subprocess.Popen[bytes], request: dict[str, object], raw: Raw) -> None:
+    stream = cast("BinaryIO", child.stdin)
+    message_protocol.send(stream, request, [raw.held])
+    stream.close()
+
+
+def _received(stream: BinaryIO) -> message_protocol.Answer:
+    head = message_protocol.receive(stream)
+    if "error" in head:
+        raise ReadError("".join(c if c.isprintable() else " " for c in str(head["error"])))
+    return message_protocol.receive_answer(stream, head)
+
+
+@contextmanager
+def _child(seconds: float, late: threading.Event) -> Iterator[subprocess.Popen[bytes]]:
+    """A child that is ended after so many seconds, and in any case at the end of the block."""
+    try:
+        child = subprocess.Popen(  # noqa: S603
+            _command(),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            env=one_thread(),
+            creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
+        )
+    except OSError as error:
+        raise ReadError(f"no process could be started to read it: {error.strerror}") from None
+
+    def end() -> None:
+        late.set()
+        child.kill()
+
+    clock = threading.Timer(seconds, end)
+    clock.daemon = True
+    clock.start()
+    try:
+        yield child
+    finally:
+        clock.cancel()
+        child.kill()
+        for stream in (child.stdin, child.stdout):
+            with suppress(OSError):
+                cast("BinaryIO", stream).close()
+        child.wait()
+
+
+def _command() -> list[str]:
+    if getattr(sys, "frozen", False):
+        if not _frozen_children:
+            raise ReadError(
+                "this packed program cannot start the reader of this format; export the test as "
+                "text (its maker: call "
+                "dashpot.extensions.formats.sandbox.parent_process.frozen_support first)"
+            )
+        return [sys.executable, *_frozen_children]
+    return interpreter("dashpot.extensions.formats.sandbox.child_process", "-W", "ignore")
+
+
+def _death(what: str, code: int, seconds: float | None) -> str:
+    """The sentence on a child that gave no answer."""
+    if seconds is not None:
+        return (
+            f"took more than {seconds:.0f} s to read as {what}: it is damaged, or unpacks to far "
+            "more than a test; export it again, or as text"
+        )
+    how = f"exit code {code}"
+    with suppress(ValueError):
+        how = signal.Signals(-code).name
+    return (
+        f"damaged, or unpacks to more than the {limits.MEMORY >> 30} GiB of memory that reading "
+        f"may take: the reader of {what} files ended with {how}; export it again, or as text"
+    )

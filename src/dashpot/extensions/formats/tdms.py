@@ -1,0 +1,340 @@
+"""NI TDMS files through npTDMS: scaled, with each channel's own start offset."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from dashpot.base import units
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import ReadError
+from dashpot.base.provenance import Caution
+from dashpot.extensions.formats.array_table import (
+    Named,
+    names_start,
+    rate_hints,
+    stated_rate,
+    window_line,
+)
+from dashpot.extensions.formats.sandbox import limits
+from dashpot.reading.columns.unit_factors import factors_among
+from dashpot.reading.raw_file import Raw, extra
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.table import Column, FileTable, in_memory
+
+_UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit", "Units")
+_SCALED = ("NI_Scal", "NI_Number_Of_Scales")
+"""How the properties begin by which a channel, its group or its file says that it is scaled."""
+_SCALE_TYPE = re.compile(r"NI_Scale\[\d+\]_Scale_Type")
+_KNOWN_SCALES = {
+    "Polynomial", "Linear", "RTD", "Strain", "Table", "Thermistor", "Thermocouple", "Add",
+    "Subtract", "AdvancedAPI",
+}  # fmt: skip
+"""The scales that npTDMS applies."""
+_UNSET = -2 * 10**18
+"""Nanoseconds since 1970: LabVIEW counts from 1904, and a start that was never set is its zero."""
+_NUMBERS = "iuf"
+"""The kinds of arrays that hold numbers."""
+_PATH = re.compile(r"/'((?:[^']|'')*)'/'((?:[^']|'')*)'")
+"""What stands for a channel: the names of its group and its own."""
+_NONE = np.empty(0)
+_WHOLE = 0.01
+"""Share of a sample by which channels may be apart before one is shifted."""
+
+
+@dataclass(frozen=True, eq=False)
+class _TdmsChannel:
+    name: str
+    unit: str | None
+    values: FloatArray
+    step: float | None
+    offset: float
+    start: int | None = None
+    """Its stated start, ns since 1970; None without."""
+    said_start: str = ""
+    """A start that another property than the format's own states."""
+    factor: str = ""
+
+
+_Groups: TypeAlias = dict[str, list[_TdmsChannel]]
+
+
+def read(raw: Raw, options: ReadOptions) -> FileTable:
+    """Return the channels of a TDMS file, one segment for each group.
+
+    Raises
+    ------
+    ReadError
+        If groups hold different channels (name one with ``--part sheet``), or channels of one group
+        differ in rate or length.
+    """
+    extra("nptdms", "npTDMS", "TDMS files")
+    from dashpot.extensions.formats.tdms_segments import SegmentReader
+
+    with raw.open() as stream:
+        file = SegmentReader(stream)
+        file.read_metadata()
+        objects = file.object_metadata
+        limits.within(sum(one.num_values for one in objects.values()), "the channels hold")
+        _refuse_unknown_scales(objects)
+        told = _is_scaled(objects) or any(map(_is_stamped, objects.values()))
+        groups = _chosen(_scaled(stream, objects) if told else _bare(file), options.sheet)
+        stated = [
+            line
+            for one in objects.values()
+            for key, value in one.properties.items()
+            if (line := window_line(str(key), value))
+        ]
+    notes: list[str] = []
+    blocks = [_block(channels, notes) for channels in groups.values()]
+    first = next(iter(groups.values()))
+    columns = [Column(c.name, c.unit, factor=c.factor) for c in first]
+    notes += _stated_of_all(objects)
+    if blocks[0].shape[1] > len(first):
+        columns.insert(0, Column("time", "s"))
+    starts = np.cumsum([0, *(len(block) for block in blocks[:-1])])
+    return FileTable(
+        format="TDMS",
+        columns=tuple(columns),
+        load=in_memory(np.concatenate(blocks), tuple(map(int, starts)), tuple(groups)),
+        notes=tuple(dict.fromkeys(notes)),
+        header=tuple(dict.fromkeys(stated)),
+        hints=rate_hints(_rates_stated(objects)),
+    )
+
+
+def _chosen(found: _Groups, sheet: str | None) -> _Groups:
+    """The groups that hold numbers, or the one named; all with the same channels."""
+    groups = {name: channels for name, channels in found.items() if channels}
+    if sheet is not None:
+        if sheet not in groups:
+            raise ReadError(f"--part sheet={sheet}: the groups are {_list(groups)}")
+        groups = {sheet: groups[sheet]}
+    if not groups:
+        raise ReadError("this TDMS file holds no numeric channels")
+    if len({tuple((c.name, c.unit) for c in channels) for channels in groups.values()}) > 1:
+        raise ReadError(
+            f"groups {_list(groups)} hold different channels; choose one with --part sheet="
+            f'"{next(iter(groups))}"'
+        )
+    return groups
+
+
+def _is_scaled(objects: Mapping[str, Any]) -> bool:
+    """Whether a channel, its group or the file says that what is stored is to be scaled."""
+    return any(
+        one.scaler_data_types or any(key.startswith(_SCALED) for key in one.properties)
+        for one in objects.values()
+    )
+
+
+def _refuse_unknown_scales(objects: Mapping[str, Any]) -> None:
+    """Refuse a scale that npTDMS does not know: it would hand over what is stored, unscaled."""
+    for path, one in objects.items():
+        if one.properties.get("NI_Scaling_Status", "unscaled") == "scaled":
+            continue  # applied already
+        for key, kind in one.properties.items():
+            if _SCALE_TYPE.fullmatch(key) and str(kind) not in _KNOWN_SCALES:
+                raise ReadError(
+                    f"'{path}' is scaled by '{kind}' ({key}), a scale that is not known here: its "
+                    "numbers would be counts; let the program that recorded it write scaled "
+                    "values, or export the file as text"
+                )
+
+
+def _is_stamped(one: Any) -> bool:
+    """Whether a channel holds instants."""
+    return getattr(one.data_type, "__name__", "") == "TimeStamp"
+
+
+def _stated_of_all(objects: Mapping[str, Any]) -> list[str]:
+    """Note what a group or the file states beside its numbers."""
+    notes: list[str] = []
+    for path, one in objects.items():
+        stated = "" if _PATH.fullmatch(path) else _factors(one.properties)
+        if stated:
+            notes.append(Caution(f"'{path}' states {stated}; no factor is applied to the numbers"))
+    return notes
+
+
+def _rates_stated(objects: Mapping[str, Any]) -> list[Named]:
+    """What properties beside the format's own state of the sampling rate."""
+    return [
+        Named(f"{path}.{key}", np.array(float(value)))
+        for path, one in objects.items()
+        for key, value in one.properties.items()
+        if isinstance(value, int | float) and stated_rate(key, 1.0) > 0
+    ]
+
+
+def _factors(properties: Mapping[str, Any]) -> str:
+    """What properties state of a factor, without those that the format itself defines."""
+    own = {key: value for key, value in properties.items() if not key.startswith(("NI_", "wf_"))}
+    return factors_among(own)
+
+
+def _bare(file: Any) -> _Groups:
+    """The channels of a file as they are stored.
+
+    npTDMS's own objects cost twice as much as what they hold: of tens of thousands of channels they
+    are not made.
+    """
+    objects: Mapping[str, Any] = file.object_metadata
+    parts: dict[str, list[FloatArray]] = {}
+    for path, one in objects.items():
+        kind = getattr(one.data_type, "nptype", None)
+        if kind is not None and kind.kind in _NUMBERS:
+            parts[path] = []
+    for chunk in file.read_raw_data():
+        for path, part in chunk.channel_data.items():
+            if path in parts:
+                parts[path].append(part.data)
+    groups: _Groups = {}
+    for path, found in parts.items():
+        values = np.concatenate(found) if len(found) > 1 else found[0] if found else _NONE
+        if values.size:
+            group, name = _names(path)
+            channel = _channel(name, objects[path].properties, values)
+            groups.setdefault(group, []).append(channel)
+    return groups
+
+
+def _names(path: str) -> list[str]:
+    """The names of a channel's group and its own."""
+    found = _PATH.fullmatch(path)
+    if found is None:
+        raise ReadError(f"this TDMS file keeps numbers under '{path}', which names no channel")
+    return [one.replace("''", "'") for one in found.groups()]
+
+
+def _scaled(stream: Any, objects: Mapping[str, Any]) -> _Groups:
+    """The channels of a file as npTDMS scales them, instants as seconds since the first."""
+    from nptdms import TdmsFile
+
+    stream.seek(0)
+    groups: _Groups = {}
+    for group in TdmsFile.read(stream, raw_timestamps=True).groups():
+        instants: list[tuple[int, Any]] = []
+        channels = groups.setdefault(group.name, [])
+        for channel in group.channels():
+            values = channel[:]
+            properties = objects[channel.path].properties  # as the first segment states them
+            if hasattr(values, "as_datetime64"):
+                instants.append((len(channels), values.as_datetime64("ns")))
+                values = np.zeros(len(values))
+                properties = {"unit_string": "s"}
+            values = np.asarray(values)
+            if values.size and values.dtype.kind in _NUMBERS:
+                channels.append(_channel(channel.name, properties, values))
+        whole = [(place, one) for place, one in instants if len(one)]
+        first = min((one[0] for _, one in whole), default=None)
+        for place, one in whole:
+            since = (one - first) / np.timedelta64(1, "s")
+            channels[place] = replace(channels[place], values=since)
+    return groups
+
+
+def _channel(name: str, properties: Mapping[str, Any], values: FloatArray) -> _TdmsChannel:
+    unit = next((said for key in _UNITS if (said := str(properties.get(key, ""))).strip()), None)
+    step = float(properties.get("wf_increment") or 0.0)
+    offset = float(properties.get("wf_start_offset", 0.0))
+    values = values.astype(float, copy=False)
+    along = units.find(str(properties.get("wf_xunit_string", "")).strip() or "s", "time")
+    factor, start = _factors(properties), _start(properties.get("wf_start_time"))
+    own = (key for key in properties if names_start(key) and not key.startswith("wf_"))
+    said = ", ".join(f"{key} = {properties[key]}" for key in own)
+    if not step or along is None:  # over frequency it has no clock
+        return _TdmsChannel(name, unit, values, None, offset, start, said, factor)
+    clock = along.factor * step, along.factor * offset
+    return _TdmsChannel(name, unit, values, *clock, start, said, factor)
+
+
+def _start(stated: Any) -> int | None:
+    """A stated start, ns since 1970; None of none, and of the zero of LabVIEW's clock."""
+    if hasattr(stated, "as_datetime64"):
+        stated = stated.as_datetime64("ns")
+    if not isinstance(stated, np.datetime64) or np.isnat(stated):
+        return None
+    since = int(stated.astype("datetime64[ns]").astype(np.int64))
+    return since if since > _UNSET else None
+
+
+def _started(channels: list[_TdmsChannel]) -> list[_TdmsChannel]:
+    """The channels, each later by as much as its stated start is after the first one's.
+
+    One that states none began with the first.
+    """
+    if len({channel.said_start for channel in channels}) > 1:
+        listed = ", ".join(f"'{c.name}' {c.said_start or 'says nothing'}" for c in channels[:6])
+        raise ReadError(
+            f"the channels are said to start at different times ({listed}), and not by wf_start_"
+            "time, which would be applied: export them on one clock"
+        )
+    starts = [channel.start for channel in channels if channel.start is not None]
+    first = min(starts, default=0)
+    late = [1e-9 * ((one.start or first) - first) for one in channels]
+    if not any(late):
+        return channels
+    if all(channel.step is None for channel in channels):
+        raise ReadError(
+            f"the channels start up to {max(late):.6g} s apart (wf_start_time) and have no clock: "
+            "when each sample was taken is not known; export them on one clock"
+        )
+    return [
+        replace(one, offset=one.offset + after) for one, after in zip(channels, late, strict=True)
+    ]
+
+
+def _block(channels: list[_TdmsChannel], notes: list[str]) -> FloatArray:
+    """One group as rows: with its time in front if the channels carry it."""
+    channels = _started(channels)
+    steps = {channel.step for channel in channels}
+    if len(steps) > 1:
+        listed = ", ".join(f"'{c.name}' {c.step} s" for c in channels[:6])
+        raise ReadError(
+            f"channels are sampled at different steps ({listed}); export them at one rate"
+        )
+    step, sizes = steps.pop(), sorted({channel.values.size for channel in channels})
+    values, offset = [channel.values for channel in channels], channels[0].offset
+    if step is None:
+        if len(sizes) > 1:
+            raise ReadError(f"channels differ in length ({sizes}) and have no clock")
+        return np.array(values).T
+    if sizes == sizes[:1] != [1] and all(channel.offset == offset for channel in channels):
+        return np.array([offset + step * np.arange(sizes[0], dtype=float), *values]).T
+    time = _common(channels, step)
+    return np.array([time, *(_aligned(c, time, step, notes) for c in channels)]).T
+
+
+def _common(channels: list[_TdmsChannel], step: float) -> FloatArray:
+    """The times at which every channel was sampled."""
+    start = max(channel.offset for channel in channels)
+    end = min(channel.offset + step * (channel.values.size - 1) for channel in channels)
+    count = int(np.floor((end - start) / step + 1e-6)) + 1
+    if count < 2:
+        raise ReadError("the channels do not overlap in time (wf_start_time, wf_start_offset)")
+    return start + step * np.arange(count, dtype=float)
+
+
+def _aligned(channel: _TdmsChannel, time: FloatArray, step: float, notes: list[str]) -> FloatArray:
+    """A channel's samples at the common times; its own where they fall together."""
+    shift = (time[0] - channel.offset) / step
+    whole = round(shift)
+    if abs(shift - whole) <= _WHOLE:
+        if whole:
+            notes.append(f"'{channel.name}' starts {whole} samples before the others: aligned")
+        return channel.values[whole : whole + len(time)]
+    notes.append(
+        f"'{channel.name}' starts {shift:.2f} samples before the others: shifted by straight lines "
+        "between its samples, which dulls what is near half the sampling rate"
+    )
+    own = channel.offset + step * np.arange(channel.values.size)
+    return np.interp(time, own, channel.values)
+
+
+def _list(groups: _Groups) -> str:
+    return ", ".join(f"'{name}'" for name in list(groups)[:8])

@@ -1,0 +1,430 @@
+"""Universal file format through pyuff: dataset 58 (ascii and binary), shapes of dataset 55."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from math import exp, log
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import ReadError
+from dashpot.base.units import in_unit
+from dashpot.reading.raw_file import Raw, extra
+from dashpot.reading.read_options import ReadOptions, flag
+from dashpot.reading.table import Column, FileTable, Question, in_memory
+
+TIME, FRF_, COHERENCE = 1, 4, 6
+"""Function types of dataset 58."""
+_PSD = 9
+_NORMAL = 2
+"""Analysis type of dataset 55."""
+_NODES = (15, 2411)
+"""Datasets of node coordinates."""
+_QUANTITY = {8: "m", 11: "m/s", 12: "m/s^2", 9: "N", 13: "N", 17: "s", 18: "Hz"}
+"""SI unit by the specific data type of an axis."""
+_BLANK = {"", "NONE", "NULL"}
+_AXES = ("", "X", "Y", "Z", "RX", "RY", "RZ")
+SEGMENT = "--part segment=NUMBER"
+"""What answers which of several FRFs is meant."""
+_REAL = (2, 4)
+"""Ordinate data types without an imaginary part."""
+_EXPONENTIAL = (4, 6)
+"""Window types of dataset 1858: exponential alone, and beside the impact window."""
+_LEFT = (3e-4, 0.2)
+"""What exponential windows of analysers leave at the end of a record, as a part."""
+_DOUBLE_EXPONENT = re.compile(rb"(?<=\d)[dD](?=[+-]\d\d)")
+"""Fortran's D of a double: ``1.0D+01``."""
+_BINARY_DATASET = re.compile(rb"^ {4}58b", re.MULTILINE)
+_Set: TypeAlias = dict[str, Any]
+
+
+def read(raw: Raw, options: ReadOptions) -> FileTable:
+    """Return the FRFs of a file, else its time records, as a table.
+
+    Of several FRFs one is chosen by ``--part segment``; without it those on the same
+    lines are columns side by side, named after their points, for a reader that takes them all.
+    Units are those of the axis labels; where a label is blank, dataset 164 and the specific data
+    type give them. A file without any, but with normal modes at nodes, is a row for each node of
+    each mode.
+
+    Raises
+    ------
+    ReadError
+        If there is no dataset 58 of either type nor one of shapes, or several FRFs and no choice.
+    """
+    pyuff = extra("pyuff", "pyuff", "UFF files")
+    with warnings.catch_warnings(), _readable_path(raw) as path:
+        warnings.simplefilter("ignore")
+        found = pyuff.UFF(str(path)).read_sets()
+    sets = _with_windows(found if isinstance(found, list) else [found])
+    units = _dataset(sets, 164)
+    curves = [entry for entry in sets if entry.get("type") == 58 and np.size(entry.get("data", ()))]
+    if not curves:
+        return _modes(sets, units)
+    notes = _notes(sets, units)
+    frfs = _of_type(curves, FRF_)
+    if frfs:
+        return _frf(frfs, _of_type(curves, COHERENCE), units, segment=options.segment, notes=notes)
+    # a spectrum or the like is shown, and refused where a test is asked for
+    return _timed(_of_type(curves, 0, TIME) or curves[:1], units, notes)
+
+
+@contextmanager
+def _readable_path(raw: Raw) -> Iterator[Path]:
+    """Yield the path of a file whose exponents pyuff reads: E where a text writes Fortran's D."""
+    with raw.open() as stream:
+        data = stream.read()
+    if _BINARY_DATASET.search(data) or not _DOUBLE_EXPONENT.search(data):
+        yield raw.on_disk()
+        return
+    with TemporaryDirectory() as folder:
+        path = Path(folder, "exponents.uff")
+        path.write_bytes(_DOUBLE_EXPONENT.sub(b"E", data))
+        yield path
+
+
+def _with_windows(sets: Sequence[_Set]) -> list[_Set]:
+    """The datasets; each 58 with the 1858 that follows it under ``qualifiers``."""
+    found: list[_Set] = []
+    for entry in sets:
+        if entry.get("type") == 1858 and found and found[-1].get("type") == 58:
+            found[-1] = {**found[-1], "qualifiers": entry}
+        else:
+            found.append(entry)
+    return found
+
+
+def _direction_sign(*directions: int) -> float:
+    """-1 where an odd number of direction fields, -1 to -6, are against their axes; else 1."""
+    return -1.0 if sum(direction < 0 for direction in directions) % 2 else 1.0
+
+
+def _window_lines(
+    entry: _Set, record: float | None
+) -> tuple[tuple[str, ...], tuple[Question, ...]]:
+    r"""Header lines and questions for the exponential window that dataset 1858 states.
+
+    Its damping factor has no stated unit: it may be the rate a in :math:`e^{-at}`, 1/s, the time
+    constant 1/a, s, or what the window leaves at the end of the `record`, s. One reading is taken
+    if it alone leaves what analysers leave, else the user is asked.
+    """
+    qualifiers = entry.get("qualifiers") or {}
+    if int(qualifiers.get("window_type") or 0) not in _EXPONENTIAL:
+        return (), ()
+    factor = float(qualifiers.get("exponential_window_damping_factor") or 0.0)
+    rates: list[float] = []
+    if record is not None and factor > 0:
+        readings = [factor, 1 / factor]
+        if factor < _LEFT[1]:
+            readings.append(-log(factor) / record)
+        rates = [rate for rate in readings if _LEFT[0] <= exp(-rate * record) <= _LEFT[1]]
+    if rates and max(rates) < 1.01 * min(rates):
+        return (f"exponential window, decay rate [1/s]: {rates[0]!r}",), ()
+    says = (
+        f"dataset 1858 states an exponential window with the factor {factor:g} and no unit that "
+        f"its record settles; give the time constant, for example {flag('window_decay')} 2s, or "
+        f"{flag('window_decay')} 0s if the values are free of the window"
+    )
+    return (), (Question(says, f"{flag('window_decay')} TIME"),)
+
+
+def _record_length(entry: _Set) -> float | None:
+    """Length of the record behind an FRF, s, by the spacing of its lines; of a time record its own.
+
+    None where neither is known.
+    """
+    x = np.asarray(entry["x"], dtype=float)
+    if len(x) < 2:
+        return None
+    step = float(np.median(np.diff(x)))
+    if step <= 0:
+        return None
+    return len(x) * step if entry["func_type"] in {0, TIME} else 1 / step
+
+
+def _of_type(curves: Sequence[_Set], *types: int) -> list[_Set]:
+    return [entry for entry in curves if entry["func_type"] in types]
+
+
+def _dataset(sets: Sequence[_Set], number: int) -> _Set | None:
+    return next((entry for entry in sets if entry.get("type") == number), None)
+
+
+def _notes(sets: Sequence[_Set], units: _Set | None) -> list[str]:
+    notes = []
+    model = _dataset(sets, 151)
+    if model is not None and str(model.get("model_name", "")).strip():
+        notes.append(f"model {str(model['model_name']).strip()} (dataset 151)")
+    if units is None:
+        notes.append("no dataset 164: units are those of the axis labels")
+    else:
+        notes.append(f"units {str(units.get('units_description', '')).strip()} (dataset 164)")
+    return notes
+
+
+def _frf(
+    frfs: Sequence[_Set],
+    coherent: Sequence[_Set],
+    units: _Set | None,
+    *,
+    segment: int | None,
+    notes: list[str],
+) -> FileTable:
+    doubts = _which(frfs) if segment is None else ()
+    number = segment or 1
+    _refuse_amplitude_alone(frfs if segment is None else frfs[number - 1 : number])
+    if number > len(frfs):
+        raise ReadError(f"--part segment={segment}, but the file has {len(frfs)} FRFs")
+    one = frfs[number - 1]
+    together = segment is None and all(np.array_equal(e["x"], one["x"]) for e in frfs)
+    columns = [Column("frequency", _label(one["abscissa_axis_units_lab"]) or "Hz")]
+    values = [np.asarray(one["x"], dtype=float)]
+    shown = frfs if together else [one]
+    for entry, name in zip(shown, _points(shown), strict=True):
+        unit = _per(_unit(entry, "ordinate", units), _unit(entry, "orddenom", units))
+        value = np.asarray(entry["data"], dtype=complex)
+        value = value * _direction_sign(*_directions(entry))
+        columns += [Column(f"real{name}", unit), Column(f"imaginary{name}", unit)]
+        values += [value.real, value.imag]
+        own = _coherence_of(entry, coherent)
+        if own is not None:
+            columns.append(Column(f"coherence{name}", "1"))
+            values.append(np.real(own["data"]))
+    notes = [*notes, *_turned_notes(shown)]
+    lines, asked = _window_lines(one, _record_length(one))
+    return _stating(_table(columns, values, one, notes, (*doubts, *asked)), lines)
+
+
+def _refuse_amplitude_alone(frfs: Sequence[_Set]) -> None:
+    """Refuse FRFs whose data type is real: amplitudes, which tell no damping.
+
+    Raises
+    ------
+    ReadError
+    """
+    real = [entry for entry in frfs if int(entry["ord_data_type"]) in _REAL]
+    if real:
+        raise ReadError(
+            f"the FRF {_title(real[0])} has real values alone (ordinate data type "
+            f"{int(real[0]['ord_data_type'])}), as an amplitude without its phase has; expected "
+            "complex values (type 5 or 6). Export the FRF as complex, or as real and imaginary part"
+        )
+
+
+def _directions(entry: _Set) -> tuple[int, int]:
+    """Direction fields of response and reference, 0 where a file does not say."""
+    return int(entry.get("rsp_dir") or 0), int(entry.get("ref_dir") or 0)
+
+
+def _turned_notes(shown: Sequence[_Set]) -> list[str]:
+    """Say which curves were turned to the positive direction of their axes."""
+    turned = [
+        f"{_title(entry)} ({_ends(entry)[0] or '?'} over {_ends(entry)[1] or '?'})"
+        for entry in shown
+        if _direction_sign(*_directions(entry)) < 0
+    ]
+    return [f"sign turned by the direction fields of dataset 58: {', '.join(turned[:4])}"] * bool(
+        turned
+    )
+
+
+def _which(frfs: Sequence[_Set]) -> tuple[Question, ...]:
+    """Ask which one of several."""
+    if len(frfs) == 1:
+        return ()
+    listed = ", ".join(f"{i + 1} {_title(entry)}" for i, entry in enumerate(frfs[:8]))
+    says = f"{len(frfs)} FRFs in the file: {listed}; choose one, for example --part segment=1"
+    return (Question(says, SEGMENT),)
+
+
+def _coherence_of(frf: _Set, coherent: Sequence[_Set]) -> _Set | None:
+    """The coherence of the same two points on the same lines; or the only one there is."""
+    same = [e for e in coherent if np.array_equal(e["x"], frf["x"])]
+    own = [e for e in same if _ends(e) == _ends(frf)]
+    return own[0] if len(own) == 1 else same[0] if len(same) == 1 else None
+
+
+def _ends(entry: _Set) -> tuple[str, str]:
+    """Where it moves and where it is struck, such as 3+Z and 1+Z; "" if a file does not say."""
+    return _end(entry, "rsp"), _end(entry, "ref")
+
+
+def _end(entry: _Set, end: str) -> str:
+    node, way = int(entry.get(f"{end}_node") or 0), int(entry.get(f"{end}_dir") or 0)
+    axis = _AXES[abs(way)] if abs(way) < len(_AXES) else ""
+    return f"{node}{'-' if way < 0 else '+'}{axis}" if axis else str(node) if node else ""
+
+
+def _points(frfs: Sequence[_Set]) -> list[str]:
+    """What the columns of each FRF are called behind their role; of a single one nothing."""
+    if len(frfs) == 1:
+        return [""]
+    # values are along the axes: a direction against one was turned
+    names = ["/".join(end.replace("-", "+") for end in filter(None, _ends(e))) for e in frfs]
+    alone = len(set(names)) == len(names) and all(names)
+    return [f" {name}" if alone else f" {i + 1}" for i, name in enumerate(names)]
+
+
+def _per(above: str | None, below: str | None) -> str | None:
+    """The unit of a ratio, unless the upper label holds the lower one already."""
+    if not above or not below or f"/{below}" in above or "(1/" in above:
+        return above
+    return f"({above})/{below}"
+
+
+def _timed(timed: Sequence[_Set], units: _Set | None, notes: list[str]) -> FileTable:
+    first = timed[0]
+    grids = {
+        (len(e["x"]), round(float(e["x"][0]), 12), round(float(e["x"][-1]), 12)) for e in timed
+    }
+    if len(grids) > 1:
+        raise ReadError(
+            f"the time records differ in length or start ({len(grids)} kinds); give "
+            "files whose channels were recorded together"
+        )
+    word = _label(first["abscissa_axis_units_lab"]) or "s"
+    columns = [Column("time" if first["func_type"] in {0, TIME} else "abscissa", word)]
+    values = [np.asarray(first["x"], dtype=float)]
+    for i, entry in enumerate(timed):
+        unit = _unit(entry, "ordinate", units)
+        name = _title(entry) or f"channel {i + 1}"
+        name += " (PSD)" if entry["func_type"] == _PSD else ""
+        columns.append(Column(name, unit))
+        sign = _direction_sign(_directions(entry)[0])
+        values.append(sign * np.real(np.asarray(entry["data"])).astype(float))
+        if sign < 0:
+            notes = [*notes, f"'{name}': sign turned by its direction field, {_ends(entry)[0]}"]
+    windowed = next((entry for entry in timed if entry.get("qualifiers")), first)
+    lines, asked = _window_lines(windowed, _record_length(windowed))
+    # what it leaves open the record itself may show
+    open_ = ["exponential window"] * bool(asked)
+    return _stating(_table(columns, values, first, notes), [*lines, *open_])
+
+
+def _table(
+    columns: Sequence[Column],
+    values: Sequence[FloatArray],
+    entry: _Set,
+    notes: Sequence[str],
+    doubts: tuple[Question, ...] = (),
+) -> FileTable:
+    comments = tuple(f"# {entry[key]}" for key in ("id1", "id2", "id3", "id4", "id5"))
+    return FileTable(
+        format="UFF 58",
+        doubts=doubts,
+        columns=tuple(columns),
+        load=in_memory(np.column_stack(values)),
+        notes=tuple(notes),
+        header=comments,
+        simulated=any("simulated" in comment.casefold() for comment in comments),
+    )
+
+
+def _stating(table: FileTable, lines: Sequence[str]) -> FileTable:
+    """The table with more lines in its header."""
+    return replace(table, header=(*table.header, *(f"# {line}" for line in lines)))
+
+
+def _modes(sets: Sequence[_Set], units: _Set | None) -> FileTable:
+    """A row for each node of each mode: places in m, and modal masses in kg, by dataset 164."""
+    shapes = _shapes(sets)
+    length, force = (1.0 if units is None else float(units[key]) for key in ("length", "force"))
+    places = _places(sets, length)
+    # a mass unit is that of force, times s^2, over that of length
+    rows = [
+        row
+        for number, entry in enumerate(shapes, start=1)
+        for row in _mode(number, entry, places, mass_unit=force / length)
+    ]
+    known = units is not None
+    words = [None, "Hz", "1", "kg" if known else None, *3 * ["m" if known else None], *3 * [None]]
+    names = ("mode", "frequency", "damping ratio", "modal mass", "x", "y", "z", "ux", "uy", "uz")
+    columns = [Column(name, word) for name, word in zip(names, words, strict=True)]
+    values = list(np.array(rows, dtype=float).T)
+    made = _table(columns, values, shapes[0], _notes(sets, units))
+    return replace(made, format="UFF 55")
+
+
+def _shapes(sets: Sequence[_Set]) -> list[_Set]:
+    shapes = [e for e in sets if e.get("type") == 55 and e.get("analysis_type") == _NORMAL]
+    if not shapes:
+        kinds = ", ".join(map(str, sorted({int(entry.get("type", 0)) for entry in sets})))
+        raise ReadError(
+            "no dataset 58 with an FRF or a time record, none of normal modes; the datasets are of "
+            f"types {kinds or 'none'}"
+        )
+    return shapes
+
+
+def _places(sets: Sequence[_Set], unit: float) -> dict[int, list[float]]:
+    """x, y and z of each node, m; 1 m is `unit` of the file's."""
+    return {
+        int(node): [value / unit for value in place]
+        for entry in sets
+        if entry.get("type") in _NODES
+        for node, *place in _by_node(entry, "x", "y", "z")
+    }
+
+
+def _by_node(entry: _Set, *names: str) -> Iterator[tuple[Any, ...]]:
+    return zip(*(entry[key] for key in ("node_nums", *names)), strict=True)
+
+
+def _mode(
+    number: int, entry: _Set, places: Mapping[int, list[float]], *, mass_unit: float
+) -> Iterator[list[float]]:
+    """The rows of one mode."""
+    if np.iscomplexobj(entry["r1"]):
+        raise ReadError(f"mode {number} is complex; give the real, undamped modes")
+    viscous, hysteretic, mass = (
+        float(entry.get(key) or 0) for key in ("modal_damp_vis", "modal_damp_his", "modal_m")
+    )
+    missing = {int(node) for node in entry["node_nums"]} - set(places)
+    if missing:
+        raise ReadError(
+            f"node {min(missing)} of mode {number} has no coordinates; export datasets 15 or "
+            "2411 with the shapes"
+        )
+    head = [number, float(entry["freq"]), viscous or hysteretic / 2, mass / mass_unit or np.nan]
+    for node, *shape in _by_node(entry, "r1", "r2", "r3"):
+        yield [*head, *places[int(node)], *shape]
+
+
+def _title(entry: _Set) -> str:
+    """What a curve is called: its axis label, response point or first identification line."""
+    for key in ("ordinate_axis_lab", "rsp_ent_name", "id1"):
+        word = _label(entry.get(key, ""))
+        if word:
+            return word
+    return ""
+
+
+def _label(word: Any) -> str | None:
+    """A label, None if blank; a superscript two lost in a foreign encoding is put back."""
+    text = str(word).strip()
+    return (
+        None if text.upper() in _BLANK else text.replace("s\ufffd", "s^2").replace("g\ufffd", "g^2")
+    )
+
+
+def _unit(entry: _Set, axis: str, units: _Set | None) -> str | None:
+    """The unit on an axis' label, else what dataset 164 says, if its factors are SI's."""
+    label = _label(entry[f"{axis}_axis_units_lab"])
+    if label or units is None:
+        return label
+    word = _QUANTITY.get(int(entry.get(f"{axis}_spec_data_type", 0) or 0), "")
+    length, force = float(units.get("length", 1.0)), float(units.get("force", 1.0))
+    if word == "N":
+        return next((name for name in ("N", "mN", "kN") if in_unit(1.0, name) == force), None)
+    if word.startswith("m"):
+        prefix = {1.0: "", 1000.0: "m"}.get(length)
+        return None if prefix is None else prefix + word
+    return word or None

@@ -1,0 +1,99 @@
+"""Spreadsheets (xls, xlsx, xlsb, ods) through calamine: each sheet is read as the text it shows."""
+
+from __future__ import annotations
+
+import re
+from contextlib import suppress
+from dataclasses import replace
+
+from dashpot.base.errors import ReadError
+from dashpot.base.provenance import Caution
+from dashpot.extensions.formats.sandbox.parent_process import in_child
+from dashpot.extensions.formats.workbook_sheets import HIDDEN, listed, sheets
+from dashpot.reading.columns.kind_detection import kind_of
+from dashpot.reading.formats import text
+from dashpot.reading.raw_file import Raw
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.table import FileTable
+from dashpot.reading.text.cells import EITHER_WAY
+
+_COMMA = re.compile(r"\A[+-]?(?:\d{1,3}(?:\.\d{3})+|\d*),\d+(?:[eE][+-]?\d{1,4})?\Z")
+"""A number as text with a decimal comma, or with commas of thousands."""
+_NO_TEST = {"unclear", "not-a-test"}
+
+
+def read(raw: Raw, options: ReadOptions) -> FileTable:
+    """Return the table of the one sheet that holds a test, or of the sheet named.
+
+    Raises
+    ------
+    ReadError
+        If no sheet or several sheets could be meant.
+    """
+    told = in_child("workbook", sheets, raw, options)
+    content = {name: cells for name, cells in told.items() if not name.startswith(HIDDEN)}
+    if options.sheet is not None:
+        return _sheet(options.sheet, told, raw, options)
+    tables = {}
+    for name in content:
+        with suppress(ReadError):
+            tables[name] = _sheet(name, told, raw, options)
+    if not tables:
+        raise ReadError(f"no sheet holds a table of numbers; the sheets are {listed(content)}")
+    seen = replace(options, kind=None)
+    known = [n for n, t in tables.items() if kind_of(t, seen)[0] not in _NO_TEST]
+    likely = known or list(tables)
+    if len(likely) > 1:
+        raise ReadError(
+            f"sheets {listed(likely)} could each be the test; choose with --part "
+            f'sheet="{likely[0]}"'
+        )
+    return tables[likely[0]]
+
+
+def _sheet(name: str, told: dict[str, bytes], raw: Raw, options: ReadOptions) -> FileTable:
+    """The table of a sheet, with a note of what is hidden in it: it was read, too."""
+    content = told.get(name, b"")
+    if not content.strip():
+        raise ReadError("an empty sheet")
+    shown, commas = replace(options, delimiter="\t", encoding="utf-8", sheet=None), 0
+    if b"," in content:
+        points, commas = _with_points(content.decode(), options.decimal)
+        content = points.encode()
+    if options.decimal == ",":  # numbers that are no text have points here
+        shown = replace(shown, decimal=None)
+    table = text.read(Raw(raw.name, None, content), shown)
+    unseen = told.get(HIDDEN + name, b"").decode()
+    says = f"hidden in sheet '{name}' and read: {unseen}"
+    note = Caution(says) if unseen.startswith("row") else says
+    notes = [note] if unseen else []
+    if commas:
+        notes.append(f"{commas} cells hold numbers as text with a decimal comma, and are read so")
+    return replace(
+        table, format="workbook", encoding="", delimiter="", decimal="",
+        notes=(*table.notes, *notes),
+    )  # fmt: skip
+
+
+def _with_points(content: str, decimal: str | None) -> tuple[str, int]:
+    """The cells of a sheet, text with decimal commas as numbers with points, and how many.
+
+    A cell that is a number has a point here, so that what has a comma is text. ``1,234`` is taken
+    for one and a bit beside others in its column that cannot be thousands, or where the user says
+    so; else it is left, and asked for.
+    """
+    rows = [line.split("\t") for line in content.split("\n")]
+    columns: dict[int, list[list[str]]] = {}
+    for row in rows:
+        for j, cell in enumerate(row):
+            if "," in cell and _COMMA.match(cell):
+                columns.setdefault(j, []).append(row)
+    count = 0
+    for j, those in columns.items():
+        sure = decimal == "," or not all(EITHER_WAY.match(row[j]) for row in those)
+        if decimal == "." or not sure:
+            continue
+        count += len(those)
+        for row in those:
+            row[j] = repr(float(row[j].replace(".", "").replace(",", ".")))
+    return "\n".join("\t".join(row) for row in rows), count

@@ -1,0 +1,161 @@
+"""The sheets of a workbook as text, for the child: it needs calamine and no numbers."""
+
+from __future__ import annotations
+
+import datetime as dt
+import os
+import re
+import zipfile
+from collections.abc import Iterable, Iterator
+from itertools import islice
+from typing import Any, BinaryIO
+
+from dashpot.base.errors import ReadError
+from dashpot.extensions.formats.hidden_cells import hidden
+from dashpot.extensions.formats.sandbox import limits
+from dashpot.reading.raw_file import Raw, extra
+from dashpot.reading.read_options import ReadOptions
+
+HIDDEN = "hidden/"
+"""What no name of a sheet begins with."""
+_LARGEST = 1 << 31
+"""Bytes of an unpacked workbook."""
+_LEAST = 4
+"""Bytes of a workbook that no filled cell is without."""
+_FIRST_YEARS = {1899, 1900, 1904}
+"""The years in which the calendars of spreadsheets begin: who counts time by them means no date."""
+_MOST_HOURS = 10_000
+_DURATION = re.compile(r"\APT(?:(\d{1,9})H)?(?:(\d{1,9})M)?(?:(\d{1,9}(?:[.,]\d{1,12})?)S)?\Z")
+"""A length of time by ISO 8601, as OpenDocument writes it."""
+_BLANK = 1 << 16
+"""Cells that may be blank beyond all that could be filled: a lone cell far out makes millions."""
+
+
+def sheets(raw: Raw, options: ReadOptions) -> dict[str, bytes]:
+    """Return the sheet named, or every sheet, as lines of cells between tabs.
+
+    Under :data:`HIDDEN` and the name of a sheet stands what is hidden in it, if anything is.
+
+    Raises
+    ------
+    ReadError
+        If there is no such sheet, or the cells are more than a test needs.
+    """
+    calamine = extra("python_calamine", "python-calamine", "spreadsheets")
+    with raw.open() as stream:
+        size = _unpacked(stream)
+        unseen = hidden(stream)
+        stream.seek(0)
+        book = calamine.CalamineWorkbook.from_filelike(stream)
+    names = book.sheet_names
+    if options.sheet is not None and options.sheet not in names:
+        raise ReadError(f"--part sheet={options.sheet}: the sheets are {listed(names)}")
+    found, cells = {HIDDEN + name: told.encode() for name, told in unseen.items()}, 0
+    for name in names if options.sheet is None else [options.sheet]:
+        sheet = book.get_sheet_by_name(name)
+        rows, columns = (1 + last for last in sheet.end or (-1, -1))
+        cells += rows * columns
+        limits.within(cells, "the sheets hold")
+        if cells - size // _LEAST > _BLANK:
+            raise ReadError(
+                f"sheet '{name}' reaches to row {rows} and column {columns}, and hardly any of its "
+                "cells is filled: delete what stands far off the test, or export the test as text"
+            )
+        found[name] = "\n".join(_lines(sheet.to_python(skip_empty_area=False))).encode()
+    return found
+
+
+def _unpacked(stream: BinaryIO) -> int:
+    """The bytes of a workbook, unpacked; refuse one that has more than any test needs."""
+    if stream.read(2) == b"PK":
+        with zipfile.ZipFile(stream) as packed:
+            size = sum(entry.file_size for entry in packed.infolist())
+        if size > _LARGEST:
+            raise ReadError(f"unpacks to {size / 1e9:.1f} GB; export it as text instead")
+    else:
+        size = stream.seek(0, os.SEEK_END)
+    stream.seek(0)
+    return size
+
+
+def _lines(rows: list[list[Any]]) -> Iterator[str]:
+    """The rows as text; a date alone among instants is one at midnight.
+
+    Times of the day and dates of the year in which a spreadsheet's calendar begins, in one column,
+    are one count of days: a clock that went on past 24 hours.
+    """
+    instants = {j for row in rows for j, value in enumerate(row) if type(value) is dt.datetime}
+    counted = _columns_of_days(rows)
+    for row in rows:
+        if not any(value != "" for value in row):  # of a far row there are thousands above it
+            yield ""
+            continue
+        yield "\t".join(
+            _cell(_since(value) if j in counted else value, instant=j in instants)
+            for j, value in enumerate(row)
+        )
+
+
+def _columns_of_days(rows: list[list[Any]]) -> set[int]:
+    """The columns that count days, some of whose cells calamine takes for dates."""
+    kinds: dict[int, set[str]] = {}
+    for row in rows:
+        for j, value in enumerate(row):
+            if isinstance(value, dt.time | dt.date):
+                early = isinstance(value, dt.time) or value.year in _FIRST_YEARS
+                name = "time" if isinstance(value, dt.time) else "day" if early else "date"
+                kinds.setdefault(j, set()).add(name)
+    return {j for j, found in kinds.items() if found == {"time", "day"}}
+
+
+def _since(value: Any) -> Any:
+    """A date of a calendar's first year as the time since its zero."""
+    if not isinstance(value, dt.date):
+        return value
+    at = (
+        value if isinstance(value, dt.datetime) else dt.datetime(value.year, value.month, value.day)
+    )
+    # Excel has a 29th of February 1900, so that its count is one more from March on
+    zero = dt.datetime(1904, 1, 1) if at.year == 1904 else dt.datetime(1899, 12, 31)
+    leap = dt.timedelta(days=at.year == 1900 and at.month > 2)
+    return at - zero + leap
+
+
+def _cell(value: Any, *, instant: bool) -> str:
+    if instant and type(value) is dt.date:
+        value = dt.datetime(value.year, value.month, value.day)
+    if isinstance(value, bool):
+        return str(value)
+    if isinstance(value, float):
+        return repr(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
+    if isinstance(value, dt.timedelta):
+        return _clock(value.total_seconds())
+    if isinstance(value, dt.datetime | dt.date | dt.time):
+        return value.isoformat(sep=" ") if isinstance(value, dt.datetime) else value.isoformat()
+    text = " ".join(str(value).split())
+    duration = _DURATION.match(text) if text[:2] == "PT" else None
+    if duration and text != "PT":
+        hours, minutes, seconds = (
+            float((one or "0").replace(",", ".")) for one in duration.groups()
+        )
+        return _clock(3600 * hours + 60 * minutes + seconds)
+    return text.replace('"', "''")  # a quote would open a cell
+
+
+def _clock(seconds: float) -> str:
+    """A length of time as a clock shows it, hours beyond 24 counted on; seconds if it cannot."""
+    micro = round(1e6 * seconds)
+    if not 0 <= micro < _MOST_HOURS * 3_600_000_000:
+        return repr(seconds)
+    whole, part = divmod(micro, 1_000_000)
+    clock = f"{whole // 3600:02d}:{whole // 60 % 60:02d}:{whole % 60:02d}"
+    return f"{clock}.{part:06d}" if part else clock
+
+
+def listed(names: Iterable[str]) -> str:
+    """Name the first sheets.
+
+    >>> listed(["Data", "Info"])
+    "'Data', 'Info'"
+    """
+    return ", ".join(f"'{name}'" for name in islice(names, 8))

@@ -1,0 +1,28 @@
+"""What the app asks of pieces that were pressed, and their figures by what was answered."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from dashpot.base.form_fields import Answers, Ask
+from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.materials.cld.fit_files import Pieces, cld_files
+from dashpot.reading.read_options import ReadOptions
+
+ASKS = (
+    Ask("compression", "Compression", "mm", "--compression"),
+    Ask("between", "Asked between", "mm", "--between", form="range"),
+    Ask("length", "Length of a piece", "mm", "--length"),
+)
+
+
+def answered(files: Sequence[str], said: Answers, options: ReadOptions) -> Pieces:
+    """The figures of the pieces."""
+    length = said.number("length", "length")
+    return cld_files(
+        files,
+        at=said.number("compression", "length"),
+        between=said.range("between", "length"),
+        specimen=Specimen(length=length) if length else None,
+        options=options,
+    )

@@ -1,0 +1,341 @@
+"""What a compression load deflection test can be trusted with, as criteria."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import pi
+
+from dashpot.base.checks import Finding, Remedy, criterion
+from dashpot.base.status import Status
+from dashpot.base.units import written
+from dashpot.extensions.batch.statistics.process_capability import Capability
+from dashpot.preprocessing.zero_point import MOST_PRELOAD
+
+SETTLED = 0.02
+DEEPER = 1.02
+MOST_DRIFT = 0.02
+EVEN = 0.02
+PULLS = 0.01
+
+
+@criterion(
+    "force at the first sample / rise",
+    "<=",
+    MOST_PRELOAD,
+    "our choice: less may be the load cell's own zero",
+)
+def zero_recorded(preload: float, *, air: bool) -> Finding:
+    """The plate comes through air, or begins on a seal that carries nothing."""
+    if air:
+        return Finding("The plate comes through air, so compression and force have their zero", 0.0)
+    return Finding(
+        "The record begins in contact. Compression counts from its first sample",
+        preload,
+        instead=f"The record begins in contact, under {100 * preload:.2g} % of the force. The "
+        "compression before it is not known",
+        remedy="Begin the record in air.",
+    )
+
+
+@criterion(
+    "change of the force from the cycle before",
+    "|x| <=",
+    SETTLED,
+    "our choice: what is left of softening is then within the scatter of seals",
+)
+def conditioned(change: float | None, *, cycle: int, softening: float) -> Finding:
+    """The seal has softened as far as it does in such cycles (Mullins)."""
+    if change is None:
+        return Finding(
+            "The figures are of cycle 1 of a seal; later cycles are softer",
+            remedy=Remedy("Record three or more cycles.", "part", "cycle=N"),
+            faulted=True,
+        )
+    return Finding(
+        f"Cycle {cycle} differs from the one before by {100 * change:+.2g} % of the force. The "
+        f"first cycle carried {100 * softening:.2g} % more than the last",
+        change,
+        "The seal still softens, or had no time to recover",
+        "Record more cycles.",
+    )
+
+
+@criterion(
+    "depth / deepest before",
+    "<=",
+    DEEPER,
+    "our choice: Mullins' softening reaches as far as the seal was pressed before",
+)
+def depth_conditioned(ratio: float | None, cycle: int) -> Finding:
+    """The seal was pressed as deep in the cycles before."""
+    if ratio is None:
+        return Finding("One cycle shows no depth of those before it")
+    return Finding(
+        f"Cycle {cycle} goes to {100 * ratio:.4g} % of the deepest compression before it",
+        ratio,
+        "Beyond that the seal is not conditioned",
+        "Record every cycle to one depth.",
+    )
+
+
+@criterion("compression / depth", "<=", 1.0, "beyond the depth there is no reading")
+def compressions_reached(most: float, depth: float) -> Finding:
+    """The cycle reaches every compression asked for."""
+    return Finding(
+        f"Compressions up to {written(most, 'mm')} are asked for; the cycle goes to "
+        f"{written(depth, 'mm')}",
+        most / depth,
+        remedy=Remedy("Press deeper, or ask for less.", "compression"),
+    )
+
+
+@criterion(
+    "drift of the zero / force", "|x| <=", MOST_DRIFT, "our choice: then a line takes it off"
+)
+def load_cell_steady(drift: float | None) -> Finding:
+    """The load cell reads in air at the end what it read at the beginning."""
+    if drift is None:
+        return Finding("Air at one time only shows no drift of the load cell")
+    return Finding(
+        f"The zero of the load cell drifts by {100 * drift:+.2g} % of the force. A straight drift "
+        "is taken off",
+        drift,
+        remedy="Let the load cell warm up.",
+    )
+
+
+@criterion(
+    "largest departure / depth",
+    "<=",
+    EVEN,
+    "our choice: a stop of a twentieth of the stroke",
+)
+def speed_even(departure: float | None) -> Finding:
+    """The plate moves at one speed."""
+    if departure is None:
+        return Finding("Without a clock there is no speed to judge")
+    return Finding(
+        f"The plate departs from a constant speed by {100 * departure:.2g} % of the depth",
+        departure,
+        "Where it slows down the seal relaxes, so the curve has no single speed",
+        "Drive the plate at one speed.",
+    )
+
+
+@criterion(
+    "energy lost / put in",
+    ">=",
+    -0.02,
+    "no seal gives back more than it is given; less is noise",
+    grade="stop",
+)
+def energy_lost(hysteresis: float | None) -> Finding:
+    """The seal gives back no more energy than was put in."""
+    if hysteresis is None:
+        return Finding("Without the unloading the energy returned is not known")
+    return Finding(
+        f"The seal loses {100 * hysteresis:.3g} % of the energy put in",
+        hysteresis,
+        "No seal makes energy, so force and displacement may be swapped",
+        Remedy("Name the columns.", "column", "force=NAME"),
+    )
+
+
+@criterion("pull / greatest force", "<=", PULLS, "our choice: a load cell's zero is known to less")
+def released_freely(pull: float | None) -> Finding:
+    """The seal leaves the plate as it is released, and does not pull on it."""
+    if pull is None:
+        return Finding("Without air beside the release a pull on the plate is not seen")
+    return Finding(
+        f"On release the seal pulls on the plate with {100 * pull:.2g} % of the force",
+        pull,
+        "It sticks, so hysteresis and set contain its adhesion",
+        "Clean or powder the plate.",
+    )
+
+
+@criterion(grade="note")
+def unloading_recorded(*, recorded: bool) -> Finding:
+    """The way back was recorded, too."""
+    return Finding(
+        "Loading and unloading were recorded",
+        instead="The unloading was not recorded, so hysteresis and returned energy are not known",
+        remedy="Record the unloading.",
+        faulted=not recorded,
+    )
+
+
+@criterion(grade="note")
+def length_given(*, given: bool) -> Finding:
+    """The length of the seal is known, so that forces are of 100 mm."""
+    return Finding(
+        "The length of the seal is known",
+        instead="The length of the seal is not given, so forces are N of this piece, not N per "
+        "100 mm",
+        remedy=Remedy("Give the length.", "length"),
+        faulted=not given,
+    )
+
+
+# -- the elastic law under the cycle
+
+UNEXPLAINED = 0.03
+AGREES = 0.05
+TOLD = 0.5
+BETTER = 10.0
+
+
+@criterion("part of the energy", "|x| <=", UNEXPLAINED, "our choice: a tenth of a usual hysteresis")
+def memory_explains(raw: float | None, left: float | None) -> Finding:
+    """Without the memory, loading and unloading fall onto one curve."""
+    if raw is None or left is None:
+        return Finding("Without the unloading the memory cannot be checked")
+    return Finding(
+        f"The cycle loses {100 * raw:.3g} % of its energy; without the memory it loses "
+        f"{100 * left:+.2g} %",
+        left,
+        "The seal has friction or softens within the cycle, or the memory is another seal's",
+        "Take the memory from a test of the same piece.",
+    )
+
+
+@criterion("stroke / longest or shortest time of the test", "x/", 1.0, "the band of the fit")
+def stroke_within_memory(stroke: float | None, band: tuple[float, float]) -> Finding:
+    """The stroke takes as long as a time that the relaxation test informs."""
+    if stroke is None:
+        return Finding("No speed is known")
+    longest, shortest = (1 / (2 * pi * end) for end in band)
+    factor = max(stroke / longest, shortest / stroke, 1.0)
+    return Finding(
+        f"A stroke takes {stroke:.3g} s; the relaxation test covers {shortest:.2g} to "
+        f"{longest:.3g} s",
+        factor,
+        "The memory is extrapolated to the speed of the stroke",
+        "Hold longer, or press slower.",
+    )
+
+
+@criterion("relaxed force / k_inf x, less 1", "|x| <=", AGREES, "our choice: pieces scatter so")
+def relaxed_agrees(difference: float | None, depth: float, k_inf: float) -> Finding:
+    """The relaxed force is that of the relaxation test at the compression that it was held at."""
+    held = f"At {written(depth, 'mm')} the relaxation test has {k_inf * depth:.4g} N at rest"
+    if difference is None:
+        return Finding(f"{held}. The cycle does not go so deep")
+    return Finding(
+        f"{held}. The load deflection without its memory differs by {100 * difference:+.2g} %",
+        difference,
+        "It is another piece, another conditioning, or another zero of the compression",
+        Remedy("Give both lengths, and press both alike.", "length"),
+    )
+
+
+@criterion("largest difference of F(t) / F at rest", "<=", AGREES, "as pieces scatter")
+def memories_agree(apart: float | None) -> Finding:
+    """The relaxation tests have one memory, whatever depth they were held at."""
+    if apart is None:
+        return Finding("No speed is known, so the memories are not compared")
+    return Finding(
+        f"Over the time of a stroke the memories of the relaxation tests differ by "
+        f"{100 * apart:.2g} %",
+        apart,
+        "Force and time do not separate, or the tests are of different seals. One memory is valid "
+        "near the compression of its test only",
+        "Use the test held nearest to your compression.",
+    )
+
+
+@criterion("BIC over that of a dashpot", "<=", BETTER, "Kass and Raftery 1995: very strong beyond")
+def memory_suffices(over: float) -> Finding:
+    """One memory explains the speeds as well as a dashpot that depends on compression does."""
+    if over >= -BETTER:
+        says = "The speeds do not separate one memory from a dashpot that depends on compression"
+    else:
+        says = "One memory explains the speeds better than a dashpot that depends on compression"
+    return Finding(
+        f"{says} (BIC {over:+.3g})",
+        over,
+        instead=f"A dashpot that depends on compression explains the speeds better than one memory "
+        f"(BIC {over:+.3g})",
+        remedy="Use c(x) at your compression, not the arms of this fit.",
+    )
+
+
+@criterion("fastest / slowest", ">=", 10.0, "our choice: one arm is told over a decade of speeds")
+def speeds_spread(ratio: float) -> Finding:
+    """The speeds lie far enough apart to tell a memory."""
+    return Finding(
+        f"The speeds span a factor of {ratio:.3g}; at least 10 is needed",
+        ratio,
+        "Arms and elastic law cannot be separated",
+        "Press a decade slower or faster.",
+    )
+
+
+@criterion("residual / noise", "<=", 2.0, "pieces 2 % apart: 3.4; one piece: 0.9 to 1.1")
+def speeds_followed(residual: float, noise: float, peak: float) -> Finding:
+    """One law and one memory follow every speed, in and back, to the noise or 0.1 %."""
+    return Finding(
+        f"The model misses {100 * residual / peak:.2g} % of the greatest force; the noise is "
+        f"{100 * noise / peak:.2g} %",
+        residual / max(noise, 1e-3 * peak),
+        "The seal has friction, softens within the cycle, or is not one piece. The arms are as "
+        "much off",
+        "Press one conditioned piece at every speed.",
+    )
+
+
+@criterion("longest time / slowest stroke", "<=", 1.0, "what is slower is not at rest by then")
+def slowest_relaxed(longest: float | None, stroke: float) -> Finding:
+    """The slowest stroke is slow against the longest relaxation time."""
+    if longest is None:
+        return Finding("No memory was found")
+    return Finding(
+        f"The slowest stroke takes {stroke:.3g} s, the longest relaxation time is {longest:.3g} s",
+        longest / stroke,
+        "The law at rest is extrapolated",
+        "Press slower, or add a relaxation test.",
+    )
+
+
+@criterion(
+    "standard error of ln tau",
+    "<=",
+    TOLD,
+    "as for the arms of a relaxation test",
+    ends=Status.NOT_IDENTIFIED,
+)
+def memory_told(error: float | None) -> Finding:
+    """Every relaxation time is told."""
+    if error is None:
+        return Finding("No memory was found")
+    return Finding(
+        f"The least certain relaxation time is known to a factor of {1 + error:.3g}",
+        error,
+        remedy=Remedy("Test more speeds, or use fewer arms.", "arms"),
+    )
+
+
+@criterion("conditions that differ", "<=", 0, "by definition")
+def pieces_tested_alike(otherwise: Sequence[str]) -> Finding:
+    """Pieces were pressed alike: speed, depth, cycle and temperature, so that they may scatter."""
+    return Finding(
+        "The pieces were tested alike",
+        len(otherwise),
+        instead=f"The pieces were not tested alike ({', '.join(otherwise)}). Part of their scatter "
+        "comes from the tests",
+        remedy="Test every piece alike.",
+    )
+
+
+@criterion("Cpk", ">=", 1.33, "AIAG's usual demand of a process that is known")
+def pieces_capable(of: Capability, unit: str) -> Finding:
+    """The force at the nominal compression keeps to its limits by a margin."""
+    low, high = of.cpk_interval or (0.0, 0.0)
+    return Finding(
+        f"Cpk of the force at the nominal compression is "
+        f"{'unknown' if of.cpk is None else f'{of.cpk:.2f}'} ({low:.2f} to {high:.2f}); 1.33 is "
+        f"asked. {of.count} pieces, limits {of.lower:g} to {of.upper:g} {unit}",
+        of.cpk,
+        "" if high >= 1.33 else "The pieces scatter too much, or lie off centre",
+        "Test more pieces." if high >= 1.33 else "Look at scatter and mean of the pieces.",
+    )

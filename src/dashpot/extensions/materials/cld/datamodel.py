@@ -1,0 +1,515 @@
+"""Compression load deflection (CLD): a seal pressed and released, as recorded and as cycles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.array_units import into_si, said_units
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured
+from dashpot.base.checks import Check, Checked
+from dashpot.base.plausibility import refuse_absurd_record
+from dashpot.base.provenance import Source, of_file
+from dashpot.base.reported_values import Fact
+from dashpot.base.result_mixins import Described, Pictured, Series, arrays
+from dashpot.base.serialisation import Documented
+from dashpot.base.units import written
+from dashpot.datamodel.specimen import Specimen
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+PER = 0.1
+"""Length of seal that a force is quoted for, m."""
+
+SAME_SPEED = 1.5
+"""Factor within which two speeds are one."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CompressionTest(ByValue, Described):
+    """A compression load deflection test as the machine wrote it, in SI units.
+
+    Attributes
+    ----------
+    displacement, force : array, shape (n,)
+        m and N in the order of recording, sign and zero as recorded.
+    time : array, shape (n,), or None
+        s, strictly increasing; None where the file has no clock.
+    specimen : Specimen
+    source : Source or None
+        The file it came from; None for arrays made in memory.
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+
+    Raises
+    ------
+    DataError
+        If the arrays differ in length, hold fewer than 8 samples, are not finite, or time stalls.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> piece = dp.CompressionTest(displacement=t, force=t**2, units="mm, N")
+    >>> float(piece.displacement[-1])
+    0.01
+    """
+
+    displacement: FloatArray
+    force: FloatArray
+    time: FloatArray | None = None
+    specimen: Specimen = field(default_factory=Specimen)
+    source: Source | None = None
+    units: str = said_units()
+
+    def __post_init__(self) -> None:
+        into_si(self, displacement="length", force="force", time="time")
+        hold_measured(self, "time", "displacement", "force", minimum=8)
+        refuse_absurd_record(self)
+
+    @property
+    def series(self) -> Series:
+        """Force over displacement, and time."""
+        return arrays(self, displacement="m", force="N", time="s")
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which record it is, and how far it reaches."""
+        return (
+            of_file(self.source, len(self.force)),
+            (
+                f"displacement spans {written(np.ptp(self.displacement), 'mm')}, force "
+                f"{np.ptp(self.force):.4g} N" + ", no clock" * (self.time is None)
+            ),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Branch(ByValue):
+    """One way of a cycle, loading or unloading, in the order of recording.
+
+    Attributes
+    ----------
+    compression : array, shape (n,)
+        From first contact of the first cycle, m; below 0 is air.
+    force : array, shape (n,)
+        Compressive, tared, N.
+    first : int
+        Its first sample in the record.
+    """
+
+    compression: FloatArray
+    force: FloatArray
+    first: int
+
+    @property
+    def samples(self) -> slice:
+        """Of the record."""
+        return slice(self.first, self.first + len(self.force))
+
+    def work(self, depth: float = np.inf) -> float:
+        r"""Work on the seal from contact to a depth, m: :math:`\int F\,dx` along the path, J."""
+        x = np.clip(self.compression, 0.0, depth)
+        return float(np.trapezoid(self.force, x))
+
+
+@dataclass(frozen=True, eq=False)
+class Cycle(ByValue, Documented):
+    """One loading and, where it was recorded, the unloading after it.
+
+    Attributes
+    ----------
+    number : int
+        In the record, from 1.
+    depth : float
+        Greatest compression, m.
+    speed : float or None
+        Of the loading, m/s; None without a clock.
+    contact : float or None
+        Compression at which the loading met the seal again, m: the set that is left of the cycles
+        before it. 0 of the first cycle; None where no air was crossed.
+    peak : float
+        Force at `depth`, N.
+    common : float
+        Force on loading at the compression that every cycle reaches, N.
+    loading : Branch
+    unloading : Branch or None
+    hysteresis_se : float or None
+        Standard error of `hysteresis`: by noise, the zero and a delay of the force.
+    """
+
+    keys = (
+        "number", "depth", "speed", "contact", "peak", "energy", "returned", "hysteresis",
+        "hysteresis_se",
+    )  # fmt: skip
+
+    number: int
+    depth: float
+    speed: float | None
+    contact: float | None
+    peak: float
+    common: float
+    loading: Branch
+    unloading: Branch | None
+    hysteresis_se: float | None = None
+
+    @property
+    def energy(self) -> float:
+        """Put in by the loading, J."""
+        return self.loading.work()
+
+    @property
+    def returned(self) -> float | None:
+        """Given back by the unloading, J."""
+        return None if self.unloading is None else -self.unloading.work()
+
+    @property
+    def hysteresis(self) -> float | None:
+        """Part of the energy that was not given back."""
+        returned = self.returned
+        return None if returned is None else 1 - returned / self.energy
+
+
+def format_hysteresis(cycle: Cycle) -> str:
+    """Return the hysteresis of a cycle in words, with its error where a delay makes one."""
+    lost, error = cycle.hysteresis, cycle.hysteresis_se
+    if lost is None:
+        return ""
+    return Fact.known("", lost, error or None, unit="1", read="%").cells.with_error + " %"
+
+
+@dataclass(frozen=True)
+class AtCompression(Documented):
+    """What a cycle shows at one compression.
+
+    Attributes
+    ----------
+    compression : float
+        m.
+    loading, loading_se : float
+        Force on loading and its standard error, N.
+    unloading : float or None
+        Force on unloading, N.
+    slope, slope_se : float
+        Of the loading curve, N/m.
+    energy : float
+        Put in up to here, J.
+    unloading_se : float or None
+        Standard error of `unloading`, N.
+    """
+
+    keys = ("*", "secant", "hysteresis")
+
+    compression: float
+    loading: float
+    loading_se: float
+    unloading: float | None
+    slope: float
+    slope_se: float
+    energy: float
+    unloading_se: float | None = None
+
+    @property
+    def secant(self) -> float:
+        """Force on loading over compression, N/m."""
+        return self.loading / self.compression
+
+    @property
+    def hysteresis(self) -> float | None:
+        """Part of the force that is missing on the way back."""
+        return None if self.unloading is None else 1 - self.unloading / self.loading
+
+
+@dataclass(frozen=True)
+class Quoted(Documented):
+    """What a cycle shows at one compression, and of 100 mm, where the length is known."""
+
+    keys = ("*at", "per_100mm?")
+
+    at: AtCompression
+    of: CLD
+
+    @property
+    def per_100mm(self) -> dict[str, float | None] | None:
+        """Forces, N, slope, N/m, and energy, J, of 100 mm."""
+        if self.of.specimen.length is None:
+            return None
+        names = ("loading", "loading_se", "unloading", "slope", "energy")
+        known = {name: getattr(self.at, name) for name in names}
+        return {name: None if one is None else self.of.per * one for name, one in known.items()}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CLD(ByValue, Pictured, Checked, Documented):
+    """A compression load deflection test as cycles, and what one of them shows.
+
+    Made by :func:`dashpot.extensions.materials.cld.preprocess.cld`.
+
+    Attributes
+    ----------
+    cycles : tuple of Cycle
+    index : int
+        Of the cycle that the figures are of, in `cycles`.
+    contact, contact_se : float
+        Where the plate first met the seal, on the scale of the record, and its standard error, m.
+    zero_se : float
+        Standard error of the load cell's zero, N.
+    preload : float
+        Force at the first sample where the record begins in contact under a load, N; else 0.
+    drift : float
+        Change of the load cell's zero over the record, N, taken off; 0 where no air shows it.
+    noise : float
+        Scatter of the force from sample to sample, N.
+    common : float
+        Compression at which cycles are compared, m.
+    nominal : AtCompression
+    least, most : AtCompression or None
+        At the ends of the tolerance, where they are asked for and reached.
+    time : array, shape (n,), or None
+        Of the whole record, s; None without a clock.
+    compression, force : array, shape (n,)
+        Of the whole record, zeroed, m and N.
+    checks : tuple of Check
+    specimen : Specimen
+    source : Source or None
+    delay_sd : float
+        Standard deviation of the delay of the force, s, or in samples without a clock.
+    """
+
+    keys = (
+        "source.file", "source.sha256", "specimen.length", "specimen", "contact", "contact_se",
+        "preload", "drift", "delay_sd", "cycle=cycle.number", "softening", "set", "least=least_of",
+        "nominal=nominal_of", "most=most_of", "cycles", "checks",
+    )  # fmt: skip
+
+    cycles: tuple[Cycle, ...]
+    index: int
+    contact: float
+    contact_se: float
+    zero_se: float
+    preload: float
+    drift: float
+    noise: float
+    common: float
+    nominal: AtCompression
+    least: AtCompression | None
+    most: AtCompression | None
+    time: FloatArray | None
+    compression: FloatArray
+    force: FloatArray
+    checks: tuple[Check, ...] = ()
+    specimen: Specimen = field(default_factory=Specimen)
+    source: Source | None = None
+    delay_sd: float = 0.0
+
+    @property
+    def cycle(self) -> Cycle:
+        """The cycle that the figures are of."""
+        return self.cycles[self.index]
+
+    @property
+    def loading(self) -> Branch:
+        """Its way in."""
+        return self.cycle.loading
+
+    @property
+    def unloading(self) -> Branch | None:
+        """Its way back."""
+        return self.cycle.unloading
+
+    @property
+    def met_later(self) -> float:
+        """How much deeper a force that is late by its `delay_sd` shows the first contact, m."""
+        return self.delay_sd * (self.cycle.speed or 0.0)
+
+    @property
+    def marked(self) -> tuple[AtCompression, ...]:
+        """Least, nominal and most, as far as they are known."""
+        return tuple(one for one in (self.least, self.nominal, self.most) if one is not None)
+
+    @property
+    def least_of(self) -> Quoted | None:
+        """`least`, and of 100 mm."""
+        return None if self.least is None else Quoted(self.least, self)
+
+    @property
+    def nominal_of(self) -> Quoted:
+        """`nominal`, and of 100 mm."""
+        return Quoted(self.nominal, self)
+
+    @property
+    def most_of(self) -> Quoted | None:
+        """`most`, and of 100 mm."""
+        return None if self.most is None else Quoted(self.most, self)
+
+    @property
+    def per(self) -> float:
+        """What a force, N, is multiplied with: to N per 100 mm, or 1 where no length is known."""
+        return 1.0 if self.specimen.length is None else PER / self.specimen.length
+
+    @property
+    def unit(self) -> str:
+        """Of a force times `per`."""
+        return "N" if self.specimen.length is None else "N per 100 mm"
+
+    @property
+    def softening(self) -> float:
+        """Part of the first cycle's force that is missing in the last, at `common`."""
+        return 1 - self.cycles[-1].common / self.cycles[0].common
+
+    @property
+    def set(self) -> float | None:
+        """Compression at which the last cycle that crossed air met the seal again, m."""
+        met = [one.contact for one in self.cycles[1:] if one.contact is not None]
+        return met[-1] if met else None
+
+    @property
+    def series(self) -> Series:
+        """Force over compression, and time."""
+        return arrays(self, compression="m", force="N", time="s")
+
+    @property
+    def sound(self) -> str:
+        """The force at the nominal compression."""
+        one = self.nominal
+        force = self.per * one.loading
+        return f"{force:.3g} {self.unit} at {written(one.compression, 'mm', '.3g')}"
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """The verdict, the force at the nominal compression, and the cycle that it is of."""
+        one, cycle = self.nominal, self.cycle
+        lost = cycle.hysteresis
+        return (
+            str(self.verdict),
+            (
+                f"{self.per * one.loading:.4g} {self.unit} at {written(one.compression, 'mm')}, "
+                f"slope {written(self.per * one.slope, 'N/mm', '.3g')}"
+                + " per 100 mm"
+                * (self.specimen.length is not None)
+            ),
+            (
+                f"cycle {cycle.number} of {len(self.cycles)}, to {written(cycle.depth, 'mm')}"
+                + ("" if lost is None else f", hysteresis {format_hysteresis(cycle)}")
+            ),
+            *(check.told for check in self.checks if check.failed),
+        )
+
+
+@dataclass(frozen=True)
+class RelaxedLaw(Documented):
+    """The elastic law under a cycle that was driven at a finite speed.
+
+    Made by :func:`dashpot.extensions.materials.cld.equilibrium_curve.relaxed_law`.
+
+    Attributes
+    ----------
+    law : ElasticLaw
+        Relaxed force against compression, to the depth of the cycle.
+    memory : GeneralizedMaxwell
+        What was taken off, with a stiffness at rest of 1: its k are parts of the relaxed force.
+    residual : float
+        Rms of what relaxed loading and unloading leave of the law, N.
+    hysteresis, left : float
+        Part of the energy that the cycle lost, and that its relaxed forces still lose: friction.
+    softening : float
+        Part of the first cycle's relaxed force that is missing in the last, at ``CLD.common``.
+    checks : tuple of Check
+    others : tuple of ElasticLaw
+        The law where what it rests on is one standard error off: the memory, along each axis of
+        its covariance, first contact, and the zero of the force.
+    """
+
+    keys = (
+        "elastic_law=law.bare", "force_se=knot_se", "residual", "hysteresis", "left", "softening",
+    )  # fmt: skip
+
+    law: ElasticLaw
+    memory: GeneralizedMaxwell
+    residual: float
+    hysteresis: float | None
+    left: float | None
+    softening: float
+    checks: tuple[Check, ...] = ()
+    others: tuple[ElasticLaw, ...] = ()
+
+    @property
+    def knot_se(self) -> tuple[float, ...]:
+        """Standard error of the relaxed force at the knots, N."""
+        return tuple(map(self.force_se, self.law.knots))
+
+    def force_se(self, x: float) -> float:
+        """Standard error of the relaxed force at a compression, m: of memory and zeros, N."""
+        off = [float(one.force(x)) - float(self.law.force(x)) for one in self.others]
+        return float(np.linalg.norm(off)) if off else 0.0
+
+
+class RateArm(NamedTuple):
+    """A stiffness, N/m, its relaxation time, s, and what is known of both."""
+
+    k: float
+    tau: float
+    k_se: float
+    ln_tau_se: float
+
+
+@dataclass(frozen=True, eq=False)
+class RateLaw(ByValue, Documented):
+    r"""A spring and a dashpot that depend on compression, and Maxwell arms beside them.
+
+    .. math:: F = F_e(x) + c(x)\,\dot x + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j}\,dx(u)
+
+    Made by :func:`dashpot.extensions.materials.cld.rate_dependence.fit_rate`.
+
+    Attributes
+    ----------
+    law : ElasticLaw
+        :math:`F_e`.
+    knots : tuple of float
+        Compressions, m, between which c is a straight line.
+    damping, damping_se : tuple of float
+        c at the knots and its standard error, N s/m.
+    k, tau, k_se, ln_tau_se : tuple of float
+        Of the arms, N/m and s.
+    residual : float
+        Rms of what it leaves, N.
+    bic : float
+        Over that of one elastic law with one memory, by the same records: below 0 this explains
+        them better.
+    checks : tuple of Check
+    """
+
+    keys = (
+        "elastic_law=law.bare", "knots", "damping", "damping_se", "arms", "residual",
+        "bic_over_memory=bic", "checks",
+    )  # fmt: skip
+
+    law: ElasticLaw
+    knots: tuple[float, ...]
+    damping: tuple[float, ...]
+    damping_se: tuple[float, ...]
+    k: tuple[float, ...]
+    tau: tuple[float, ...]
+    k_se: tuple[float, ...]
+    ln_tau_se: tuple[float, ...]
+    residual: float
+    bic: float
+    checks: tuple[Check, ...] = ()
+
+    @property
+    def arms(self) -> tuple[RateArm, ...]:
+        """The arms one by one."""
+        return tuple(map(RateArm, self.k, self.tau, self.k_se, self.ln_tau_se))
+
+    def c(self, x: float) -> tuple[float, float]:
+        """Damping at a compression, m, and its standard error, N s/m."""
+        both = (np.interp(x, self.knots, one) for one in (self.damping, self.damping_se))
+        value, error = map(float, both)
+        return value, error
+
+    def at(self, compression: float) -> GeneralizedMaxwell:
+        """The solid that small vibration about a compression, m, feels."""
+        tangent = float(self.law.tangent(compression))
+        return GeneralizedMaxwell(tangent, self.k, self.tau, self.c(compression)[0])

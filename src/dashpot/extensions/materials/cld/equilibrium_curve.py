@@ -1,0 +1,239 @@
+r"""The elastic law under a load deflection cycle: what is left when the memory is taken off.
+
+A quasi-linear seal (Fung) answers its relaxed force :math:`e(t) = F_e(x(t))` with memory,
+
+.. math:: F(t) = e(t) + \sum_j g_j \int_0^t e^{-(t-u)/\tau_j}\,de(u)
+
+so a loading branch at a finite speed is not the law but the law convolved. With g from a relaxation
+test this is inverted exactly, from the recorded force alone: it is creep under a force that is
+straight between samples. Loading and release then fall onto one curve. In air, where the force is
+zero, the inverse is the free recovery of the seal, which no compression of the plate tells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import FitError
+from dashpot.datamodel.fit import Fit
+from dashpot.extensions.materials.cld import checks
+from dashpot.extensions.materials.cld.datamodel import CLD, Branch, RelaxedLaw
+from dashpot.extensions.materials.cld.local_stiffness import WINDOW, local
+from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
+from dashpot.fitting.nuisance_priors import taken_later
+from dashpot.fitting.parameters import memory_of, off_by_error
+from dashpot.numerics.inference.covariance_estimate import Estimate, estimate
+from dashpot.numerics.least_squares.problem import ordinary
+from dashpot.solids.elastic import ElasticLaw
+
+KNOTS = (2, 3, 5, 9, 13, 17)
+_AS_WELL = 1.05
+"""A law on fewer knots is taken if it leaves no more than this times what the finest leaves."""
+_FELT = 5.0
+"""Standard deviations of the force above which the plate is on the seal."""
+
+
+def relaxed_law(found: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
+    """Return the elastic law under the cycle of a load deflection test.
+
+    Parameters
+    ----------
+    found : CLD
+        With a clock.
+    fit : Fit or sequence of Fit
+        Of a relaxation test of such a seal: the shape of its memory is taken, k_j / k_inf, not its
+        stiffness, with which the law is compared at the depth that it was held at. Of several, the
+        memory of the one held nearest to the nominal compression, as `nearest` has it.
+
+    Raises
+    ------
+    FitError
+        If the record has no clock, or the fit no stiffness at rest.
+    """
+    fits = (fit,) if isinstance(fit, Fit) else tuple(fit)
+    fit = nearest(found, fits)
+    memory = memory_of(fit.model)
+    time = clock_of(found)
+    e = memory.displacement(time, found.force)
+    cycle = found.cycle
+    rows = felt(found)
+    law, residual = law_through(found.compression[rows], e[rows], depth=cycle.depth)
+    raw = cycle.hysteresis
+    left = None if cycle.unloading is None else _lost(found, cycle.unloading, e)
+    first, last = (_at_common(found, e, number) for number in (0, -1))
+    stroke = cycle.depth / cycle.speed if cycle.speed else None
+    knots = np.asarray(law.knots)
+    # what it rests on, one standard error off: the memory along each axis, both zeros, the clock
+    force, late = found.force, taken_later(time, found.force, found.delay_sd)
+    off = [(0.0, memory_of(other.maxwell), force) for other in off_by_error(fit)]
+    off += [(found.contact_se, memory, force), (0.0, memory, force + found.zero_se)]
+    # of a force that is late the contact is, too
+    off += [(-found.met_later, memory, late)] * (found.delay_sd > 0)
+    laws = (
+        _law(found.compression[rows] + x, one.displacement(time, pressed)[rows], knots)
+        for x, one, pressed in off
+    )
+    others = tuple(one[0] for one in laws if one is not None)
+    return RelaxedLaw(
+        _widened(law, others),
+        memory,
+        residual,
+        raw,
+        left,
+        1 - last / first,
+        (
+            checks.memory_explains(raw, left),
+            checks.stroke_within_memory(stroke, fit.band),
+            *(check for one in fits for check in _compared(found, law, one)),
+            *([checks.memories_agree(_apart(fits, stroke))] if len(fits) > 1 else ()),
+        ),
+        others,
+    )
+
+
+def nearest(found: CLD, fits: Sequence[Fit]) -> Fit:
+    """Return the fit whose test was held nearest to the nominal compression."""
+    if not fits:
+        raise FitError("no fit of a relaxation test was given, and its memory is what is taken off")
+    return min(fits, key=lambda one: abs(depth_of(one) - found.nominal.compression))
+
+
+def _widened(law: ElasticLaw, others: Sequence[ElasticLaw]) -> ElasticLaw:
+    """The law with what errors of memory and zeros make of its bend, beside the scatter."""
+    own = np.asarray(law.ratio_se)
+    moves = [np.subtract(one.ratio, law.ratio) for one in others]
+    total = np.sqrt(own**2 + sum((one**2 for one in moves), np.zeros(len(own))))
+    return replace(law, ratio_se=tuple(total.tolist()))
+
+
+def _apart(fits: Sequence[Fit], stroke: float | None) -> float | None:
+    """By how much the memories differ over the times of a stroke, of the force over that at rest.
+
+    What Lakes asks of a separable material: its normalised relaxation is one at every depth.
+    """
+    if stroke is None:
+        return None
+    t = np.geomspace(stroke / 20, stroke, 12)
+    curves = np.stack([memory_of(one.model).relaxation(t) for one in fits])
+    return float((curves.max(axis=0) / curves.min(axis=0) - 1).max())
+
+
+def longer(found: CLD, fit: Fit) -> float:
+    """Return how many times as long as that of a fit the piece is; 1 where one is not known."""
+    per = found.specimen.length, fit.specimen.length
+    return per[0] / per[1] if per[0] and per[1] else 1.0
+
+
+def depth_of(fit: Fit) -> float:
+    """Return the depth that the stiffnesses of a fit belong to, m."""
+    law = fit.elastic_law
+    if law is None:
+        raise FitError("the fit is of no pressed part: expected one of a relaxation test")
+    return law.depth
+
+
+def clock_of(found: CLD) -> FloatArray:
+    """Return the times of a record that has them, s."""
+    if found.time is None:
+        raise FitError(
+            "the record has no clock, and without one no memory is taken off; give the rate "
+            "(--rate 10Hz), or a file with a column of time"
+        )
+    return found.time
+
+
+def felt(found: CLD) -> IndexArray:
+    """Return the samples of the chosen cycle at which the plate is on the seal."""
+    ways = [one for one in (found.loading, found.unloading) if one is not None]
+    rows = np.concatenate([np.arange(one.samples.start, one.samples.stop) for one in ways])
+    pressed = found.force[rows] > _FELT * found.noise
+    return np.asarray(rows[pressed & (found.compression[rows] > 0)])
+
+
+def law_through(x: FloatArray, force: FloatArray, *, depth: float) -> tuple[ElasticLaw, float]:
+    """Return the law of the fewest knots that follows points as well as the finest, and its rms.
+
+    Its tangent is linear between knots and nowhere below 0, and told by the points at each.
+    """
+    laws = [_law(x, force, knots_over(x, depth, count)) for count in KNOTS]
+    tried = [one for one in laws if one is not None]
+    if not tried:
+        raise FitError(
+            f"{len(x)} samples of the cycle stand out of the noise, too few for a law; press "
+            "slower, or record faster"
+        )
+    _, finest = tried[-1]
+    return next(one for one in tried if one[1] <= _AS_WELL * finest + 1e-12)
+
+
+def knots_over(x: FloatArray, depth: float, count: int) -> FloatArray:
+    """Return 0 and even knots to a depth, but for those between 0 and where points begin."""
+    even = np.linspace(0.0, depth, count)
+    return np.asarray(even[(even == 0.0) | (even > np.min(x, initial=np.inf)) | (even == depth)])
+
+
+def _law(x: FloatArray, force: FloatArray, knots: FloatArray) -> tuple[ElasticLaw, float] | None:
+    """The law on knots; None where the points do not tell each tangent."""
+    hats = hat_integrals(x, knots)
+    best = ordinary(force, hats, positive=True)
+    known = estimate(best)
+    if not np.isfinite(known.standard_error).all():
+        return None
+    return law_of(known, knots, slice(None)), float(np.sqrt(best.sse / len(x)))
+
+
+def law_of(known: Estimate, knots: FloatArray, at: slice) -> ElasticLaw:
+    """Return the law whose tangents on knots, N/m, stand there among the values of an estimate."""
+    ratio = known.derived(lambda values: values[at] / mean_slope(values[at], knots))
+    return ElasticLaw(
+        tuple(knots.tolist()),
+        tuple(ratio.values.tolist()),
+        mean_slope(known.optimum.values[at], knots),
+        tuple(ratio.standard_error.tolist()),
+    )
+
+
+def mean_slope(slope: FloatArray, knots: FloatArray) -> float:
+    """Return the mean of a tangent that is linear between knots from 0 on, N/m."""
+    return float(0.5 * np.diff(knots) @ (slope[1:] + slope[:-1])) / float(knots[-1])
+
+
+def _lost(found: CLD, back: Branch, e: FloatArray) -> float:
+    """Part of the energy that relaxed forces lose over the chosen cycle where the seal is felt."""
+    rows = felt(found)
+    released = rows >= back.first
+    x = found.compression
+    least = max(float(x[rows[~released]].min()), float(x[rows[released]].min()))
+    put, given = (
+        float(np.trapezoid(e[one.samples], np.maximum(one.compression, least)))
+        for one in (found.loading, back)
+    )
+    return (put + given) / put
+
+
+def _at_common(found: CLD, e: FloatArray, number: int) -> float:
+    cycle = found.cycles[number]
+    relaxed = replace(cycle.loading, force=e[cycle.loading.samples])
+    here = local(relaxed, found.common, half=WINDOW * cycle.depth, beyond=np.inf)
+    return np.nan if here is None else here.force
+
+
+def _compared(found: CLD, law: ElasticLaw, fit: Fit) -> list[Check]:
+    """The relaxed force against that of each depth that the relaxation test was held at."""
+    held = [(at.depth, at.k_inf) for at in fit.by_depth] or [(depth_of(fit), fit.model.k_inf)]
+    times = longer(found, fit)
+    return [
+        checks.relaxed_agrees(
+            float(law.force(depth)) / (times * k_inf * depth) - 1
+            if depth <= 1.01 * law.depth
+            else None,
+            depth,
+            k_inf,
+        )
+        for depth, k_inf in held
+    ]

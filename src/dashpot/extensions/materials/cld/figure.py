@@ -1,0 +1,168 @@
+"""The figure of compression load deflection: every cycle, and the compressions asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.provenance import sources_of
+from dashpot.base.units import in_unit, written
+from dashpot.extensions.materials.cld.datamodel import CLD, SAME_SPEED, Branch, Cycle
+from dashpot.plot.downsampling import extremes
+from dashpot.plot.picture import (
+    REF,
+    Line,
+    Mark,
+    Panel,
+    Pen,
+    Picture,
+    Rule,
+    Scale,
+    Span,
+    Tag,
+    around,
+)
+from dashpot.plot.provenance_stamp import stamp as stamped
+from dashpot.plot.style import sequential
+
+_FIRST = Pen("ref", 1.4, (2, 3)), "first cycle"
+_EARLIER = Pen("ref", 1.1), "other cycles"
+_PIECES = ("measured", "joint-ink", "fit")
+"""Colours of as many pieces; of more, all are alike."""
+_LETTER = 0.016
+"""Part of the axis that a letter of a name takes."""
+
+
+def cld(
+    found: CLD | Sequence[CLD],
+    *,
+    limits: tuple[float | None, float | None] | None = None,
+    stamp: str = "",
+) -> Picture:
+    """Loading and unloading over compression: the cycle that the figures are of over the others.
+
+    Nominal compression and tolerance are marked. Several pieces are drawn by that cycle alone, each
+    named where its line ends; three at most have a colour of their own.
+
+    Parameters
+    ----------
+    found : CLD or sequence of CLD
+    limits : (float or None, float or None), optional
+        Asked of the force at the nominal compression, N, as `CLD.per` gives it.
+    stamp : str
+        What the figure says of its origin; by default files, specimen and date.
+    """
+    pieces = (found,) if isinstance(found, CLD) else tuple(found)
+    first, alone = pieces[0], len(pieces) == 1
+    lines, names = _curves(pieces)
+    marks: list[Mark] = [*_tolerance(first), *lines, *names, *_nominal(first, valued=alone)]
+    x, y = (np.concatenate([getattr(one, way) for one in lines]) for way in ("x", "y"))
+    asked = [one for one in limits or () if one is not None and np.isfinite(one)]
+    if asked:
+        marks += _asked(first, asked)
+        y = np.append(y, asked)
+    start, stop = around(x)
+    longest = max((len(one.text) for one in names), default=0)
+    across = Scale(
+        "compression since first contact, mm", (start, stop + _LETTER * longest * (stop - start))
+    )
+    panel = Panel(across, Scale(f"force, {first.unit}", around(y)), tuple(marks), height=320)
+    caption = (
+        "Compression load deflection: force on the way in and back, with the nominal compression "
+        "and its tolerance."
+    )
+    return Picture(
+        "cld", caption, ((panel,),), 1, stamp or stamped(sources_of(pieces), first.specimen)
+    )
+
+
+def _curves(pieces: Sequence[CLD]) -> tuple[list[Line], list[Tag]]:
+    """The cycle of every piece, over the others where it is alone, and its name at its end."""
+    alone = len(pieces) == 1
+    lines = _others(pieces[0]) if alone else []
+    names: list[Tag] = []
+    for one, colour, name in zip(pieces, *_told_apart(pieces), strict=True):
+        pens = Pen(colour, 2.0 if alone else 1.6), Pen(colour, 1.4, (6, 3))
+        lines += _ways(one, one.cycle, pens, ("pressed", "released"))
+        if name:
+            deep, high = in_unit(one.loading.compression, "mm"), one.per * one.loading.force
+            deepest = int(np.argmax(deep))
+            names.append(Tag(float(deep[deepest]), float(high[deepest]), name, colour,
+                             bold=True, end=True))  # fmt: skip
+    return lines, names
+
+
+def _nominal(one: CLD, *, valued: bool) -> Iterator[Mark]:
+    """Each nominal compression, with its force where that is of one piece."""
+    for at in one.marked:
+        pressed, force = in_unit(at.compression, "mm"), one.per * at.loading
+        yield Rule(pressed, REF)
+        if valued:
+            yield Tag(pressed, force, f"{force:.3g}", "fit", "filled", bold=True)
+
+
+def _told_apart(pieces: Sequence[CLD]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Colour and name of each line: of up to three pieces, or of speeds; of more pieces none."""
+    speeds = [one.cycle.speed for one in pieces]
+    known = [one for one in speeds if one is not None]
+    if len(pieces) == 1:
+        return ("fit",), ("",)
+    if len(known) == len(pieces) and max(known) > SAME_SPEED * min(known):
+        rank = np.argsort(np.argsort(known))
+        colours = sequential(len(pieces))
+        named = tuple(written(one, "mm/s", ".3g") for one in known)
+        return tuple(colours[i] for i in rank.tolist()), named
+    if len(pieces) > len(_PIECES):
+        return ("ref",) * len(pieces), ("",) * len(pieces)
+    files = ("" if one.source is None else one.source.file for one in pieces)
+    named = tuple(name.rpartition(".")[0] or name or f"piece {i}"
+                  for i, name in enumerate(files, start=1))  # fmt: skip
+    return _PIECES[: len(pieces)], named
+
+
+def _tolerance(one: CLD) -> list[Mark]:
+    """The tolerance of the compression, if it has one."""
+    if one.least is None or one.most is None:
+        return []
+    low, high = (in_unit(at.compression, "mm") for at in (one.least, one.most))
+    return [Span(low, high, "fit", f"tolerance {low:.4g} to {high:.4g} mm", tint=0.07)]
+
+
+def _asked(one: CLD, ends: Sequence[float]) -> list[Mark]:
+    """What is asked of the force at the nominal compression, as a bar there."""
+    at = in_unit(one.nominal.compression, "mm")
+    between = " to ".join(f"{end:.3g}" for end in ends)
+    return [
+        Line(np.full(len(ends), at), np.array(ends), Pen("bad", 2.5)),
+        Tag(at, max(ends), f"asked {between} {one.unit}", "bad-ink", "filled"),
+    ]
+
+
+def _others(one: CLD) -> list[Line]:
+    """The cycles that the figures are not of."""
+    lines = []
+    for cycle in one.cycles:
+        if cycle is not one.cycle:
+            pen, label = _FIRST if cycle.number == 1 else _EARLIER
+            lines += _ways(one, cycle, (pen, pen), (label, label))
+    return lines
+
+
+def _ways(one: CLD, cycle: Cycle, pens: tuple[Pen, Pen], labels: tuple[str, str]) -> list[Line]:
+    """Loading and unloading of a cycle, as far as it was recorded."""
+    ways = zip((cycle.loading, cycle.unloading), pens, labels, strict=True)
+    return [_line(one, way, pen, label) for way, pen, label in ways if way is not None]
+
+
+def _line(one: CLD, way: Branch, pen: Pen, label: str) -> Line:
+    x, y = way.compression, way.force
+    if x[0] > x[-1]:
+        x, y = x[::-1], y[::-1]
+    # bins need a rising x: noise makes a few readings fall
+    order = np.argsort(x, kind="stable")
+    thin: tuple[FloatArray, FloatArray] = extremes(
+        in_unit(x[order], "mm"), one.per * y[order], bins=300
+    )
+    return Line(*thin, pen, label)

@@ -1,0 +1,368 @@
+"""From files of compression load deflection to the figures of pieces, and how they scatter."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base.checks import Check, Checked, worst
+from dashpot.base.errors import ReadError
+from dashpot.base.provenance import sources_of
+from dashpot.base.reported_values import Fact
+from dashpot.base.result_mixins import Judged, Series, columns
+from dashpot.base.serialisation import Documented
+from dashpot.base.student_t import t_quantile
+from dashpot.base.units import Quantity, Range, written
+from dashpot.datamodel.checks import caution_checks
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.batch.statistics.process_capability import Capability, capability
+from dashpot.extensions.materials.cld.checks import pieces_capable, pieces_tested_alike
+from dashpot.extensions.materials.cld.datamodel import (
+    CLD,
+    SAME_SPEED,
+    AtCompression,
+    CompressionTest,
+    RateLaw,
+    RelaxedLaw,
+)
+from dashpot.extensions.materials.cld.equilibrium_curve import longer, nearest, relaxed_law
+from dashpot.extensions.materials.cld.multi_speed_fit import fit_speeds
+from dashpot.extensions.materials.cld.preprocess import cld
+from dashpot.extensions.materials.cld.rate_dependence import fit_rate
+from dashpot.extensions.materials.cld.read import read_cld
+from dashpot.reading.raw_file import about
+from dashpot.reading.read_options import ReadOptions
+
+_ALIKE = 0.05
+"""Relative difference of depths and speeds that are one."""
+_AS_WARM = 3.0
+"""Difference of temperatures that are one, K."""
+
+
+@dataclass(frozen=True)
+class PieceStatistics:
+    """Mean and deviation of one figure over the pieces.
+
+    Attributes
+    ----------
+    name : str
+    unit : str
+    count : int
+        Of the pieces that have it.
+    mean, deviation : float
+        In SI units; a force of 100 mm where the lengths are known.
+    """
+
+    name: str
+    unit: str
+    count: int
+    mean: float
+    deviation: float
+
+    @property
+    def fact(self) -> Fact:
+        """The mean, with its interval by Student's t."""
+        half = math.nan
+        if self.count > 1:
+            half = t_quantile(0.95, self.count - 1) * self.deviation / math.sqrt(self.count)
+        ends = self.mean - half, self.mean + half
+        unit = self.unit or "1"
+        read = "" if self.unit else "%"
+        return Fact(self.name, self.mean, *ends, unit, read=read)
+
+
+@dataclass(frozen=True, repr=False)
+class Pieces(Checked, Judged, Documented):
+    """What ``dashpot fit`` found.
+
+    Attributes
+    ----------
+    pieces : tuple of CLD
+        One a file.
+    scatter : tuple of PieceStatistics
+        Of two or more pieces.
+    capability : Capability or None
+        Of the force at the nominal compression between its limits.
+    checks : tuple of Check
+        Those of every piece, each at its worst, and of the pieces together.
+    relaxed : RelaxedLaw or None
+        The elastic law under the first piece, where a relaxation test told its memory.
+    fit : Fit or None
+        That of the relaxation test with this law; or, of records at several speeds, theirs.
+    rate : RateLaw or None
+        Of records at several speeds: a spring and a dashpot that depend on compression.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> x = 8 * np.sin(np.linspace(0, np.pi, 400))
+    >>> t = np.linspace(0, 20, 400)
+    >>> piece = dp.CompressionTest(displacement=x, force=x / 4, time=t, units="mm, N, s")
+    >>> round(dp.fit(piece, compression="6mm").pieces[0].nominal.loading, 2)
+    1.5
+    """
+
+    schema = "dashpot/cld@1"
+    keys = (
+        "unit", "pieces", "scatter", "capability", "relaxed?", "rate?", "verdict", "checks", "fit?",
+    )  # fmt: skip
+
+    pieces: tuple[CLD, ...]
+    scatter: tuple[PieceStatistics, ...]
+    capability: Capability | None
+    checks: tuple[Check, ...]
+    relaxed: RelaxedLaw | None = None
+    fit: Fit | None = None
+    rate: RateLaw | None = None
+
+    @property
+    def kept(self) -> Pieces | Fit:
+        """The fit, if there is one."""
+        return self.fit or self
+
+    @property
+    def unit(self) -> str:
+        """Of a force."""
+        return self.pieces[0].unit
+
+    @property
+    def series(self) -> Series:
+        """Of each piece what it shows at the nominal compression, as `CLD.per` gives it."""
+
+        def scaled(name: str) -> list[float]:
+            return [one.per * getattr(one.nominal, name) for one in self.pieces]
+
+        names = ["" if one.source is None else one.source.file for one in self.pieces]
+        unit, slope = self.unit, self.unit.replace("N", "N/m", 1)
+        return {
+            "piece": (names, ""),
+            **columns((one.nominal for one in self.pieces), compression="m"),
+            "loading": (scaled("loading"), unit), "loading_se": (scaled("loading_se"), unit),
+            "slope": (scaled("slope"), slope), "slope_se": (scaled("slope_se"), slope),
+            **columns((one.cycle for one in self.pieces), hysteresis=""),
+            **columns(self.pieces, set="m"),
+        }  # fmt: skip
+
+    @property
+    def sound(self) -> str:
+        """The force at the nominal compression, and that of the least and of the stiffest piece."""
+        if len(self.pieces) == 1 or self.rate is not None:
+            return self.pieces[0].sound
+        forces = [one.per * one.nominal.loading for one in self.pieces]
+        at = written(self.pieces[0].nominal.compression, "mm", ".3g")
+        return (
+            f"{sum(forces) / len(forces):.3g} {self.unit} at {at} ({len(forces)} pieces: "
+            f"{min(forces):.3g} to {max(forces):.3g})"
+        )
+
+
+def cld_files(
+    files: Sequence[str | Path],
+    *,
+    at: Quantity | None = None,
+    between: Range | None = None,
+    limits: tuple[float, float] | None = None,
+    memory: Sequence[Fit] = (),
+    specimen: Specimen | None = None,
+    machine: Machine | None = None,
+    options: ReadOptions | None = None,
+) -> Pieces:
+    """Find the figures of compression load deflection of pieces, and how they scatter.
+
+    Records at speeds that differ by half or more are taken for one seal, whose elastic law and
+    memory are fitted, unless there are limits, or a memory.
+
+    Parameters
+    ----------
+    files : sequence of path
+        A piece each.
+    at, between
+        As in :func:`~dashpot.extensions.materials.cld.preprocess.cld`; without `at` the least depth
+        of all.
+    limits : (float, float), optional
+        Of the force at the nominal compression, N, of 100 mm where the length is known.
+    memory : sequence of Fit
+        Of relaxation tests: the memory of the one held nearest to the nominal compression is taken
+        off the first piece, which leaves the elastic law; all are held against it.
+    specimen : Specimen, optional
+        What is the same of every piece, such as its length.
+    machine : Machine, optional
+        What is known of the machine: its `sync`.
+    options : ReadOptions, optional
+        What the user said of the files; `cycle` is the cycle that the figures are of.
+
+    Raises
+    ------
+    ReadError, DataError
+        If a file cannot be read or shows no loading, or limits are given for one piece.
+    """
+    options = options or ReadOptions()
+    tests = [read_cld(path, options=options, specimen=specimen) for path in files]
+    return cld_of(
+        tests, at=at, between=between, limits=limits, memory=memory, cycle=options.cycle,
+        names=[Path(path).name for path in files], machine=machine,
+    )  # fmt: skip
+
+
+def cld_of(
+    tests: Sequence[CompressionTest],
+    *,
+    at: Quantity | None = None,
+    between: Range | None = None,
+    limits: tuple[float, float] | None = None,
+    memory: Sequence[Fit] = (),
+    cycle: int | None = None,
+    names: Sequence[str] = (),
+    machine: Machine | None = None,
+) -> Pieces:
+    """Find the figures of pieces, as :func:`cld_files` does of those in files.
+
+    `names` are put before what is wrong with one of them, `cycle` is the one of the figures.
+    """
+    if limits is not None and len(tests) < 2:
+        raise ReadError("--force-limits are of several pieces: name a file for each, or leave out")
+    pieces = _figures(
+        tests, names or [""] * len(tests), cycle, at=at, between=between, machine=machine
+    )
+    found = Pieces(pieces, (), None, (*_worst(pieces), *caution_checks(sources_of(pieces))))
+    if not memory and limits is None and _several_speeds(pieces):
+        return _of_speeds(found)
+    if len(pieces) > 1:
+        found = _scattered(found, limits)
+    return _with_memory(found, memory) if memory else found
+
+
+def _figures(
+    tests: Sequence[CompressionTest],
+    names: Sequence[str],
+    cycle: int | None,
+    *,
+    at: Quantity | None,
+    between: Range | None,
+    machine: Machine | None,
+) -> tuple[CLD, ...]:
+    """Each piece, all at one nominal compression."""
+    _refuse_twice(tests)
+
+    def figures(test: CompressionTest, nominal: Quantity | None) -> CLD:
+        return cld(test, at=nominal, between=between, cycle=cycle, machine=machine)
+
+    pieces = []
+    for name, test in zip(names, tests, strict=True):
+        with about(name) if name else nullcontext():
+            pieces.append(figures(test, at))
+    if at is not None or len(pieces) == 1:
+        return tuple(pieces)
+    least = min(one.cycle.depth for one in pieces)
+    return tuple(figures(test, least) for test in tests)
+
+
+def _worst(pieces: Sequence[CLD]) -> tuple[Check, ...]:
+    """The checks of every piece, each at its worst."""
+    return tuple(worst(each) for each in zip(*(one.checks for one in pieces), strict=True))
+
+
+def _of_speeds(found: Pieces) -> Pieces:
+    """With the elastic law and the memory of one seal at several speeds."""
+    fit = fit_speeds(found.pieces)
+    rate = fit_rate(found.pieces, fit)
+    told = next(check for check in rate.checks if check.name == "memory_suffices")
+    fit = replace(fit, evidence=replace(fit.evidence, checks=(*fit.checks, told)))
+    return replace(found, checks=(*found.checks, *fit.checks), fit=fit, rate=rate)
+
+
+def _scattered(found: Pieces, limits: tuple[float, float] | None) -> Pieces:
+    """With how several pieces scatter, and whether their forces keep within limits."""
+    pieces, within = found.pieces, None
+    asked = [pieces_tested_alike(_otherwise(pieces))]
+    if limits is not None:
+        within = capability(np.array([one.per * one.nominal.loading for one in pieces]), *limits)
+        asked.append(pieces_capable(within, found.unit))
+    scatter = tuple(_scatter(pieces))
+    return replace(found, scatter=scatter, capability=within, checks=(*found.checks, *asked))
+
+
+def _with_memory(found: Pieces, memory: Sequence[Fit]) -> Pieces:
+    """With the elastic law under the first piece."""
+    relaxed = relaxed_law(found.pieces[0], memory)
+    near = nearest(found.pieces[0], memory)
+    # the law that is told is the law that is kept, of a piece as long as that of the memory
+    stiffness = relaxed.law.stiffness / longer(found.pieces[0], near)
+    fed = near.with_elastic_law(relaxed.law, checks=relaxed.checks, stiffness=stiffness)
+    return replace(found, checks=(*found.checks, *relaxed.checks), relaxed=relaxed, fit=fed)
+
+
+def _refuse_twice(tests: Sequence[CompressionTest]) -> None:
+    seen: dict[str, str] = {}
+    for source in (test.source for test in tests if test.source is not None):
+        if source.sha256 in seen:
+            raise ReadError(
+                f"{source.file} is the same record as {seen[source.sha256]}; each piece once"
+            )
+        seen[source.sha256] = source.file
+
+
+def _several_speeds(pieces: Sequence[CLD]) -> bool:
+    speeds = [one.cycle.speed for one in pieces if one.cycle.speed is not None]
+    return len(speeds) == len(pieces) and max(speeds) >= SAME_SPEED * min(speeds)
+
+
+def _scatter(pieces: Sequence[CLD]) -> list[PieceStatistics]:
+    unit = pieces[0].unit
+    each_mm = "N/m" + unit.removeprefix("N")
+    figures: tuple[tuple[str, str, Callable[[CLD], float | None]], ...] = (
+        ("force at least", unit, lambda one: _force(one, one.least)),
+        ("force at nominal", unit, lambda one: _force(one, one.nominal)),
+        ("force at most", unit, lambda one: _force(one, one.most)),
+        ("slope at nominal", each_mm, lambda one: one.per * one.nominal.slope),
+        ("energy", "J" + unit.removeprefix("N"), lambda one: one.per * one.cycle.energy),
+        ("hysteresis", "", lambda one: one.cycle.hysteresis),
+        ("softening", "", lambda one: one.softening if len(one.cycles) > 1 else None),
+        ("set", "m", lambda one: one.set),
+    )
+    found = []
+    for name, of, figure in figures:
+        known = [value for value in map(figure, pieces) if value is not None]
+        if len(known) > 1:
+            found.append(
+                PieceStatistics(
+                    name, of, len(known), float(np.mean(known)), float(np.std(known, ddof=1))
+                )
+            )
+    return found
+
+
+def _force(one: CLD, at: AtCompression | None) -> float | None:
+    return None if at is None else one.per * at.loading
+
+
+def _otherwise(pieces: Sequence[CLD]) -> list[str]:
+    """What differs between the tests of pieces that should scatter by themselves alone."""
+    speeds, depths, numbers, temperatures = (
+        sorted(value for value in map(figure, pieces) if value is not None) or [0.0]
+        for figure in _CONDITIONS
+    )
+    differs = {
+        "speed": speeds[-1] > (1 + _ALIKE) * speeds[0],
+        "depth": depths[-1] > (1 + _ALIKE) * depths[0],
+        "number of the cycle": numbers[-1] > (1 + _ALIKE) * numbers[0],
+        "length, known of some alone": len({one.specimen.length is None for one in pieces}) > 1,
+        "temperature": temperatures[-1] - temperatures[0] > _AS_WARM,
+    }
+    return [name for name, apart in differs.items() if apart]
+
+
+_CONDITIONS: tuple[Callable[[CLD], float | None], ...] = (
+    lambda one: one.cycle.speed,
+    lambda one: one.cycle.depth,
+    lambda one: one.cycle.number,
+    lambda one: one.specimen.temperature,
+)
+"""Speed, depth, number of the cycle and temperature, K, of a test."""

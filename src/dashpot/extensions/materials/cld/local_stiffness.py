@@ -1,0 +1,92 @@
+"""What a branch of a load deflection cycle shows at one compression."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.extensions.materials.cld.datamodel import AtCompression, Branch, Cycle
+from dashpot.numerics.inference.covariance_estimate import estimate
+from dashpot.numerics.least_squares.problem import ordinary
+
+WINDOW = 0.04
+"""Half of the compressions taken, as a part of the depth."""
+_DIGITS = 1e-6
+_LEAST = 8
+"""Samples there; a window with fewer is widened."""
+
+
+class LocalStiffness(NamedTuple):
+    """Force and slope at a compression, N and N/m, and their standard errors."""
+
+    force: float
+    force_se: float
+    slope: float
+    slope_se: float
+
+
+def local(branch: Branch, at: float, *, half: float, beyond: float) -> LocalStiffness | None:
+    """Return force and slope at a compression, m: a parabola over what lies within `half` of it.
+
+    None where the branch ends more than `beyond` before.
+    """
+    x, f = branch.compression, branch.force
+    if not x.min() - beyond <= at <= x.max() + beyond or len(x) < 4:
+        return None
+    away = np.abs(x - at)
+    half = max(half, float(np.partition(away, min(_LEAST, len(x)) - 1)[min(_LEAST, len(x)) - 1]))
+    near = away <= half
+    u, y = (x[near] - at) / half, f[near]
+    A = np.column_stack((np.ones_like(u), u, u**2))
+    known = estimate(ordinary(y, A))
+    c, error = known.optimum.beta, known.standard_error
+    least = _DIGITS * abs(float(c[0]))  # what follows without a rest still has a file's digits
+    return LocalStiffness(
+        float(c[0]), max(float(error[0]), least), float(c[1]) / half,
+        max(float(error[1]), least) / half,
+    )  # fmt: skip
+
+
+def at_compression(
+    cycle: Cycle, at: float, *, beyond: float, contact_se: float, force_se: float
+) -> AtCompression | None:
+    """Return what a cycle shows at a compression, m; None where its loading does not reach it.
+
+    The error of the force holds those of the two zeros.
+    """
+    half = WINDOW * cycle.depth
+    way_in = local(cycle.loading, at, half=half, beyond=beyond)
+    if way_in is None:
+        return None
+    back = None if cycle.unloading is None else local(cycle.unloading, at, half=half, beyond=beyond)
+    error = _error(way_in, contact_se=contact_se, force_se=force_se)
+    return AtCompression(
+        at,
+        way_in.force,
+        error,
+        None if back is None else back.force,
+        way_in.slope,
+        way_in.slope_se,
+        cycle.loading.work(at),
+        None if back is None else _error(back, contact_se=contact_se, force_se=force_se),
+    )
+
+
+def _error(one: LocalStiffness, *, contact_se: float, force_se: float) -> float:
+    """Standard error of a force, N: its own, and those of the two zeros."""
+    return float(np.linalg.norm([one.force_se, one.slope * contact_se, force_se]))
+
+
+def unevenness(clock: FloatArray, x: FloatArray) -> tuple[float, float]:
+    """Return speed, m/s, and largest departure of a stroke's middle from it, part of its travel."""
+    low, high = float(x[0]), float(x[-1])
+    middle = np.abs(x - 0.5 * (low + high)) <= 0.4 * abs(high - low)
+    t, moved = clock[middle], x[middle]
+    if len(t) < 3:
+        return abs(high - low) / float(clock[-1] - clock[0]), 0.0
+    t = t - t.mean()
+    speed = float(t @ moved) / float(t @ t)
+    left = moved - moved.mean() - speed * t
+    return abs(speed), float(np.abs(left).max()) / abs(high - low)

@@ -1,0 +1,41 @@
+"""A row of a piece that was pressed and released."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.materials.cld.datamodel import CLD
+from dashpot.extensions.materials.cld.preprocess import cld
+from dashpot.extensions.materials.cld.read import read_cld
+from dashpot.registry import Piece
+
+
+def row(file: str | Path, piece: Piece) -> tuple[CLD, dict[str, Any]]:
+    """Return the figures of a load deflection record, and them as the columns of a row.
+
+    Raises
+    ------
+    ReadError, DataError
+        If it cannot be read, or was not pressed to the nominal compression.
+    """
+    specimen = Specimen(temperature=piece.temperature, length=piece.length)
+    test = read_cld(file, options=piece.options, specimen=specimen)
+    found = cld(test, at=piece.compression, cycle=piece.options.cycle)
+    nominal, cycle = found.nominal, found.cycle
+    several = len(found.cycles) > 1
+    return found, {
+        "samples": len(found.force),
+        "temperature_K": found.specimen.temperature,
+        "depth_m": cycle.depth,
+        "force_noise_N": found.noise,
+        "cld_at_m": nominal.compression,
+        "cld_force_N": nominal.loading,
+        "cld_force_se_N": nominal.loading_se,
+        "cld_per_100mm_N": None if found.specimen.length is None else found.per * nominal.loading,
+        "cld_slope_N_per_m": nominal.slope,
+        "cld_hysteresis": cycle.hysteresis,
+        "cld_softening": found.softening if several else None,
+        "cld_set_m": found.set,
+    }

@@ -1,0 +1,340 @@
+"""From a compression load deflection record to cycles, and the figures of one of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import chain
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, median
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.base.units import Quantity, Range, si, si_range, written
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.relaxation import quantum
+from dashpot.extensions.materials.cld import checks
+from dashpot.extensions.materials.cld.datamodel import (
+    CLD,
+    AtCompression,
+    Branch,
+    CompressionTest,
+    Cycle,
+)
+from dashpot.extensions.materials.cld.local_stiffness import (
+    WINDOW,
+    at_compression,
+    local,
+    unevenness,
+)
+from dashpot.fitting.nuisance_priors import Prior, error_by_delay, taken_later
+from dashpot.preprocessing.strokes import Stroke, inward, strokes_of
+from dashpot.preprocessing.zero_point import Zero, met_again, zero_of
+from dashpot.signals.segments import resolution_of
+
+_SMOOTHED, _RARE = 5, 4.0
+"""Samples of a mean in which a pull is sought, and standard deviations that chance may make."""
+_COMMON = 0.95
+"""Part of the least depth at which cycles are compared."""
+_BEYOND = 5e-3
+"""Part of the depth by which a compression asked for may lie beyond the last reading."""
+_UNFINISHED = 0.9
+"""A last loading that ends before this part of the depth, and is not unloaded, is left out."""
+
+
+class _RecordCycles(NamedTuple):
+    """The cycles of a record, before one is chosen; a compression may lie so far `beyond` them."""
+
+    cycles: tuple[Cycle, ...]
+    zero: Zero
+    beyond: float
+    common: float
+    uneven: tuple[float | None, ...]
+    compression: FloatArray
+    force: FloatArray
+
+
+def cld(
+    test: CompressionTest,
+    *,
+    at: Quantity | None = None,
+    between: Range | None = None,
+    cycle: int | None = None,
+    machine: Machine | None = None,
+) -> CLD:
+    """Find the cycles of a compression load deflection test, and the figures of one of them.
+
+    Compression is counted from first contact of the first cycle; the load cell's zero is what it
+    reads in air, wherever the plate is there. What a delay of the force makes of a figure, which
+    no cycle tells from loss, is in its error.
+
+    Parameters
+    ----------
+    test : CompressionTest
+    at : float or str, optional
+        Nominal compression, m or with its unit; by default the depth of the cycle.
+    between : (float, float) or str, optional
+        Least and greatest compression of the tolerance, m or as ``"4:8mm"``.
+    cycle : int, optional
+        Which cycle, from 1; by default the last that was unloaded and reaches `at`.
+    machine : Machine, optional
+        What is known of the machine: its `sync`.
+
+    Returns
+    -------
+    CLD
+
+    Raises
+    ------
+    DataError
+        If nothing was pressed, there is no such cycle, or none reaches `at`.
+    """
+    machine = machine or Machine()
+    machine.heeds("sync", of="load deflection")
+    if machine.sync is not None and test.time is None:
+        raise DataError(
+            "--machine sync= is a time, and the record has no clock. Leave it out, or export the "
+            "time, too"
+        )
+    found = _cycles(test)
+    nominal = None if at is None else si(at, "length")
+    index = _chosen(found, cycle, nominal)
+    used = found.cycles[index]
+    nominal = used.depth if nominal is None else nominal
+    ends = (None, None) if between is None else si_range(between, "length")
+    least, middle, most = (_at(found, used, one) for one in (ends[0], nominal, ends[1]))
+    if middle is None:
+        deepest = max(one.depth for one in found.cycles)
+        raise DataError(
+            f"{written(nominal, 'mm')} was asked for; expected a compression > 0 that the seal was "
+            f"pressed to, at most {written(deepest, 'mm')}: --compression gives it, "
+            "--part cycle=N another cycle"
+        )
+    delay = Prior(0.0, machine.delay_sd(median(np.diff(clock_of_samples(test)))))
+    found, (least, middle, most) = _with_delay(test, found, index, (least, middle, most), delay)
+    used = found.cycles[index]
+    zero, specimen = found.zero, test.specimen
+    return CLD(
+        found.cycles,
+        index,
+        zero.contact,
+        zero.contact_se,
+        zero.force_se,
+        zero.preload,
+        zero.drift,
+        zero.noise,
+        found.common,
+        middle,
+        least,
+        most,
+        test.time,
+        found.compression,
+        found.force,
+        _checks(found, index, max(one for one in (nominal, *ends) if one is not None), test),
+        specimen,
+        test.source,
+        delay.sd,
+    )
+
+
+_Marks: TypeAlias = tuple[AtCompression | None, AtCompression, AtCompression | None]
+"""What a cycle shows at the least, the nominal and the greatest compression."""
+
+
+def clock_of_samples(test: CompressionTest) -> FloatArray:
+    """Return the clock of a test, s; the number of each sample where it has none."""
+    return np.arange(float(len(test.force))) if test.time is None else test.time
+
+
+def _with_delay(
+    test: CompressionTest, found: _RecordCycles, index: int, marks: _Marks, delay: Prior
+) -> tuple[_RecordCycles, _Marks]:
+    """The cycles and marks with what a delay of the force leaves unknown in their errors."""
+    known = [one for one in marks if one is not None]
+
+    def numbers(later: float) -> FloatArray:
+        clock = clock_of_samples(test)
+        moved = found
+        if later:
+            moved = _cycles(replace(test, force=taken_later(clock, test.force, later), units="SI"))
+        same = len(moved.cycles) == len(found.cycles)
+        if not same:  # of noise that is taken for a stroke nothing follows
+            return np.full(len(found.cycles) + 3 * len(known), np.nan)
+        at = (_at(moved, moved.cycles[index], one.compression) for one in known)
+        each = (
+            (np.nan,) * 3 if one is None else (one.loading, one.unloading, one.slope) for one in at
+        )
+        lost = (one.hysteresis for one in moved.cycles)
+        return np.array([*lost, *chain.from_iterable(each)], dtype=float)
+
+    error = error_by_delay(numbers, delay)
+    lost, at = np.split(np.where(np.isfinite(error), error, 0.0), [len(found.cycles)])
+    cycles = tuple(
+        one
+        if one.hysteresis is None
+        else replace(one, hysteresis_se=float(np.hypot(by, _hysteresis_error(one, found.zero))))
+        for one, by in zip(found.cycles, lost.tolist(), strict=True)
+    )
+    wide = iter(
+        [
+            replace(
+                one,
+                loading_se=float(np.hypot(one.loading_se, loading)),
+                unloading_se=None
+                if one.unloading_se is None
+                else float(np.hypot(one.unloading_se, unloading)),
+                slope_se=float(np.hypot(one.slope_se, slope)),
+            )
+            for one, (loading, unloading, slope) in zip(known, at.reshape(-1, 3), strict=True)
+        ]
+    )
+    widened = tuple(None if one is None else next(wide) for one in marks)
+    return found._replace(cycles=cycles), widened  # type: ignore[return-value]  # the same three
+
+
+def _hysteresis_error(cycle: Cycle, zero: Zero) -> float:
+    """Standard error of a cycle's hysteresis by the noise of the force and by its zero."""
+    ways = [one for one in (cycle.loading, cycle.unloading) if one is not None]
+    steps = np.concatenate([np.diff(np.maximum(one.compression, 0.0)) for one in ways])
+    scatter = zero.noise * float(np.linalg.norm(steps))
+    # a zero that is off adds as much to both works
+    shared = zero.force_se * cycle.depth * float(cycle.hysteresis or 0.0)
+    return float(np.hypot(scatter, shared)) / cycle.energy
+
+
+def _at(found: _RecordCycles, cycle: Cycle, at: float | None) -> AtCompression | None:
+    if at is None or not at > 0:
+        return None
+    return at_compression(
+        cycle,
+        at,
+        beyond=found.beyond,
+        contact_se=found.zero.contact_se,
+        force_se=found.zero.force_se,
+    )
+
+
+def _cycles(test: CompressionTest) -> _RecordCycles:
+    turn, push = inward(test.displacement, test.force)
+    x, force = turn * test.displacement, push * test.force
+    clock = clock_of_samples(test)
+    resolution = resolution_of(clock, x, quantum(x))
+    strokes = strokes_of(x, resolution=resolution)
+    pairs = _pairs(strokes)
+    zero = zero_of(clock, x, force, pairs[0][0], resolution=resolution)
+    x, force = x - zero.contact, force - zero.force
+    depths = [float(x[one.last]) for one, _ in pairs]
+    beyond = max(resolution, 3 * zero.contact_se, _BEYOND * max(depths))
+    if len(pairs) > 1 and pairs[-1][1] is None and depths[-1] < _UNFINISHED * max(depths):
+        pairs, depths = pairs[:-1], depths[:-1]
+    common = _COMMON * min(depths)
+    cycles, uneven = [], []
+    for number, (loading, unloading) in enumerate(pairs, start=1):
+        speed = departure = None
+        if test.time is not None:
+            speed, departure = unevenness(clock[loading.samples], x[loading.samples])
+        cycles.append(
+            _cycle(x, force, number, loading, unloading, zero=zero, common=common,
+                   beyond=beyond, speed=speed)
+        )  # fmt: skip
+        uneven.append(departure)
+    return _RecordCycles(tuple(cycles), zero, beyond, common, tuple(uneven), x, force)
+
+
+def _pairs(strokes: Sequence[Stroke]) -> list[tuple[Stroke, Stroke | None]]:
+    """Every way in, with the way back after it where it was recorded."""
+    ways = zip(strokes, [*strokes[1:], None], strict=True)
+    pairs = [(one, after) for one, after in ways if one.inward]
+    if not pairs:
+        raise DataError(
+            "no loading was found: the compression only falls, or never moves by more than its "
+            "scatter; expected a seal that is pressed, and then released"
+        )
+    return pairs
+
+
+def _cycle(
+    x: FloatArray,
+    force: FloatArray,
+    number: int,
+    loading: Stroke,
+    unloading: Stroke | None,
+    *,
+    zero: Zero,
+    common: float,
+    beyond: float,
+    speed: float | None,
+) -> Cycle:
+    way_in = _branch(x, force, loading)
+    back = None if unloading is None else _branch(x, force, unloading)
+    contact = 0.0
+    if number > 1:
+        met = met_again(way_in.compression, way_in.force, noise=zero.noise)
+        contact = np.nan if met is None else met
+    depth = float(x[loading.last])
+    here = local(way_in, common, half=WINDOW * depth, beyond=beyond)
+    peak = local(way_in, depth, half=WINDOW * depth, beyond=beyond)
+    if here is None or peak is None:
+        raise DataError(
+            f"cycle {number}: {len(way_in.force)} samples of loading; expected 4 or more"
+        )
+    return Cycle(
+        number, depth, speed, None if np.isnan(contact) else contact, peak.force, here.force,
+        way_in, back,
+    )  # fmt: skip
+
+
+def _branch(x: FloatArray, force: FloatArray, stroke: Stroke) -> Branch:
+    return Branch(x[stroke.samples], force[stroke.samples], stroke.first)
+
+
+def _chosen(found: _RecordCycles, asked: int | None, at: float | None) -> int:
+    cycles = found.cycles
+    if asked is not None:
+        if not 1 <= asked <= len(cycles):
+            plural = "s" * (len(cycles) != 1)
+            raise DataError(
+                f"cycle {asked} was asked for, but the record holds {len(cycles)} cycle{plural}"
+            )
+        return asked - 1
+    reach = [i for i, one in enumerate(cycles) if at is None or one.depth >= at - found.beyond]
+    whole = [i for i in reach if cycles[i].unloading is not None]
+    return (whole or reach or [len(cycles) - 1])[-1]
+
+
+def _pull(cycle: Cycle, zero: Zero) -> float | None:
+    """The greatest pull of a release, over the greatest force; less than noise makes is none."""
+    back = cycle.unloading
+    if back is None or not zero.air or len(back.force) < _SMOOTHED:
+        return None
+    means = np.convolve(back.force, np.full(_SMOOTHED, 1 / _SMOOTHED), "valid")
+    chance = _RARE * zero.noise / _SMOOTHED**0.5 + 2 * zero.force_se
+    return float(max(-means.min() - chance, 0.0) / cycle.peak)
+
+
+def _checks(
+    found: _RecordCycles, index: int, most: float, test: CompressionTest
+) -> tuple[Check, ...]:
+    cycles, zero = found.cycles, found.zero
+    used, before = cycles[index], cycles[:index]
+    drift = zero.drift / used.peak if zero.drift else None
+    return (
+        checks.zero_recorded(zero.begins, air=zero.air),
+        checks.conditioned(
+            used.common / before[-1].common - 1 if before else None,
+            cycle=used.number,
+            softening=cycles[0].common / cycles[-1].common - 1,
+        ),
+        checks.depth_conditioned(
+            used.depth / max(one.depth for one in before) if before else None, used.number
+        ),
+        checks.compressions_reached(most, used.depth + found.beyond),
+        checks.load_cell_steady(drift),
+        checks.speed_even(found.uneven[index]),
+        checks.energy_lost(used.hysteresis),
+        checks.released_freely(_pull(used, zero)),
+        checks.unloading_recorded(recorded=used.unloading is not None),
+        checks.length_given(given=test.specimen.length is not None),
+    )

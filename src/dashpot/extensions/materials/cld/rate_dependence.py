@@ -1,0 +1,157 @@
+r"""Load deflection at several speeds: a spring and a dashpot that depend on compression, and arms.
+
+.. math:: F = F_e(x) + c(x)\,\dot x + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j}\,dx(u)
+
+The arms are those of a linear solid, which one memory under a bent law
+(:mod:`~dashpot.extensions.materials.cld.multi_speed_fit`) are not; which of the two the speeds
+prefer BIC says. At given relaxation times all is linear: tangents of :math:`F_e` on hats, c on
+hats, k, each >= 0. Source: E. Dikmen and I. Basdogan, ESDA2006-95402.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.datamodel.fit import Fit
+from dashpot.extensions.materials.cld import checks
+from dashpot.extensions.materials.cld.datamodel import CLD, RateLaw
+from dashpot.extensions.materials.cld.equilibrium_curve import knots_over, law_of
+from dashpot.extensions.materials.cld.multi_speed_fit import DECISIVE, Thinned, thinned_alike
+from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
+from dashpot.numerics.design_matrices.recorded_motion import arm_columns
+from dashpot.numerics.inference.covariance_estimate import estimate, score
+from dashpot.numerics.inference.model_order import bic
+from dashpot.numerics.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
+
+DAMPING_KNOTS = 7
+MOST_ARMS = 2
+_CONTACT = 0.01
+"""Standard deviation of first contact, as a part of the depth: a dashpot's force jumps there."""
+
+
+class _Data(NamedTuple):
+    """Records, the knots of c and of the law, the depth, m, and the noise, N."""
+
+    records: Sequence[Thinned]
+    knots: FloatArray
+    fine: FloatArray
+    depth: float
+    noise: float
+
+
+def fit_rate(pieces: Sequence[CLD], beside: Fit) -> RateLaw:
+    """Fit a rate-dependent spring and dashpot to load deflection tests of one seal at some speeds.
+
+    Parameters
+    ----------
+    pieces : sequence of CLD
+        With clocks, at two speeds or more.
+    beside : Fit
+        One law with one memory, as
+        :func:`~dashpot.extensions.materials.cld.multi_speed_fit.fit_speeds` fits it to the same
+        tests.
+    """
+    fine, records = thinned_alike(pieces)
+    depth = float(fine[-1])
+    strokes = [one.cycle.depth / one.cycle.speed for one in pieces if one.cycle.speed]
+    window = np.log([min(strokes) / 20, 3 * max(strokes)])
+    of = _Data(
+        records, knots_over(fine[1:], depth, DAMPING_KNOTS), fine, depth,
+        max(one.noise for one in pieces),
+    )  # fmt: skip
+    tried = [_best(of, np.zeros(len(records)), None)]
+    for _ in range(MOST_ARMS):
+        tried.append(_best(of, tried[-1].theta, window))
+    effective = estimate(tried[-1], parts=_parts(of), prior_variance=of.noise**2).effective
+    scores = [score(one, effective) for one in tried]
+    best = 0
+    while best + 1 < len(tried) and scores[best] - scores[best + 1] >= DECISIVE:
+        best += 1
+    return _assembled(pieces, beside, of, tried[best])
+
+
+def _parts(of: _Data) -> list[int]:
+    """Rows of each record."""
+    return [int(_moving(one).sum()) for one in of.records]
+
+
+def _hats(x: FloatArray, knots: FloatArray) -> FloatArray:
+    """A straight line between knots as weights of its values there, shape (n, knots)."""
+    return np.stack([np.interp(x, knots, one) for one in np.eye(len(knots))], axis=1)
+
+
+def _rows(of: _Data, theta: FloatArray) -> Rows:
+    """The records at relaxation times, ln s, and at places of first contact, in their deviations.
+
+    What is known of these comes last.
+    """
+    ln_tau, off = np.split(theta, [-len(of.records)])
+    parts, targets = [], []
+    for one, by in zip(of.records, off * _CONTACT * of.depth, strict=True):
+        inside = _moving(one)
+        x, v = one.compression[inside] + by, one.velocity[inside]
+        pressed = np.maximum(one.compression + by, 0.0)
+        q, _ = arm_columns(one.time, pressed, np.exp(ln_tau), derivative=False)
+        damping = _hats(x, of.knots) * v[:, None]
+        parts.append(np.concatenate((hat_integrals(x, of.fine), damping, q[inside]), axis=1))
+        targets.append(one.force[inside])
+    A = np.concatenate((*parts, np.zeros((len(off), parts[0].shape[1]))))
+    return Rows(np.concatenate((*targets, -of.noise * off)), A)
+
+
+def _moving(one: Thinned) -> BoolArray:
+    """The samples of the chosen cycle that are felt, but for those beside a turn."""
+    way = np.sign(one.velocity)
+    steady = (way == np.roll(way, 1)) & (way == np.roll(way, -1))
+    found = np.asarray(one.felt & steady)
+    found[: one.first] = False
+    return found
+
+
+def _best(of: _Data, before: FloatArray, window: FloatArray | None) -> Optimum:
+    """The best from what was found, with one arm more at the best of some places in a window."""
+    starts = [before]
+    if window is not None:
+        starts = [np.insert(before, 0, at) for at in np.linspace(window[0], window[1], 7)[1:-1]]
+    sought = [Parameter()] * len(starts[0])
+    problem = Problem(partial(_rows, of), sought, positive=True, priors=len(of.records))
+    start = min(starts, key=lambda one: problem.at(one).cost)
+    return solved(problem, [start], most=40, finished=1e-6, flat=1e-8)
+
+
+def _assembled(pieces: Sequence[CLD], beside: Fit, of: _Data, best: Optimum) -> RateLaw:
+    first = len(of.fine)
+    count, arms = first + len(of.knots), len(best.theta) - len(of.records)
+    resting = np.zeros(count + arms, dtype=bool)
+    resting[first:count] = True  # of a damping of 0 the error is its bound
+    known = estimate(best, parts=_parts(of), resting=resting, prior_variance=of.noise**2)
+    ln_tau_se, error = np.split(known.standard_error, [len(best.theta)])
+    _, c, k = np.split(best.beta, [first, count])
+    tau = np.exp(best.theta[:arms])
+    kept = [int(i) for i in np.argsort(tau) if k[i] > 0]
+    n = len(best.residual)
+    rms = float(np.sqrt(best.sse / n))
+    kappa = min((best.sse, known.kappa), (beside.residual.sse, beside.residual.kappa))[1]
+    own = score(best, n / kappa)
+    other = bic(beside.residual.sse, effective=n / kappa, parameters=first + 2 * beside.model.arms)
+    return RateLaw(
+        law_of(known, of.fine, slice(len(best.theta), len(best.theta) + first)),
+        tuple(of.knots.tolist()),
+        tuple(c.tolist()),
+        tuple(error[first:count].tolist()),
+        tuple(k[kept].tolist()),
+        tuple(tau[kept].tolist()),
+        tuple(error[count:][kept].tolist()),
+        tuple(ln_tau_se[:arms][kept].tolist()),
+        rms,
+        own - other,
+        (
+            checks.memory_suffices(other - own),
+            checks.speeds_followed(rms, of.noise, max(one.cycle.peak for one in pieces)),
+        ),
+    )

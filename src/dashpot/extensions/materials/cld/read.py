@@ -1,0 +1,99 @@
+"""From a file to a compression load deflection test: displacement and force, a clock or none."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from collections.abc import Set as AbstractSet
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.materials.cld.datamodel import CompressionTest
+from dashpot.reading.columns.vocabulary import Role
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers import channels, size_checks
+from dashpot.reading.readers.channels import Channel, Opened
+from dashpot.reading.readers.header_specimen import stated_specimen
+from dashpot.reading.readers.relaxation import signals
+
+_SIGNALS: tuple[Role, Role] = ("displacement", "force")
+
+
+def read_cld(
+    path: str | Path, *, options: ReadOptions | None = None, specimen: Specimen | None = None
+) -> CompressionTest:
+    """Return the compression load deflection test in a file, in SI units; ``-`` is stdin.
+
+    Parameters
+    ----------
+    path : path
+        Displacement and force of a seal that is pressed and released, once or in cycles; with a
+        column of time, or evenly sampled at ``options.rate``, or without a clock.
+    options : ReadOptions
+        Answers to what the file leaves open.
+    specimen : Specimen or None
+        What was tested; its length makes forces those of 100 mm.
+
+    Raises
+    ------
+    ReadError
+        If the file cannot be read, or leaves open which column is what or in which unit.
+    """
+    with channels.opened(path, options) as file:
+        return cld_in(file, specimen or Specimen())
+
+
+def cld_in(file: Opened, specimen: Specimen) -> CompressionTest:
+    """Return the compression load deflection test in an opened file."""
+    channels.refuse_summary(file)
+    channels.expect(
+        file,
+        ["relaxation", "cld"],
+        "a compression load deflection (CLD) record is",
+        named=_SIGNALS,
+    )
+    chosen, values, notes = signals(file, *_SIGNALS)
+    if "time" not in values:
+        notes.append("the file has no clock: nothing is known of the speed")
+    notes += _refuse_sizes(file, chosen, values)
+    specimen, said = stated_specimen(file, specimen, chosen)
+    source = channels.source(file, [one.says for one in chosen], [*notes, *said])
+    return CompressionTest(
+        values["displacement"],
+        values["force"],
+        values.get("time"),
+        specimen,
+        source,
+        units="SI",
+    )
+
+
+def _refuse_sizes(file: Opened, chosen: list[Channel], values: dict[Role, FloatArray]) -> list[str]:
+    """Ask for the units again that make a size no test of a seal has; notes on unusual ones."""
+    travel, rise = (float(np.ptp(values[role])) for role in _SIGNALS)
+    lasted = float(np.ptp(values["time"])) if "time" in values else 0.0
+
+    def judged(
+        times: Mapping[Role, float], unit: Mapping[Role, str], _: AbstractSet[Role]
+    ) -> list[tuple[Role, list[Check]]]:
+        far, push = travel * times["displacement"], rise * times["force"]
+        moves, pushes, ticks = unit["displacement"], unit["force"], unit.get("time", "s")
+        answers: dict[Role, list[Check]] = {
+            "time": [size_checks.time_of_a_test(lasted * times.get("time", 1.0), ticks)],
+            "displacement": [
+                size_checks.size_possible("travel", far, moves, role="displacement"),
+                size_checks.travel_of_a_seal(far, moves),
+                size_checks.travel_of_a_bench(far, moves, force=push),
+            ],
+            "force": [
+                size_checks.size_possible("force", push, pushes, role="force"),
+                size_checks.force_of_a_seal(push, pushes),
+                size_checks.force_of_a_bench(push, pushes, travel=far),
+            ],
+        }
+        return [(role, answers[role]) for role in answers if role in unit]
+
+    return channels.refuse_all_sizes(file, chosen, judged)

@@ -1,0 +1,208 @@
+"""What a law of aging can be trusted with, as criteria."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.checks import Check, Finding, Remedy, criterion
+from dashpot.base.number_format import counted
+from dashpot.base.units import celsius, parse_quantity, written
+from dashpot.extensions.materials.csr.datamodel import Aging
+from dashpot.extensions.materials.csr.law import FIRST
+from dashpot.extensions.materials.csr.preprocess import Readings
+from dashpot.numerics.inference.covariance_estimate import Estimate
+
+SEEN = 4.0
+"""Standard errors by which the hottest oven must show chemistry."""
+LONG = parse_quantity("1000h", "time")
+
+
+def judge(
+    found: Aging, read: Readings, alone: Estimate, strain: float | None, *, drift: float
+) -> tuple[Check, ...]:
+    """Every check of a fit."""
+    hottest, coldest = found.ovens[-1], found.ovens[0]
+    loss = float(alone.optimum.theta[0] / alone.standard_error[0])
+    risen = max(-loss, *(-one.significance for one in found.ovens))
+    left = alone.optimum.residual
+    inside = np.diff(read.piece) == 0
+    together = float((left[1:] * left[:-1])[inside].sum() / (left @ left)) * np.sqrt(len(left))
+    return (
+        force_falls(risen),
+        f0_read(max(float(read.time[read.piece == i].min()) for i in range(read.pieces))),
+        readings_scatter(together),
+        readings_close(found.scatter),
+        chemistry_seen(hottest.significance, hottest.temperature),
+        ovens_enough(len(found.ovens)),
+        ovens_on_a_line(strain),
+        cell_holds(*_drifted(alone, drift)),
+        aging_beside_drift(None if found.law.bound_alone else coldest.rate, drift),
+    )
+
+
+def _drifted(alone: Estimate, drift: float) -> tuple[float | None, float]:
+    """What the readings show of the drift that is believed, and its standard error."""
+    if not drift:
+        return None, drift
+    last = len(alone.optimum.theta) - 1
+    return drift * float(alone.optimum.theta[last]), drift * float(alone.standard_error[last])
+
+
+@criterion("rise / standard error", "<=", 3.0, "chance, once in 700", grade="stop")
+def force_falls(risen: float) -> Finding:
+    """The force of the pieces falls, or stays."""
+    return Finding(
+        f"The force rises by {max(risen, 0.0):.2g} standard errors of its trend",
+        risen,
+        "Crosslinks or swelling add force, and this law has none that grows",
+        "Leave out the oven or the piece that rises.",
+    )
+
+
+@criterion("time / 30 min", "<=", 2.0, "ISO 3384-1: F0 is read at 30 min", grade="note")
+def f0_read(first: float) -> Finding:
+    """F0 was read of every piece."""
+    return Finding(
+        f"The last piece was first read {written(first, 'h', '.3g')} after its compression",
+        first / FIRST,
+        "Its F0 follows from the law alone, and all its ratios share that error",
+        "Read F0 at 30 min.",
+    )
+
+
+@criterion("correlation of neighbours * sqrt(readings)", "<=", 3.0, "chance, once in 700")
+def readings_scatter(together: float) -> Finding:
+    """The readings scatter about the law, and neighbours do so apart."""
+    return Finding(
+        f"Neighbours in time miss the law together by {together:.2g} standard deviations",
+        together,
+        "The law does not follow the readings, or the cell drifts",
+        "Look at the picture. Leave out ovens that age otherwise, such as the hottest.",
+    )
+
+
+@criterion("part of F0", "<=", 0.04, "our choice: four times the 1 % of a usual reading")
+def readings_close(scatter: float) -> Finding:
+    """The readings lie near the law."""
+    return Finding(
+        f"A reading lies {100 * scatter:.2g} % of F0 from the law",
+        scatter,
+        "The law does not follow the readings, or some were read otherwise, such as cold",
+        "Look at the picture, and read all at one temperature.",
+    )
+
+
+@criterion("rate / standard error", ">=", SEEN, "our choice: chance, once in 30,000")
+def chemistry_seen(significance: float, hottest: float) -> Finding:
+    """The hottest oven shows that the rubber ages."""
+    return Finding(
+        f"At {celsius(hottest)} chemical aging is {significance:.2g} standard errors from none",
+        significance,
+        "A life is a lower limit",
+        "Read longer, or use a hotter oven.",
+    )
+
+
+@criterion("ovens", ">=", 3.0, "ISO 11346: a line of 1/T wants three temperatures")
+def ovens_enough(ovens: int) -> Finding:
+    """Ovens enough show an activation energy and its error."""
+    return Finding(
+        f"The pieces were in {counted(ovens, 'oven')}",
+        float(ovens),
+        "The error of the activation energy then is that of the ovens alone"
+        if ovens == 2
+        else "No activation energy follows",
+        Remedy("Add an oven, or say how well each is known.", "machine", "oven=1K")
+        if ovens == 2
+        else "Add an oven.",
+    )
+
+
+@criterion("chi square / degrees of freedom", "<=", 9.0, "our choice: chance, once in 370")
+def ovens_on_a_line(strain: float | None) -> Finding:
+    """One activation energy explains all ovens within the error of their temperatures."""
+    if strain is None:
+        return Finding("Two ovens always lie on one line of 1/T, so it is not judged")
+    return Finding(
+        f"The ovens lie {np.sqrt(max(strain, 0.0)):.2g} standard deviations from one line of 1/T",
+        strain,
+        "The activation energy changes, or an oven is not as warm as it says",
+        Remedy("Leave out the hottest oven, or say the error of the ovens.", "machine", "oven=2K"),
+    )
+
+
+@criterion("drift / standard error", "|x| <=", 3.0, "chance, once in 700", grade="note")
+def cell_holds(drift: float | None, error: float) -> Finding:
+    """The zero of the load cell stays where it is; of F0 in 1000 h."""
+    if drift is None:
+        return Finding("The load cell is said not to drift")
+    return Finding(
+        f"The zero of the load cell drifts by {100 * drift:+.2g} ± {100 * error:.2g} % of the "
+        "force in 1000 h",
+        drift / error,
+        "That is taken off the forces, and its error is in every interval",
+        "Check the cell with a weight.",
+    )
+
+
+@criterion("rate / drift", ">=", 1.0, "our choice: a rate at least as large", grade="note")
+def aging_beside_drift(rate: float | None, drifted: float) -> Finding:
+    """The coldest oven ages faster than a load cell drifts, in parts of F0 in 1000 h."""
+    if rate is None:
+        return Finding("No chemistry was seen, so no drift of the cell is compared with it")
+    lost = rate * LONG
+    return Finding(
+        f"The coldest oven loses {100 * lost:.3g} % in 1000 h, where the load cell may drift by "
+        f"{100 * drifted:.3g} %",
+        lost / drifted if drifted else np.inf,
+        "A drift looks like chemistry there; the intervals hold either",
+        Remedy("Check the cell with a weight, and give its drift.", "machine", "drift=10mN/h"),
+    )
+
+
+@criterion("K", "<=", 30.0, "our choice: the activation energy falls in the cold")
+def temperature_near_ovens(colder: float, temperature: float) -> Finding:
+    """The temperature that is asked lies near those of the ovens."""
+    return Finding(
+        f"{celsius(temperature)} lies {max(colder, 0.0):.3g} K below the coolest oven",
+        colder,
+        "The activation energy may fall there, and the life with it",
+        "Test an oven nearer to it.",
+    )
+
+
+@criterion("change / standard error", "<=", 2.0, "inside the 95 % interval")
+def cold_bears_lower_energy(moved: float | None, lower: float, coldest: float) -> Finding:
+    """The answer stays within its interval if the activation energy falls below the ovens."""
+    if moved is None:
+        return Finding("The temperature is that of an oven, or above, so it is not judged")
+    return Finding(
+        f"An activation energy of {written(lower, 'kJ/mol', 'g')} below {celsius(coldest)} moves "
+        f"the answer by {moved:.2g} standard errors",
+        moved,
+        "Rubber often has one so low there, and no oven shows it",
+        "Test an oven nearer to it.",
+    )
+
+
+@criterion("part of the force", "<=", 0.1, "our choice: chains that form anew carry no force")
+def stiffness_follows_force(lost: float) -> Finding:
+    """The stiffness has fallen as the force has: chemistry took little of it."""
+    return Finding(
+        f"Chemical aging took {100 * lost:.3g} % of the force",
+        lost,
+        "Chains that form meanwhile carry none of it, and the stiffness fell by less",
+        "Test an aged piece.",
+    )
+
+
+@criterion("decades", "<=", 2.0, "our choice: a hundred times as long as the readings")
+def time_near_readings(decades: float, longest: float) -> Finding:
+    """The time that is asked or found lies near the last reading."""
+    return Finding(
+        f"The answer lies {max(decades, 0.0):.2g} decades of time beyond the last reading, at "
+        f"{written(longest, 'h', '.4g')}",
+        decades,
+        "It rests on the law alone",
+        "Read longer.",
+    )

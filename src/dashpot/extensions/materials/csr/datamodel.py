@@ -1,0 +1,224 @@
+"""The counterforce of pieces held squeezed for weeks, and the law of aging behind it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from dashpot.base.array_units import into_si, said_units
+from dashpot.base.arrays import ByValue, FloatArray, IndexArray, measured, same_length
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.base.number_format import counted
+from dashpot.base.provenance import Source, of_file
+from dashpot.base.reported_values import Fact, Numbered
+from dashpot.base.result_mixins import Described, Judged, Series, arrays, verb
+from dashpot.base.serialisation import Documented
+from dashpot.base.units import Quantity, celsius, written
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.specimen import tested_at
+from dashpot.extensions.materials.csr.law import AgingLaw
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CounterforceTest(ByValue, Described):
+    """Counterforce of pieces at constant compression over hours to months.
+
+    Attributes
+    ----------
+    time, force : array, shape (n,)
+        Since the compression, s; of a piece in any one unit, N or parts of F0.
+    temperature : array, shape (n,)
+        Of the oven, K.
+    piece : array, shape (n,)
+        The number of the piece; by default all are of one.
+    method : str
+        ``"A"``, read in the oven, ``"B"``, read cold, or ``""`` (ISO 3384-1).
+    source : Source or None
+    units : str
+        Of time, force and temperature: ``"h, N, degC"``, or ``"SI"``. Within they are in SI.
+
+    Raises
+    ------
+    DataError
+        If the arrays differ in length, a time or a force is not above 0, or a temperature is none
+        of an oven.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> read = dp.CounterforceTest([0.5, 24, 500], [40, 38, 33], [125] * 3, units="h, N, degC")
+    >>> float(read.time[0])
+    1800.0
+    """
+
+    time: FloatArray
+    force: FloatArray
+    temperature: FloatArray
+    piece: IndexArray = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
+    method: str = ""
+    source: Source | None = None
+    units: str = said_units()
+
+    def __post_init__(self) -> None:
+        into_si(self, time="time", force="force", temperature="temperature")
+        for name in ("time", "force", "temperature"):
+            object.__setattr__(self, name, measured(name, getattr(self, name)))
+        piece = self.piece if len(self.piece) else np.ones(len(self.time))
+        object.__setattr__(self, "piece", np.asarray(piece, dtype=np.intp))
+        same_length(
+            time=self.time,
+            force=self.force,
+            temperature=self.temperature,
+            piece=self.piece.astype(float),
+        )
+        for name, values in (("force", self.force), ("time", self.time)):
+            if not (values > 0).all():
+                raise DataError(
+                    f"a {name} is {values.min():.4g}; expected numbers above 0. Count the time "
+                    "from the compression, the force from zero"
+                )
+        tested_at("temperature", float(self.temperature.min()), float(self.temperature.max()))
+
+    @property
+    def series(self) -> Series:
+        """The readings: force, in the unit of the file, over time."""
+        return arrays(self, time="s", force="", temperature="K", piece="")
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which record it is, and how long it lasts."""
+        pieces = counted(len(np.unique(self.piece)), "piece")
+        longest = written(float(self.time.max()), "h", ".4g")
+        return of_file(self.source, len(self.time)), f"{pieces}, read for {longest}"
+
+
+@dataclass(frozen=True, eq=False)
+class Oven(ByValue):
+    """What the pieces of one oven tell by themselves.
+
+    Attributes
+    ----------
+    temperature : float
+        K.
+    pieces : int
+    rate, rate_error : float
+        Of the chemical factor, and its standard error, 1/s.
+    time, retained : array, shape (n,)
+        Of every reading, s and F/F0.
+    """
+
+    temperature: float
+    pieces: int
+    rate: float
+    rate_error: float
+    time: FloatArray
+    retained: FloatArray
+
+    @property
+    def significance(self) -> float:
+        """The rate in its standard errors."""
+        return self.rate / self.rate_error
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Aging(ByValue, Numbered, Judged, Documented):
+    """The law of aging, and how well the ovens tell it.
+
+    Attributes
+    ----------
+    law : AgingLaw
+    ovens : tuple of Oven
+        The coldest first.
+    longest : float
+        Time of the last reading, s.
+    orders : tuple of (str, float)
+        BIC of each law that was tried.
+    scatter : float
+        Standard deviation of a reading, in parts of F0.
+    oven_sd : float
+        Of the temperature of an oven, K.
+    checks : tuple of Check
+    sources : tuple of Source
+    """
+
+    schema = "dashpot/csr@1"
+    keys = ("verdict", "found", "*")
+
+    law: AgingLaw
+    ovens: tuple[Oven, ...]
+    longest: float
+    orders: tuple[tuple[str, float], ...]
+    scatter: float
+    oven_sd: float
+    checks: tuple[Check, ...] = ()
+    sources: tuple[Source, ...] = ()
+
+    @property
+    def found(self) -> tuple[Fact, ...]:  # type: ignore[override]  # follows of the law
+        """Physical loss in a decade, chemical time at the reference, activation, exponent."""
+        law = self.law
+        (loss, chemical, activation, exponent), tau = law.errors, law.tau(law.reference)
+        named = f"chemical time at {celsius(law.reference)}"
+        facts = [
+            Fact.known(
+                "physical_loss", law.physical, loss, law.quantile, unit="1", read="%",
+                words="physical loss in a decade of time",
+            ),
+            Fact("chemical_time", math.nan, tau, math.inf, "s", None, "h", named)
+            if law.bound_alone
+            else Fact.known(
+                "chemical_time", tau, chemical, law.quantile, of_log=True, unit="s", read="h",
+                words=named,
+            ),
+        ]  # fmt: skip
+        if law.activation:
+            facts.append(
+                Fact.known(
+                    "activation_energy", law.activation, activation, law.quantile, unit="J/mol"
+                )
+            )
+        if law.exponent != 1:
+            error = exponent * law.exponent
+            facts.append(Fact.known("exponent", law.exponent, error, law.quantile))
+        return tuple(facts)
+
+    def at(self, fit: Fit, *, temperature: Quantity, time: Quantity) -> Fit:
+        """The fit of a seal after a time at a temperature, as a door, a mass and a deck take it.
+
+        Every stiffness is times F/F0, with its error; what
+        ``dashpot.extensions.materials.csr.lifetime_prediction.aged_fit`` says of that holds.
+
+        Examples
+        --------
+        >>> import dashpot as dp
+        >>> aging = dp.fit(dp.read("ovens.csv"))  # doctest: +SKIP
+        >>> new = dp.fit(dp.read("seal_8mm.csv"))  # doctest: +SKIP
+        >>> aging.at(new, temperature="70degC", time="1000h")  # doctest: +SKIP
+        """
+        found: Fit = verb("extensions.materials.csr.lifetime_prediction", "aged_fit")(
+            self, fit, temperature=temperature, time=time
+        )
+        return found
+
+    @property
+    def source(self) -> Source | None:
+        """The first file behind it."""
+        return next(iter(self.sources), None)
+
+    @property
+    def sound(self) -> str:
+        """How many ovens, and what drives the aging."""
+        last = self.found[-1 if self.law.activation else 1]
+        hours = written(self.longest, "h", ".4g")
+        return f"{stated(last)}, from {counted(len(self.ovens), 'oven')} up to {hours}"
+
+
+def stated(fact: Fact) -> str:
+    """Return a number with its interval as a sentence has it."""
+    cells = fact.cells
+    if fact.least_alone or not fact.bounded:
+        return f"the {fact.called} is {cells.value or cells.interval} {cells.unit}"
+    return f"the {fact.called} is {cells.with_unit} ({cells.interval})"

@@ -1,0 +1,205 @@
+"""From the counterforce of pieces in several ovens to the law of aging.
+
+Forces are fitted, with the F0 of every piece free: one noisy reading of F0 moves all ratios of a
+piece together. Every oven is off by an error of its own, a prior of :math:`N(0, s_T)`. The zero of
+the cell drifts by as many newtons for all pieces: what is left of a hot one shows whether it was
+that, or chemistry, that took the force of a cool one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import sources_of
+from dashpot.datamodel.checks import caution_checks
+from dashpot.datamodel.machine import Machine
+from dashpot.extensions.materials.csr import checks
+from dashpot.extensions.materials.csr.datamodel import Aging, CounterforceTest, Oven
+from dashpot.extensions.materials.csr.law import BOUND, AgingLaw, left_over
+from dashpot.extensions.materials.csr.preprocess import Readings, readings_of
+from dashpot.numerics.inference.covariance_estimate import Estimate, estimate, score, white_noise
+from dashpot.numerics.least_squares.problem import Parameter, Problem, Rows, solved
+from dashpot.solids.shift_laws import GAS
+
+USUAL_OVEN, WORST_OVEN = 1.0, 30.0
+"""Standard deviation of an oven's temperature, K: where none is said, and the largest believed."""
+USUAL_DRIFT = 0.03
+"""Of the zero of a load cell, in parts of F0 in 1000 h: standard deviation where none is said."""
+_USUAL, _FAR = 0.01, 6.0
+"""Scatter of a reading, parts of F0, before it is known; standard deviations that a doubt may
+reach."""
+_ENERGY = 1e4
+"""J/mol in a unit of the activation energy."""
+_PHYSICAL, _ACTIVATION, _EXPONENT = (
+    Parameter(-0.1, 0.25, 0.01), Parameter(-10, 60, 0.3), Parameter(-1, 1, 0.1),
+)  # fmt: skip
+_HELD = {"exponential": (3,), "stretched": ()}
+"""Of physical loss, ln tau, activation energy and ln exponent what each law holds at 0."""
+
+
+def fit_aging(records: Sequence[CounterforceTest], *, machine: Machine | None = None) -> Aging:
+    """Fit the law of aging to the pieces of one compound, shape and method.
+
+    Parameters
+    ----------
+    records : sequence of CounterforceTest
+    machine : Machine, optional
+        How well the temperature of each oven is known, by default to 1 K: two ovens then show no
+        error of the activation energy. How the load cell drifts, one standard deviation, by
+        default 3 % of the force in 1000 h.
+
+    Raises
+    ------
+    DataError, FitError
+        If the readings are not of one lot, or no law follows them.
+    """
+    machine = machine or Machine()
+    machine.heeds("oven", "drift", of="compression stress relaxation")
+    if machine.oven is not None and machine.oven > WORST_OVEN:
+        raise DataError(
+            f"an oven's temperature is said to be known to {machine.oven:.4g} K; expected 0 to "
+            f"{WORST_OVEN:g} K. Write it in K: --machine oven=1K"
+        )
+    read, sd = readings_of(records), USUAL_OVEN if machine.oven is None else machine.oven
+    whole = float(np.mean(np.concatenate([one.force for one in records])))
+    drift = USUAL_DRIFT if machine.drift is None else machine.drift * checks.LONG / whole
+    alone = _each_oven(read, drift)
+    ovens = read.ovens(alone)
+    orders: dict[str, float] = {}
+    law, strain = _bound(alone, ovens[-1]), None
+    if ovens[-1].significance >= checks.SEEN:
+        said = machine.oven is not None
+        law, orders, strain = _arrhenius(read, alone, ovens, (sd, drift), said=said)
+        if machine.drift is None and strain is not None:  # which a drift nobody saw may hide
+            bare = _each_oven(read, 0.0)
+            bent = _arrhenius(read, bare, read.ovens(bare), (sd, 0.0), said=said)[2]
+            strain = max(strain, bent or 0.0)
+    found = Aging(
+        law, ovens, float(read.time.max()), tuple(orders.items()),
+        float(np.sqrt(alone.noises[0].power)), sd, (), sources_of(records),
+    )  # fmt: skip
+    judged = checks.judge(found, read, alone, strain, drift=drift)
+    return replace(found, checks=(*judged, *caution_checks(found.sources)))
+
+
+def _problem(
+    read: Readings,
+    parameters: Sequence[Parameter],
+    rates: Callable[[FloatArray], tuple[FloatArray, float]],
+    doubts: Sequence[float],
+    scatter: float,
+) -> Problem:
+    """All forces by a physical loss and the rate of every oven.
+
+    The last parameters are `doubts` in their standard deviations, with a prior each: errors of
+    ovens, if `rates` has any, and a drift, in parts of F0 in 1000 h; below what weighs them.
+    """
+    known = [one for one in doubts if one > 0]
+    of_piece = np.eye(read.pieces)[read.piece]
+    below = np.zeros((len(known), read.pieces))
+    drifted = read.time / checks.LONG * read.weak * doubts[-1]
+
+    def model(theta: FloatArray) -> Rows:
+        rate, exponent = rates(theta)
+        shape = left_over(read.time, float(theta[0]), rate[read.oven], exponent)
+        off = theta[len(theta) - len(known) :]
+        force = read.force - drifted * off[-1] if doubts[-1] else read.force
+        y = np.concatenate((force, -scatter * off))
+        return Rows(y, np.vstack((shape[:, None] * of_piece, below)))
+
+    every = [*parameters, *(Parameter(-_FAR, _FAR, 1.0) for _ in known)]
+    return Problem(model, every, priors=len(known))
+
+
+def _each_oven(read: Readings, drift: float) -> Estimate:
+    """A rate for each oven, over its longest time: they show the scatter of a reading, too."""
+    ovens = len(read.temperature)
+    parameters = [_PHYSICAL, *(Parameter(-2, 200, 0.1) for _ in range(ovens))]
+    left = np.array([read.force[read.oven == k].min() for k in range(len(read.temperature))])
+    start = np.maximum(-np.log(np.clip(left, 0.01, 1.0)) - 0.06, 0.01)
+    theta, scatter = np.array([0.02, *start, *[0.0] * (drift > 0)]), _USUAL
+    # what a reading scatters by weighs the drift, and shows after the first
+    for _ in range(2 if drift else 1):
+        problem = _problem(
+            read,
+            parameters,
+            lambda theta: (theta[1 : 1 + ovens] / read.longest, 1.0),
+            [drift],
+            scatter,
+        )
+        best = solved(problem, [theta])
+        noise = white_noise(best)
+        theta, scatter = best.theta, float(np.sqrt(noise.power))
+    return estimate(best, noises=[noise])
+
+
+def _bound(alone: Estimate, hottest: Oven) -> AgingLaw:
+    """The law without chemistry: what the hottest oven does not rule out of it."""
+    covariance = np.zeros((4, 4))
+    covariance[0, 0] = alone.covariance[0, 0]
+    fastest = max(hottest.rate, 0.0) + BOUND * hottest.rate_error
+    return AgingLaw(
+        float(alone.optimum.theta[0]), -float(np.log(fastest)), 0.0, 1.0, hottest.temperature,
+        covariance, alone.quantile(), bound_alone=True,
+    )  # fmt: skip
+
+
+def _arrhenius(
+    read: Readings,
+    alone: Estimate,
+    ovens: Sequence[Oven],
+    doubts: tuple[float, float],
+    *,
+    said: bool,
+) -> tuple[AgingLaw, dict[str, float], float | None]:
+    """The law of all ovens, BIC of each exponent, and how far they lie from one line of 1/T."""
+    kelvin, power, several = read.temperature, alone.noises[0].power, len(ovens) > 1
+    sd, drift = doubts
+    middle, offsets = float(1 / np.mean(1 / kelvin)), len(ovens) if several and sd else 0
+    colder = (1 / kelvin - 1 / middle) / GAS
+
+    def rates(theta: FloatArray) -> tuple[FloatArray, float]:
+        at = kelvin + sd * theta[4 : 4 + offsets] if offsets else kelvin
+        slope = _ENERGY * theta[2] * (1 / at - 1 / middle) / GAS
+        return np.exp(-theta[1] - slope), float(np.exp(theta[3]))
+
+    fastest = max(one.rate for one in ovens)
+    slow = -np.log([max(one.rate, 1e-3 * fastest) for one in ovens])
+    energy, level = np.polyfit(_ENERGY * colder, slow, 1) if several else (0.0, slow[0])
+    chemical = Parameter(level - 20, level + 20, 0.1)
+    every = [_PHYSICAL, chemical, _ACTIVATION, _EXPONENT]
+    whole = _problem(read, every, rates, [*[sd] * offsets, drift], float(np.sqrt(power)))
+    still_at_0 = [0.0] * (1 + offsets + (drift > 0))
+    start = np.array([alone.optimum.theta[0], level, energy, *still_at_0])
+    tried = {}
+    for name, held in _HELD.items():
+        problem, still = whole, [*held, *([] if several else [2])]
+        for i in still:
+            problem = problem.held(i, 0.0)
+        best = solved(problem, [np.delete(start, still)])
+        tried[name] = (still, estimate(best, noises=[white_noise(best, power)]))
+    count = len(read.time)
+    orders = {name: score(known.optimum, count) for name, (_, known) in tried.items()}
+    still, known = tried[min(orders, key=lambda name: orders[name])]
+    values, covariance = np.zeros(4), np.zeros((4, 4))
+    free = [i for i in range(4) if i not in still]
+    values[free] = known.optimum.theta[: len(free)]
+    covariance[np.ix_(free, free)] = known.covariance[: len(free), : len(free)]
+    if len(ovens) == 2 and not said:  # nothing but their temperatures could show its error
+        covariance[2], covariance[:, 2] = 0.0, 0.0
+        covariance[2, 2] = np.inf
+    units = np.array([1.0, 1.0, _ENERGY, 1.0])
+    p, tau, energy, exponent = (values * units).tolist()
+    law = AgingLaw(
+        p, tau, energy, float(np.exp(exponent)), middle, covariance * np.outer(units, units),
+        known.quantile(),
+    )  # fmt: skip
+    if len(ovens) < 3:
+        return law, orders, None
+    more = known.optimum.cost - alone.optimum.cost
+    return law, orders, more / power / (len(ovens) - 2)

@@ -1,0 +1,49 @@
+"""From files of compression stress relaxation, one oven each or several, to the law of aging."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from dashpot.base.errors import DataError, ReadError
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.specimen import each_specimen
+from dashpot.extensions.materials.csr.datamodel import Aging
+from dashpot.extensions.materials.csr.fit import fit_aging
+from dashpot.extensions.materials.csr.read import read_csr
+from dashpot.reading.read_options import ReadOptions
+
+
+def csr_files(
+    files: Sequence[str | Path],
+    *,
+    temperatures: Sequence[float] = (),
+    machine: Machine | None = None,
+    options: ReadOptions | None = None,
+) -> Aging:
+    """Fit the law of aging to files.
+
+    Parameters
+    ----------
+    files : sequence of path
+    temperatures : sequence of float
+        Of the ovens, K, where the files do not say theirs: one of all, or one of each.
+    machine : Machine, optional
+        How well the ovens are known, and how the load cell drifts.
+    options : ReadOptions, optional
+        What the user said of the files.
+
+    Raises
+    ------
+    ReadError
+        If a file cannot be read, or they are no lot of one test.
+    """
+    try:
+        each = each_specimen(None, temperatures, len(files))
+        tests = [
+            read_csr(path, options=options, specimen=one)
+            for path, one in zip(files, each, strict=True)
+        ]
+        return fit_aging(tests, machine=machine)
+    except DataError as error:
+        raise ReadError(str(error)) from None

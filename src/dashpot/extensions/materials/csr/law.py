@@ -1,0 +1,116 @@
+r"""The law of a counterforce that relaxes and ages, and what follows of it.
+
+.. math:: \frac{F}{F_0} = \Bigl(1 - p \log_{10}\frac{t}{t_0}\Bigr)
+          \exp\Bigl[-\Bigl(\frac{t - t_0}{\tau(T)}\Bigr)^{\beta}\Bigr], \qquad
+          \ln\tau = \ln\tau_r + \frac{E_a}{R}\Bigl(\frac1T - \frac1{T_r}\Bigr)
+
+The first factor is physical: rapid, reversible, and the same at all temperatures, for a shift of
+its time cancels from F/F0 to first order. The second is chemical, and alone follows Arrhenius.
+:math:`t_0` is 30 min (ISO 3384-1).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dashpot.base.arrays import ByValue, FloatArray
+from dashpot.numerics.inference.covariance_estimate import propagated
+from dashpot.solids.shift_laws import GAS
+
+FIRST = 1800.0
+"""When F0 is read, s after the compression."""
+NEVER = 1e12
+"""Thirty thousand years, s: no life is looked for beyond."""
+BOUND = 1.645
+"""Standard errors of a limit to one side, 95 %."""
+_STEPS = np.array([1e-4, 1e-3, 10.0, 1e-4])
+
+
+def left_over(
+    time: FloatArray, physical: float, rate: FloatArray | float, exponent: float = 1.0
+) -> FloatArray:
+    """Return F/F0 at times, s, by the physical loss in a decade and the chemical rate, 1/s."""
+    since = np.maximum(time - FIRST, 0.0) * rate
+    aged = np.sign(since) * np.abs(since) ** exponent
+    return np.asarray((1 - physical * np.log10(time / FIRST)) * np.exp(-aged))
+
+
+@dataclass(frozen=True, eq=False)
+class AgingLaw(ByValue):
+    """The constants of the law, and how well they are known.
+
+    Attributes
+    ----------
+    physical : float
+        Loss in a decade of time.
+    chemical : float
+        ln of tau at the reference, s.
+    activation : float
+        J/mol; 0 where one oven tells none.
+    exponent : float
+        Of the chemical factor.
+    reference : float
+        K.
+    covariance : array, shape (4, 4)
+        Of physical, chemical, activation and ln exponent; infinite of what is not known.
+    quantile : float
+        Standard errors to either end of a 95 % interval.
+    bound_alone : bool
+        No chemistry was seen: tau is what it is at least, up to the reference.
+    """
+
+    physical: float
+    chemical: float
+    activation: float
+    exponent: float
+    reference: float
+    covariance: FloatArray
+    quantile: float
+    bound_alone: bool = False
+
+    @property
+    def errors(self) -> list[float]:
+        """Standard errors of the four."""
+        found: list[float] = np.sqrt(np.diag(self.covariance)).tolist()
+        return found
+
+    def tau(self, temperature: float) -> float:
+        """Time of the chemical factor at a temperature, s."""
+        colder = (1 / temperature - 1 / self.reference) / GAS
+        return float(np.exp(self.chemical + self.activation * colder))
+
+    def retained(self, temperature: float, time: float) -> float:
+        """F/F0 at a temperature, K, after a time, s."""
+        rate = 1 / self.tau(temperature)
+        return float(left_over(np.array([time]), self.physical, rate, self.exponent)[0])
+
+    def life(self, temperature: float, part: float) -> float:
+        """When F/F0 has fallen to a part, s; infinite if that is never."""
+        low, high = np.log(FIRST), np.log(NEVER)
+        if self.retained(temperature, NEVER) > part:
+            return float("inf")
+        while high - low > 1e-9:
+            middle = (low + high) / 2
+            above = self.retained(temperature, float(np.exp(middle))) > part
+            low, high = (middle, high) if above else (low, middle)
+        return float(np.exp((low + high) / 2))
+
+    def at_least(self) -> AgingLaw:
+        """The law of a limit: with the largest physical loss that is believed."""
+        return replace(self, physical=self.physical + BOUND * self.errors[0])
+
+    def error_of(self, what: Callable[[AgingLaw], float]) -> float:
+        """Standard error of what follows of the law (delta method); infinite if not known."""
+        G = np.zeros((1, 4))
+        for i in np.flatnonzero(np.diag(self.covariance)).tolist():
+            down, up = (self._moved(i, sign * _STEPS[i]) for sign in (-1, 1))
+            G[0, i] = (what(up) - what(down)) / (2 * _STEPS[i])
+        return float(np.sqrt(propagated(self.covariance, G)[0, 0]))
+
+    def _moved(self, which: int, by: float) -> AgingLaw:
+        name = ("physical", "chemical", "activation", "exponent")[which]
+        here = getattr(self, name)
+        return replace(self, **{name: here * np.exp(by) if name == "exponent" else here + by})

@@ -1,0 +1,259 @@
+"""From a law of aging to how long a seal seals at a temperature, and to what a time leaves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import Source
+from dashpot.base.reported_values import Fact
+from dashpot.base.result_mixins import Judged
+from dashpot.base.serialisation import Documented
+from dashpot.base.units import Quantity, celsius, parse_quantity, si, written
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.specimen import tested_at
+from dashpot.extensions.materials.csr.checks import (
+    cold_bears_lower_energy,
+    stiffness_follows_force,
+    temperature_near_ovens,
+    time_near_readings,
+)
+from dashpot.extensions.materials.csr.datamodel import Aging, stated
+from dashpot.extensions.materials.csr.law import FIRST, NEVER, AgingLaw
+from dashpot.extensions.materials.csr.preprocess import ONE_OVEN
+
+LOWER = 65e3
+"""What the activation energy falls to in the cold, J/mol (EPDM, Gillen et al. 2003)."""
+
+
+@dataclass(frozen=True, repr=False)
+class Aged(Judged, Documented):
+    """What is left of the force at a temperature, and when.
+
+    Attributes
+    ----------
+    aging : Aging
+    temperature : float
+        K.
+    until : tuple of str
+        The parts of F0 and the times that were asked.
+    furthest : float
+        The latest time that was asked, or found, s.
+    checks : tuple of Check
+    """
+
+    schema = "dashpot/aged@1"
+    keys = ("verdict", "answers", "*")
+
+    aging: Aging
+    temperature: float
+    until: tuple[str, ...]
+    furthest: float
+    checks: tuple[Check, ...]
+
+    @property
+    def answers(self) -> tuple[Fact, ...]:
+        """Each time until a part of F0 is left, s, and each part that is left after a time."""
+        every = (_facts(self.aging, self.temperature, *_end(one)) for one in self.until)
+        return tuple(fact for facts in every for fact in facts)
+
+    @property
+    def facts(self) -> tuple[Fact, ...]:
+        """The answers."""
+        return self.answers
+
+    @property
+    def sources(self) -> tuple[Source, ...]:
+        """Of the law."""
+        return self.aging.sources
+
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of it."""
+        says = f"at {celsius(self.temperature)} {stated(self.answers[0])}"
+        return verdict(self.checks, sound=says)
+
+
+def predict_aging(
+    found: Aging, *, temperature: Quantity | None = None, until: str | Sequence[str] = ()
+) -> Aged:
+    """Predict at a temperature when parts of F0 are left, or what is left after times.
+
+    Parameters
+    ----------
+    found : Aging
+    temperature : float or str
+        K, or ``"70degC"``.
+    until : str or sequence of str
+        Each a part, ``"50%"``, or a time, ``"1000h"``; by default half of it.
+
+    Raises
+    ------
+    DataError
+        If no temperature is given, or the ovens say nothing of it.
+    """
+    if temperature is None:
+        raise DataError(
+            "aging depends on the temperature. Add that of the seal: --temperature 70degC"
+        )
+    temperature = si(temperature, "temperature")
+    tested_at("--temperature", temperature)
+    law, coldest, hottest = found.law, found.ovens[0].temperature, found.ovens[-1].temperature
+    tested = [abs(temperature - one.temperature) for one in found.ovens]
+    if law.bound_alone and temperature > hottest + ONE_OVEN:
+        raise DataError(
+            f"no oven up to {celsius(hottest)} showed aging, so nothing is known of "
+            f"{celsius(temperature)}. Test a hotter oven"
+        )
+    if len(tested) == 1 and tested[0] > ONE_OVEN and not law.bound_alone:
+        raise DataError(
+            f"one oven, at {celsius(hottest)}, shows nothing of {celsius(temperature)}. Fit two "
+            "more ovens together with it, or ask --temperature of the oven"
+        )
+    asked = _asked(until) or ("50%",)
+    furthest = max(_reached(law, temperature, *_end(one)) for one in asked)
+    moved = [_moved(found, temperature, *_end(one)) for one in asked]
+    checks = (
+        temperature_near_ovens(coldest - temperature, temperature),
+        cold_bears_lower_energy(
+            max((one for one in moved if one is not None), default=None), LOWER, coldest
+        ),
+        time_near_readings(math.log10(furthest / found.longest), found.longest),
+    )
+    return Aged(found, temperature, asked, furthest, (*checks, *found.checks))
+
+
+def predict_aged(
+    found: Aging,
+    *,
+    temperature: Quantity | None = None,
+    until: str | Sequence[str] = (),
+    new: Fit | None = None,
+) -> Aged | Fit:
+    """What :func:`predict_aging` finds, or the fit of a new seal after the one time that is asked.
+
+    Raises
+    ------
+    DataError
+        As there, and if of a seal not one time is asked.
+    """
+    if new is None:
+        return predict_aging(found, temperature=temperature, until=until)
+    asked = _asked(until)
+    if len(asked) != 1 or math.isnan(_end(asked[0])[1]) or temperature is None:
+        raise DataError(
+            "a seal is aged for one time at one temperature. Add both: --temperature 70degC "
+            "--until 10000h"
+        )
+    return aged_fit(found, new, temperature=temperature, time=_end(asked[0])[1])
+
+
+def aged_fit(found: Aging, fit: Fit, *, temperature: Quantity, time: Quantity) -> Fit:
+    """Return the fit of a seal after a time at a temperature: its stiffnesses times F/F0.
+
+    Parameters
+    ----------
+    found : Aging
+    fit : Fit
+        Of the new seal.
+    temperature, time : float or str
+        K and s, or ``"70degC"`` and ``"10000h"``.
+
+    Raises
+    ------
+    DataError
+        If the ovens say nothing of it, or only what is left at least.
+    """
+    seconds = si(time, "time")
+    asked = predict_aging(found, temperature=temperature, until=f"{seconds!r}s")
+    law, (left, *_) = found.law, asked.answers
+    chemical = replace(law, physical=0.0).retained(asked.temperature, seconds)
+    says = f"after {written(seconds, 'h', '.6g')} at {celsius(asked.temperature)}"
+    checks = (*asked.checks, stiffness_follows_force(1 - chemical))
+    return fit.aged(left, says, checks=tuple(one for one in checks if one.failed))
+
+
+def _asked(until: str | Sequence[str] | float) -> tuple[str, ...]:
+    """Each question; a number without its sign or unit is refused as a word of it is."""
+    return (str(until),) if isinstance(until, str | float | int) else tuple(map(str, until))
+
+
+def _end(text: str) -> tuple[float, float]:
+    """The part that is left, or else the time, s; the other is nan."""
+    if text.strip().endswith("%"):
+        try:
+            part = parse_quantity(text, "strain")
+        except DataError:
+            part = math.nan
+        if not 0.01 <= part <= 0.99:
+            raise DataError(f"--until {text}: expected 1 to 99 % of the force, such as 50%")
+        return part, math.nan
+    try:
+        time = parse_quantity(text, "time")
+    except DataError:
+        raise DataError(
+            f"--until {text}: expected a part of the force with its sign, 50%, or a time with its "
+            "unit, 1000h"
+        ) from None
+    if not FIRST < time <= NEVER:
+        raise DataError(f"--until {text}: expected more than 30 min, and at most 30,000 years")
+    return math.nan, time
+
+
+def _reached(law: AgingLaw, temperature: float, part: float, time: float) -> float:
+    """How far in time a question goes, s."""
+    return min(law.life(temperature, part), NEVER) if math.isnan(time) else time
+
+
+def _facts(found: Aging, temperature: float, part: float, time: float) -> list[Fact]:
+    """What a question is answered: a number with its interval, or at least so much."""
+    law, coldest = found.law, found.ovens[0].temperature
+    if math.isnan(part):
+        words = f"F/F0 after {written(time, 'h', '.6g')}"
+        if law.bound_alone:
+            left = law.at_least().retained(temperature, time)
+            return [Fact("left", math.nan, left, math.inf, "1", None, "%", words)]
+        left = law.retained(temperature, time)
+        error = law.error_of(lambda one: one.retained(temperature, time))
+        return [Fact.known("left", left, error, law.quantile, unit="1", read="%", words=words)]
+    words = f"time until F/F0 is {written(part, '%', 'g')}"
+    if law.bound_alone or math.isinf(law.life(temperature, part)):
+        least = min(law.at_least().life(temperature, part), NEVER)
+        return [Fact("life", math.nan, least, math.inf, "s", None, "h", words)]
+    error = law.error_of(lambda one: math.log(one.life(temperature, part)))
+    life = law.life(temperature, part)
+    facts = [
+        Fact.known("life", life, error, law.quantile, of_log=True, unit="s", read="h", words=words)
+    ]
+    flat = _if_it_falls(found, temperature)
+    if flat is not None:
+        below = f"the same, if Ea were {written(LOWER, 'kJ/mol', 'g')} below {celsius(coldest)}"
+        short = flat.life(temperature, part)
+        facts.append(Fact("life_if_Ea_falls", short, unit="s", read="h", words=below))
+    return facts
+
+
+def _if_it_falls(found: Aging, temperature: float) -> AgingLaw | None:
+    """The law whose activation energy falls below the coldest oven; None where none can."""
+    law, coldest = found.law, found.ovens[0].temperature
+    if law.bound_alone or temperature >= coldest - ONE_OVEN or law.activation <= LOWER:
+        return None
+    return replace(law, chemical=math.log(law.tau(coldest)), activation=LOWER, reference=coldest)
+
+
+def _moved(found: Aging, temperature: float, part: float, time: float) -> float | None:
+    """By how many standard errors that changes an answer."""
+    law, flat = found.law, _if_it_falls(found, temperature)
+    if flat is None:
+        return None
+
+    def answer(one: AgingLaw) -> float:
+        if math.isnan(part):
+            return one.retained(temperature, time)
+        return math.log(min(one.life(temperature, part), NEVER))
+
+    error = law.error_of(answer)
+    return (answer(law) - answer(flat)) / error if 0 < error < math.inf else None

@@ -1,0 +1,33 @@
+"""A row of pieces that were held squeezed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.materials.csr.datamodel import Aging
+from dashpot.extensions.materials.csr.fit import fit_aging
+from dashpot.extensions.materials.csr.read import read_csr
+from dashpot.registry import Piece
+
+
+def row(file: str | Path, piece: Piece) -> tuple[Aging, dict[str, Any]]:
+    """Return the law of aging of the pieces in one file, and that as the columns of a row.
+
+    Raises
+    ------
+    ReadError, DataError, FitError
+        If it cannot be read, or no law follows it.
+    """
+    specimen = Specimen(temperature=piece.temperature)
+    found = fit_aging([read_csr(file, options=piece.options, specimen=specimen)])
+    loss, time, *_ = found.found
+    return found, {
+        "samples": sum(len(one.time) for one in found.ovens),
+        "method": min(found.orders, key=lambda one: one[1])[0] if found.orders else "physical",
+        "csr_loss_per_decade": loss.value,
+        "csr_chemical_time_s": None if found.law.bound_alone else time.value,
+        "csr_chemical_time_low_s": time.low,
+        "csr_activation_J_per_mol": found.law.activation or None,
+    }

@@ -1,0 +1,25 @@
+"""What a law of aging is asked, as options; no number stands here, so that help loads none."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from dashpot.base.option_fields import option
+
+
+@dataclass(frozen=True)
+class AgingAsked:
+    """How far a prediction of aging goes.
+
+    Attributes
+    ----------
+    until : tuple of str
+        Each a part of F0 that is left, ``"50%"``, or a time, ``"1000h"``; by default half of it.
+    new : str
+        The fit of a new seal, which is then that of the seal after the time.
+    """
+
+    until: tuple[str, ...] = option(
+        (), "Part of the force left, 50%, or a time, 1000h.", metavar="END", multiple=True
+    )
+    new: str = option("", "Fit of a new seal: -o writes it aged.", metavar="FIT")

@@ -1,0 +1,30 @@
+"""The page of pieces that age in ovens."""
+
+from __future__ import annotations
+
+from dashpot.base.units import in_unit, written
+from dashpot.extensions.materials.csr.datamodel import Aging
+from dashpot.report.page_content import KindPage, Topic, group, lights, tried
+
+
+def page(found: Aging) -> KindPage:
+    """What the page of a law of aging holds."""
+    warm = [one.temperature for one in found.ovens]
+    ends = " to ".join(f"{in_unit(one, '°C'):.4g}" for one in (warm[0], warm[-1]))
+    return KindPage(
+        about="compression stress relaxation",
+        strip=(("Ovens", f"{len(warm)}, {ends} °C"),
+               ("Longest", written(found.longest, "h", ".4g")),
+               ("Scatter", f"{100 * found.scatter:.2g} % of F0")),
+        lights=lights(
+            found.checks, Topic("Readings"),
+            Topic("Ovens", {"ovens_enough", "ovens_on_a_line"}, f"{len(warm)} on one line"),
+            Topic("Chemistry", {"chemistry_seen", "aging_beside_drift", "cell_holds"}, "seen"),
+        ),
+        answers="What is left of the force",
+        picture=found.plot(),
+        told="The law of aging",
+        groups=(group("", found.facts),),
+        sources=found.sources,
+        folds=(tried(found.orders),),
+    )  # fmt: skip

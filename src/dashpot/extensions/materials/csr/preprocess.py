@@ -1,0 +1,127 @@
+"""From records of the counterforce to the readings of pieces in ovens, in one lot."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.errors import DataError
+from dashpot.extensions.materials.csr.datamodel import CounterforceTest, Oven
+from dashpot.extensions.materials.csr.law import FIRST
+from dashpot.numerics.inference.covariance_estimate import Estimate
+
+EARLIEST = 600.0
+"""A first reading sooner after the compression, s, is none of F0: half its decay is to come."""
+ONE_OVEN = 2.0
+"""K within which pieces are of one oven."""
+_FEWEST = 3
+"""Readings of a piece."""
+
+
+class Readings(NamedTuple):
+    """Readings of every piece, one after another.
+
+    Attributes
+    ----------
+    time, force : array, shape (n,)
+        s, and over the first force of the piece.
+    piece, oven : array, shape (n,)
+        The number of each.
+    temperature : array, shape (ovens,)
+        K, rising.
+    weak : array, shape (n,)
+        Mean of the first forces over that of the piece: what a newton is to each.
+    """
+
+    time: FloatArray
+    force: FloatArray
+    piece: IndexArray
+    oven: IndexArray
+    temperature: FloatArray
+    weak: FloatArray
+
+    @property
+    def pieces(self) -> int:
+        """How many there are."""
+        return int(self.piece[-1]) + 1
+
+    @property
+    def longest(self) -> FloatArray:
+        """Time of the last reading in every oven, s."""
+        return np.array([self.time[self.oven == k].max() for k in range(len(self.temperature))])
+
+    def ovens(self, alone: Estimate) -> tuple[Oven, ...]:
+        """Every oven with its rate, and its readings over the F0 that was fitted of each piece."""
+        scale, found = alone.optimum.beta[self.piece], []
+        for k, kelvin in enumerate(self.temperature.tolist()):
+            own, longest = self.oven == k, float(self.longest[k])
+            found.append(
+                Oven(
+                    kelvin, len(np.unique(self.piece[own])),
+                    float(alone.optimum.theta[1 + k]) / longest,
+                    float(alone.standard_error[1 + k]) / longest,
+                    self.time[own], self.force[own] / scale[own],
+                )
+            )  # fmt: skip
+        return tuple(found)
+
+
+def readings_of(tests: Sequence[CounterforceTest]) -> Readings:
+    """Return the readings of all pieces of some records, by oven.
+
+    Raises
+    ------
+    DataError
+        If methods A and B are mixed, or a piece was read too soon, too seldom, or in two ovens.
+    """
+    methods = set("".join(one.method for one in tests))
+    if len(methods) > 1:
+        raise DataError(
+            "Method A reads the force in the oven, method B at room temperature, and these records "
+            "are of both. Fit each method by itself"
+        )
+    kelvin = np.concatenate([one.temperature for one in tests])
+    order = np.argsort(kelvin, kind="stable")
+    oven = np.empty(len(kelvin), dtype=np.intp)
+    oven[order] = np.cumsum(np.diff(kelvin[order], prepend=kelvin[order][0]) > ONE_OVEN)
+    lot = np.repeat(np.arange(len(tests)), [len(one.time) for one in tests])
+    cells = np.stack((oven, lot, np.concatenate([one.piece for one in tests])))
+    _, piece = np.unique(cells, axis=1, return_inverse=True)
+    time = np.concatenate([one.time for one in tests])
+    force = np.concatenate([one.force for one in tests])
+    rows = np.lexsort((time, piece.ravel()))
+    time, force, piece, oven = time[rows], force[rows], piece.ravel()[rows], oven[rows]
+    first = np.flatnonzero(np.diff(piece, prepend=-1))
+    _refuse(tests, time, cells[:, rows], first)
+    return Readings(
+        time, force / force[first][piece], piece, oven,
+        np.array([kelvin[rows][oven == k].mean() for k in range(int(oven[-1]) + 1)]),
+        force[first].mean() / force[first][piece],
+    )  # fmt: skip
+
+
+def _refuse(
+    tests: Sequence[CounterforceTest],
+    time: FloatArray,
+    cells: IndexArray,
+    first: IndexArray,
+) -> None:
+    """Refuse pieces that were read too seldom, or too soon after their compression."""
+    for begins, count in zip(first, np.diff((*first, len(time))), strict=True):
+        _, lot, number = cells[:, begins].tolist()
+        source = tests[lot].source
+        name = f"{source.file}, piece {number}" if source else f"piece {number}"
+        if count < _FEWEST:
+            raise DataError(
+                f"{name} was read {count} times in one oven; at least {_FEWEST} readings show how "
+                "it ages. Give each piece its own number, or leave this one out"
+            )
+        if time[begins] < EARLIEST:
+            raise DataError(
+                f"{name} was first read {time[begins] / 60:.3g} min after its compression. F0 is "
+                f"the force at {FIRST / 60:.0f} min, for sooner it still falls fast. Leave out "
+                f"what was read before {EARLIEST / 60:.0f} min, and write 30 min as 0.5 h, not as 0"
+            )

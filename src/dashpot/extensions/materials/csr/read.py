@@ -1,0 +1,118 @@
+"""From a file to the counterforce of pieces: hours, force or F/F0, the oven, piece and method."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base import units
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import ReadError
+from dashpot.base.units import celsius
+from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
+from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.materials.csr.datamodel import CounterforceTest
+from dashpot.extensions.materials.csr.table_rule import counterforce, is_ratio
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers import channels
+from dashpot.reading.readers.channels import Opened
+from dashpot.reading.readers.header_specimen import stated_specimen
+from dashpot.reading.readers.text_columns import words_of
+
+_PIECE = {"piece", "specimen", "sample", "ring", "button", "probe", "prüfling", "probekörper"}
+_METHOD = {"method", "methode", "verfahren"}
+_SAID = re.compile(r"\bmethod\s*[:=,;]?\s*([ab])\b")
+_WHOLE = 1.5
+"""Per cent of F0 with which no piece begins: such are parts of 1."""
+
+
+def read_csr(
+    path: str | Path, *, options: ReadOptions | None = None, specimen: Specimen | None = None
+) -> CounterforceTest:
+    """Return the counterforce of the pieces in a file, in SI units; ``-`` is stdin.
+
+    Parameters
+    ----------
+    path : path
+        Hours or days and force, or F/F0, with columns of temperature, piece and method, or one
+        oven a file. Without a column of pieces a new one begins where the clock does.
+    options : ReadOptions
+        Answers to what the file leaves open.
+    specimen : Specimen or None
+        Its temperature is that of the oven, where the file says none.
+
+    Raises
+    ------
+    ReadError
+        If the file cannot be read, leaves open which column is what, or contradicts the specimen.
+    """
+    with channels.opened(path, options) as opened:
+        named = counterforce(opened.table, opened.options)
+        if named is None:
+            channels.expect(
+                opened, ["csr"], "compression stress relaxation is", named=("time", "force")
+            )
+        file = replace(opened, options=named or opened.options)
+        warm = file.column("temperature")
+        wanted = channels.chosen(file, ["time", "force"])
+        chosen = channels.with_units(file, [*wanted, *([warm] if warm else [])])
+        loaded = channels.load_test(file, chosen, 1)
+        whole = np.isfinite(loaded.values).all(axis=1)
+        pieces, methods = (words_of(file, one, loaded)[whole] for one in (_PIECE, _METHOD))
+        rows, notes = channels.whole_rows(loaded)
+        _refuse_parts(file, chosen[1].index, float(rows[:, 1].max()))
+        values = channels.by_role(rows, chosen)
+        kelvin, said = _oven(file, values.get("temperature"), specimen or Specimen(), len(rows))
+        number = np.unique(pieces, return_inverse=True)[1]
+        if not pieces.any():
+            number = np.cumsum(np.diff(values["time"], prepend=0.0) <= 0)
+        read = {one.upper() for one in _SAID.findall(" ".join(file.table.header).casefold())}
+        read |= {word.strip()[-1:].upper() for word in methods.tolist()}
+        source = channels.source(
+            file, [one.says for one in chosen], [*file.table.notes, *notes, *said]
+        )
+        return CounterforceTest(
+            values["time"], values["force"], kelvin, number + 1,
+            "".join(sorted(read & {"A", "B"})), source, units="SI",
+        )  # fmt: skip
+
+
+def _oven(
+    file: Opened, column: FloatArray | None, specimen: Specimen, count: int
+) -> tuple[FloatArray, list[str]]:
+    """The temperature of every row, K: that of the column, of the header, or as given."""
+    given = specimen.temperature
+    if column is not None:
+        off = 0.0 if given is None else float(np.abs(column - given).max())
+        if given is not None and off > SAME_TEMPERATURE:
+            low, high = celsius(float(column.min())), celsius(float(column.max()))
+            raise ReadError(
+                f"the column of temperature runs from {low} to {high}, and --temperature says "
+                f"{celsius(given)}. Leave out --temperature, or mend the file"
+            )
+        return column, []
+    known, said = stated_specimen(file, specimen)
+    if known.stated_temperature is not None:
+        raise ReadError(
+            f"the file says {celsius(known.stated_temperature)}, and --temperature "
+            f"{celsius(known.temperature or 0.0)}. Leave out --temperature, or mend the file"
+        )
+    if known.temperature is None:
+        raise ReadError(
+            "the file says no temperature of its oven. Add one for each file, in their order: "
+            "--temperature 125degC"
+        )
+    return np.full(count, known.temperature), said
+
+
+def _refuse_parts(file: Opened, index: int, largest: float) -> None:
+    """Refuse per cent that are parts of 1."""
+    column = file.table.columns[index]
+    if is_ratio(column) and column.unit and units.same(column.unit, "%") and largest <= _WHOLE:
+        raise ReadError(
+            f"'{column.name}' is said to be in %, and its largest value is {largest:.3g}, as of a "
+            f"fraction. Write its unit as 1, or the values in %"
+        )

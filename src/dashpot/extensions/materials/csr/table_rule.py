@@ -1,0 +1,79 @@
+"""Which table is of the counterforce of squeezed pieces over hours, and which columns it has."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+from dashpot.base import units
+from dashpot.reading.columns.role_assignment import suited
+from dashpot.reading.columns.vocabulary import Role
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.table import Column, FileTable
+
+_LONG = 3600.0
+"""Seconds in a unit of time that no test on a bench is kept in."""
+_OTHERS: tuple[Role, ...] = (
+    "displacement", "acceleration", "strain", "stress", "frequency",
+)  # fmt: skip
+"""Roles of what moves, and of a material: with them a table is another test."""
+_RATIO = re.compile(r"\bf\s*/\s*f[_ ]?(0|o)\b|\bretain|\bretention|\bcounterforce|\bsealing force")
+_DIGIT = re.compile(r"\d")
+_SAID = re.compile(
+    r"compression stress relaxation|\bcsr\b|\biso\W{0,2}3384\b|\bd6147\b|counterforce"
+)
+
+
+def counterforce(table: FileTable, options: ReadOptions) -> ReadOptions | None:
+    """Return the options with clock and force named, of such a table; None of another.
+
+    A column that is called hours or days is a clock of that unit. Parts of F0 are forces in a unit
+    that nothing depends on, for the F0 of every piece is free.
+    """
+    if any(_suited(table, role, options) for role in _OTHERS):
+        return None
+    columns = [(str(i), one) for i, one in enumerate(table.columns, 1) if one.content == "number"]
+    clock = _clock(table, columns, options)
+    said = any(_SAID.search(line.casefold()) for line in table.header)
+    if not (clock or said):
+        return None
+    found = clock or options
+    pushed = _suited(table, "force", found)
+    ratios = [number for number, one in columns if is_ratio(one)]
+    if not (pushed or ratios):
+        return None
+    if pushed or options.force:
+        return found
+    return replace(found, force=ratios[0], units={**dict(found.units), "force": "N"})
+
+
+def is_ratio(column: Column) -> bool:
+    """Whether a column holds parts of F0."""
+    if not _RATIO.search(column.name.casefold()):
+        return False
+    return column.unit is None or any(units.same(column.unit, one) for one in ("%", "1"))
+
+
+def _clock(
+    table: FileTable, columns: list[tuple[str, Column]], options: ReadOptions
+) -> ReadOptions | None:
+    """The options with a clock of hours or more; None where there is no such clock."""
+    timed = {str(i + 1) for i, value in suited(table, "time", options).items() if value >= 1.5}
+    for number, one in columns:
+        if number in timed or options.time in {number, one.name}:
+            return options if _long(options.unit_of("time", one.name) or one.unit) else None
+    for number, one in columns:
+        if one.unit is None and _long(one.name):
+            return replace(options, time=number, units={**dict(options.units), "time": one.name})
+    return None
+
+
+def _long(word: str | None) -> bool:
+    # no word for a time holds a digit, and the names of thousands of channels do
+    unit = None if not word or _DIGIT.search(word) else units.find(word, "time")
+    return unit is not None and unit.factor >= _LONG
+
+
+def _suited(table: FileTable, role: Role, options: ReadOptions) -> bool:
+    best = max(suited(table, role, options).values(), default=0.0)
+    return bool(getattr(options, role)) or best >= 1.5

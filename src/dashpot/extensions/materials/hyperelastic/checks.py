@@ -1,0 +1,496 @@
+"""What a hyperelastic law can be trusted with, as criteria."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+
+from dashpot.base.checks import Check, Finding, Remedy, criterion
+from dashpot.extensions.materials.hyperelastic.datamodel import ElasticCurve, HyperelasticFit, Span
+from dashpot.extensions.materials.hyperelastic.law_least_squares import HyperelasticOptimum, closest
+from dashpot.extensions.materials.hyperelastic.strain_energy import (
+    SHEARING,
+    Hyperelastic,
+    Mode,
+    direction,
+)
+from dashpot.numerics.inference.covariance_estimate import Derived
+
+FOLLOWED = 0.05
+ALIKE = 0.05
+TOLD = 0.1
+SCALED = 1.1
+_MUCH_CLOSER = 0.25
+"""Part of what a rubber's law leaves, below which the other material is named."""
+SMALL = 0.005
+"""Rms over the rms of the stress, below which a residual is no matter: a load cell's."""
+_AS_GOOD = 10.0
+"""Of BIC: what is no farther is not refuted (R. E. Kass, A. E. Raftery, 1995)."""
+_FACTORS = (0.03, 0.06, 0.12, 0.2)
+"""Logarithms of a factor by which the stress of one mode is tried to be off."""
+_OF_NOTE = 0.03
+_BOTH = 0.1
+"""Logarithmic strain in tension and in compression from which one test is as good as two modes."""
+_SHIFTS = (0.01, 0.02, 0.04, 0.08, 0.16)
+"""Parts of the largest strain by which a zero is tried to be off."""
+
+
+def judge(
+    fit: HyperelasticFit,
+    chosen: HyperelasticOptimum,
+    tried: Sequence[HyperelasticOptimum],
+    known: Derived,
+    times: float,
+    *,
+    asked: Span | None,
+) -> tuple[Check, ...]:
+    """Every check of a law."""
+    shaped = [one for one in fit.curves if one.mode != "volumetric"]
+    worst = int(np.argmax(fit.residuals))
+    foam = fit.law.kind == "hyperfoam"
+    through = list(fit.curves) if foam else shaped
+    flexible = closest(through, fit.law.poisson)
+    # of a foam that is known to be one its own ratio has been tried
+    still = math.inf if foam else closest(shaped, 0.0)
+    reach = dict(fit.reach)
+    least, where = least_drucker(fit.law, reach)
+    half = times * known.standard_error[: len(fit.law.constants)]
+    largest = max(abs(c) for c in fit.law.constants)
+    wide = int(np.argmax(half))
+    lost = [one.lost for one in fit.curves if one.lost is not None]
+    softer = [one.softer for one in fit.curves if one.softer is not None]
+    return (
+        law_followed(
+            fit.residuals[worst],
+            _name(fit.curves[worst]),
+            still,
+        ),
+        no_law_closer(chosen.rms, flexible),
+        foam_no_closer(None if foam else min(chosen.rms, flexible), still),
+        stable_in_use(least, where, fit.stable),
+        modes_enough(len({one.mode for one in shaped}), both=_both_ways(shaped), foam=foam),
+        modes_told(*_untold(fit, chosen, tried, known, times)),
+        modes_in_scale(*_scaled(through, fit.law.poisson, min(flexible, chosen.rms))),
+        use_measured(_beyond(shaped, fit.law.poisson, asked)),
+        constants_known(fit.law.constant_names[wide], float(half[wide]) / largest),
+        rows_enough(len(chosen.optimum.residual), len(chosen.optimum.values)),
+        files_agree(_apart(fit.curves)),
+        loading_returned(max(lost, default=None), removed=fit.memory is not None),
+        conditioned(max(softer, default=None, key=abs)),
+        zero_known(*_slack(through, fit.law.poisson, flexible)),
+        labels_agree(*_reading(through, fit.law.poisson, flexible)),
+        measures_stated(_unstated(fit.curves)),
+        volume_known(known=fit.law.bulk_modulus is not None),
+    )
+
+
+def _name(one: ElasticCurve) -> str:
+    return one.mode if one.source is None else f"{one.mode} ({one.source.file})"
+
+
+def least_drucker(law: Hyperelastic, reach: dict[Mode, Span]) -> tuple[float, str]:
+    """Return the least eigenvalue over G of the law's tangent over stretches, and where it is."""
+    found = []
+    for mode, (low, high) in reach.items():
+        x = np.linspace(low, high, 200)
+        value = law.drucker(mode, x)
+        at = int(np.argmin(value))
+        found.append((float(value[at]), f"{mode} stretch {x[at]:.3g}"))
+    return min(found)
+
+
+def _untold(
+    fit: HyperelasticFit,
+    chosen: HyperelasticOptimum,
+    tried: Sequence[HyperelasticOptimum],
+    known: Derived,
+    times: float,
+) -> tuple[float | None, str, str]:
+    """The largest doubt of the stress in a mode that was not measured, over the largest there."""
+    measured = {one.mode for one in fit.curves}
+    score = dict(fit.orders)
+    close = min(score.values()) + _AS_GOOD
+    others = [one for one in tried if score[one.name] <= close and one.name != chosen.name]
+    doubts: list[tuple[float, str, str]] = []
+    for mode, (low, high) in fit.reach:
+        if mode in measured:
+            continue
+        x = np.linspace(low, high, 60)
+        stress = chosen.law.nominal(mode, x)
+        size = float(np.abs(stress).max())
+        for one in others:
+            apart = float(np.abs(one.law.nominal(mode, x) - stress).max()) / size
+            doubts.append((apart, mode, f"{one.name} follows the tests too and differs"))
+        if not chosen.law.exponents:
+            J = chosen.law.columns(mode, x)
+            own = known.covariance[: J.shape[1], : J.shape[1]]
+            wide = times * np.sqrt(np.einsum("ij,jk,ik->i", J, own, J))
+            doubts.append((float(wide.max()) / size, mode, "the law is uncertain"))
+    return max(doubts, default=(0.0 if measured >= set(SHEARING) else None, "", ""))
+
+
+def _beyond(curves: Sequence[ElasticCurve], poisson: float, asked: Span | None) -> float:
+    """The largest logarithmic strain of use over the largest principal one of a test, by sign."""
+    if asked is None:
+        return 1.0
+    ends = np.concatenate([
+        np.log(x) * direction(one.mode, poisson)
+        for one in curves
+        for x in (one.stretch.min(), one.stretch.max())
+    ])  # fmt: skip
+    parts = [
+        sign * math.log(use) / known if (known := float((sign * ends).max())) > 0 else math.inf
+        for sign, use in zip((-1.0, 1.0), asked, strict=True)
+        if sign * (use - 1) > 0
+    ]
+    return max(parts, default=0.0)
+
+
+def _apart(curves: Sequence[ElasticCurve]) -> float | None:
+    """The largest mean difference of two files of one mode over what both cover."""
+    found = []
+    for one, other in combinations(curves, 2):
+        low = max(one.stretch[0], other.stretch[0])
+        high = min(one.stretch[-1], other.stretch[-1])
+        if one.mode == other.mode and high > low:
+            x = np.linspace(low, high, 60)
+            first, second = (np.interp(x, each.stretch, each.stress) for each in (one, other))
+            found.append(float(np.abs(first - second).sum() / np.abs(first + second).sum() * 2))
+    return max(found, default=None)
+
+
+def _unstated(curves: Sequence[ElasticCurve]) -> float:
+    """What the stress would be off by if it were the true one, where nothing says which."""
+    open_ = [one for one in curves if not one.stated and one.mode != "volumetric"]
+    return max((float(np.abs(one.stretch - 1).max()) for one in open_), default=0.0)
+
+
+def _slack(curves: Sequence[ElasticCurve], poisson: float, best: float) -> tuple[float, str]:
+    """The shift of one curve's zero without which no stable law comes half as close."""
+    found = (best, 0.0, "")
+    for i, one in enumerate(curves):
+        far = float(one.stretch[np.argmax(np.abs(one.stretch - 1))] - 1)
+        for part in (*_SHIFTS, *(-each for each in _SHIFTS)):
+            moved = replace(one, stretch=one.stretch - part * far)
+            left = closest([*curves[:i], moved, *curves[i + 1 :]], poisson)
+            found = min(found, (left, part, _name(one)))
+    left, part, name = found
+    return (part, name) if left < 0.5 * best and best > SMALL else (0.0, "")
+
+
+def _both_ways(curves: Sequence[ElasticCurve]) -> bool:
+    """Whether one file shows tension and compression."""
+    return any(
+        min(math.log(one.stretch.max()), -math.log(one.stretch.min())) >= _BOTH
+        for one in curves
+        if one.stretch.min() > 0
+    )
+
+
+def _scaled(
+    curves: Sequence[ElasticCurve], poisson: float, best: float
+) -> tuple[float | None, float, str]:
+    """How many times closer a stable law comes if one mode's stress is scaled; how, and which."""
+    modes = dict.fromkeys(one.mode for one in curves if one.mode != "volumetric")
+    if len(modes) < 2:
+        return None, 0.0, ""
+    found: tuple[float, float, str] = (best, 0.0, "")
+    for mode in modes if best > SMALL else ():
+        for size in (*_FACTORS, *(-each for each in _FACTORS)):
+            scaled = [
+                replace(one, stress=one.stress * math.exp(size)) if one.mode == mode else one
+                for one in curves
+            ]
+            found = min(found, (closest(scaled, poisson), size, mode))
+    left, size, which = found
+    return best / max(left, SMALL), math.expm1(size), which
+
+
+def _reading(
+    curves: Sequence[ElasticCurve], poisson: float, best: float
+) -> tuple[float | None, str, float]:
+    """How many times closer a stable law comes if one file is read otherwise, and how."""
+    if len({one.mode for one in curves}) < 2:
+        return None, "", best
+    found = (best, "")
+    for i, one in enumerate(curves):
+        if one.mode == "volumetric":
+            continue
+        named: dict[str, ElasticCurve] = {
+            "true stress where nominal stress was taken": replace(
+                one, stress=one.stress / one.stretch
+            ),
+            "nominal stress where true stress was taken": replace(
+                one, stress=one.stress * one.stretch
+            ),
+            **{mode: replace(one, mode=mode) for mode in SHEARING if mode != one.mode},
+        }
+        for says, other in named.items():
+            left = closest([*curves[:i], other, *curves[i + 1 :]], poisson)
+            found = min(found, (left, f"{_name(one)} read as {says}"))
+    return best / max(found[0], SMALL), found[1], best
+
+
+@criterion(
+    "residual / stress, rms",
+    "<=",
+    FOLLOWED,
+    "our choice: pieces scatter so",
+    otherwise="stop beyond 0.2",
+)
+def law_followed(residual: float, worst: str, swelling: float = math.inf) -> Finding:
+    """The law follows every curve; `swelling` is what a foam that does not swell would leave."""
+    remedy = Remedy("Use a law of more constants, or name the test of each file.", "model")
+    because = ""
+    if swelling <= min(FOLLOWED, _MUCH_CLOSER * residual):
+        because = f"A foam that does not swell sideways follows to {100 * swelling:.2g} %"
+        remedy = Remedy(
+            "Give the Poisson's ratio of the foam, 0 if it does not swell.", "poisson", "0"
+        )
+    return Finding(
+        f"The law misses the stress by up to {100 * residual:.2g} %, in {worst}",
+        residual,
+        because,
+        remedy,
+        grade="stop" if residual > 0.2 else "limit",
+    )
+
+
+@criterion("residual / that of the closest stable law", "<=", 2.0, "our choice: twice as close")
+def no_law_closer(residual: float, flexible: float) -> Finding:
+    """No other stable law follows the curves much closer."""
+    ratio = residual / max(flexible, SMALL)
+    return Finding(
+        f"The law misses the stress by {100 * residual:.2g} %, the most flexible stable one by "
+        f"{100 * flexible:.2g} %",
+        ratio,
+        "A law of more constants follows the rest",
+        Remedy("Use a law of more constants.", "model", "ogden"),
+    )
+
+
+@criterion("residual / that of a foam", "<=", 1.3, "our choice: of rubber 1.0, of foam 1.6 or more")
+def foam_no_closer(residual: float | None, swelling: float) -> Finding:
+    """A foam that does not swell sideways follows the curves no closer than rubber."""
+    if residual is None:
+        return Finding("The law is that of a foam, so it is not compared with one")
+    return Finding(
+        f"Rubber misses the stress by {100 * residual:.2g} %, a foam of Poisson's ratio 0 by "
+        f"{100 * swelling:.2g} %",
+        residual / max(swelling, SMALL),
+        "A sponge is compressible, and the law takes it for rubber that is not",
+        Remedy("Give the ratio of a foam, 0 if it does not swell.", "poisson", "0"),
+    )
+
+
+@criterion("least eigenvalue of the tangent / G", ">", 0.0, "D. C. Drucker, 1959", grade="stop")
+def stable_in_use(
+    least: float, where: str, limits: Sequence[tuple[Mode, tuple[float | None, float | None]]]
+) -> Finding:
+    """The law is stable over the stretches of use in every mode (Drucker)."""
+    ends = [
+        f"{mode} {'below' if low else 'above'} {at:.4g}"
+        for mode, both in limits
+        for low, at in zip((True, False), both, strict=True)
+        if at is not None
+    ]
+    beyond = f"; it is not stable in {', '.join(ends)}" if ends else " and from 0.1 to 10"
+    return Finding(
+        f"The law is stable over the stretches of use{beyond}",
+        least,
+        instead=f"The law is not stable in use, first at {where}{beyond if ends else ''}",
+        because="A solver stops there, or gives a wrong result",
+        remedy=Remedy("Use another law, such as one of power terms.", "model", "ogden"),
+    )
+
+
+@criterion("difference of Poisson's ratio", "|x| <=", 0.05, "our choice: a tape or camera errs so")
+def sideways_agrees(ratio: float, told: float | None, *, foam: bool) -> Finding:
+    """The law swells sideways as the piece did."""
+    if told is None:
+        return Finding("No strain sideways was measured, so Poisson's ratio is not held against it")
+    return Finding(
+        f"The strain sideways shows Poisson's ratio {told:.2g}, and the law has {ratio:.2g}",
+        told - ratio,
+        "The law moves sideways otherwise than the piece did",
+        Remedy("Give the ratio that was measured.", "poisson", f"{min(max(told, 0.0), 0.49):.2g}")
+        if foam
+        else Remedy("Ask for the law of a foam.", "model", "hyperfoam"),
+    )
+
+
+@criterion("modes tested", ">=", 2.0, "own truths: one tension test is off by up to 18 % elsewhere")
+def modes_enough(modes: int, *, both: bool, foam: bool) -> Finding:
+    """Two modes tell a law: one is followed by many that differ in the others."""
+    return Finding(
+        f"{modes} modes were tested" if modes != 1 else "One mode was tested",
+        float(modes),
+        "Laws that follow it differ in the others by up to 18 %",
+        Remedy("Test a second mode, or use the law in that mode alone.", "test"),
+        # pressed one way is pulled both others; a foam's Poisson's ratio is given
+        excused=both or foam,
+    )
+
+
+@criterion(
+    "residual / that with one mode scaled", "<=", SCALED,
+    "own truths: 1.02 at most of sound ones, 1.1 to 7 where a mode is 5 or 10 % off",
+)  # fmt: skip
+def modes_in_scale(ratio: float | None, by: float, mode: str) -> Finding:
+    """No factor on the stress of one mode makes the modes agree."""
+    if ratio is None:
+        return Finding("One mode cannot show whether its stress is off by a factor")
+    if not mode:
+        return Finding("No factor on one mode brings the curves closer to a law", ratio)
+    return Finding(
+        f"The modes agree {ratio:.3g} times better if the stress in {mode} is {100 * by:+.0f} %",
+        ratio,
+        "Softening of one piece (Mullins), its area or a gain may cause this",
+        "Condition all pieces alike, and check areas and load cells.",
+        excused=abs(by) < _OF_NOTE,
+    )
+
+
+@criterion("doubt of the stress / largest", "<=", TOLD, "our choice: a tenth")
+def modes_told(doubt: float | None, mode: str, why: str) -> Finding:
+    """The tests tell the stress in the modes that were not measured, too."""
+    if doubt is None:
+        return Finding("No second law follows the tests, so the other modes are not compared")
+    if not mode:
+        return Finding("Every mode was measured", 0.0)
+    return Finding(
+        f"In {mode}, which was not measured, {why} by {100 * doubt:.2g} % of the largest stress",
+        doubt,
+        "The tests do not determine the law there",
+        "Measure that mode, or use the law in the measured modes only.",
+    )
+
+
+@criterion("largest strain of use / measured", "<=", 1.0, "beyond it nothing was measured")
+def use_measured(ratio: float) -> Finding:
+    """The stretches of use were measured."""
+    says = "not measured at all" if math.isinf(ratio) else f"{ratio:.3g} times those measured"
+    return Finding(
+        f"The largest strains of use are {says}",
+        ratio,
+        "The law is extrapolated",
+        Remedy("Test as far as the part goes, in tension and compression.", "stretches"),
+    )
+
+
+@criterion("half interval / largest constant", "<=", 0.25, "our choice: a quarter")
+def constants_known(name: str, part: float) -> Finding:
+    """Every constant is known."""
+    return Finding(
+        f"The least certain constant, {name}, is known to {100 * part:.2g} % of the largest",
+        part,
+        "The tests do not separate the constants",
+        Remedy("Add a mode, such as equibiaxial, or use a law of fewer constants.", "model"),
+    )
+
+
+@criterion("rows / constants", ">=", 4.0, "our choice: fewer follow anything")
+def rows_enough(rows: int, constants: int) -> Finding:
+    """There are enough rows for the constants."""
+    return Finding(
+        f"{rows} points determine {constants} constants; at least four points each are needed",
+        rows / constants,
+        "Such a law follows any points, wrong ones too",
+        Remedy("Use more rows, or fewer constants.", "terms"),
+    )
+
+
+@criterion("mean difference of two files", "<=", ALIKE, "our choice: pieces scatter so")
+def files_agree(apart: float | None) -> Finding:
+    """Files of one mode show one curve."""
+    if apart is None:
+        return Finding("No mode has two files over the same stretches")
+    return Finding(
+        f"Files of one mode differ by up to {100 * apart:.2g} %",
+        apart,
+        "They differ in rate, piece or conditioning",
+        Remedy("Take off the memory of a relaxation test, if rates differ.", "memory"),
+    )
+
+
+@criterion("part of the energy", "<=", 0.1, "our choice: beyond it loading is not the elastic law")
+def loading_returned(lost: float | None, *, removed: bool) -> Finding:
+    """Unloading gives back what loading took."""
+    if lost is None:
+        return Finding("No unloading shows how much of the stress is elastic")
+    why = (
+        "The memory is not this material's, or there is friction or softening"
+        if removed
+        else "The loading contains memory or softening"
+    )
+    advice = Remedy("Take off the memory of a relaxation test, or test slowly.", "memory")
+    return Finding(f"A cycle loses {100 * lost:.2g} % of its energy", lost, why, advice)
+
+
+@criterion("1 - last loading / first", "|x| <=", 0.05, "our choice; L. Mullins, 1948")
+def conditioned(softer: float | None) -> Finding:
+    """The material no longer softens from loading to loading."""
+    if softer is None:
+        return Finding("One loading shows no softening (Mullins); it may have been the first")
+    return Finding(
+        f"The last loading is {100 * softer:.2g} % softer than the first",
+        softer,
+        "The material was not conditioned. The last loading is used; a new part is stiffer",
+        Remedy("Condition the piece, or use the first loading of a new part.", "part", "cycle=1"),
+    )
+
+
+@criterion("shift / largest strain", "|x| <=", 0.005, "a shift below it is not sought")
+def zero_known(part: float, name: str) -> Finding:
+    """Stress and strain are zero together."""
+    if not name:
+        return Finding("No shift of the zero of strain brings the curves closer to a law", 0.0)
+    return Finding(
+        f"{name} follows a law if its zero moves by {100 * part:.2g} % of the largest strain",
+        part,
+        "Slack, a toe or a preload may cause this",
+        "Set the zero where the stress begins.",
+    )
+
+
+@criterion("residual as read / as read otherwise", "<=", 3.0, "our choice: a third of the residual")
+def labels_agree(ratio: float | None, says: str, as_read: float) -> Finding:
+    """No other reading of a file makes the modes agree."""
+    if ratio is None:
+        return Finding("One mode cannot show whether it, or its stress, is labelled right")
+    return Finding(
+        f"As labelled, a stable law misses the stress by {100 * as_read:.2g} %",
+        ratio,
+        f"With {says} it misses {100 * as_read / ratio:.2g} %",
+        Remedy("Check the label.", "test"),
+        excused=as_read <= 0.02,
+    )
+
+
+@criterion("part of the stress", "<=", 0.1, "our choice: a tenth")
+def measures_stated(part: float) -> Finding:
+    """It was said whether stress and strain are nominal or true."""
+    return Finding(
+        "The files say whether stress and strain are nominal or true" if not part else
+        f"Stress and strain are taken as nominal, which the files do not say. A true stress would "
+        f"differ by {100 * part:.3g} %",
+        part,
+        "A law follows either",
+        Remedy("Say which they are.", "stress-is", "nominal"),
+    )  # fmt: skip
+
+
+@criterion(grade="note")
+def volume_known(*, known: bool) -> Finding:
+    """The bulk modulus is known."""
+    return Finding(
+        "The change of volume is known",
+        instead="The volume was not tested, so a deck needs a bulk modulus that is stated, not "
+        "measured",
+        remedy=Remedy("Add a test of the volume.", "test", "volumetric"),
+        faulted=not known,
+    )

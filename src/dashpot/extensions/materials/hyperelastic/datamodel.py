@@ -1,0 +1,256 @@
+"""Stress over stretch of a material, and the hyperelastic law behind it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from dashpot.base.array_units import into_si, said_units
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.base.number_format import counted
+from dashpot.base.provenance import Source, of_file, sources_of
+from dashpot.base.reported_values import Fact, Numbered
+from dashpot.base.result_mixins import Described, Pictured, Series, arrays
+from dashpot.base.serialisation import Documented
+from dashpot.extensions.materials.hyperelastic.strain_energy import Hyperelastic, Mode
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+LEAST_ROWS = 4
+MOST_STRETCH = 20.0
+MOST_POISSON = 0.6
+"""That a strain sideways may show: 0.5, and what a tape or a camera is off."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StressStrainTest(ByValue, Described):
+    """Nominal stress over stretch in one mode, in SI units.
+
+    Attributes
+    ----------
+    mode : str
+        ``"uniaxial"`` (tension and compression), ``"equibiaxial"``, ``"planar"`` or
+        ``"volumetric"``.
+    stretch : array, shape (n,)
+        Length over length at rest in the direction of the force; the volume over that at rest
+        where the mode is volumetric.
+    stress : array, shape (n,)
+        Force over area at rest, Pa, tension > 0; minus the pressure where it is volumetric.
+    time : array, shape (n,), or None
+        s.
+    stated : bool
+        Whether it was said what stress and strain are over; else both were taken to be nominal.
+    source : Source or None
+    poisson : float or None
+        Poisson's ratio that the strain sideways shows, of a uniaxial test: 0 to 0.6, where 0.5
+        keeps the volume; None where it was not measured.
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+
+    Raises
+    ------
+    DataError
+        If the arrays differ in length, hold fewer than four samples or no stretch other than 1,
+        or stretch and stress cannot be those of a test.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> test = dp.StressStrainTest("uniaxial", stretch=1 + t / 10, stress=t, units="1, MPa")
+    >>> float(test.stress[-1])
+    10000000.0
+    """
+
+    mode: Mode
+    stretch: FloatArray
+    stress: FloatArray
+    time: FloatArray | None = None
+    stated: bool = True
+    source: Source | None = None
+    poisson: float | None = None
+    units: str = said_units()
+
+    def __post_init__(self) -> None:
+        into_si(self, stretch="strain", stress="stress", time="time")
+        hold_measured(self, "stretch", "stress", "time", minimum=LEAST_ROWS)
+        if self.poisson is not None:
+            self._refuse_sideways(self.poisson)
+        low, high = float(self.stretch.min()), float(self.stretch.max())
+        if not (low > 1 / MOST_STRETCH and high < MOST_STRETCH):
+            raise DataError(
+                f"the stretch runs from {low:.4g} to {high:.4g}; expected lengths over the length "
+                "at rest, above 0 and 1 at rest: is it a strain, in per cent, or the other sign?"
+            )
+        if not (high > low and np.ptp(self.stress) > 0):
+            still = "stretch" if high == low else "stress"
+            raise DataError(f"the {still} never changes: nothing was deformed")
+
+    def _refuse_sideways(self, ratio: float) -> None:
+        if self.mode != "uniaxial":
+            raise DataError(
+                f"a strain sideways tells Poisson's ratio of a uniaxial test, and this one is "
+                f"{self.mode}; leave it out"
+            )
+        if not 0 <= ratio <= MOST_POISSON:
+            raise DataError(
+                f"the strain sideways shows a Poisson's ratio of {ratio:.3g}; expected 0 to "
+                f"{MOST_POISSON:g}. Check its unit and its sign: it grows where the piece is "
+                "pressed, and falls where it is pulled"
+            )
+
+    @property
+    def series(self) -> Series:
+        """Stress over stretch, and time."""
+        return arrays(self, stretch="1", stress="Pa", time="s")
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which record it is, and what was done."""
+        return (
+            of_file(self.source, len(self.stretch)),
+            f"{self.mode}, stretch {self.stretch.min():.4g} to {self.stretch.max():.4g}",
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class ElasticCurve(ByValue):
+    """The part of a test that a law is fitted to.
+
+    Attributes
+    ----------
+    mode : str
+    stretch, stress : array, shape (n,)
+        Of the chosen loading, means over neighbours where there are many; without the memory where
+        one is known.
+    rows : int
+        Behind them.
+    lost : float or None
+        Part of the energy of the loading that the unloading does not give back; None without one.
+    softer : float or None
+        1 - stress of the last loading over that of the first; None for a single one.
+    duration : float or None
+        Of the loading, s.
+    stated : bool
+        As of the test.
+    source : Source or None
+    """
+
+    mode: Mode
+    stretch: FloatArray
+    stress: FloatArray
+    rows: int
+    lost: float | None = None
+    softer: float | None = None
+    duration: float | None = None
+    stated: bool = True
+    source: Source | None = None
+
+    @property
+    def rate(self) -> float | None:
+        """Mean rate of the strain of the loading, 1/s; None without a clock."""
+        return float(np.ptp(self.stretch)) / self.duration if self.duration else None
+
+    @property
+    def size(self) -> float:
+        """Rms of the stress, Pa."""
+        return float(np.sqrt(np.mean(self.stress**2)))
+
+
+Span: TypeAlias = tuple[float, float]
+"""From a stretch to a stretch."""
+Limits: TypeAlias = tuple[float | None, float | None]
+"""Stretches below and above 1; None where there is none."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class HyperelasticFit(ByValue, Pictured, Numbered, Documented):
+    """A hyperelastic law, and how well the tests tell it.
+
+    Attributes
+    ----------
+    law : Hyperelastic
+    found : tuple of Fact
+        Its constants and what follows of them, with their 95 % intervals.
+    orders : tuple of (str, float)
+        BIC of each law that was tried; the smallest is best.
+    curves : tuple of ElasticCurve
+    residuals : tuple of float
+        Of each curve, rms over the rms of its stress.
+    reach : tuple of (str, (float, float))
+        Stretches of use in every mode: those measured, or as large in the other modes.
+    stable : tuple of (str, (float or None, float or None))
+        The first stretches below and above 1 at which the law is not stable (Drucker).
+    memory : GeneralizedMaxwell or None
+        Taken off the tests; its k_inf is 1.
+    checks : tuple of Check
+    temperature : float or None
+        Of the tests, K.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> stretch = np.linspace(1, 2, 40)
+    >>> stress = stretch - 1 / stretch**2
+    >>> test = dp.StressStrainTest("uniaxial", stretch, stress, units="1, MPa")
+    >>> dp.fit(test, model="neo-hooke").law.kind
+    'neo-hooke'
+    """
+
+    schema = "dashpot/hyperelastic@1"
+    keys = ("verdict", "*")
+
+    law: Hyperelastic
+    found: tuple[Fact, ...]
+    orders: tuple[tuple[str, float], ...]
+    curves: tuple[ElasticCurve, ...]
+    residuals: tuple[float, ...]
+    reach: tuple[tuple[Mode, Span], ...]
+    stable: tuple[tuple[Mode, Limits], ...]
+    memory: GeneralizedMaxwell | None = None
+    checks: tuple[Check, ...] = ()
+    temperature: float | None = None
+
+    @property
+    def sources(self) -> tuple[Source, ...]:
+        """The files behind it."""
+        return sources_of(self.curves)
+
+    @property
+    def sound(self) -> str:
+        """The law, what it leaves of the stress, and over which stretches it holds."""
+        reach = [span for _, span in self.reach]
+        low, high = min(one[0] for one in reach), max(one[1] for one in reach)
+        return (
+            f"the {self.law.kind} law follows {counted(len(self.curves), 'curve')} to "
+            f"{100 * max(self.residuals):.2g} % of the stress, for stretches of {low:.3g} to "
+            f"{high:.3g}{self._speed}"
+        )
+
+    @property
+    def _speed(self) -> str:
+        """At which rate the law holds: only where a memory was taken off it is that at rest."""
+        if self.memory is not None:
+            return ", at rest, without the memory"
+        rates = [one.rate for one in self.curves if one.mode != "volumetric"]
+        known = [one for one in rates if one is not None]
+        if not known:
+            return ", at the rate of the tests, which no clock tells: it is not the law at rest"
+        low, high = min(known), max(known)
+        ends = f"{low:.2g}" if high < 1.05 * low else f"{low:.2g} to {high:.2g}"
+        return (
+            f", at the rate of the tests, {ends} 1/s: a slower or faster load has another law, and "
+            "the law at rest needs the memory of a relaxation test"
+        )
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """The verdict, the law and its numbers."""
+        return (
+            str(self.verdict),
+            f"law: {self.law.kind}",
+            *(one.says for one in self.found),
+        )

@@ -1,0 +1,86 @@
+"""The figure of a hyperelastic law: stress over stretch in every mode."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.number_format import rounded
+from dashpot.base.units import in_unit
+from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
+from dashpot.extensions.materials.hyperelastic.strain_energy import SHEARING, Mode
+from dashpot.plot.picture import (
+    FIT,
+    PREDICTED,
+    REF,
+    REJECTED,
+    Dots,
+    Line,
+    Mark,
+    Panel,
+    Picture,
+    Rule,
+    Scale,
+    Span,
+    around,
+)
+from dashpot.plot.provenance_stamp import stamp as stamped
+
+_MARGIN = 0.08
+_AXES = (
+    ("stretch", "nominal stress, MPa"),
+    ("volume over volume at rest", "mean true stress, MPa"),
+)
+
+
+def hyperelastic(fit: HyperelasticFit, *, stamp: str = "") -> Picture:
+    """Nominal stress over stretch in each mode with the law, and where that is not stable.
+
+    Parameters
+    ----------
+    fit : HyperelasticFit
+    stamp : str
+        What the figure says of its origin; by default the files.
+    """
+    volume = [one.mode for one in fit.curves if one.mode == "volumetric"][:1]
+    panels = [_panel(fit, mode) for mode in (*SHEARING, *volume)]
+    caption = "Stress over stretch: tested, the law's, and where the law is not stable."
+    origin = stamped(fit.sources) if fit.sources else ""
+    return Picture("hyperelastic", caption, tuple((one,) for one in panels), 2, stamp or origin)
+
+
+def _unstable(fit: HyperelasticFit, mode: Mode, x: FloatArray) -> list[Mark]:
+    """Where the law is not stable, below and above, as far as `x` reaches."""
+    ends = dict(fit.stable).get(mode, (None, None))
+    marks: list[Mark] = []
+    for at, end in zip(ends, (float(x[0]), float(x[-1])), strict=True):
+        if at is not None and x[0] < at < x[-1]:
+            low, high = sorted((at, end))
+            marks += [Span(low, high, "bad", "not stable", hatched=True), Rule(at, REJECTED)]
+    return marks
+
+
+def _panel(fit: HyperelasticFit, mode: Mode) -> Panel:
+    curves = [one for one in fit.curves if one.mode == mode]
+    every = np.concatenate([dict(fit.reach).get(mode, ()), [1.0], *(c.stretch for c in curves)])
+    low, high = float(every.min()), float(every.max())
+    pad = _MARGIN * (high - low)
+    x = np.linspace(max(low - pad, 0.02), high + pad, 160)
+    law = in_unit(fit.law.nominal(mode, x), "MPa")
+    within = (x >= low) & (x <= high)
+    marks = [Rule(0.0, REF, across=True), *_unstable(fit, mode, x)]
+    measured = [in_unit(one.stress, "MPa") for one in curves]
+    for one, stress in zip(curves, measured, strict=True):
+        marks.append(Dots(one.stretch, stress, "measured", "measured", size=3.0))
+    marks.append(Line(x, law, PREDICTED, "not measured"))
+    if curves:
+        marks.append(Line(x[within], law[within], FIT, fit.law.kind))
+    left = [
+        r for one, r in zip(fit.curves, fit.residuals, strict=True) if one.mode == mode
+    ]  # fmt: skip
+    note = f"residual {rounded(100 * max(left), digits=2)} %" if left else "not measured"
+    across, what = _AXES[mode == "volumetric"]
+    return Panel(
+        Scale(across, (float(x[0]), float(x[-1]))), Scale(what, around(law, *measured)),
+        tuple(marks), title=mode, note=note,
+    )  # fmt: skip

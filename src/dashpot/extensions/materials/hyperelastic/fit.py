@@ -1,0 +1,311 @@
+"""The hyperelastic law behind tests in one mode or several."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.choices import ElasticKind, ElasticKindAsked
+from dashpot.base.errors import FitError
+from dashpot.base.reported_values import Fact
+from dashpot.datamodel.checks import caution_checks
+from dashpot.extensions.materials.hyperelastic import checks
+from dashpot.extensions.materials.hyperelastic.datamodel import (
+    ElasticCurve,
+    HyperelasticFit,
+    Span,
+    StressStrainTest,
+)
+from dashpot.extensions.materials.hyperelastic.law_least_squares import (
+    EXACT,
+    HyperelasticOptimum,
+    Weighed,
+    invariant_law,
+    power_law,
+    weighed,
+)
+from dashpot.extensions.materials.hyperelastic.preprocess import elastic_curve
+from dashpot.extensions.materials.hyperelastic.strain_energy import (
+    POWERS,
+    SHEARING,
+    Hyperelastic,
+    Mode,
+    direction,
+)
+from dashpot.numerics.inference.covariance_estimate import estimate, score
+from dashpot.numerics.least_squares.problem import ordinary
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+MOST_TERMS = 3
+SWELLS = 0.45
+"""Poisson's ratio below which a strain sideways shows a foam: rubber has 0.499, and a tape errs."""
+_WORTH = 0.95
+"""Times the residual of one term fewer, at most, of a law that a further term is tried for."""
+
+
+def fit_hyperelastic(
+    tests: Sequence[StressStrainTest],
+    *,
+    law: ElasticKindAsked = "auto",
+    terms: int | Literal["auto"] = "auto",
+    poisson: float | None = None,
+    memory: GeneralizedMaxwell | None = None,
+    cycle: int | None = None,
+    stretches: Span | None = None,
+    temperature: float | None = None,
+) -> HyperelasticFit:
+    """Fit a hyperelastic law to tests of one material.
+
+    Parameters
+    ----------
+    tests : sequence of StressStrainTest
+        At least one changes the shape. Modes weigh alike, however many rows or files each has.
+    law : str
+        ``"auto"`` takes the law of least BIC among those that are stable over the stretches of use:
+        of rubber, or of foam where Poisson's ratio is given, or a strain sideways shows it.
+    terms : int or "auto"
+        Of ``"ogden"`` and ``"hyperfoam"``, 1 to 3; ``"auto"`` by BIC.
+    poisson : float, optional
+        Of a foam; where it is not given, that of the strain sideways of one mode, or else sought
+        by two.
+    memory : GeneralizedMaxwell, optional
+        Whose k_inf is 1; taken off every test.
+    cycle : int, optional
+        The loading to use, counted from 1; by default the last.
+    stretches : (float, float), optional
+        Least and largest principal stretch of use; by default those measured.
+    temperature : float, optional
+        Of the tests, K.
+
+    Raises
+    ------
+    FitError
+        If there is no test that changes the shape, or what was asked for does not fit together.
+    """
+    curves = [elastic_curve(one, memory=memory, cycle=cycle) for one in tests]
+    told, foam = _sideways(tests, law, poisson)
+    swells = told is not None and told < SWELLS
+    if foam and swells and poisson is None and len({one.mode for one in curves}) == 1:
+        poisson = told
+    _refuse(curves, law, terms, poisson, foam=foam)
+    fitted, volumetric = _parted(curves, foam=foam)
+    tried = _of_foam(fitted, terms, poisson) if foam else _of_rubber(fitted, terms)
+    tried = list({one.name: one for one in tried}.values())
+    best = min(tried, key=lambda one: one.rms)
+    parts = [len(one.stretch) for one in fitted]
+    # all laws by the noise of the closest: what another leaves more is no noise
+    noises = estimate(best.optimum, parts=parts, rounding=EXACT).noises
+    effective = sum(noise.effective for noise in noises)
+    floor = EXACT**2 * len(best.optimum.residual)
+    scores = {one.name: score(one.optimum, effective, floor=floor) for one in tried}
+    reach = reach_of(curves, best.law.poisson, stretches)
+    chosen = _chosen(tried, scores, law, reach)
+    known = estimate(chosen.optimum, parts=parts, rounding=EXACT)
+    derived = known.derived(chosen.numbers)
+    half = known.quantile() * derived.standard_error
+    found = _found(chosen, derived.values, half)
+    bulk = _bulk(volumetric)
+    chosen = chosen._replace(law=_with_bulk(chosen, None if bulk is None else bulk.value))
+    kept = HyperelasticFit(
+        chosen.law,
+        (*found, bulk) if bulk else found,
+        tuple(scores.items()),
+        tuple(curves),
+        tuple(_left(chosen, one) for one in curves),
+        tuple(reach.items()),
+        tuple(zip(SHEARING, map(chosen.law.stable_range, SHEARING), strict=True)),
+        memory,
+        (),
+        temperature,
+    )
+    judged = checks.judge(kept, chosen, tried, derived, known.quantile(), asked=stretches)
+    sideways = checks.sideways_agrees(chosen.law.poisson, told, foam=foam)
+    judged = (*judged, sideways, *caution_checks(kept.sources))
+    return replace(kept, checks=judged)
+
+
+def _parted(
+    curves: Sequence[ElasticCurve], *, foam: bool
+) -> tuple[list[ElasticCurve], list[ElasticCurve]]:
+    """What the law is fitted to, and what tells the bulk modulus of a rubber alone."""
+    if foam:
+        return list(curves), []
+    return (
+        [one for one in curves if one.mode != "volumetric"],
+        [one for one in curves if one.mode == "volumetric"],
+    )
+
+
+def _of_foam(
+    curves: Sequence[ElasticCurve], terms: int | Literal["auto"], poisson: float | None
+) -> list[HyperelasticOptimum]:
+    return _power_laws(weighed(curves), "hyperfoam", terms, poisson)
+
+
+def _of_rubber(
+    curves: Sequence[ElasticCurve], terms: int | Literal["auto"]
+) -> list[HyperelasticOptimum]:
+    rows = weighed(curves)
+    return [
+        *(invariant_law(rows, one) for one in POWERS),
+        *_power_laws(rows, "ogden", terms, 0.5),
+    ]
+
+
+def _power_laws(
+    rows: Weighed, kind: ElasticKind, terms: int | Literal["auto"], poisson: float | None
+) -> list[HyperelasticOptimum]:
+    """The law of so many terms; or of one and two, and of more while each is worth it."""
+    if terms != "auto":
+        return [power_law(rows, terms, kind, poisson)]
+    found = [power_law(rows, count, kind, poisson) for count in (1, 2)]
+    while len(found) < MOST_TERMS and found[-1].rms < _WORTH * found[-2].rms:
+        found.append(power_law(rows, len(found) + 1, kind, poisson))
+    return found
+
+
+def _refuse(
+    curves: Sequence[ElasticCurve],
+    law: ElasticKindAsked,
+    terms: int | Literal["auto"],
+    poisson: float | None,
+    *,
+    foam: bool,
+) -> None:
+    modes = {one.mode for one in curves}
+    if not modes - {"volumetric"}:
+        raise FitError(
+            "a volumetric test alone gives no law of shape; expected a uniaxial, equibiaxial or "
+            "planar one beside it"
+        )
+    if terms != "auto" and not 1 <= terms <= MOST_TERMS:
+        raise FitError(f"terms = {terms}; expected 1 to {MOST_TERMS}, or 'auto'")
+    if poisson is not None and not foam:
+        raise FitError(
+            f"Poisson's ratio belongs to a foam, and {law} keeps its volume; leave it out, or ask "
+            "for hyperfoam"
+        )
+    if poisson is not None and not 0 <= poisson < 0.5:
+        raise FitError(f"Poisson's ratio = {poisson:g}; expected one from 0 to below 0.5 of a foam")
+    if foam and poisson is None and len(modes) < 2:
+        raise FitError(
+            "one mode alone does not give the Poisson's ratio of a foam; give it (--poisson 0 of "
+            "an open-cell foam under compression), or a second mode"
+        )
+
+
+def _chosen(
+    tried: Sequence[HyperelasticOptimum],
+    scores: dict[str, float],
+    law: ElasticKindAsked,
+    reach: dict[Mode, Span],
+) -> HyperelasticOptimum:
+    named = [one for one in tried if law in {"auto", one.law.kind}]
+    if law == "auto":
+        named = [one for one in named if checks.least_drucker(one.law, reach)[0] > 0] or named
+    return min(named, key=lambda one: scores[one.name])
+
+
+def _sideways(
+    tests: Sequence[StressStrainTest], law: ElasticKindAsked, poisson: float | None
+) -> tuple[float | None, bool]:
+    """Poisson's ratio by the strain sideways, if any shows it, and whether a foam is fitted."""
+    shown = [one.poisson for one in tests if one.poisson is not None]
+    told = sum(shown) / len(shown) if shown else None
+    swells = told is not None and told < SWELLS
+    return told, law == "hyperfoam" or (law == "auto" and (poisson is not None or swells))
+
+
+# -- how well it is known ---------------------------------------------------------------------
+
+
+def _found(one: HyperelasticOptimum, values: FloatArray, half: FloatArray) -> tuple[Fact, ...]:
+    """Constants, exponents and the shear modulus with their intervals."""
+    law = one.law
+    names = [*law.constant_names, *(f"alpha{k}" for k in range(1, len(law.exponents) + 1))]
+    names += ["poisson"] * (len(names) < len(values) - 1)
+    units = ["Pa"] * len(law.constants) + ["1"] * (len(names) - len(law.constants)) + ["Pa"]
+    return tuple(
+        Fact(name, value, value - wide, value + wide, unit)
+        for name, value, wide, unit in zip(
+            [*names, "shear_modulus"], values.tolist(), half.tolist(), units, strict=True
+        )
+    )
+
+
+def _bulk(volumetric: Sequence[ElasticCurve]) -> Fact | None:
+    """The bulk modulus of a rubber."""
+    if not volumetric:
+        return None
+    x = np.concatenate([each.stretch - 1 for each in volumetric])
+    y = np.concatenate([each.stress for each in volumetric])
+    best = ordinary(y, x[:, None])
+    known = estimate(best, parts=[len(each.stretch) for each in volumetric])
+    bulk, wide = float(best.beta[0]), known.quantile() * float(known.standard_error[0])
+    return Fact("bulk_modulus", bulk, bulk - wide, bulk + wide, "Pa")
+
+
+def _with_bulk(one: HyperelasticOptimum, bulk: float | None) -> Hyperelastic:
+    if bulk is None:
+        return one.law
+    if not bulk > 0:
+        raise FitError(
+            f"the volumetric test has a bulk modulus of {bulk:.4g} Pa; expected one > 0: a "
+            "pressure makes the volume smaller, so give volume ratios below 1 and the pressure"
+        )
+    return replace(one.law, bulk=bulk)
+
+
+def _left(one: HyperelasticOptimum, curve: ElasticCurve) -> float:
+    """Rms of what the law leaves of a curve, over the rms of its stress."""
+    left = curve.stress - one.law.nominal(curve.mode, curve.stretch)
+    return float(np.sqrt(np.mean(left**2))) / curve.size
+
+
+# -- stretches of use ---------------------------------------------------------------------------
+
+
+def reach_of(
+    curves: Sequence[ElasticCurve], poisson: float, stretches: Span | None
+) -> dict[Mode, Span]:
+    """Return the stretches of use in every mode that changes the shape.
+
+    Where a mode was not measured, those of the same size (the root of the sum of squares of the
+    three logarithmic strains), and of two modes no principal stretch beyond theirs.
+    """
+    spans: dict[Mode, Span] = {}
+    for one in curves:
+        if one.mode != "volumetric":
+            low, high = spans.get(one.mode, (1.0, 1.0))
+            x = one.stretch
+            spans[one.mode] = min(low, float(x.min())), max(high, float(x.max()))
+    if stretches is not None:
+        spans = {"uniaxial": (min(stretches[0], 1.0), max(stretches[1], 1.0))}
+    return {
+        mode: spans[mode] if mode in spans else _as_large(mode, spans, poisson) for mode in SHEARING
+    }
+
+
+def _as_large(mode: Mode, spans: dict[Mode, Span], poisson: float) -> Span:
+    """Stretches of a mode that was not measured, of the size of those that were."""
+    along = direction(mode, poisson)
+    measured = [
+        [math.log(span[end]) * direction(one, poisson) for one, span in spans.items()]
+        for end in (0, 1)
+    ]
+    principal = np.concatenate([each for ends in measured for each in ends])
+    found = []
+    for sign, ends in zip((-1.0, 1.0), measured, strict=True):
+        size = max(float(np.linalg.norm(each)) for each in ends) / float(np.linalg.norm(along))
+        if len(spans) > 1:
+            limit = [
+                (principal.max() if d * sign > 0 else -principal.min()) / abs(d) for d in along if d
+            ]
+            size = min(size, *limit)
+        found.append(math.exp(sign * size))
+    return found[0], found[1]

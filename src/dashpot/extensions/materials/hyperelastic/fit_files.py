@@ -1,0 +1,75 @@
+"""From files of stress over strain, one mode or several, to a hyperelastic law."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Literal
+
+from dashpot.base.choices import ElasticKindAsked
+from dashpot.base.errors import DataError, FitError, ReadError
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit, Span
+from dashpot.extensions.materials.hyperelastic.fit import fit_hyperelastic
+from dashpot.extensions.materials.hyperelastic.options import MODES, Measures
+from dashpot.extensions.materials.hyperelastic.read import read_stress_strain
+from dashpot.fitting.parameters import memory_of
+from dashpot.reading.read_options import ReadOptions
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def hyperelastic_files(
+    files: Mapping[str, Sequence[str | Path]],
+    *,
+    law: ElasticKindAsked = "auto",
+    terms: int | Literal["auto"] = "auto",
+    poisson: float | None = None,
+    memory: Fit | None = None,
+    stretches: Span | None = None,
+    measures: Measures | None = None,
+    specimen: Specimen | None = None,
+    options: ReadOptions | None = None,
+) -> HyperelasticFit:
+    """Fit a hyperelastic law to files.
+
+    Parameters
+    ----------
+    files : mapping of str to sequence of path
+        By a key of :data:`MODES`.
+    memory : Fit, optional
+        Of a relaxation test of the material: its memory is taken off.
+    law, terms, poisson, stretches
+        As :func:`~dashpot.extensions.materials.hyperelastic.fit.fit_hyperelastic` takes them.
+    measures : Measures, optional
+    specimen : Specimen, optional
+        Its temperature goes into decks.
+    options : ReadOptions, optional
+    """
+    given = [(kind, path) for kind in MODES for path in files.get(kind, ())]
+    if not given:
+        raise ReadError(
+            "no file is given; name the mode of each: --test uniaxial, compression, biaxial, "
+            "planar or volumetric"
+        )
+    tests = [
+        read_stress_strain(
+            path, MODES[kind].mode, pressed=MODES[kind].pressed, measures=measures, options=options
+        )
+        for kind, path in given
+    ]
+    temperature = None if specimen is None else specimen.temperature
+    try:
+        return fit_hyperelastic(
+            tests,
+            law=law,
+            terms=terms,
+            poisson=poisson,
+            memory=None if memory is None else memory_of(memory.model),
+            cycle=None if options is None else options.cycle,
+            stretches=stretches,
+            temperature=temperature,
+        )
+    except (DataError, FitError) as error:
+        raise ReadError(str(error)) from None

@@ -1,0 +1,197 @@
+r"""Laws through elastic curves by least squares, every mode with one say however many its rows.
+
+Laws of the invariants are linear in their constants. Of power laws (Ogden, hyperfoam) every mu is
+kept > 0, so that their tangent is a sum of positive parts and stable at any stretch, and given the
+exponents they are linear, too: each set of exponents on a grid is a small nonnegative problem, and
+the best of them are starts of a descent on alpha and Poisson's ratio alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.choices import ElasticKind
+from dashpot.extensions.materials.hyperelastic.datamodel import ElasticCurve
+from dashpot.extensions.materials.hyperelastic.strain_energy import (
+    POWERS,
+    Hyperelastic,
+    Path,
+    path,
+    power_by_poisson,
+    power_column,
+    power_slope,
+)
+from dashpot.numerics.least_squares.levenberg_marquardt import triangle
+from dashpot.numerics.least_squares.nnls import linear
+from dashpot.numerics.least_squares.problem import (
+    Optimum,
+    Parameter,
+    Problem,
+    Rows,
+    ordinary,
+    solved,
+)
+
+EXPONENTS = (-12.0, -6.0, -3.0, -1.5, 1.5, 3.0, 6.0, 12.0, 24.0)
+"""Starts of a descent."""
+SPECTRUM = np.array([-16, -12, -8, -6, -4, -3, -2, -1, 1, 1.5, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24.0])
+"""Exponents of the most flexible stable law that curves are held against."""
+_LARGEST = 30.0
+_POISSONS = (0.05, 0.2, 0.35, 0.45)
+_DESCENTS, _STEPS = 2, 40
+EXACT = 1e-9
+"""Part of the stress below which a residual is rounding."""
+
+
+class Weighed(NamedTuple):
+    """Curves as rows of one problem.
+
+    Attributes
+    ----------
+    curves : tuple of ElasticCurve
+    weights : tuple of array
+        A row's, 1/Pa: modes weigh alike, and the sum of squares of the stress is the rows' number.
+    target : array, shape (n,)
+    """
+
+    curves: tuple[ElasticCurve, ...]
+    weights: tuple[FloatArray, ...]
+    target: FloatArray
+
+
+class HyperelasticOptimum(NamedTuple):
+    """A law through curves, at its optimum.
+
+    Attributes
+    ----------
+    name : str
+        With the number of terms of a power law.
+    law : Hyperelastic
+    optimum : Optimum
+        Theta are exponents and, where it was sought, Poisson's ratio; beta the constants, Pa. The
+        residual is weighed: over the rms of the mode.
+    """
+
+    name: str
+    law: Hyperelastic
+    optimum: Optimum
+
+    @property
+    def rms(self) -> float:
+        """Of the residual, over the rms of the stress."""
+        return float(np.sqrt(np.mean(self.optimum.residual**2)))
+
+    def numbers(self, values: FloatArray) -> FloatArray:
+        """Constants, exponents, Poisson's ratio where it was sought, and the shear modulus."""
+        found, mu = np.split(values, [len(self.optimum.theta)])
+        return np.concatenate((mu, found, [replace(self.law, constants=tuple(mu)).shear_modulus]))
+
+
+def weighed(curves: Sequence[ElasticCurve]) -> Weighed:
+    """Return curves with the weights that give every mode the same say."""
+    modes = {one.mode for one in curves}
+    total = sum(len(one.stretch) for one in curves)
+    weight = {}
+    for mode in modes:
+        stress = np.concatenate([one.stress for one in curves if one.mode == mode])
+        weight[mode] = np.sqrt(total / len(modes) / float(stress @ stress))
+    each = tuple(np.full(len(one.stretch), weight[one.mode]) for one in curves)
+    target = np.concatenate([w * one.stress for w, one in zip(each, curves, strict=True)])
+    return Weighed(tuple(curves), each, target)
+
+
+def invariant_law(rows: Weighed, kind: ElasticKind) -> HyperelasticOptimum:
+    """Return the law of the invariants that follows the curves best: linear least squares."""
+    unit = Hyperelastic(kind, (1.0,) * len(POWERS[kind]))
+    parts = zip(rows.weights, rows.curves, strict=True)
+    A = np.concatenate([w[:, None] * unit.columns(one.mode, one.stretch) for w, one in parts])
+    found = ordinary(rows.target, A)
+    return HyperelasticOptimum(kind, Hyperelastic(kind, tuple(found.beta.tolist())), found)
+
+
+def power_law(
+    rows: Weighed, terms: int, kind: ElasticKind, poisson: float | None
+) -> HyperelasticOptimum:
+    """Return the law of so many power terms, or fewer if a further one is worth nothing.
+
+    Poisson's ratio of a foam is sought where it is None.
+    """
+    starts = _starts(rows, terms, poisson)
+    best = solved(power_problem(rows, terms, poisson), starts, most=_STEPS)
+    order = [i for i in np.argsort(-best.beta * np.abs(best.theta[:terms])) if best.beta[i] > 0]
+    theta = np.concatenate((best.theta[order], best.theta[terms:]))
+    found = power_problem(rows, len(order), poisson).at(theta)
+    v = poisson if poisson is not None else float(theta[-1])
+    law = Hyperelastic(
+        kind,
+        tuple(found.beta.tolist()),
+        tuple(theta[: len(order)].tolist()),
+        v if kind == "hyperfoam" else 0.5,
+    )
+    return HyperelasticOptimum(f"{kind}-{len(order)}", law, found)
+
+
+def power_problem(rows: Weighed, terms: int, poisson: float | None) -> Problem:
+    """Return the problem of alpha and, where it is None, Poisson's ratio; mu is linear."""
+
+    def model(theta: FloatArray) -> Rows:
+        alpha, v = theta[:terms], float(theta[-1]) if poisson is None else poisson
+
+        def slope(mu: FloatArray) -> FloatArray:
+            found = []
+            for w, along in zip(rows.weights, _paths(rows, v), strict=True):
+                by = [m * power_slope(along, a) for m, a in zip(mu, alpha, strict=True)]
+                if poisson is None:
+                    each = [m * power_by_poisson(along, a) for m, a in zip(mu, alpha, strict=True)]
+                    by.append(np.sum(each, axis=0))
+                found.append(w[:, None] * np.stack(by, axis=-1))
+            return np.concatenate(found)
+
+        return Rows(rows.target, _columns(rows, alpha, v), slope)
+
+    sought = [Parameter(-_LARGEST, _LARGEST)] * terms
+    return Problem(model, sought + [Parameter(0.0, 0.49, 0.1)] * (poisson is None), positive=True)
+
+
+def _starts(rows: Weighed, terms: int, poisson: float | None) -> list[FloatArray]:
+    """The best sets of exponents of the grid, as alpha, nu; those that use every term first."""
+    found: list[tuple[bool, float, list[float]]] = []
+    for v in _POISSONS if poisson is None else (poisson,):
+        A = _columns(rows, np.array(EXPONENTS), v)
+        factor = triangle(np.concatenate((A.T, rows.target[None])))
+        for chosen in map(list, combinations(range(len(EXPONENTS)), terms)):
+            mu, _ = linear(factor[:, chosen], factor[:, -1], positive=True)
+            left = factor[:, -1] - factor[:, chosen] @ mu
+            start = [*(EXPONENTS[i] for i in chosen), *[v] * (poisson is None)]
+            found.append((bool((mu <= 0).any()), float(left @ left), start))
+    found.sort()
+    return [np.array(one) for _, _, one in found[:_DESCENTS]]
+
+
+def _paths(rows: Weighed, poisson: float) -> list[Path]:
+    """Of every curve."""
+    return [path(one.mode, one.stretch, poisson) for one in rows.curves]
+
+
+def _columns(rows: Weighed, exponents: FloatArray, poisson: float) -> FloatArray:
+    """Weighed stress of a term of each exponent."""
+    return np.concatenate(
+        [
+            w[:, None] * np.stack([power_column(along, a) for a in exponents], axis=-1)
+            for w, along in zip(rows.weights, _paths(rows, poisson), strict=True)
+        ]
+    )
+
+
+def closest(curves: Sequence[ElasticCurve], poisson: float) -> float:
+    """Return what the most flexible stable law leaves of curves, rms over the rms of the stress."""
+    rows = weighed(curves)
+    A = _columns(rows, SPECTRUM, poisson)
+    mu, _ = linear(A, rows.target, positive=True)
+    return float(np.sqrt(np.mean((rows.target - A @ mu) ** 2)))

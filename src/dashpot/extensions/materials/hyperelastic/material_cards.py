@@ -1,0 +1,357 @@
+"""Material cards of a hyperelastic law: Abaqus, CalculiX, Ansys and LS-DYNA."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from types import MappingProxyType
+from typing import NamedTuple
+
+from dashpot.base.errors import ExportError
+from dashpot.base.units import Quantity, si, written
+from dashpot.base.version import byline
+from dashpot.export.deck import NOT_VERIFIED, DeckText
+from dashpot.export.deck_validation import overlooked
+from dashpot.export.unit_systems import UnitSystem, one_line, text, unit_system
+from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
+from dashpot.extensions.materials.hyperelastic.strain_energy import POWERS, Hyperelastic
+from dashpot.extensions.solver_inputs.ansys import tbdata
+from dashpot.extensions.solver_inputs.lsdyna import fields
+
+VERIFIED = (
+    "verified: CalculiX (ccx) runs such a card in dashpot's tests; one element has the stress of "
+    "the law within 1e-3"
+)
+_MOST_TERMS = 6
+"""Of viscoelasticity in *MAT_077."""
+_NO_SWELLING = 1e-6
+"""In place of beta = 0, by which *MAT_HILL_FOAM divides."""
+
+
+class _Card(NamedTuple):
+    """A law in the units of a deck.
+
+    Attributes
+    ----------
+    fit : HyperelasticFit
+    units : UnitSystem
+    constants : tuple of float
+    bulk : float
+        0 of a foam, whose Poisson's ratio says it.
+    density : float or None
+        SI.
+    """
+
+    fit: HyperelasticFit
+    units: UnitSystem
+    constants: tuple[float, ...]
+    bulk: float
+    density: float | None
+
+    @property
+    def pairs(self) -> list[tuple[float, float]]:
+        """Each mu with its alpha."""
+        return list(zip(self.constants, self.fit.law.exponents, strict=True))
+
+    @property
+    def prony(self) -> list[tuple[float, float]]:
+        """Each g_j over the instantaneous modulus, and tau_j."""
+        memory = self.fit.memory
+        if memory is None:
+            return []
+        terms = zip(memory.k, memory.tau, strict=True)
+        return [(k / memory.k_0, tau / self.units.time) for k, tau in terms]
+
+    @property
+    def ratio(self) -> float:
+        """Instantaneous over relaxed modulus."""
+        return 1.0 if self.fit.memory is None else self.fit.memory.k_0
+
+
+def _missing(
+    law: Hyperelastic, target: str, bulk: float | None, density: float | None
+) -> Iterator[str]:
+    """What a card needs that neither the tests nor the options say."""
+    if law.kind != "hyperfoam" and law.bulk is None and bulk is None:
+        yield (
+            "the change of volume was not tested, and no solver takes a rubber without; add "
+            "--bulk-modulus, 2000MPa is usual for solid rubber"
+        )
+    if target == "lsdyna" and not (density and density > 0):
+        yield "an LS-DYNA material needs --density, such as 1200 (kg/m^3)"
+
+
+def hyperelastic_card(
+    target: str,
+    fit: HyperelasticFit,
+    *,
+    units: str | None = None,
+    bulk_modulus: Quantity | None = None,
+    density: float | None = None,
+    temperature: float | None = None,
+    allow: Collection[str] = (),
+) -> DeckText:
+    r"""Return the material card of a hyperelastic law, with its memory where the solver takes one.
+
+    Parameters
+    ----------
+    target : str
+        ``"abaqus"``, ``"calculix"``, ``"ansys"`` or ``"lsdyna"``.
+    fit : HyperelasticFit
+    units : str
+    bulk_modulus : float, optional
+        Of a rubber whose volume was not tested, Pa.
+    density : float, optional
+        kg/m^3; LS-DYNA wants it.
+    temperature : float, optional
+        Of the tests, K, where the fit does not know it.
+    allow : collection of str
+        ``"temperature"``, ``"not_identified"`` (a check that says not to use the law), ``"all"``.
+
+    Raises
+    ------
+    ExportError
+        If something is not stated, or a check says not to use the law.
+    """
+    if target not in TARGETS:
+        raise ExportError(
+            f"{target} takes no hyperelastic law here; expected one of {', '.join(TARGETS)}"
+        )
+    system, law = unit_system(units), fit.law
+    kelvin = fit.temperature if temperature is None else temperature
+    stated = si(bulk_modulus, "stress")
+    missing = [*_missing(law, target, stated, density)]
+    overrides = overlooked(_problems(fit, kelvin), allow, "card", units=units, missing=missing)
+    bulk, measured = _bulk(law, stated)
+    card = _Card(
+        fit, system, tuple(system.stress(c) for c in law.constants), system.stress(bulk), density
+    )
+    body, remarks = TARGETS[target](card)
+    comment = {"ansys": "!", "lsdyna": "$"}.get(target, "**")
+    header = [
+        byline(f"{law.kind} material for {_NAMES[target]}"),
+        f"{fit.verdict.use.upper()}: {fit.verdict.says}",
+        *_described(card, kelvin, measured),
+        *map("OVERRIDE: {}".format, overrides),
+        *(f"CHECK FAILED: {check.says}" for check in fit.checks if check.failed),
+        {"calculix": VERIFIED}.get(target, NOT_VERIFIED),
+        *remarks,
+    ]
+    made = DeckText("\n".join([*(f"{comment} {one_line(line)}" for line in header), *body, ""]))
+    made.verdict, made.checks, made.overrides = fit.verdict, fit.checks, overrides
+    return made
+
+
+def _bulk(law: Hyperelastic, stated: float | None) -> tuple[float, str]:
+    """The bulk modulus, Pa, and how it is known; 0 of a foam."""
+    if law.kind == "hyperfoam":
+        if stated is not None:
+            raise ExportError("a foam's Poisson's ratio says its bulk modulus; no --bulk-modulus")
+        return 0.0, f"by Poisson's ratio {text(law.poisson)}"
+    if stated is not None:
+        return stated, "stated, not measured"
+    assert law.bulk is not None  # noqa: S101  # asked for where it is missing
+    return law.bulk, "measured"
+
+
+def _problems(fit: HyperelasticFit, kelvin: float | None) -> dict[str, tuple[str, str]]:
+    """What is wrong and can be overlooked, each with its remedy."""
+    problems = {}
+    if kelvin is None:
+        problems["temperature"] = (
+            "the test temperature is not stated", "give --temperature 23degC"
+        )  # fmt: skip
+    if fit.verdict.use == "do not use":
+        problems["not_identified"] = fit.verdict.says, "see dashpot fit"
+    return problems
+
+
+def _described(card: _Card, kelvin: float | None, measured: str) -> list[str]:
+    law, units, fit = card.fit.law, card.units, card.fit
+    stress = units.words[4]
+    stated = "not stated" if kelvin is None else f"{kelvin:.6g} K ({written(kelvin, 'degC')})"
+    spans = ", ".join(
+        f"{one.mode} {one.stretch.min():.4g} to {one.stretch.max():.4g}" for one in fit.curves
+    )
+    bulk = "" if law.kind == "hyperfoam" else f"{text(card.bulk)} {stress}, "
+    lines = [
+        f"UNITS: {units.name}: {', '.join(units.words)}",
+        f"shear modulus at rest {text(units.stress(law.shear_modulus))} {stress}",
+        f"bulk modulus {bulk}{measured}",
+        f"temperature: {stated}",
+        f"stretches measured: {spans}",
+        f"not stable (Drucker) from stretch: {_unstable(fit)}",
+        *(f"source: {one.file} sha256 {one.sha256}" for one in fit.sources),
+    ]
+    if any(one.simulated for one in fit.sources):
+        lines.append("SIMULATED: a test behind this card was made by a program")
+    if fit.memory is None:
+        return [*lines, "memory: none was taken off; the curves as tested are taken as elastic"]
+    return [*lines, "memory: taken off the true stress of the tests; the law is that at rest"]
+
+
+def _unstable(fit: HyperelasticFit) -> str:
+    """The stretches from which the law is not stable, in each mode."""
+    ends = [f"{mode} {at:.4g}" for mode, both in fit.stable for at in both if at is not None]
+    return ", ".join(ends) or "nowhere from 0.1 to 10"
+
+
+_NAMES = {
+    "abaqus": "Abaqus", "calculix": "CalculiX", "ansys": "Ansys Mechanical APDL",
+    "lsdyna": "LS-DYNA",
+}  # fmt: skip
+Body = tuple[list[str], Sequence[str]]
+
+
+def _keyword(card: _Card, *, moduli: str) -> list[str]:
+    """*HYPERELASTIC or *HYPERFOAM, which Abaqus and CalculiX read alike."""
+    law = card.fit.law
+    if law.kind in POWERS:
+        name = {"neo-hooke": "NEO HOOKE", "mooney-rivlin": "MOONEY-RIVLIN", "yeoh": "YEOH"}[
+            law.kind
+        ]
+        values = [*card.constants, 2 / card.bulk, *[0.0] * (2 * (law.kind == "yeoh"))]
+        return [f"*HYPERELASTIC, {name}{moduli}", *_rows(values)]
+    count = len(law.exponents)
+    flat = [value for pair in card.pairs for value in pair]
+    if law.kind == "ogden":
+        return [
+            f"*HYPERELASTIC, OGDEN, N={count}{moduli}",
+            *_rows([*flat, 2 / card.bulk, *[0.0] * (count - 1)]),
+        ]
+    return [f"*HYPERFOAM, N={count}{moduli}", *_rows([*flat, *[law.poisson] * count])]
+
+
+def _rows(values: Sequence[float]) -> list[str]:
+    return [", ".join(map(text, values[i : i + 8])) for i in range(0, len(values), 8)]
+
+
+def _abaqus(card: _Card) -> Body:
+    foam = card.fit.law.kind == "hyperfoam"
+    prony = card.prony
+    body = ["*MATERIAL, NAME=RUBBER", *_keyword(card, moduli=", MODULI=LONG TERM" * bool(prony))]
+    if prony:
+        bulk = [g if foam else 0.0 for g, _ in prony]
+        body += ["*VISCOELASTIC, TIME=PRONY"]
+        body += [
+            f"{text(g)}, {text(k)}, {text(tau)}" for (g, tau), k in zip(prony, bulk, strict=True)
+        ]
+    return body, [
+        "D1 = 2 / K; a rubber wants hybrid elements (C3D8H)",
+        "the bulk ratios are those of shear for a foam, and 0 for a rubber"
+        if prony
+        else "no memory",
+    ]
+
+
+def _calculix(card: _Card) -> Body:
+    says = ["D1 = 2 / K"]
+    if card.prony:
+        says.append("CalculiX has no memory beside these: the law is that at rest")
+    return ["*MATERIAL, NAME=RUBBER", *_keyword(card, moduli="")], says
+
+
+_OTHER_MU = "mu here is 2 mu / alpha of Abaqus: W = mu / alpha (...), G = sum mu alpha / 2"
+
+
+def _ansys_invariants(card: _Card) -> tuple[str, list[float], list[str]]:
+    """The name of a law of the invariants, its constants, and what to say of them."""
+    kind, ratio = card.fit.law.kind, card.ratio
+    incompressible = 2 / (ratio * card.bulk)
+    values = [ratio * c for c in card.constants]
+    if kind == "neo-hooke":
+        says = ["the first constant is the shear modulus, 2 C10"]
+        return ",NEO", [2 * values[0], incompressible], says
+    if kind == "yeoh":
+        return "3,YEOH", [*values, incompressible, 0.0, 0.0], []
+    return "2,MOONEY", [*values, incompressible], []
+
+
+def _ansys_powers(card: _Card) -> tuple[str, list[float], list[str]]:
+    """The same of a law of the stretches."""
+    law, ratio = card.fit.law, card.ratio
+    count = len(law.exponents)
+    values = [v for mu, a in card.pairs for v in (2 * ratio * mu / a, a)]
+    if law.kind == "ogden":
+        volume = [2 / (ratio * card.bulk), *[0.0] * (count - 1)]
+        return f"{count},OGDEN", values + volume, [_OTHER_MU]
+    volume = [law.poisson / (1 - 2 * law.poisson)] * count
+    return f"{count},FOAM", values + volume, [_OTHER_MU]
+
+
+def _ansys(card: _Card) -> Body:
+    law = card.fit.law
+    name, values, said = (_ansys_invariants if law.kind in POWERS else _ansys_powers)(card)
+    says = ["d = 2 / K", *said]
+    body = [f"TB,HYPER,1,1,{name}", *tbdata(values)]
+    if card.prony:
+        body += [
+            f"TB,PRONY,1,1,{len(card.prony)},SHEAR",
+            *tbdata([v for p in card.prony for v in p]),
+        ]
+        times = f"{card.ratio:.6g} times those at rest"
+        says.append(f"the constants are the instantaneous ones, {times}")
+        if law.kind == "hyperfoam":
+            says.append("repeat TB,PRONY with BULK: a foam keeps its Poisson's ratio as it relaxes")
+    return body, says
+
+
+def _lsdyna(card: _Card) -> Body:
+    law, units = card.fit.law, card.units
+    density = units.density(card.density or 0.0)
+    G = units.stress(law.shear_modulus)
+    shear = [(card.ratio * g * G, 1 / tau) for g, tau in card.prony]
+    if len(shear) > _MOST_TERMS:
+        raise ExportError(f"*MAT_077 holds {_MOST_TERMS} terms of memory, found {len(shear)}")
+    if law.kind == "hyperfoam":
+        return _hill_foam(card, density)
+    K = card.bulk
+    poisson = (3 * K - 2 * G) / (6 * K + 2 * G)
+    head = fields(1, density, poisson, 0, 0, 0.0, 0.0, 0.0)
+    says = [f"PR is that of K and G: (3 K - 2 G) / (6 K + 2 G) = {poisson:.6g}"]
+    if law.kind in POWERS:
+        known = dict(zip(law.constant_names, card.constants, strict=True))
+        order = ("C10", "C01", "C11", "C20", "C02", "C30")
+        constants = (known.get(name, 0.0) for name in order)
+        body = ["*MAT_HYPERELASTIC_RUBBER", head, fields(*constants, 0.0)]
+    else:
+        body = ["*MAT_OGDEN_RUBBER", head, *_eight_terms(card)]
+        says.append(_OTHER_MU)
+    if shear:
+        says.append(
+            "G_j is that of small strain: LS-DYNA adds the memory linearly to the law at rest"
+        )
+    return ["*KEYWORD", *body, *(fields(*pair) for pair in shear), "*END"], says
+
+
+def _hill_foam(card: _Card, density: float) -> Body:
+    law = card.fit.law
+    beta = law.poisson / (1 - 2 * law.poisson)
+    bulk = card.units.stress(law.bulk_modulus or 0.0)
+    says = [
+        "C = 2 mu / alpha, b = alpha, n = nu / (1 - 2 nu); K serves contact",
+        *([f"n = {_NO_SWELLING:g} stands for 0, by which it would divide"] * (beta == 0)),
+        *(["no memory: *MAT_177 takes none"] * bool(card.prony)),
+    ]
+    return [
+        "*KEYWORD",
+        "*MAT_HILL_FOAM",
+        fields(1, density, bulk, beta or _NO_SWELLING, 0.0, 0, 0, 0),
+        *_eight_terms(card),
+        fields(0.0, 0.0),
+        "*END",
+    ], says
+
+
+def _eight_terms(card: _Card) -> list[str]:
+    """2 mu / alpha of each term, then each alpha; 0 where there are fewer than eight."""
+    filled = card.pairs + [(0.0, 0.0)] * (8 - len(card.pairs))
+    return [
+        fields(*(2 * mu / a if a else 0.0 for mu, a in filled)),
+        fields(*(a for _, a in filled)),
+    ]
+
+
+TARGETS: Mapping[str, Callable[[_Card], Body]] = MappingProxyType(
+    {"abaqus": _abaqus, "calculix": _calculix, "ansys": _ansys, "lsdyna": _lsdyna}
+)
+"""The solvers that take a hyperelastic law."""

@@ -1,0 +1,54 @@
+"""What a user says of a test of a material: its mode, and what stress and strain are over."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING, NamedTuple
+
+from dashpot.base.choices import Measure, refuse_other
+from dashpot.base.option_fields import option
+
+if TYPE_CHECKING:
+    from dashpot.extensions.materials.hyperelastic.strain_energy import Mode
+
+
+class FilesOfMode(NamedTuple):
+    """Files of one mode of test: what users are told, and whether their specimen was pressed."""
+
+    says: str
+    mode: Mode
+    pressed: bool = False
+
+
+MODES = MappingProxyType({
+    "uniaxial": FilesOfMode("Uniaxial: stress over strain; tension > 0.", "uniaxial"),
+    "compression": FilesOfMode("Uniaxial, pressed: whatever the signs.", "uniaxial", pressed=True),
+    "biaxial": FilesOfMode("Equibiaxial.", "equibiaxial"),
+    "planar": FilesOfMode("Planar tension (pure shear).", "planar"),
+    "volumetric": FilesOfMode(
+        "Pressure over volume ratio or volumetric strain.", "volumetric", pressed=True
+    ),
+})  # fmt: skip
+"""By the option that names them."""
+
+
+@dataclass(frozen=True)
+class Measures:
+    """What stress and strain of a file are over: as at rest, or as they are.
+
+    Attributes
+    ----------
+    stress_is : str
+        ``"nominal"`` (force over area at rest), ``"true"`` (over the area as it is, of a material
+        that keeps its volume), or ``"auto"``: as its column is named, or nominal.
+    strain_is : str
+        ``"nominal"`` (elongation over length at rest), ``"true"`` (logarithmic) or ``"auto"``.
+    """
+
+    stress_is: str = option("auto", "Over the area at rest, or as it is.", choices=Measure)
+    strain_is: str = option("auto", "Over the length at rest, or its log.", choices=Measure)
+
+    def __post_init__(self) -> None:
+        for name, one in vars(self).items():
+            refuse_other(name, one, Measure)

@@ -1,0 +1,39 @@
+"""The page of a law of stress over stretch."""
+
+from __future__ import annotations
+
+from dashpot.base.number_format import counted, rounded
+from dashpot.base.units import written
+from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
+from dashpot.report.page_content import Fold, KindPage, Topic, group, lights, tried
+from dashpot.report.tables import TextTable
+
+
+def page(found: HyperelasticFit) -> KindPage:
+    """What the page of a hyperelastic law holds."""
+    use = {"stable_in_use", "use_measured", "volume_known"}
+    law = {"law_followed", "no_law_closer", "foam_no_closer", "constants_known", "modes_enough",
+           "modes_told", "sideways_agrees"}  # fmt: skip
+    left = f"{rounded(100 * max(found.residuals), digits=2)} % left"
+    curves = tuple(
+        (one.mode, "" if one.source is None else one.source.file,
+         f"{one.stretch.min():.4g} to {one.stretch.max():.4g}", str(one.rows),
+         rounded(100 * residual, digits=3))
+        for one, residual in zip(found.curves, found.residuals, strict=True)
+    )  # fmt: skip
+    warm = found.temperature
+    return KindPage(
+        about=f"stress over strain, {counted(len(found.curves), 'curve')}",
+        strip=(("Law", found.law.kind), ("Curves", ", ".join(one.mode for one in found.curves)),
+               ("Temperature", "not given" if warm is None else written(warm, "°C", ".1f"))),
+        lights=lights(found.checks, Topic("Curves"), Topic("Law", law, left),
+                      Topic("Use", use, "stable where used")),
+        answers="Stress over stretch",
+        picture=found.plot(),
+        told=f"The {found.law.kind} law",
+        groups=(group("", found.found),),
+        sources=found.sources,
+        folds=(Fold("Each curve", "stretches, rows, residual",
+                    TextTable(("test", "file", "stretch", "rows", "residual, %"), curves)),
+               tried(found.orders)),
+    )  # fmt: skip

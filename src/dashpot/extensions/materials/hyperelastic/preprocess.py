@@ -1,0 +1,133 @@
+"""From a test to the elastic curve in it: one loading, without memory, in means of neighbours."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.errors import FitError
+from dashpot.extensions.materials.hyperelastic.datamodel import ElasticCurve, StressStrainTest
+from dashpot.preprocessing.strokes import Stroke, strokes_of
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+MOST_POINTS = 100
+"""Of one curve: neighbours in stretch are one mean."""
+_WHOLE = 0.95
+"""Part of the largest strain that a loading must reach to be chosen."""
+_BOTH = 0.1
+"""Part of the largest strain from which a record shows tension and compression both."""
+_SCATTERED = 4
+"""Samples of a stroke below which rows are points in no order."""
+
+
+class _LoadingRows(NamedTuple):
+    """Rows of the loading, and what the others say of it."""
+
+    rows: IndexArray
+    lost: float | None
+    softer: float | None
+
+
+def elastic_curve(
+    test: StressStrainTest, *, memory: GeneralizedMaxwell | None = None, cycle: int | None = None
+) -> ElasticCurve:
+    r"""Return the curve of a test that a law is fitted to: its last whole loading.
+
+    Parameters
+    ----------
+    test : StressStrainTest
+    memory : GeneralizedMaxwell, optional
+        Whose k_inf is 1. The true stress is taken to be that of an elastic curve with memory,
+        :math:`\sigma = \int g(t-s)\,d\sigma_e(s)`, which is inverted exactly.
+    cycle : int, optional
+        The loading to use, counted from 1.
+
+    Raises
+    ------
+    FitError
+        If a memory is to be taken off a test without a clock, or there is no such loading.
+    """
+    stress = test.stress if memory is None else _without(memory, test)
+    chosen = _chosen(test.stretch, stress, cycle)
+    rows = chosen.rows
+    x, y = _means(test.stretch[rows], stress[rows])
+    took = None if test.time is None else float(np.ptp(test.time[rows]))
+    return ElasticCurve(
+        test.mode, x, y, len(rows), chosen.lost, chosen.softer, took, test.stated, test.source
+    )  # fmt: skip
+
+
+def _without(memory: GeneralizedMaxwell, test: StressStrainTest) -> FloatArray:
+    """The nominal stress at rest: the memory is of the stress on the area as it is, over length."""
+    if test.time is None:
+        raise FitError(
+            f"the {test.mode} test has no clock, and without one no memory is taken off; give the "
+            "rate (--rate 10Hz), or a file with a column of time"
+        )
+    if test.mode == "volumetric":
+        return test.stress
+    return memory.displacement(test.time, test.stress * test.stretch) / test.stretch
+
+
+def _chosen(stretch: FloatArray, stress: FloatArray, cycle: int | None) -> _LoadingRows:
+    strain = stretch - 1
+    far = strain[np.argmax(np.abs(strain))]
+    if min(float(strain.max()), -float(strain.min())) > _BOTH * abs(far):
+        return _LoadingRows(np.argsort(stretch, kind="stable"), None, None)
+    away = np.sign(far) * strain
+    strokes = strokes_of(away, resolution=0.0)
+    if len(stretch) < _SCATTERED * len(strokes):
+        return _LoadingRows(np.argsort(away, kind="stable"), None, None)
+    loadings = _loadings(away, strokes)
+    if cycle is not None and cycle > len(loadings):
+        raise FitError(f"cycle = {cycle}, but the test has {len(loadings)} whole loadings")
+    taken = loadings[-1 if cycle is None else cycle - 1]
+    softer = None
+    if len(loadings) > 1:
+        softer = 1 - _middle(away, stress, loadings[-1]) / _middle(away, stress, loadings[0])
+    lost = _lost(away, stress, taken, strokes)
+    return _LoadingRows(np.arange(taken.first, taken.last + 1), lost, softer)
+
+
+def _loadings(away: FloatArray, strokes: Sequence[Stroke]) -> list[Stroke]:
+    """The whole loadings; any, where none is whole."""
+    inward = [one for one in strokes if one.inward]
+    whole = _WHOLE * float(away.max())
+    # a record that only comes back is one way, too
+    return [one for one in inward if away[one.last] >= whole] or inward or list(strokes[:1])
+
+
+def _along(x: FloatArray, y: FloatArray, one: Stroke) -> tuple[FloatArray, FloatArray]:
+    part = np.argsort(x[one.samples], kind="stable")
+    return x[one.samples][part], y[one.samples][part]
+
+
+def _lost(x: FloatArray, y: FloatArray, there: Stroke, strokes: Sequence[Stroke]) -> float | None:
+    """Part of the energy of a loading that its unloading does not return, where both were."""
+    back = next((one for one in strokes if one.first >= there.last and not one.inward), None)
+    if back is None:
+        return None
+    (x1, y1), (x2, y2) = _along(x, y, there), _along(x, y, back)
+    at = np.linspace(max(x1[0], x2[0]), min(x1[-1], x2[-1]), 200)
+    put, given = (float(np.trapezoid(np.interp(at, a, b), at)) for a, b in ((x1, y1), (x2, y2)))
+    return 1 - given / put
+
+
+def _middle(x: FloatArray, y: FloatArray, one: Stroke) -> float:
+    """Stress at half the largest strain."""
+    return float(np.interp(0.5 * x.max(), *_along(x, y, one)))
+
+
+def _means(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The points by stretch; of many, the means over even parts of their range."""
+    order = np.argsort(x, kind="stable")
+    x, y = x[order], y[order]
+    if len(x) <= MOST_POINTS:
+        return x, y
+    edges = np.linspace(x[0], x[-1], MOST_POINTS + 1)[1:-1]
+    firsts = np.unique(np.concatenate(([0], np.searchsorted(x, edges))))
+    counts = np.diff(np.append(firsts, len(x)))
+    return np.add.reduceat(x, firsts) / counts, np.add.reduceat(y, firsts) / counts

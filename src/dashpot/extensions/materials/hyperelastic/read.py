@@ -1,0 +1,171 @@
+"""From a file to nominal stress over stretch of a material."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base import units
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import ReadError
+from dashpot.extensions.materials.hyperelastic.datamodel import StressStrainTest
+from dashpot.extensions.materials.hyperelastic.options import Measures
+from dashpot.extensions.materials.hyperelastic.strain_energy import Mode, poisson_of
+from dashpot.reading.columns import vocabulary
+from dashpot.reading.columns.role_assignment import handle, quoted, suited
+from dashpot.reading.columns.vocabulary import Role
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers import channels
+from dashpot.reading.readers.channels import Channel, Opened
+from dashpot.reading.readers.relaxation import signals
+from dashpot.reading.readers.rubber_limits import refuse_sizes_of_rubber
+from dashpot.reading.table import Column
+
+_MIXED = 0.05
+"""Part of the largest stress that may have the wrong sign: noise about zero."""
+
+
+def read_stress_strain(
+    path: str | Path,
+    mode: Mode,
+    *,
+    pressed: bool = False,
+    measures: Measures | None = None,
+    options: ReadOptions | None = None,
+) -> StressStrainTest:
+    """Return the stress over stretch of a material in a file, in SI units.
+
+    Parameters
+    ----------
+    path : path
+        With columns of stress, and of stretch or strain; a column of time is kept.
+    mode : str
+        ``"uniaxial"``, ``"equibiaxial"``, ``"planar"`` or ``"volumetric"``.
+    pressed : bool
+        The specimen was pressed: strain and stress are sizes whatever their sign. Always so of a
+        volumetric test, whose stress is a pressure.
+    measures : Measures, optional
+    options : ReadOptions, optional
+
+    Raises
+    ------
+    ReadError
+        If the file cannot be read, or leaves open which column is what, in which unit or sense.
+    """
+    measures, pressed = measures or Measures(), pressed or mode == "volumetric"
+    with channels.opened(path, options) as file:
+        elongated = _elongated(file)
+        _expected(file, elongated)
+        chosen, values, notes = signals(file, elongated, "stress", least=4, clock_matters=False)
+        strain, stress = values[elongated], values["stress"]
+        # of a volume a hundredth is much
+        told = None if mode == "volumetric" else strain - (elongated == "stretch")
+        refuse_sizes_of_rubber(file, chosen[-2], chosen[-1], told, stress)
+        stated = True
+        if elongated == "strain":
+            true, stated, said = _is_true(file, chosen[-2], measures.strain_is)
+            notes.append(said)
+            strain = -np.abs(strain) if pressed else strain
+            strain = np.exp(strain) if true else 1 + strain
+        strain, stress, turned = _signed(strain, stress, pressed=pressed)
+        notes += turned
+        if mode != "volumetric":
+            true, said_so, said = _is_true(file, chosen[-1], measures.stress_is)
+            notes.append(said)
+            stated = stated and said_so
+            # in each mode the area across is the volume over the length
+            stress = stress / strain if true else stress
+        poisson = None
+        if mode == "uniaxial" and elongated == "strain":
+            poisson, said_sideways = _sideways(file, chosen[-2], measures, pressed=pressed)
+            notes += said_sideways
+        source = channels.source(file, [one.says for one in chosen], notes)
+        return StressStrainTest(
+            mode, strain, stress, values.get("time"), stated, source, poisson, units="SI"
+        )
+
+
+def _is_sideways(column: Column) -> bool:
+    """Whether a column is of a strain square to the force."""
+    named = vocabulary.has_word(column.name, vocabulary.SIDEWAYS)
+    return column.content == "number" and named and bool(units.find(column.unit or "", "strain"))
+
+
+def _sideways(
+    file: Opened, along: Channel, measures: Measures, *, pressed: bool
+) -> tuple[float | None, list[str]]:
+    """Poisson's ratio of a column of strain square to the force, and what is said of it."""
+    columns = file.table.columns
+    found = [i for i, one in enumerate(columns) if i != along.index and _is_sideways(one)]
+    if not found:
+        return None, []
+    index = found[0]
+    named = replace(file, options=replace(file.options, strain=handle(columns, index)))
+    (across,) = channels.choose(named, ["strain"])
+    loaded = channels.load(file.table, [along.index, index], file.options.segment)
+    rows, _ = channels.whole_rows(loaded)
+    strains = [one.unit.factor * rows[:, j] for j, one in enumerate((along, across))]
+    if pressed:  # both are sizes
+        strains = [-np.abs(strains[0]), np.abs(strains[1])]
+    true = [_is_true(file, one, measures.strain_is)[0] for one in (along, across)]
+    ratio = poisson_of(*(np.exp(e) if log else 1 + e for e, log in zip(strains, true, strict=True)))
+    more = f"; {len(found) - 1} more such columns are left out" if len(found) > 1 else ""
+    return ratio, [f"{quoted(columns, index)} shows Poisson's ratio {ratio:.3g}{more}"]
+
+
+def _expected(file: Opened, elongated: Role) -> None:
+    """Refuse another kind of file, unless both columns stand there."""
+    if not (file.column(elongated) and file.column("stress")):
+        named = ("stress", *_ELONGATED)
+        channels.expect(file, ["stress-strain"], "stress over strain is", named=named)
+
+
+def _elongated(file: Opened) -> Role:
+    """Whether the file has a stretch or a strain."""
+    options = file.options
+    if options.stretch or options.strain:
+        return "stretch" if options.stretch else "strain"
+    best = {
+        role: max(suited(file.table, role, options).values(), default=0.0)
+        for role in _ELONGATED
+    }  # fmt: skip
+    return max(_ELONGATED, key=lambda role: best[role])
+
+
+_ELONGATED: tuple[Role, Role] = ("strain", "stretch")
+
+
+def _is_true(file: Opened, one: Channel, given: str) -> tuple[bool, bool, str]:
+    """Whether a column is over what is, not what was at rest; whether that was said; and why."""
+    column = file.table.columns[one.index]
+    name = quoted(file.table.columns, one.index)
+    if given != "auto":
+        return given == "true", True, f"{name} is {given}, as given"
+    if vocabulary.has_word(column.name, vocabulary.OF_ACTUAL):
+        return True, True, f"{name} is true, as its name says"
+    if vocabulary.has_word(column.name, vocabulary.OF_REST):
+        return False, True, f"{name} is nominal, as its name says"
+    if column.unit and units.same(column.unit, "%"):
+        return False, True, f"{name} is nominal: a logarithm is not written in per cent"
+    return False, False, f"{name} is taken to be nominal (--{one.role}-is)"
+
+
+def _signed(
+    stretch: FloatArray, stress: FloatArray, *, pressed: bool
+) -> tuple[FloatArray, FloatArray, list[str]]:
+    """Stretch, and stress with the sign of its strain, tension > 0; of a `pressed` one < 0."""
+    if pressed:
+        return np.where(stretch > 1, 2 - stretch, stretch), -np.abs(stress), []
+    strain = stretch - 1
+    together = float(strain @ stress)
+    if together >= 0:
+        return stretch, stress, []
+    if float(strain.max()) <= _MIXED * float(np.abs(strain).max()):
+        turned = ["the specimen was pressed, and its stress is counted > 0: sign changed"]
+        return stretch, -stress, turned
+    raise ReadError(
+        "the stress falls where the strain grows: one of them has the other sign; if the specimen "
+        "was pressed, say so: --test compression (Python: test='compression')"
+    )

@@ -1,0 +1,27 @@
+"""What the app asks of an indenter's contact, and what it finds by what was answered."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from dashpot.base.form_fields import Answers, Ask
+from dashpot.extensions.materials.indentation.datamodel import IndentationFit
+from dashpot.extensions.materials.indentation.fit_files import indent_file
+from dashpot.extensions.materials.indentation.indenter import Indenter
+from dashpot.reading.read_options import ReadOptions
+
+ASKS = (
+    Ask("mass", "Moving mass", "g", "--mass"),
+    Ask("radius", "Tip radius", "mm", "--radius"),
+    Ask("drop_height", "Drop height", "mm", "--drop-height"),
+)
+
+
+def answered(files: Sequence[str], said: Answers, options: ReadOptions) -> IndentationFit:
+    """What the contact says of the surface."""
+    indenter = Indenter(
+        mass=said.needed("mass", "mass"),
+        radius=said.number("radius", "length"),
+        drop_height=said.number("drop_height", "length"),
+    )
+    return indent_file(files[0], indenter=indenter, options=options)

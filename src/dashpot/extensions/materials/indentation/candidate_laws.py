@@ -1,0 +1,195 @@
+"""The laws that a contact is tried with: their parameters, starts, and what a sensor would record.
+
+A fit's parameters are what a record shows: the logarithms of how long the contact lasts and of what
+it changes of the speed, and the time of the touch, s; between them numbers of the law's own, a loss
+and a time. Nothing pulls in these: what does, makes the contact of the same law somewhat longer.
+The motion is marched again for the law's own numbers alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.extensions.materials.indentation.collision import (
+    Collision,
+    Shape,
+    relaxing,
+    scaled,
+    stiffness_of,
+    viscous,
+)
+from dashpot.extensions.materials.indentation.contact_law import (
+    SPHERE,
+    ContactLaw,
+    RelaxingContact,
+    ViscousContact,
+)
+from dashpot.extensions.materials.indentation.datamodel import Motion
+from dashpot.numerics.least_squares.problem import Parameter
+
+_SLIGHT = np.array([0.02, 1.0])
+"""Of a loss and a time, whose arsinh in this unit is the parameter: by what is less a record
+changes in proportion, and where both are more their logarithms do."""
+_RANGE = np.array([[1e-6, 10.0], [1 / 32, 32.0]])
+_REACH = 8.0
+"""Of the logarithm of a number, from where it begins."""
+_HALF_WAVE = 1.07
+"""Pi over the length of a lossless contact."""
+STEP = 3e-5
+"""Of a difference, where a motion is marched again."""
+
+
+@dataclass(frozen=True)
+class Law:
+    """A law as a fit takes it.
+
+    Attributes
+    ----------
+    exponent : float
+    shape : callable
+        Of the law's own numbers and the pull, without units.
+    made : callable
+        The contact of k, the unit of time and the law's own numbers.
+    starts : tuple of tuple
+        Values of its loss, and of its time, that are tried, each with each.
+    numbers : callable
+        The law's own numbers of its loss and its time.
+    """
+
+    exponent: float
+    shape: Callable[..., Shape]
+    made: Callable[..., ContactLaw]
+    starts: tuple[tuple[float, ...], ...] = ()
+    numbers: Callable[..., Sequence[float]] = lambda *own: own
+
+    def held(self, own: Sequence[float]) -> Law:
+        """The law with its loss and its time held."""
+        found = self.numbers(*own)
+        return replace(self, starts=(), numbers=lambda: found)
+
+    def parameters(self, lasts: float, change: float) -> list[Parameter]:
+        """The range of each, but for the touch."""
+        own = np.arcsinh(_RANGE / _SLIGHT[:, None])[: len(self.starts)]
+        first, last = np.log((lasts, change))
+        ends = [[first - _REACH, first + _REACH], *own, [last - _REACH, last + _REACH]]
+        return [Parameter(float(low), float(high)) for low, high in ends]
+
+    def begun(self, lasts: float, own: Sequence[float], change: float) -> FloatArray:
+        """The parameters, but for the touch."""
+        first, last = np.log((lasts, change))
+        return np.array([first, *np.arcsinh(own / _SLIGHT[: len(own)]), last])
+
+    def _read(self, theta: FloatArray) -> tuple[float, Sequence[float], float]:
+        """The unit of time, the law's own numbers and the speed of parameters."""
+        lasts, change = np.exp(theta[[0, -2]]).tolist()
+        own = np.sinh(theta[1:-2]) * _SLIGHT[: len(theta) - 3]
+        found = self.numbers(*own.tolist())
+        free = self.shape(*found, 0.0)
+        return lasts / float(free.time[-1]), found, change / (1 - float(free.velocity[-1]))
+
+    def contact(self, theta: FloatArray, mass: float) -> ContactLaw:
+        """The contact of a fit's parameters."""
+        unit, own, speed = self._read(theta)
+        k = stiffness_of(self.exponent, unit=unit, mass=mass, velocity=speed)
+        return self.made(k, unit, *own)
+
+    def collision(self, theta: FloatArray, mass: float, pull: float) -> Collision:
+        """The motion of a fit's parameters."""
+        unit, own, speed = self._read(theta)
+        shape = self.shape(*own, pull * unit / speed)
+        return scaled(shape, unit=unit, mass=mass, velocity=speed, pull=pull)
+
+
+def _maxwell(loss: float, time: float) -> tuple[float, float]:
+    """The arm's g, and its tau in the unit of time, of k''(w) / k and w tau.
+
+    Nearly: w is pi over the length of a lossless contact as stiff as k'(w). In these a record's
+    valley is straight.
+    """
+    return loss * (1 + time**2) / time, time / (_HALF_WAVE * (1 + loss * time) ** 0.4)
+
+
+LAWS = MappingProxyType(
+    {
+        "kelvin-voigt": Law(
+            1.0, partial(viscous, 1.0), lambda k, unit, A: ViscousContact(k, A * unit, 1.0),
+            ((0.1, 0.5),),
+        ),
+        "hertz": Law(SPHERE, partial(viscous, SPHERE, 0.0), lambda k, _: ViscousContact(k)),
+        "hertz-kelvin-voigt": Law(
+            SPHERE, partial(viscous, SPHERE), lambda k, unit, A: ViscousContact(k, A * unit),
+            ((0.05, 0.3),),
+        ),
+        "hertz-maxwell": Law(
+            SPHERE, relaxing, lambda k, unit, g, tau: RelaxingContact(k, g, tau * unit),
+            (tuple(0.02 * 2.0**np.arange(7)), tuple(2.0**np.arange(-3, 4))), _maxwell,
+        ),
+    }
+)  # fmt: skip
+
+
+class Recorded(NamedTuple):
+    """What a sensor would record, and how it changes, each of shape (n,).
+
+    Attributes
+    ----------
+    value : array
+    rate : array
+        By time.
+    stretched : array
+        By the logarithm of the unit of time, the speed kept, and the pull in that unit.
+    """
+
+    value: FloatArray
+    rate: FloatArray
+    stretched: FloatArray
+
+
+def recorded(hit: Collision, of: Motion, since: FloatArray, step: float) -> Recorded:
+    """Return what a sensor would record, positive for a push, at times since the touch, s.
+
+    An acceleration is the specific force F/m, for what falls freely weighs nothing. A force that
+    jumps at the touch is averaged over a sample, as every recorder does.
+    """
+    from scipy.interpolate import CubicHermiteSpline
+
+    t, end, F = hit.time, hit.duration, hit.force
+    inside = (since > 0) & (since < end)
+
+    def seen(what: FloatArray, rate: FloatArray, at: FloatArray = since) -> tuple[FloatArray, ...]:
+        """By the cubics of value and rate, which bend as a motion does, and their rate."""
+        cubic = CubicHermiteSpline(t, what, rate)
+        at = np.clip(at, 0.0, end)
+        return cubic(at), cubic(at, 1)
+
+    push, rate = (one * inside for one in seen(F, np.gradient(F, t, edge_order=2)))
+    if of in {"acceleration", "force"}:
+        scale = 1.0 if of == "force" else 1 / hit.mass
+        value, stretched = push, -push - since * rate
+        if F[0] > 0:
+            lost = hit.velocity[0] + hit.pull * t - hit.velocity  # the force's integral over mass
+            edge = np.stack((since - step / 2, since + step / 2))
+            value, force = seen(lost * hit.mass, F, edge)
+            force *= (edge > 0) & (edge < end)
+            value, rate, stretched = (
+                np.diff(one, axis=0)[0] / step for one in (value, force, -edge * force)
+            )
+        return Recorded(value * scale, rate * scale, stretched * scale)
+    before, after = np.minimum(since, 0.0), np.maximum(since - end, 0.0)
+    # in flight with the speed of approach, or of release
+    slowed = push / hit.mass - hit.pull
+    if of == "velocity":
+        speed = seen(hit.velocity, hit.acceleration)[0] + hit.pull * (before + after)
+        return Recorded(-speed, slowed, -since * slowed)
+    way, speed = seen(hit.displacement, hit.velocity)
+    speed += hit.pull * (before + after)
+    way += hit.velocity[0] * before + hit.velocity[-1] * after
+    way += hit.pull * (before**2 + after**2) / 2
+    return Recorded(-way, -speed, since * speed - way)

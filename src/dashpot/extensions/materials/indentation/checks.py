@@ -1,0 +1,340 @@
+"""What a contact can be trusted with, as criteria."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dashpot.base.checks import Check, Finding, Remedy, criterion
+from dashpot.base.reported_values import Fact
+from dashpot.base.units import GRAVITY
+from dashpot.extensions.materials.indentation.collision import Collision
+from dashpot.extensions.materials.indentation.datamodel import IndentationFit, IndentationTest
+from dashpot.extensions.materials.indentation.preprocess import ContactInterval
+
+SAMPLED = 20
+FLIGHT = 0.1
+ALIKE = 0.05
+KNOWN = 1.25
+"""A factor within which a parameter is known."""
+FOLLOWED = 1.5
+LOST = 0.02
+SMALL = 2e-3
+"""Part of the push that may be left of a record without noise."""
+_NOISELESS = 1e-4
+"""Part of the push below which what is left in flight is no noise."""
+_UNKNOWN = 100.0
+"""A factor beyond which not even the size of a number is known."""
+_COMPARED = ("restitution", "modulus", "depth")
+
+
+def judge(
+    fit: IndentationFit,
+    hit: Collision,
+    test: IndentationTest,
+    *,
+    contact: ContactInterval,
+    clipped: int,
+    others: Sequence[tuple[str, Sequence[Fact]]],
+) -> tuple[Check, ...]:
+    """Every check of a contact."""
+    since, T = fit.time, fit.duration
+    before, after = float(-since[0] / T), float(since[-1] / T - 1)
+    size = float(np.ptp(fit.modelled)) or 1.0
+    scarce = fit.noise < _NOISELESS * size
+    relative = fit.residual * size / fit.noise if not scarce else None
+    stated = test.indenter.stated_velocity
+    names = [one for one in fit.found if one.name in {"k", "c", "viscous_time", "g", "tau"}]
+    known = [one for one in names if one.low > 0] or names
+    worst = max(known, key=lambda one: one.high / one.value)
+    bounded = ", ".join(
+        f"{one.name.replace('_', ' ')} is below {one.high:.3g} {one.unit}".strip()
+        for one in names
+        if one.low == 0
+    )
+    return (
+        contact_sampled(T / test.step),
+        flights_recorded(before, after),
+        sensor_in_range(clipped),
+        first_contact(contact.before, contact.after),
+        law_followed(relative, fit.residual),
+        released_freely(*_undershoot(fit, size)),
+        parameters_known(worst.name, worst.high / worst.value, bounded, leads=_leading(fit)),
+        laws_agree(fit, others),
+        velocity_agrees(fit["impact_velocity"].value, stated),
+        gravity_known(GRAVITY * T / hit.approach, stated),
+        force_agrees(_force_ratio(fit, test)),
+        indentation_shallow(hit.depth, test.indenter.radius),
+        sensor_fast_enough(_memory(fit, test.step)),
+    )
+
+
+def _undershoot(fit: IndentationFit, size: float) -> tuple[float | None, float]:
+    """The mean record just after release, over the push, and its noise; None where it ends."""
+    if fit.of not in {"acceleration", "force"}:
+        return None, 0.0
+    after = (fit.time > 1.02 * fit.duration) & (fit.time < 1.25 * fit.duration)
+    count = int(np.count_nonzero(after))
+    if count < 4:
+        return None, 0.0
+    return float(np.mean(fit.measured[after])) / size, 4 * fit.noise / size / np.sqrt(count)
+
+
+def _force_ratio(fit: IndentationFit, test: IndentationTest) -> float | None:
+    """Impulse of a force that was recorded too, over mass times the change of speed."""
+    if test.force is None or test.of == "force" or test.indenter.mass is None:
+        return None
+    since = test.time - fit.touch
+    inside = (since > -0.05 * fit.duration) & (since < 1.05 * fit.duration)
+    about = (since > -0.5 * fit.duration) & (since < 1.5 * fit.duration)
+    rest = float(np.median(test.force[about & ~inside])) if (about & ~inside).any() else 0.0
+    impulse = abs(float(np.sum(test.force[inside] - rest))) * test.step
+    speed = fit["impact_velocity"].value
+    change = speed * (1 + fit["restitution"].value) + test.indenter.pull * fit.duration
+    return impulse / (test.indenter.mass * change)
+
+
+def _memory(fit: IndentationFit, step: float) -> float | None:
+    """Time over which the noise in flight remembers itself, over the contact's."""
+    left = (fit.measured - fit.modelled)[fit.time < 0]
+    if len(left) < 24 or fit.noise < _NOISELESS * float(np.ptp(fit.modelled)):
+        return None
+    left = left - left.mean()
+    rough = float(np.sum(np.diff(left) ** 2) / np.sum(left**2))  # 2 where it is white
+    near = min(max(1 - rough / 2, 0.0), 0.999)
+    return -step / np.log(near) / fit.duration if near > 0 else 0.0
+
+
+@criterion("samples in contact", ">=", SAMPLED, "below it the touch and the damping trade")
+def contact_sampled(samples: float) -> Finding:
+    """The contact is sampled densely enough to show its shape."""
+    return Finding(
+        f"The contact has {samples:.0f} samples; at least {SAMPLED} are needed",
+        samples,
+        remedy="Sample faster.",
+    )
+
+
+@criterion(
+    "shorter flight / contact",
+    ">=",
+    FLIGHT,
+    "our choice: a tenth of the contact shows offset and touch",
+    otherwise="stop where a third of the contact is missing",
+)
+def flights_recorded(before: float, after: float) -> Finding:
+    """The record begins before the touch and ends after the release."""
+    short = min(before, after)
+    side = "begins" if before <= after else "ends"
+    where = "before the touch" if before <= after else "after the release"
+    says = f"The record {side} {abs(short):.2g} contact times {where}"
+    because = "Offset, touch and damping cannot be separated" if short >= 0 else ""
+    instead = (
+        f"The record {side} in the contact: {100 * -short:.0f} % of it is missing, so stiffness "
+        "and damping are not known"
+        if short < 0
+        else ""
+    )
+    return Finding(
+        says,
+        short,
+        because,
+        "Trigger earlier, and record longer.",
+        instead,
+        grade="stop" if short < -1 / 3 else "limit",
+    )
+
+
+@criterion("samples at the limit", "<=", 0.0, "a sensor at its limit repeats one number")
+def sensor_in_range(clipped: int) -> Finding:
+    """The sensor was not at its limit."""
+    return Finding(
+        f"{clipped} samples have the same largest value",
+        float(clipped),
+        "The sensor or its amplifier was clipped. These samples were left out",
+        "Use a larger range, or hit more softly.",
+    )
+
+
+@criterion("contacts before the largest", "<=", 0.0, "later contacts are slower bounces")
+def first_contact(before: int, after: int) -> Finding:
+    """The contact that is fitted is the first of the record."""
+    more = f"; {after} later contacts were left out" if after else ""
+    return Finding(
+        f"{before} contacts come before the one fitted{more}",
+        float(before),
+        "The body did not meet the surface at rest, or something else touched it",
+        "Cut the record.",
+    )
+
+
+@criterion(
+    "residual in contact / in flight",
+    "<=",
+    FOLLOWED,
+    "sound records: 0.8 to 1.3",
+    otherwise="stop where a fiftieth of the push is left",
+)
+def law_followed(ratio: float | None, residual: float) -> Finding:
+    """The law follows the contact down to the noise."""
+    return Finding(
+        f"The law misses the contact by {100 * residual:.2g} % of the push"
+        + (f", {ratio:.2g} times the noise in flight" if ratio is not None else ""),
+        ratio,
+        "Yielding, adhesion, a double contact, a thin layer, or a filter may cause this",
+        "Use the numbers for this hit only.",
+        excused=ratio is not None and residual <= SMALL,
+        grade="stop" if residual > LOST else "limit",
+    )
+
+
+@criterion("pull after release / push", ">=", -0.02, "our choice: a fiftieth of the push")
+def released_freely(pull: float | None, noise: float) -> Finding:
+    """Nothing holds the body back as it leaves."""
+    if pull is None:
+        return Finding("No acceleration or force shows the release", None)
+    return Finding(
+        f"After the release {100 * pull:.2g} % of the push is recorded",
+        min(pull + noise, 0.0) if pull < 0 else pull,
+        "The surface is sticky, or the sensor does not pass low frequencies",
+        "Clean the surface, or use another sensor.",
+    )
+
+
+@criterion(
+    "worst interval, a factor",
+    "<=",
+    KNOWN,
+    "our choice: a quarter",
+    otherwise="note where stiffness, depth, restitution and modulus are",
+)
+def parameters_known(
+    name: str, factor: float, bounded: str = "", *, leads: float = np.inf
+) -> Finding:
+    """Each parameter of the law is known to a quarter, or a loss is bounded from above.
+
+    `leads` is the worst of stiffness, depth, restitution and modulus; what shares a loss among
+    other parameters is in their intervals.
+    """
+    word = name.replace("_", " ")
+    within = f"{word} is known within a factor of {factor:.4g}"
+    if factor >= _UNKNOWN:
+        within = f"{word} is not known, not even in its size"
+    return Finding(
+        within + f"; {bounded}" * bool(bounded),
+        factor,
+        f"This contact does not determine {word} alone",
+        "Use the numbers with narrow intervals.",
+        grade="note" if leads <= KNOWN else None,
+    )
+
+
+def _leading(fit: IndentationFit) -> float:
+    """The widest interval, a factor, of what a contact is made for."""
+    return max(one.high / one.value for one in fit.found if one.name in {"k", *_COMPARED})
+
+
+@criterion("largest difference between laws", "<=", ALIKE, "our choice: 5 %")
+def laws_agree(fit: IndentationFit, others: Sequence[tuple[str, Sequence[Fact]]]) -> Finding:
+    """Laws that explain the contact as well say the same of restitution, modulus and depth."""
+    if not others:
+        return Finding(f"No other law explains the contact as well as {fit.law}", 0.0)
+    apart = []
+    for law, found in others:
+        theirs = {one.name: one.value for one in found}
+        for one in fit.found:
+            if one.name in _COMPARED and one.name in theirs:
+                apart.append((abs(theirs[one.name] / one.value - 1), law, one.name))
+    most, law, name = max(apart)
+    return Finding(
+        f"{law} explains the contact too; its {name} differs by {100 * most:.2g} %",
+        most,
+        "This contact cannot separate the two laws",
+        Remedy("Hit at another speed or with another mass, or name the law.", "model"),
+    )
+
+
+@criterion(
+    "recorded speed / stated",
+    "x/",
+    1.04,
+    "sound records 0.993 to 1.012; depth, and k with its square, are then off by 4 to 5 %",
+)
+def velocity_agrees(speed: float, stated: float | None) -> Finding:
+    """The speed that the record shows is the one that was stated."""
+    if stated is None:
+        return Finding("No height of fall or speed was given to compare with", None)
+    ratio = speed / stated
+    unit = next(
+        (
+            f"The factor is that between {word}. "
+            for factor, word in ((GRAVITY, "g and m/s^2"), (1e3, "units a thousandfold apart"))
+            if 0.85 < ratio / factor < 1.18 or 0.85 < ratio * factor < 1.18
+        ),
+        "",
+    )
+    return Finding(
+        f"The record shows an approach at {speed:.4g} m/s; {stated:.4g} m/s was given",
+        ratio,
+        f"{unit}Depth, k and modulus scale with it",
+        Remedy("Check unit and sensitivity, the mass and the height.", "units"),
+    )
+
+
+@criterion(
+    "gravity x contact / speed",
+    "<=",
+    0.01,
+    "a fall not stated: k, depth and e are about as much off",
+)
+def gravity_known(part: float, stated: float | None) -> Finding:
+    """Whether gravity pulls the indenter on is stated, or does not matter."""
+    says = f"Over the contact gravity changes the speed by {100 * part:.2g} %"
+    return Finding(
+        says if stated is None else "Whether the indenter falls is known",
+        part if stated is None else None,
+        "Whether the indenter falls is not given",
+        Remedy("Give the height of fall, or the speed of approach.", "drop-height"),
+    )
+
+
+@criterion("impulse / change of momentum", "x/", 1.1, "our choice: two sensors' 5 %")
+def force_agrees(ratio: float | None) -> Finding:
+    """A force that was recorded too changes the momentum as much as the motion says."""
+    if ratio is None:
+        return Finding("No force was recorded beside the motion", None)
+    return Finding(
+        f"The recorded force gives {ratio:.4g} times the change of momentum",
+        ratio,
+        "The mass, or one of the sensitivities, is wrong",
+        Remedy("Check the mass and the sensitivities.", "mass"),
+    )
+
+
+@criterion(
+    "depth / radius", "<=", 0.3, "I. N. Sneddon, Int. J. Eng. Sci. 3 (1965) 47: 3.5 % in the force"
+)
+def indentation_shallow(depth: float, radius: float | None) -> Finding:
+    """The indentation is shallow beside the radius, as Hertz has it."""
+    if radius is None:
+        return Finding("No radius is given, so there is no modulus", None)
+    return Finding(
+        f"The depth is {depth / radius:.2g} of the radius",
+        depth / radius,
+        "A sphere is no paraboloid so deep, and the modulus is too low",
+        "Hit more softly, or use a larger sphere.",
+    )
+
+
+@criterion("memory of the noise / contact", "<=", 0.03, "our choice: a filter bends such a pulse")
+def sensor_fast_enough(memory: float | None) -> Finding:
+    """Sensor and filter are fast beside the contact."""
+    if memory is None:
+        return Finding("Too little flight is recorded to see a filter in its noise", None)
+    return Finding(
+        f"The noise is correlated over {100 * memory:.2g} % of the contact",
+        memory,
+        "A filter, a slow sensor or hum widens the pulse and adds damping",
+        "Record without a filter.",
+    )

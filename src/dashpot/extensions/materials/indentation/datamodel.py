@@ -1,0 +1,210 @@
+"""Dynamic indentation: a body of known mass hits a surface, and its motion is recorded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from dashpot.base.array_units import into_si, said_units
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured, median
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import Source, of_file
+from dashpot.base.reported_values import Fact, Numbered
+from dashpot.base.result_mixins import Described, Pictured, Series, arrays
+from dashpot.base.serialisation import Documented
+from dashpot.base.units import Dimension
+from dashpot.extensions.materials.indentation.contact_law import ContactLaw
+from dashpot.extensions.materials.indentation.indenter import Indenter
+
+Motion: TypeAlias = Literal["acceleration", "velocity", "displacement", "force"]
+UNITS: dict[str, str] = {
+    "acceleration": "m/s^2", "velocity": "m/s", "displacement": "m", "force": "N",
+}  # fmt: skip
+_DIMENSIONS: dict[str, Dimension] = {
+    "acceleration": "acceleration", "velocity": "velocity", "displacement": "length",
+    "force": "force",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class IndentationTest(ByValue, Described):
+    """The motion of an indenter through one contact or several, in SI units.
+
+    Attributes
+    ----------
+    time : array, shape (n,)
+        s, evenly spaced.
+    signal : array, shape (n,)
+        In the unit of `of`; its sign as recorded.
+    of : str
+        ``"acceleration"``, ``"velocity"``, ``"displacement"`` or ``"force"``.
+    indenter : Indenter
+    force : array, shape (n,), or None
+        Recorded beside a motion, N.
+    source : Source or None
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+
+    Raises
+    ------
+    DataError
+        If the arrays differ in length, hold fewer than 16 samples, are not finite, or sampling is
+        not even.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> from dashpot.extensions.materials.indentation.indenter import Indenter
+    >>> hit = dp.IndentationTest(t, t, "velocity", Indenter("5g"), units="ms, mm/s")
+    >>> float(hit.signal[-1])
+    0.01
+    """
+
+    time: FloatArray
+    signal: FloatArray
+    of: Motion
+    indenter: Indenter
+    force: FloatArray | None = None
+    source: Source | None = None
+    units: str = said_units()
+
+    def __post_init__(self) -> None:
+        if self.of not in UNITS:
+            raise DataError(f"of = '{self.of}'; expected one of {', '.join(UNITS)}")
+        into_si(self, time="time", signal=_DIMENSIONS[self.of], force="force")
+        hold_measured(self, "time", "signal", "force", minimum=16)
+        steps = np.diff(self.time)
+        worst = int(np.argmax(np.abs(steps - self.step)))
+        if abs(steps[worst] - self.step) > 0.2 * self.step:
+            raise DataError(
+                f"a contact needs even sampling, but the step after t = {self.time[worst]:.9g} s "
+                f"is {steps[worst]:.6g} s where {self.step:.6g} s is usual; cut the record there"
+            )
+
+    @property
+    def step(self) -> float:
+        """Between two samples, s."""
+        return median(np.diff(self.time))
+
+    @property
+    def series(self) -> Series:
+        """The motion, and the force recorded beside it, over time."""
+        return {**arrays(self, time="s", force="N"), self.of: (self.signal, UNITS[self.of])}
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which record it is, and what was recorded."""
+        return (
+            of_file(self.source, len(self.time)),
+            (
+                f"{self.of} of an indenter at {1 / self.step:.6g} Hz, to "
+                f"{np.abs(self.signal).max():.4g} {UNITS[self.of]}"
+            ),
+        )
+
+
+# what a reader came for: the first of these that the contact gives
+_CAME_FOR = ("modulus", "k")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class IndentationFit(ByValue, Pictured, Numbered, Documented):
+    """What one contact says of a surface.
+
+    Attributes
+    ----------
+    law : str
+        ``"kelvin-voigt"``, ``"hertz"``, ``"hertz-kelvin-voigt"`` or ``"hertz-maxwell"``.
+    contact : ContactLaw
+    found : tuple of Fact
+        The law's parameters, then what follows: modulus, restitution, and what the body did.
+    orders : tuple of (str, float)
+        BIC of each law that was tried; the smallest is best.
+    indenter : Indenter
+    of : str
+        What was recorded.
+    time, measured, modelled : array, shape (n,)
+        s from the touch; the record about the contact, its sign that of a push from the surface,
+        offset and drift taken off; and the law's.
+    noise : float
+        Rms of what is left in flight, in the record's unit.
+    residual : float
+        Rms of what is left in contact, over the largest of the record.
+    touch, duration : float
+        Time of the first touch in the record, and length of the contact, s.
+    checks : tuple of Check
+    source : Source or None
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> found = dp.fit(dp.read("hit.csv", mass="5g", radius="2.5mm"))  # doctest: +SKIP
+    >>> found.law  # doctest: +SKIP
+    'hertz'
+    """
+
+    schema = "dashpot/indentation@1"
+    keys = (
+        "law", "of", "indenter", "*values", "intervals=between", "units", "orders=scores", "touch",
+        "noise", "residual", "verdict", "checks", "source",
+    )  # fmt: skip
+    read_back = False
+
+    law: str
+    contact: ContactLaw
+    found: tuple[Fact, ...]
+    orders: tuple[tuple[str, float], ...]
+    indenter: Indenter
+    of: str
+    time: FloatArray
+    measured: FloatArray
+    modelled: FloatArray
+    noise: float
+    residual: float
+    touch: float
+    duration: float
+    checks: tuple[Check, ...] = ()
+    source: Source | None = None
+
+    @property
+    def values(self) -> dict[str, float]:
+        """What was found, by its names."""
+        return {one.name: one.value for one in self.found}
+
+    @property
+    def between(self) -> dict[str, tuple[float, float]]:
+        """95 %, by the same names."""
+        return {one.name: (one.low, one.high) for one in self.found}
+
+    @property
+    def units(self) -> dict[str, str]:
+        """By the same names."""
+        return {one.name: one.unit for one in self.found}
+
+    @property
+    def scores(self) -> dict[str, float]:
+        """BIC of each law that was tried."""
+        return dict(self.orders)
+
+    @property
+    def sound(self) -> str:
+        """The modulus or stiffness, and the restitution."""
+        named = {one.name: one for one in self.found}
+        first = next(filter(None, map(named.get, _CAME_FOR)), self.found[0])
+        bounce = named.get("restitution")
+        more = f", {bounce.called} {bounce.cells.with_unit}" if bounce else ""
+        between = f" ({first.cells.interval})" if first.cells.interval else ""
+        return f"{first.called} {first.cells.with_unit}{between}{more}"
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """The verdict, the law and its numbers."""
+        return (
+            str(self.verdict),
+            f"law: {self.law}",
+            *(one.says for one in self.found),
+        )

@@ -1,0 +1,43 @@
+"""The figure of a contact: the record, the law's motion, and what that leaves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.number_format import rounded
+from dashpot.base.units import in_unit
+from dashpot.extensions.materials.indentation.datamodel import UNITS, IndentationFit
+from dashpot.plot.picture import FIT, REF, Dots, Line, Panel, Picture, Rule, Scale, Span, around
+from dashpot.plot.provenance_stamp import stamp as stamped
+
+
+def indentation(fit: IndentationFit, *, stamp: str = "") -> Picture:
+    """A contact over time with the fit to it, and the residual below.
+
+    Parameters
+    ----------
+    fit : IndentationFit
+    stamp : str
+        What the figure says of its origin; by default the file.
+    """
+    t, unit = in_unit(fit.time, "ms"), "mm" if fit.of == "displacement" else UNITS[fit.of]
+    measured, modelled = in_unit(fit.measured, unit), in_unit(fit.modelled, unit)
+    left, word = measured - modelled, unit.replace("^2", "²")
+    across = Scale("time since the touch, ms", (float(t[0]), float(t[-1])))
+    contact = Span(0.0, in_unit(fit.duration, "ms"), "fit", "in contact")
+    upper = Panel(
+        across, Scale(f"{fit.of} (push > 0), {word}", around(measured, modelled)),
+        (
+            contact, Dots(t, measured, "measured", "measured", size=2.5),
+            Line(t, modelled, FIT, "fit"),
+        ),
+        height=240, note=fit.law,
+    )  # fmt: skip
+    lower = Panel(
+        across, Scale(f"residual, {word}", around(left, np.zeros(1), margin=0.1)),
+        (contact, Rule(0.0, REF, across=True), Dots(t, left, "fit", size=2.5)),
+        height=90, note=f"{rounded(100 * fit.residual)} % of the push in contact",
+    )  # fmt: skip
+    caption = "Motion of the indenter: recorded, the law's, and what that leaves."
+    origin = stamped((fit.source,), mass=fit.indenter.mass) if fit.source else ""
+    return Picture("indentation", caption, ((upper, lower),), 1, stamp or origin)

@@ -1,0 +1,457 @@
+r"""From the motion of an indenter to the law of the surface.
+
+For each law the record about its largest contact is followed by what the law's own motion would
+make of the sensor, with its touch, its speed of approach, an offset and a drift free:
+
+.. math:: y(t) = s(t - t_0;\, \theta, V) + b + d\,(t - \bar t) + \text{noise}
+
+by least squares; offset and drift are projected out. The noise, coloured or not, is that of the
+residual, and the covariance is the sandwich with it. Between laws BIC decides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.choices import ImpactLawAsked, refuse_other
+from dashpot.base.errors import DataError, FitError
+from dashpot.base.plausibility import SIZES
+from dashpot.base.provenance import sources_of
+from dashpot.base.reported_values import Fact
+from dashpot.base.units import read_in
+from dashpot.datamodel.checks import caution_checks
+from dashpot.extensions.materials.indentation import checks
+from dashpot.extensions.materials.indentation.candidate_laws import (
+    LAWS,
+    STEP,
+    Law,
+    Recorded,
+    recorded,
+)
+from dashpot.extensions.materials.indentation.collision import Collision
+from dashpot.extensions.materials.indentation.contact_law import (
+    ContactLaw,
+    RelaxingContact,
+    ViscousContact,
+    reduced_modulus,
+)
+from dashpot.extensions.materials.indentation.datamodel import IndentationFit, IndentationTest
+from dashpot.extensions.materials.indentation.preprocess import ContactInterval, largest_contact
+from dashpot.numerics.inference.covariance import noise_of
+from dashpot.numerics.inference.covariance_estimate import Estimate, Slice, estimate, score
+from dashpot.numerics.least_squares.problem import Optimum, Parameter, Problem, Rows
+
+_ABOUT = 1.0
+"""How much of the flights is taken to either side, in times of the contact."""
+_VELOCITY_OFFSET = 3e-3
+"""Standard deviation of a velocity's offset, as a part of the speed: no flight shows it."""
+_AT_TOUCH = 0.29
+"""Standard deviation of a time that is known to lie between two samples, in their distance."""
+_TOUCHES = (0.0, -2.0, -1.0, 1.0, 2.0)
+"""Where such a touch is sought, in samples."""
+_CLIPPED = 3
+"""Samples at one and the same extreme that a sensor at its limit leaves."""
+_ROUNDING = 1e-5
+"""Part of the record that integration and interpolation leave."""
+_LOSSES = frozenset({"c", "viscous_time", "g"})
+_OF_RADIUS = frozenset({"modulus", "glassy_modulus"})
+"""What goes with the root of the radius of the tip."""
+_TIME = 2
+"""Place of the law's time among the parameters."""
+_SAME = 0.05
+"""Difference of every parameter below which two valleys are one."""
+_LEVEL = 0.95
+_ENDS = 1.02
+"""Of a quantile, beyond which a slice of a profile is outside."""
+_FAR = 0.8
+"""How far from where it begins the touch is sought, in times of the contact."""
+_TRIES, _FLAT = 40, 1e-7
+_STARTS = 4
+"""Of descents; of a table of more those that none of their neighbours beats."""
+_NEAR, _ROUGHLY = 3, 1e-3
+"""Steps that the others take beside one of a table, and what they may leave."""
+_DECIDED = 10.0
+"""Difference of BIC beyond which another law is out (Kass and Raftery 1995: very strong)."""
+
+
+@dataclass(frozen=True, eq=False)
+class _NearHit:
+    """The samples about one contact, and the columns of what the sensor adds."""
+
+    test: IndentationTest
+    contact: ContactInterval
+    time: FloatArray
+    signal: FloatArray
+    kept: BoolArray
+    clipped: int
+    mass: float
+    fixed: FloatArray
+    prior: FloatArray  # inverse standard deviation of each column, over the noise's
+
+    def seen(self, hit: Collision, touch: float) -> Recorded:
+        whole = recorded(hit, self.test.of, self.time - touch, self.test.step)
+        return Recorded(*(one[self.kept] for one in whole))
+
+    def struck(self, law: Law, theta: FloatArray) -> Collision:
+        return law.collision(theta, self.mass, self.test.indenter.pull)
+
+    def modelled(self, law: Law, theta: FloatArray, pull: float) -> Recorded:
+        return self.seen(law.collision(theta, self.mass, pull), float(theta[-1]))
+
+    def rows(self, law: Law, pull: float, theta: FloatArray) -> Rows:
+        """The record less a motion, and what the sensor adds, beside what is known of that."""
+        none = np.zeros(len(self.prior))
+        value, rate, stretched = self.modelled(law, theta, pull)
+
+        def slope(_: FloatArray) -> FloatArray:
+            """Exact but for what a motion is marched again for: the law's own numbers, the pull."""
+
+            def changed(theta: FloatArray, pull: float) -> FloatArray:
+                return (self.modelled(law, theta, pull).value - value) / STEP
+
+            J = np.zeros((len(value) + len(none), len(theta)))
+            J[: len(value), [0, -2, -1]] = np.stack((stretched, value, -rate), axis=1)
+            for i in range(1, len(theta) - 2):
+                J[: len(value), i] = changed(theta + STEP * np.eye(len(theta))[i], pull)
+            if pull > 0:
+                # in units of the contact it is proportional to the unit of time over the speed
+                pulled = changed(theta, pull * (1 + STEP))
+                J[: len(value), [0, -2]] += np.stack((pulled, -pulled), axis=1)
+            return J
+
+        return Rows(
+            np.append(self.signal[self.kept] - value, none),
+            np.concatenate((self.fixed, np.diag(self.prior))),
+            slope,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _LawOptimum:
+    """One law at its optimum."""
+
+    name: str
+    hit: Collision
+    model: FloatArray
+    estimate: Estimate
+    valleys: tuple[Optimum, ...]
+
+    @property
+    def law(self) -> Law:
+        return LAWS[self.name]
+
+    @property
+    def optimum(self) -> Optimum:
+        return self.estimate.optimum
+
+    @property
+    def residual(self) -> FloatArray:
+        return self.optimum.residual
+
+    @property
+    def touch(self) -> float:
+        return float(self.optimum.theta[-1])
+
+    @property
+    def contact(self) -> ContactLaw:
+        return self.law.contact(self.optimum.theta, self.hit.mass)
+
+
+def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> IndentationFit:
+    """Return what the largest contact of a record says of the surface.
+
+    Parameters
+    ----------
+    test : IndentationTest
+        Its indenter's mass must be known; its radius makes a modulus of k.
+    law : str
+        ``"kelvin-voigt"``, ``"hertz"``, ``"hertz-kelvin-voigt"``, ``"hertz-maxwell"``, or
+        ``"auto"``: the one that BIC prefers.
+
+    Raises
+    ------
+    DataError
+        If the mass is missing, no contact stands out, or mass and radius make a modulus or a
+        pressure of it that no rubber has.
+    FitError
+        If no law can follow the record.
+    """
+    refuse_other("law", law, ImpactLawAsked)
+    window = _window(test, largest_contact(test))
+    tried = []
+    for name in [law] if law != "auto" else LAWS:
+        # beside a valley the body may never be let go
+        with suppress(DataError):
+            tried += [one] if (one := _solved(window, name)) else []
+    if not tried:
+        raise FitError(
+            "no law of contact follows the record: expected one push, in flight before and after; "
+            "cut the record about the contact (--part segment=N), or look at it with dashpot "
+            "inspect"
+        )
+    # all laws by the noise of the one that leaves least, for a misfit is no noise
+    effective = min(tried, key=lambda one: one.optimum.sse).estimate.effective
+    scores = {
+        one.name: score(one.optimum, effective, floor=len(one.residual) * _rounding(one.model) ** 2)
+        for one in tried
+    }
+    tried.sort(key=lambda one: scores[one.name])
+    best = tried[0]
+    found = _found(window, best)
+    _refuse_absurd(found, test.indenter.radius)
+    in_contact = _in_contact(window, best)
+    flight = best.residual[~in_contact]
+    noise = float(np.sqrt(np.mean(flight**2))) if len(flight) > 8 else 0.0
+    left = float(np.sqrt(np.mean(best.residual[in_contact] ** 2)))
+    size = float(np.ptp(best.model)) or 1.0
+    touch = best.touch
+    near = [one for one in tried[1:] if scores[one.name] - scores[best.name] < _DECIDED]
+    others = [(one.name, _found(window, one)) for one in near]
+    fitted = IndentationFit(
+        best.name, best.contact, found, tuple((one.name, scores[one.name]) for one in tried),
+        test.indenter, test.of, window.time[window.kept] - touch, best.model + best.residual,
+        best.model, noise, left / size, touch, best.hit.duration, (), test.source,
+    )  # fmt: skip
+    judged = checks.judge(
+        fitted, best.hit, test, contact=window.contact, clipped=window.clipped, others=others
+    )
+    return replace(fitted, checks=(*judged, *caution_checks(sources_of([test]))))
+
+
+def _refuse_absurd(found: Sequence[Fact], radius: float | None) -> None:
+    """Refuse what mass and radius make of a contact where no rubber does so."""
+    known = {one.name: one.value for one in found}
+    remedy = "Check the mass and the radius of the indenter, and their units."
+    if radius is None or "modulus" not in known:
+        return
+    SIZES["modulus"].refuse(known["modulus"], remedy=remedy)
+    pressure = known["largest_force"] / (np.pi * radius * known["depth"])
+    SIZES["contact pressure"].refuse(float(pressure), remedy=remedy)
+
+
+def _window(test: IndentationTest, contact: ContactInterval) -> _NearHit:
+    mass = test.indenter.mass
+    if mass is None:
+        raise DataError("the mass of the indenter is not known; give it (--mass 5g)")
+    reach = _ABOUT * contact.duration
+    inside = (test.time >= contact.start - reach) & (
+        test.time <= contact.start + contact.duration + reach
+    )
+    time, signal = test.time[inside], contact.sign * test.signal[inside]
+    kept = ~_clipped(signal, test.of)
+    clipped = int(np.count_nonzero(~kept))
+    centred = (time - time.mean()) / max(float(np.ptp(time)), 1e-300)
+    columns = {
+        "acceleration": np.stack((np.ones(len(time)), centred), axis=1),
+        "force": np.stack((np.ones(len(time)), centred), axis=1),
+        "velocity": np.ones((len(time), 1)),
+        "displacement": np.ones((len(time), 1)),
+    }[test.of]
+    prior = np.zeros(columns.shape[1])
+    if test.of == "velocity":
+        scatter = float(np.std(np.diff(signal, 2))) / np.sqrt(6)
+        prior[:] = scatter / (_VELOCITY_OFFSET * float(np.ptp(signal)) / 2)
+    return _NearHit(test, contact, time, signal, kept, clipped, mass, columns[kept], prior)
+
+
+def _clipped(signal: FloatArray, of: str) -> BoolArray:
+    """Samples at the limit of a sensor: several in a row of one and the same largest value."""
+    if of in {"velocity", "displacement"}:
+        return np.zeros(len(signal), dtype=bool)
+    at = np.flatnonzero(signal >= signal.max() - 1e-9 * float(np.ptp(signal)))
+    clipped = np.zeros(len(signal), dtype=bool)
+    if len(at) >= _CLIPPED and at[-1] - at[0] < 2 * len(at):
+        clipped[at[0] : at[-1] + 1] = True
+    return clipped
+
+
+def _change(window: _NearHit) -> float:
+    """Of the speed by the contact, roughly."""
+    signal, of = window.signal, window.test.of
+    if of == "velocity":
+        return float(np.ptp(signal))
+    if of == "displacement":
+        return 1.2 * float(np.ptp(signal)) / window.contact.duration
+    begin, end = window.contact.start, window.contact.start + window.contact.duration
+    within = (window.time >= begin) & (window.time <= end)
+    rest = float(np.median(signal[~within])) if (~within).any() else 0.0
+    change = float(np.sum(signal[within] - rest)) * window.test.step
+    return max(change, 1e-12) / (window.mass if of == "force" else 1.0)
+
+
+def _solved(window: _NearHit, name: str) -> _LawOptimum | None:
+    """Least squares from each start of a law; None if none leads to a motion."""
+    law, change, duration = LAWS[name], _change(window), window.contact.duration
+    begin, far = window.contact.start, _FAR * duration
+    touch = Parameter(begin - far, begin + far, duration)
+
+    def problem(law: Law, pull: float) -> Problem:
+        parameters = [*law.parameters(duration, change), touch]
+        return Problem(partial(window.rows, law, pull), parameters, priors=len(window.prior))
+
+    def nearly(own: Sequence[float]) -> tuple[float, FloatArray]:
+        """The cost of a loss and a time, as motions know it that all records share."""
+        start = np.append(law.begun(duration, own, change), begin)
+        rest = [0, len(start) - 2, len(start) - 1]
+        found = problem(law.held(own), 0.0).solve([start[rest]], most=_NEAR, flat=_ROUGHLY)
+        if found is None:
+            return np.inf, start
+        start[rest] = found.theta
+        return found.cost, start
+
+    table = [nearly(own) for own in product(*law.starts)]
+    cost = np.array([one for one, _ in table]).reshape([len(one) for one in law.starts])
+    starts = [table[i][1] for i in _valleys(cost)]
+    whole = problem(law, window.test.indenter.pull)
+    found = whole.valleys(starts, same=_SAME, most=_TRIES, finished=_FLAT, flat=_FLAT)
+    if not found:
+        return None
+    best = min(found, key=lambda one: one.cost)
+    if len(law.starts) == 1:
+        # where the force jumps, or rises as a root, a touch between two other samples is a valley
+        beside = np.outer(_TOUCHES, np.eye(len(best.theta))[-1]) * window.test.step
+        near = whole.solve([*best.theta + beside], most=_TRIES, finished=_FLAT, flat=_FLAT)
+        best = near or best
+    return _known(window, name, best, found)
+
+
+def _valleys(cost: FloatArray) -> list[int]:
+    """The entries of a table that none of their neighbours beats, the best first."""
+    around = np.pad(cost, 1, constant_values=np.inf)
+    inner = (slice(1, -1),) * cost.ndim
+    beaten = np.zeros(cost.shape, dtype=bool)
+    for axis in range(cost.ndim):
+        for by in (-1, 1):
+            beaten |= np.roll(around, by, axis)[inner] < cost
+    order: list[int] = np.argsort(np.where(beaten, np.inf, cost), axis=None).tolist()
+    return order[: min(int(np.count_nonzero(~beaten)), _STARTS)]
+
+
+def _known(window: _NearHit, name: str, best: Optimum, found: Sequence[Optimum]) -> _LawOptimum:
+    """A law with what its residual says of its noise, and so of its parameters."""
+    hit = window.struck(LAWS[name], best.theta)
+    seen = window.seen(hit, float(best.theta[-1]))
+    model = seen.value
+    count = len(best.residual)
+    noise = noise_of(best.residual, best.jacobian[:count], rounding=_rounding(model))
+    known = estimate(best, noises=[noise], prior_variance=float(noise.autocovariance[0]))
+    if hit.force[0] > 0 and window.test.of in {"acceleration", "force"}:
+        # how a recorder takes a jump is not known: the touch lies between two samples
+        at = int(np.argmin(np.abs(window.time[window.kept] - float(best.theta[-1]))))
+        change = np.zeros(len(best.every))
+        change[at] = _AT_TOUCH * window.test.step * seen.rate[at]
+        known = known.widened(known.moved(change))
+    return _LawOptimum(name, hit, model, known, tuple(found))
+
+
+def _rounding(model: FloatArray) -> float:
+    """Rms that integration and interpolation leave."""
+    return _ROUNDING * float(np.ptp(model))
+
+
+def _in_contact(window: _NearHit, one: _LawOptimum) -> BoolArray:
+    since = window.time[window.kept] - one.touch
+    return np.asarray((since >= 0) & (since <= one.hit.duration))
+
+
+def _found(window: _NearHit, one: _LawOptimum) -> tuple[Fact, ...]:
+    """The law's parameters and what follows from them, each with its interval."""
+    named = _follows(window, one.law, one.optimum.theta)
+
+    def numbers(values: FloatArray) -> FloatArray:
+        theta = values[: len(one.optimum.theta)]
+        return np.array([value for value, _ in _follows(window, one.law, theta).values()])
+
+    slices = _slices(one) if len(one.law.starts) > 1 else [Slice(0.0, one.estimate)]
+    widest = one.estimate.quantile(_LEVEL)
+    derived = [(root, known.derived(numbers)) for root, known in slices if root <= _ENDS * widest]
+
+    def ends(level: float) -> tuple[FloatArray, FloatArray]:
+        """Of all slices together, as parts of the value; of a loss, and of all others."""
+        reach = one.estimate.quantile(level)
+        each = []
+        for root, what in derived:
+            if root > _ENDS * reach:
+                continue
+            part = what.standard_error / what.values * np.sqrt(max(reach**2 - root**2, 0.0))
+            spread = np.exp(np.minimum(part, 50.0))
+            # a loss has a normal error itself, where its logarithm has none
+            low = np.where(losses, 1 - part, 1 / spread)
+            high = np.where(losses, 1 + part, spread)
+            each.append((what.values * low, what.values * high))
+        low = np.min([low for low, _ in each], axis=0)
+        high = np.max([high for _, high in each], axis=0)
+        more = reach * of_radius
+        with np.errstate(divide="ignore", invalid="ignore"):
+            wide = [values * np.exp(way * np.hypot(np.log(end / values), more))
+                    for way, end in ((-1, low), (1, high))]  # fmt: skip
+        return np.where(more > 0, wide[0], low), np.where(more > 0, wide[1], high)
+
+    losses = np.array([name in _LOSSES for name in named])
+    # a modulus is that of a stiffness over the root of the radius
+    of_radius = np.array([
+        0.5 * window.test.indenter.radius_error * (name in _OF_RADIUS) for name in named
+    ])  # fmt: skip
+    values = np.array([value for value, _ in named.values()])
+    (low, high), (_, once) = ends(_LEVEL), ends(0.90)
+    bounded = losses & (low <= 0)
+    rows = zip(
+        named.items(), np.where(bounded, 0.0, low).tolist(), np.where(bounded, once, high).tolist(),
+        strict=True,
+    )  # fmt: skip
+    return tuple(
+        Fact(name, value, low, high, unit, read=read_in(unit, fine=unit == "s"))
+        for (name, (value, unit)), low, high in rows
+    )
+
+
+def _slices(one: _LawOptimum) -> list[Slice]:
+    """Of all valleys that the record does not rule out.
+
+    A loss and a time trade along a valley that bends: across it all is normal, along it nothing.
+    """
+    noise, best = one.estimate.noises[0], one.optimum
+    found = one.estimate.profile(_TIME)
+    for other in one.valleys:
+        worse = (other.cost - best.cost) / noise.power
+        if other is best or worse > one.estimate.quantile() ** 2:
+            continue
+        each = estimate(other, noises=[noise]).profile(_TIME)
+        found += [Slice(float(np.sqrt(root**2 + worse)), known) for root, known in each]
+    return found
+
+
+def _follows(window: _NearHit, law: Law, theta: FloatArray) -> dict[str, tuple[float, str]]:
+    """Each number that a law's parameters give, by name, with its unit."""
+    contact, hit = law.contact(theta, window.mass), window.struck(law, theta)
+    radius = window.test.indenter.radius
+    known: dict[str, tuple[float, str]] = {"k": (contact.k, f"N/m^{contact.exponent:g}")}
+    sphere = radius is not None and contact.exponent != 1
+    if isinstance(contact, ViscousContact) and contact.viscous_time > 0:
+        if contact.exponent == 1:
+            known = {"k": (contact.k, "N/m"), "c": (contact.c, "N s/m")}
+        else:
+            known["viscous_time"] = (contact.viscous_time, "s")
+    if isinstance(contact, RelaxingContact):
+        known |= {"g": (contact.g, ""), "tau": (contact.tau, "s")}
+    if sphere and radius is not None:
+        known["modulus"] = (reduced_modulus(contact.k, radius), "Pa")
+        if isinstance(contact, RelaxingContact):
+            known["glassy_modulus"] = (known["modulus"][0] * (1 + contact.g), "Pa")
+    elif radius is not None:
+        # of the sphere that is as stiff at the largest indentation
+        known["modulus"] = (reduced_modulus(contact.k / np.sqrt(hit.depth), radius), "Pa")
+    return known | {
+        "restitution": (hit.restitution, ""),
+        "impact_velocity": (hit.approach, "m/s"),
+        "duration": (hit.duration, "s"),
+        "depth": (hit.depth, "m"),
+        "largest_force": (hit.largest_force, "N"),
+    }

@@ -1,0 +1,45 @@
+"""From a file to what an indenter's contact says of a surface."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from dashpot.base.choices import ImpactLawAsked
+from dashpot.base.errors import DataError, ReadError
+from dashpot.extensions.materials.indentation.datamodel import IndentationFit
+from dashpot.extensions.materials.indentation.fit import fit_indentation
+from dashpot.extensions.materials.indentation.indenter import Indenter
+from dashpot.extensions.materials.indentation.read import read_indentation
+from dashpot.reading.raw_file import about
+from dashpot.reading.read_options import ReadOptions
+
+
+def indent_file(
+    path: str | Path,
+    *,
+    indenter: Indenter,
+    law: ImpactLawAsked = "auto",
+    options: ReadOptions | None = None,
+) -> IndentationFit:
+    """Find what the largest contact in a file says of the surface.
+
+    Parameters
+    ----------
+    path : path
+    indenter : Indenter
+        With its mass.
+    law : str
+        As :func:`~dashpot.extensions.materials.indentation.fit.fit_indentation` takes it.
+    options : ReadOptions, optional
+        What the user said of the file.
+    """
+    if indenter.mass is None:
+        raise ReadError(
+            "an indenter's mass makes forces of its motion; give it, for example --mass 5g"
+        )
+    test = read_indentation(path, indenter=indenter, options=options)
+    with about(Path(path).name):
+        try:
+            return fit_indentation(test, law=law)
+        except DataError as error:
+            raise ReadError(str(error)) from None

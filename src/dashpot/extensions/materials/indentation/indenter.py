@@ -1,0 +1,66 @@
+"""The body that hits, as its user knows it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from dashpot.base.errors import DataError
+from dashpot.base.option_fields import option
+from dashpot.base.plausibility import SIZES
+from dashpot.base.units import GRAVITY, si_fields
+from dashpot.base.validators import positive
+
+
+@dataclass(frozen=True)
+class Indenter:
+    """The body that hits; each number may be given with its unit, ``"5g"``.
+
+    Attributes
+    ----------
+    mass : float or None
+        kg; all that moves with the indenter.
+    radius : float or None
+        Of its spherical tip, m.
+    radius_error : float
+        Its standard deviation, relative; a tip that is worn, or a radius that is nominal.
+    drop_height : float or None
+        From rest to the surface, m: it falls, and gravity pulls on.
+    impact_velocity : float or None
+        Of approach, m/s, where something else measured it.
+    """
+
+    mass: float | None = option(
+        None, "Mass of all that moves with the indenter, e.g. 5g.", unit="mass"
+    )
+    radius: float | None = option(None, "Radius of the spherical tip, e.g. 5mm.", unit="length")
+    radius_error: float = option(0.025, "Error of the radius, e.g. 1%.", unit="strain")
+    drop_height: float | None = option(
+        None, "Height from rest to the surface, e.g. 50mm.", unit="length"
+    )
+    impact_velocity: float | None = option(
+        None, "Approach velocity, measured separately.", unit="velocity"
+    )
+
+    def __post_init__(self) -> None:
+        si_fields(self)
+        known = {name: value for name, value in vars(self).items() if name != "radius_error"}
+        positive(**known, expected="a number > 0 in SI units", optional=True)
+        if not 0 <= self.radius_error < 1:
+            raise DataError(
+                f"radius_error = {self.radius_error:g}; expected a part from 0 to below 1"
+            )
+        SIZES["mass"].refuse(self.mass or 0.0)
+        SIZES["radius"].refuse(self.radius or 0.0)
+
+    @property
+    def pull(self) -> float:
+        """Acceleration besides the contact's, m/s^2: gravity for a fall."""
+        return GRAVITY if self.drop_height is not None else 0.0
+
+    @property
+    def stated_velocity(self) -> float | None:
+        """Of approach as it was said, or as a free fall from that height has it, m/s."""
+        if self.impact_velocity is not None or self.drop_height is None:
+            return self.impact_velocity
+        return math.sqrt(2 * GRAVITY * self.drop_height)

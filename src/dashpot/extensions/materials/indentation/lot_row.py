@@ -1,0 +1,37 @@
+"""A row of a surface that an indenter hit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from dashpot.extensions.materials.indentation.datamodel import IndentationFit
+from dashpot.extensions.materials.indentation.fit import fit_indentation
+from dashpot.extensions.materials.indentation.indenter import Indenter
+from dashpot.extensions.materials.indentation.read import read_indentation
+from dashpot.registry import Piece
+
+
+def row(file: str | Path, piece: Piece) -> tuple[IndentationFit, dict[str, Any]]:
+    """Return what a hit says of the surface, and that as the columns of a row.
+
+    Raises
+    ------
+    ReadError, DataError, FitError
+        If it cannot be read, or no law follows it.
+    """
+    ball = Indenter(mass=piece.mass, radius=piece.radius)
+    test = read_indentation(file, indenter=ball, options=piece.options)
+    fit = fit_indentation(test)
+    found: dict[str, Any] = {
+        "samples": len(test.time),
+        "method": fit.law,
+        "contact_s": fit.duration,
+        "indent_depth_m": fit["depth"].value,
+        "restitution": fit["restitution"].value,
+    }
+    if ball.radius is not None:
+        modulus = fit["modulus"]
+        ends = {"": modulus.value, "_low": modulus.low, "_high": modulus.high}
+        found |= {f"indent_modulus{end}_Pa": value for end, value in ends.items()}
+    return fit, found

@@ -1,0 +1,120 @@
+"""Where a record holds contacts: runs of samples in which the body is pushed back."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, median
+from dashpot.base.errors import DataError
+from dashpot.extensions.materials.indentation.datamodel import IndentationTest
+
+_DERIVATIVES = {"acceleration": 0, "force": 0, "velocity": 1, "displacement": 2}
+"""How often a record is differentiated to show the push."""
+_CLEAR = 25.0
+"""Peak over scatter at which a contact stands out."""
+_OTHER = 0.1
+"""Part of the largest push that makes another contact."""
+_FOOT = 0.25
+"""Part of the push at which its width is taken."""
+_FOOT_WIDTH = 0.84
+"""Of a half sine at that height, over its whole width."""
+_FEWEST = 6
+
+
+class ContactInterval(NamedTuple):
+    """Where the largest contact of a record lies, roughly.
+
+    Attributes
+    ----------
+    sign : float
+        Times the record: what a push from the surface makes of it is then positive.
+    start, duration : float
+        s.
+    before, after : int
+        How many other contacts come earlier and later.
+    """
+
+    sign: float
+    start: float
+    duration: float
+    before: int
+    after: int
+
+
+def largest_contact(test: IndentationTest) -> ContactInterval:
+    """Return the contact with the largest push.
+
+    Raises
+    ------
+    DataError
+        If nothing stands out of the scatter.
+    """
+    push, width = _push(test)
+    # a record may be cut so close that most of it is contact, or begin in one
+    tenth = max(len(push) // 10, 1)
+    rest = min((median(push), median(push[:tenth]), median(push[-tenth:])), key=abs)
+    sign = 1.0 if push.max() - rest >= rest - push.min() else -1.0
+    push = sign * (push - rest)
+    top = int(push.argmax())
+    scatter = 1.4826 * median(np.abs(push))
+    if not push[top] > 5 * scatter:
+        raise DataError(
+            f"no contact stands out of the scatter of the {test.of}: its largest change is "
+            f"{push[top]:.3g}, its scatter {scatter:.3g}; cut the record about the contact, or "
+            "record it with less noise"
+        )
+    runs = _runs(push > _FOOT * push[top])
+    begin, end = next(run for run in runs if run[0] <= top < run[1])
+    wide = max((end - begin) - 0.5 * width, 2.0) * test.step / _FOOT_WIDTH
+    if end - begin < _FEWEST:
+        raise DataError(
+            f"the contact has {end - begin} samples above a quarter of its peak; expected "
+            f"{_FEWEST} or more: sample {8 * _FEWEST / max(end - begin, 1):.0f} times as fast"
+        )
+    middle = test.time[0] + 0.5 * (begin + end - 1) * test.step
+    level = max(_OTHER * push[top], 8 * scatter)
+    others = [run for run in _runs(push > level) if run[1] - run[0] >= 3]
+    gap = 0.5 * wide / test.step
+    return ContactInterval(
+        sign,
+        middle - 0.5 * wide,
+        wide,
+        sum(run[1] < begin - gap for run in others),
+        sum(run[0] > end + gap for run in others),
+    )
+
+
+def _push(test: IndentationTest) -> tuple[FloatArray, int]:
+    """The record, or its derivative, smoothed over as few samples as let the contact stand out."""
+    best, clearest = (test.signal, 1), 0.0
+    for power in range(max(int(np.log2(len(test.time) / 8)), 1)):
+        width = 2**power
+        push = test.signal.astype(float)
+        for _ in range(_DERIVATIVES[test.of]):
+            push = np.gradient(_smoothed(push, width))
+        push = _smoothed(push, width)
+        # beyond its ends a record is not known
+        edge = min(width * (_DERIVATIVES[test.of] + 1), len(push) // 4) if width > 1 else 0
+        push[:edge], push[len(push) - edge :] = push[edge], push[-edge - 1]
+        away = np.abs(push - median(push))
+        clear = float(away.max()) / max(1.4826 * median(away), 1e-12 * float(away.max()), 1e-300)
+        if clear > clearest:
+            best, clearest = (push, width), clear
+        if clear > _CLEAR:
+            break
+    return best
+
+
+def _smoothed(values: FloatArray, width: int) -> FloatArray:
+    if width < 2:
+        return values
+    wide = np.pad(values, (width // 2, width - 1 - width // 2), mode="edge")
+    return np.convolve(wide, np.full(width, 1 / width), mode="valid")
+
+
+def _runs(inside: np.ndarray) -> list[tuple[int, int]]:
+    """First and one past the last of each run of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], inside, [False])).astype(int)))
+    return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]

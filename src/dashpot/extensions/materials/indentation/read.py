@@ -1,0 +1,97 @@
+"""From a file to the motion of an indenter."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base.arrays import median
+from dashpot.base.errors import ReadError
+from dashpot.extensions.materials.indentation.datamodel import IndentationTest, Motion
+from dashpot.extensions.materials.indentation.indenter import Indenter
+from dashpot.reading.columns.kind_detection import FileKind
+from dashpot.reading.columns.role_assignment import Assigned, accelerations, list_columns, quoted
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers import channels, size_checks
+from dashpot.reading.readers.channels import Channel, Opened
+
+_NAMED: tuple[Motion, ...] = ("acceleration", "velocity", "displacement", "force")
+
+
+def read_indentation(
+    path: str | Path, *, indenter: Indenter | None = None, options: ReadOptions | None = None
+) -> IndentationTest:
+    """Return the motion of an indenter in a file, in SI units.
+
+    An acceleration is taken before a velocity, that before a displacement, and any before a force
+    alone; a force beside a motion is kept to hold the motion to.
+
+    Raises
+    ------
+    ReadError
+        If the file cannot be read, or leaves open which column is what or in which unit.
+    """
+    with channels.opened(path, options) as file:
+        beside, noted = channels.beside(file, "force")
+        # an acceleration beside a force is a hammer's, unless the file speaks of an indenter
+        kinds: list[FileKind] = ["indentation"] if beside else ["indentation", "impact"]
+        channels.expect(file, kinds, "the motion of an indenter is", named=_NAMED)
+        motion, of = _motion(file)
+        forces = [beside] if beside and of != "force" and beside.index != motion.index else []
+        ticks = channels.chosen(file, channels.timed(file))
+        chosen = channels.with_units(file, [*ticks, motion, *forces])
+        channels.refuse_other_rate(file)
+        rows, gaps = channels.whole_rows(channels.load_test(file, chosen, least=16))
+        values = channels.by_role(rows, chosen)
+        rate = file.options.rate
+        time = np.arange(len(rows)) / rate if rate else values["time"]
+        _refuse_sizes(file, chosen, time, float(np.abs(values[of]).max()))
+        source = channels.source(file, [c.says for c in chosen], [*file.table.notes, *gaps, *noted])
+        return IndentationTest(
+            time, values[of], of, indenter or Indenter(),
+            values["force"] if forces else None, source, units="SI",
+        )  # fmt: skip
+
+
+def _motion(file: Opened) -> tuple[Assigned, Motion]:
+    """The column that is fitted, and what it is."""
+    named = [role for role in _NAMED if getattr(file.options, role)]
+    for role in named or _NAMED:
+        answer = _acceleration(file) if role == "acceleration" else file.one_column(role)
+        if answer is not None:
+            return answer, role
+    raise ReadError(
+        "no acceleration, velocity, displacement or force of an indenter is recognised; name its "
+        "column, such as --column acceleration=NAME; the columns are "
+        f"{list_columns(file.table.columns)}"
+    )
+
+
+def _acceleration(file: Opened) -> Assigned | None:
+    """The only acceleration, if there is one."""
+    found = accelerations(file.table, (), file.options)
+    if len(found) > 1:
+        listed = ", ".join(quoted(file.table.columns, i) for i in found)
+        raise ReadError(
+            f"{listed} are accelerations, and one indenter has one; name it with "
+            "--column acceleration=NAME"
+        )
+    says = "its name or unit says acceleration"
+    return Assigned("acceleration", found[0], says) if found else None
+
+
+def _refuse_sizes(file: Opened, chosen: list[Channel], time: np.ndarray, largest: float) -> None:
+    """Ask for the units again that make a size no indenter has."""
+    asked = []
+    for one in chosen:
+        word = one.unit.word
+        if one.role == "time":
+            asked.append(
+                (one, [size_checks.contact_rate(1 / max(median(np.diff(time)), 1e-12), word)])
+            )
+        elif one.role == "acceleration":
+            asked.append((one, [size_checks.shock_not_large(largest, word)]))
+        elif one.role == "velocity":
+            asked.append((one, [size_checks.indenter_not_fast(largest, word)]))
+    channels.refuse_sizes(file, asked)

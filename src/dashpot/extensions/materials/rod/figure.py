@@ -1,0 +1,69 @@
+"""The figure of a rod's modulus, line by line, with what its test leaves unknown."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.units import in_unit
+from dashpot.datamodel.fit import Fit
+from dashpot.extensions.materials.rod.datamodel import RodModulus
+from dashpot.plot.dynamic_stiffness_figure import FREQUENCY
+from dashpot.plot.picture import FIT, Area, Dots, Line, Mark, Panel, Picture, Scale, Span, around
+
+
+def rod(found: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Picture:
+    """Storage modulus and loss factor with all errors together (1 SD), and the solid fitted.
+
+    Hatched is where either is not known to 10 %.
+
+    Parameters
+    ----------
+    found : RodModulus
+    fit : Fit, optional
+        Of the usable band.
+    stamp : str
+        What the figure says of its origin.
+    """
+    f, usable = found.frequency, found.usable
+    near = usable if usable.any() else np.ones(len(f), dtype=bool)
+    low, high = float(f[near][0]), float(f[near][-1])
+    span = max(low / 1.3, float(f[0])), min(high * 1.3, float(f[-1]))
+    drawn = (f >= span[0]) & (f <= span[1])
+    rows = (
+        (
+            "storage modulus E′, MPa",
+            in_unit(found.storage, "MPa"),
+            in_unit(found.storage_sd, "MPa"),
+        ),
+        ("loss factor E″/E′, 1", found.loss_factor, found.loss_factor_sd),
+    )
+    dense = np.geomspace(low, high, 150)
+    panels = []
+    for number, (label, value, error) in enumerate(rows):
+        marks: list[Mark] = []
+        if usable.any():
+            marks += [
+                Span(span[0], low, "away", "not usable", True, 1.0),
+                Span(high, span[1], "away", hatched=True, tint=1.0),
+            ]
+        x, y, e = f[drawn], value[drawn], error[drawn]
+        marks.append(Area(x, y - e, y + e, "ref", "error (1 SD)", tint=0.25))
+        if fit is not None:
+            omega = 2 * np.pi * dense
+            solid = (
+                fit.solid.loss_factor(omega=omega)
+                if number
+                else in_unit(fit.solid.storage(omega=omega), "MPa")
+            )
+            marks.append(Line(dense, solid, FIT, "fit"))
+        marks.append(Dots(x, y, "measured", "from the FRF"))
+        shown = (value - error)[near], (value + error)[near]
+        panels.append(
+            Panel(Scale(FREQUENCY, span, log=True), Scale(label, around(*shown)), tuple(marks),
+                  height=210)
+        )  # fmt: skip
+    caption = (
+        "Modulus of the rod's material by its wave equation, line by line, with the errors of "
+        "sensors, masses and lengths together."
+    )
+    return Picture("rod", caption, tuple((one,) for one in panels), 2, stamp, width=900.0)

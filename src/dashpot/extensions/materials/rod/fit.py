@@ -1,0 +1,114 @@
+r"""From the modulus of a rod's material, line by line, to a solid.
+
+The lines of the usable band are fitted as a dynamic test is. What spoils all lines alike, such as a
+gain, is no scatter that the fit could see: the fit is repeated with each such error, and what it
+moves is added to the covariance,
+
+.. math:: C = C_{\text{scatter}} + \sum_i \delta_i \delta_i^T, \qquad
+    \delta_i = \hat\theta(E^* + \sigma_i\,\partial E^*/\partial p_i) - \hat\theta(E^*)
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.choices import FamilyAsked
+from dashpot.base.errors import FitError
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
+from dashpot.extensions.curves.dynamic.fit import fit_dynamic
+from dashpot.extensions.materials.rod.checks import ROD_LINES
+from dashpot.extensions.materials.rod.datamodel import RodModulus
+from dashpot.fitting.parameters import values
+
+_PER_OCTAVE = 24
+
+
+def fit_rod(
+    found: RodModulus,
+    *,
+    arms: int | Literal["auto"] = "auto",
+    family: FamilyAsked = "maxwell",
+    specimen: Specimen | None = None,
+) -> Fit:
+    """Fit a solid to the usable band of a rod's modulus, Pa.
+
+    Parameters
+    ----------
+    found : RodModulus
+    arms, family
+        As in :func:`~dashpot.extensions.curves.dynamic.fit.fit_dynamic`.
+    specimen
+        Of the rod.
+
+    Raises
+    ------
+    FitError
+        If fewer than eight lines are usable, or a fit of them is not possible.
+    """
+    lines = found.only(found.usable)
+    if len(lines.frequency) < ROD_LINES:
+        raise FitError(
+            f"{len(lines.frequency)} lines of the rod are usable; expected {ROD_LINES} or more "
+            "for a fit: measure more lines about the resonance"
+        )
+    frequency, modulus = _averaged(lines, lines.modulus)
+    test = DynamicTest(
+        frequency,
+        modulus.real,
+        modulus.imag,
+        specimen=specimen or Specimen(),
+        units="SI",
+    )
+    fit = fit_dynamic(test, arms=arms, family=family)
+    here = values(fit)
+    if here is None:  # a dense spectrum has no errors of its own
+        return fit
+    added = np.zeros_like(fit.covariance)
+    for relative in lines.by_errors:
+        _, moved = _averaged(lines, lines.modulus * (1 + relative))
+        there = _refitted(fit, replace(test, storage=moved.real, loss=moved.imag))
+        by = np.zeros(len(here)) if there is None else there - here
+        added += np.outer(by, by)
+    scatter = np.diag(fit.covariance)
+    # a profile knows the scatter alone
+    kept = [
+        one
+        for one in fit.profiles
+        if one.parameter in fit.parameters
+        and added[(i := fit.parameters.index(one.parameter)), i] < scatter[i]
+    ]
+    estimate = replace(fit.estimate, covariance=fit.covariance + added, profiles=tuple(kept))
+    return replace(fit, estimate=estimate)
+
+
+def _refitted(fit: Fit, test: DynamicTest) -> FloatArray | None:
+    """The parameters of the same solid under another test; None where it is not found."""
+    try:
+        other = fit_dynamic(test, arms=_order(fit), family=fit.family)
+    except FitError:
+        return None
+    return values(other) if other.parameters == fit.parameters else None
+
+
+def _order(fit: Fit) -> int | Literal["auto"]:
+    return "auto" if fit.family == "fractional" else fit.model.arms
+
+
+def _averaged(lines: RodModulus, modulus: ComplexArray) -> tuple[FloatArray, ComplexArray]:
+    """Means over a twenty-fourth of an octave, by what each line is worth."""
+    part = np.floor(_PER_OCTAVE * np.log2(lines.frequency / lines.frequency[0]))
+    first = np.flatnonzero(np.diff(part, prepend=-1.0))
+    # scatter and all lines' common errors together: a line of greater error says less
+    worth = (
+        (lines.storage / lines.storage_sd) ** 2 if lines.storage_sd.all() else np.ones_like(part)
+    )
+    total = np.add.reduceat(worth, first)
+    frequency = np.add.reduceat(worth * lines.frequency, first) / total
+    mean = np.add.reduceat(np.asarray(worth * modulus, dtype=complex), first) / total
+    return frequency, np.asarray(mean, dtype=complex)

@@ -1,0 +1,237 @@
+"""From files of a mass on a rod to the modulus of the rod's material."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.choices import FamilyAsked
+from dashpot.base.errors import DataError, FitError
+from dashpot.base.provenance import Step
+from dashpot.base.result_mixins import Judged, Series, arrays
+from dashpot.base.serialisation import Documented, plain
+from dashpot.base.units import written
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.curves.checks import end_level, plateau_told
+from dashpot.extensions.materials.rod.datamodel import RodErrors, RodModulus
+from dashpot.extensions.materials.rod.fit import fit_rod
+from dashpot.extensions.materials.rod.wave_equation import rod_modulus
+from dashpot.reading.read_options import ReadOptions
+from dashpot.solids.part_geometry import Block, Disc
+from dashpot.vibration.impact.checks import scatter_known
+from dashpot.workflow.job import HammerChoices, RodChoices
+from dashpot.workflow.response.part_factor import pad
+from dashpot.workflow.vibration.measured_frf import read_measured
+
+_LIGHTEST, _HEAVIEST = 5.0, 2e4
+"""Of a foam and of a metal, kg/m^3."""
+_ERRORS = ("gain", "phase", "mass", "length", "area", "density", "poisson", "glue")
+_OF_THE_PLATEAU = frozenset({plateau_told.name, end_level.name})
+"""Checks of what lies below the band of a rod, whose answer is its modulus within."""
+
+
+@dataclass(frozen=True, repr=False)
+class Rod(Judged, Documented):
+    """What ``dashpot fit`` found.
+
+    Attributes
+    ----------
+    frf : FRF
+        Of the mass, judged.
+    modulus : RodModulus
+        Line by line.
+    part : Disc or Block
+    bonded : bool
+    mass, own_mass : float
+        On the rod, and of the rod, kg.
+    errors : RodErrors
+    fit : Fit or None
+        A solid, Pa, to the usable band.
+    reason : str
+        Why there is none.
+    """
+
+    schema = "dashpot/rod@1"
+    keys = (
+        "shape", "part.shape_factor", "bonded", "mass", "own_mass", "errors", "modulus.frequency",
+        "modulus.storage", "modulus.loss_factor", "modulus.storage_sd", "modulus.loss_factor_sd",
+        "sensitivity", "band", "verdict", "checks", "fit?",
+    )  # fmt: skip
+
+    frf: FRF
+    modulus: RodModulus
+    part: Disc | Block
+    bonded: bool
+    mass: float
+    own_mass: float
+    errors: RodErrors
+    fit: Fit | None
+    reason: str = ""
+
+    @property
+    def kept(self) -> Rod | Fit:
+        """The fit, if there is one."""
+        return self.fit or self
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """Of the FRF, of the inversion, and of the fit."""
+        # of an FRF without coherence the lines themselves show how they scatter
+        seen = tuple(one for one in self.frf.checks if one.name != scatter_known.name)
+        own = (*seen, *self.modulus.checks)
+        return own if self.fit is None else self.fit.checks
+
+    @property
+    def series(self) -> Series:
+        """The modulus over frequency."""
+        return arrays(
+            self.modulus, frequency="Hz", storage="Pa", storage_sd="Pa", loss_factor="",
+            loss_factor_sd="",
+        )  # fmt: skip
+
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of it."""
+        low, high = self.modulus.band
+        return verdict(
+            self.checks, sound=f"from {low:.3g} to {high:.3g} Hz the modulus is known to 10 %"
+        )
+
+    @property
+    def shape(self) -> dict[str, Any]:
+        """Which shape, and its lengths."""
+        return {"kind": type(self.part).__name__.lower(), **plain(self.part)}
+
+    @property
+    def sensitivity(self) -> dict[str, FloatArray]:
+        """Each as rows of the real and the imaginary part of d ln E*."""
+        of = self.modulus
+        every = {name: getattr(of, f"by_{name}") for name in _ERRORS}
+        return {name: np.column_stack([one.real, one.imag]) for name, one in every.items()}
+
+    @property
+    def band(self) -> tuple[float, float] | None:
+        """Where the modulus is known; None if nowhere."""
+        return self.modulus.band if self.modulus.usable.any() else None
+
+
+def rod_files(
+    files: Sequence[str | Path],
+    *,
+    mass: float,
+    band: tuple[float, float] | None = None,
+    hammer: HammerChoices | None = None,
+    options: ReadOptions | None = None,
+    **asked: Any,
+) -> Rod:
+    """Find the modulus of a rod's material from the motion of the mass on it.
+
+    Parameters
+    ----------
+    files : sequence of path
+        A transmissibility, or another FRF of the mass; or records of base and mass in time, or hits
+        on the mass.
+    hammer, options
+        How the files are read.
+    mass, band, asked
+        As of :func:`rod_under`.
+    """
+    _, frf = read_measured(
+        files, choices=hammer or HammerChoices(), options=options or ReadOptions(), mass=mass,
+        band=band,
+    )  # fmt: skip
+    return rod_under(frf, mass=mass, band=band, **asked)
+
+
+def rod_under(
+    frf: FRF,
+    *,
+    mass: float,
+    density: float,
+    rod: RodChoices,
+    arms: int | Literal["auto"] = "auto",
+    family: FamilyAsked = "maxwell",
+    band: tuple[float, float] | None = None,
+    mass_sd: float | None = None,
+    poisson: float | None = None,
+    specimen: Specimen | None = None,
+) -> Rod:
+    """Find the modulus of a rod's material from the FRF of the mass on it, judged.
+
+    Parameters
+    ----------
+    frf : FRF
+    mass : float
+        On the rod, kg.
+    density : float
+        Of the rod, kg/m^3.
+    rod : RodChoices
+    arms, family
+        Of the solid that is fitted to the usable band.
+    band : (float, float), optional
+        Lines to use, Hz.
+    mass_sd : float, optional
+        Standard deviation of the mass, kg; 1 % by default: no line shows a mass that is off.
+    poisson : float, optional
+        Of the rod, which its bonded ends ask; by default that of a rubber.
+    specimen : Specimen, optional
+    """
+    part, errors, bonded = (
+        _part(rod),
+        RodErrors(rod.gain_error, rod.phase_error, glue=rod.glue_error),
+        not rod.lubricated,
+    )
+    if mass_sd is not None:
+        errors = replace(errors, mass=mass_sd / mass)
+    if poisson is not None:
+        if rod.lubricated:
+            raise DataError("Poisson's ratio is asked of bonded ends: give it, or let them slide")
+        part = replace(part, poisson=poisson)
+    if not _LIGHTEST <= density <= _HEAVIEST:
+        raise DataError(
+            f"--density {density:g}: expected {_LIGHTEST:g} to {_HEAVIEST:g} kg/m^3, such as 1100 "
+            "of rubber"
+        )
+    modulus = rod_modulus(
+        frf, part, mass=mass, density=density, bonded=bonded, errors=errors, band=band
+    )
+    own = density * part.area * part.height
+    found = Rod(frf, modulus, part, bonded, mass, own, modulus.errors, None)
+    try:
+        fit = fit_rod(modulus, arms=arms, family=family, specimen=specimen)
+    except FitError as error:
+        return replace(found, reason=str(error))
+    step = Step(
+        "rod_modulus",
+        (("mass", f"{mass:.6g} kg"), ("density", f"{density:.6g} kg/m^3"), ("shape", str(part)),
+         ("bonded", str(bonded).lower())),
+        f"inverted the wave equation of a rod of {written(own, 'g')} under {written(mass, 'g')}",
+    )  # fmt: skip
+    provenance = replace(
+        fit.provenance, source=frf.source, steps=(*frf.steps, step, *fit.provenance.steps)
+    )
+    # what is asked of a rod is its modulus within a band; a plateau below it is not, and is noted
+    told = (
+        replace(one, grade="note") if one.name in _OF_THE_PLATEAU else one for one in fit.checks
+    )
+    checks = (*found.checks, *told)
+    evidence = replace(fit.evidence, checks=checks)
+    return replace(found, fit=replace(fit, provenance=provenance, evidence=evidence))
+
+
+def _part(rod: RodChoices) -> Disc | Block:
+    """Its shape; the last length is the one along it."""
+    if (rod.disc is None) == (rod.block is None):
+        raise DataError(
+            "a rod's shape turns motion into a modulus: give "
+            "--shape disc:DIAMETER,LENGTH or --shape block:WIDTH,WIDTH,LENGTH"
+        )
+    return pad("disc", rod.disc) if rod.block is None else pad("block", rod.block)

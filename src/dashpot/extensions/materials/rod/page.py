@@ -1,0 +1,51 @@
+"""The page of a rod under a mass."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.number_format import rounded, shown
+from dashpot.base.reported_values import Fact
+from dashpot.extensions.materials.rod.fit_files import Rod
+from dashpot.report.first_screen import NBSP
+from dashpot.report.page_content import Group, KindPage, Topic, lights, row
+from dashpot.report.result_pages.solid_page import OF_LOSS, OF_REST, of_solid
+
+
+def page(found: Rod) -> KindPage:
+    """What the page of a rod holds."""
+    of = found.modulus
+    low, high = of.band
+    usable = bool(of.usable.any())
+    modulus = Topic(
+        "Modulus", {"rod_usable", "waves_plane", "mass_beside_rod", "sensors_agree"},
+        f"{low:.3g} to {high:.3g}{NBSP}Hz" if usable else "",
+    )  # fmt: skip
+    solid = OF_REST | OF_LOSS | {
+        "lines_of_one_solid", "residuals_random", "optimum_found", "storage_rises",
+    }  # fmt: skip
+    groups: list[Group] = []
+    if usable:
+        lines = np.flatnonzero(of.usable)
+        for i in dict.fromkeys((lines[0], lines[len(lines) // 2], lines[-1])):
+            hz = f"At {rounded(float(of.frequency[i]), digits=3)}{NBSP}Hz"
+            groups.append(Group(hz, (
+                row(Fact.known("E′", float(of.storage[i]), float(of.storage_sd[i]), unit="Pa")),
+                row(Fact.known("Loss factor", float(of.loss_factor[i]),
+                                float(of.loss_factor_sd[i]))),
+            )))  # fmt: skip
+    if found.fit is not None:
+        groups += [one for one in of_solid(found.fit) if one.title.startswith(("Arms", "Modulus"))]
+    return KindPage(
+        about="rod under a mass",
+        strip=(("Mass", shown(found.mass, "g", digits=4)), ("Rod", shown(found.own_mass, "g")),
+               ("Ends", "bonded" if found.bonded else "sliding"),
+               ("Known to 10 %", f"{low:.3g} to {high:.3g} Hz" if usable else "nowhere")),
+        lights=lights(found.checks, Topic("Record"), modulus, Topic("Solid", solid)),
+        answers="The modulus of the material",
+        picture=found.plot(),
+        told="The material",
+        groups=tuple(groups),
+        note="From and to: 95 %, of all errors of the test together.",
+        sources=tuple(dict.fromkeys(found.frf.source)),
+    )  # fmt: skip

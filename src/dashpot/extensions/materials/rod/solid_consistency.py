@@ -1,0 +1,63 @@
+r"""Whether one passive solid, whatever its arms, explains the lines of a rod's modulus.
+
+Lines inverted one by one are free to follow anything: another mode, or a gain. A solid is not. Its
+
+.. math:: E^*(\omega) = E_\infty + j\omega b
+    + \sum_j E_j\, \frac{j\omega\tau_j}{1 + j\omega\tau_j}, \qquad E_\infty, b, E_j \ge 0
+
+with relaxation times on a grid from far below to far above the lines, is fitted to them beside each
+error that all lines share, whose size is known
+(:class:`~dashpot.extensions.materials.rod.datamodel.RodErrors`).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import FloatArray
+from dashpot.extensions.materials.rod.datamodel import RodModulus
+from dashpot.numerics.least_squares.nnls import linear
+
+_PER_DECADE, _BEYOND = 12, 30.0
+"""Of relaxation times, and how many bands beyond the lines they go."""
+_FEW = 8
+
+
+def misfit_of_one_solid(lines: RodModulus, scatter: FloatArray) -> float | None:
+    """Return chi square over the degrees of freedom of the nearest solid; None of few lines.
+
+    Parameters
+    ----------
+    lines : RodModulus
+        Those that are used.
+    scatter : array, shape (n,)
+        Relative standard deviation of either part of each.
+    """
+    f, E = lines.frequency, lines.modulus
+    if len(f) < _FEW or not (scatter > 0).all():
+        return None
+    omega = 2 * np.pi * f
+    slowest, fastest = 1 / omega[0] * _BEYOND, 1 / omega[-1] / _BEYOND
+    count = int(np.ceil(np.log10(slowest / fastest) * _PER_DECADE)) + 1
+    x = 1j * np.outer(omega, np.geomspace(fastest, slowest, count))
+    solid = np.column_stack((np.ones(len(f)), 1j * omega, x / (1 + x)))
+    errors = [E * relative for relative in lines.by_errors]
+    known = len(errors)
+    weight = 1 / (np.abs(E) * scatter)
+    A = np.vstack((
+        _parts(np.column_stack((solid, *errors)) * weight[:, None]),
+        np.eye(known, solid.shape[1] + known, solid.shape[1]),
+    ))  # fmt: skip
+    y = np.concatenate((_parts(np.asarray(E * weight)), np.zeros(known)))
+    must = np.arange(A.shape[1]) < solid.shape[1]
+    beta, _ = linear(A, y, must)
+    left = y - A @ beta
+    free = len(y) - known - int(np.count_nonzero(beta[must]))
+    return float(left @ left) / max(free, 1)
+
+
+def _parts(rows: npt.NDArray[Any]) -> FloatArray:
+    return np.concatenate((rows.real, rows.imag))

@@ -1,0 +1,364 @@
+r"""The modulus of a rod or cylinder with an inertial mass on top, from its wave equation.
+
+With m = rho A L the mass of the rod, M the mass on it and
+:math:`z = \omega L\sqrt{\rho/E^*}`, a base that moves gives, and a force on the mass meets,
+
+.. math:: T = \frac{1}{\cos z - \frac Mm z \sin z}, \qquad
+    \frac{F}{x} = \omega^2\Bigl(\frac{m \cot z}{z} - M\Bigr)
+
+Either is inverted line by line for the complex :math:`w = z^2`, by Newton's method from the line of
+the resonance, where a spring with a third of the rod's mass is near, outwards; so the root is the
+one that continues it. E* is that of the rod: bonded between plates a short cylinder is stiffer than
+its material, :func:`~dashpot.solids.part_geometry.bonded_cylinder`, which is taken off. A phase
+between the sensors looks like loss, and no law of physics tells the two apart; but far below the
+resonance both sensors see one motion. What gain and phase they show there is taken out.
+Source: V. M. Kulik et al., Exp. Mech. (2009) (base excitation, two accelerometers).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.base.validators import positive
+from dashpot.datamodel.frf import FRF, Kind
+from dashpot.extensions.materials.rod.checks import (
+    PLANE,
+    ROD_LINES,
+    lines_of_one_solid,
+    mass_beside_rod,
+    rod_usable,
+    sensors_agree,
+    waves_plane,
+)
+from dashpot.extensions.materials.rod.datamodel import RodErrors, RodModulus
+from dashpot.extensions.materials.rod.solid_consistency import misfit_of_one_solid
+from dashpot.solids.part_geometry import Block, Disc
+
+_ROUNDS = 50
+_CLOSE = 1e-13
+_NEIGHBOURS = 11
+"""Lines over which the scatter is averaged where the FRF comes without."""
+_FEW = 3
+"""Lines that make a median."""
+_EXACT = 1e-3
+"""No two sensors are known to agree better, as a part, or in rad."""
+_GAIN_LEFT, _PHASE_LEFT = 0.003, float(np.radians(0.3))
+"""What is left of gain and phase that were seen at rest and taken out: standard deviations,
+beside those with which they were seen."""
+_MEDIAN = float(np.sqrt(np.pi / 2))
+"""Standard error of a median over that of a mean."""
+_TURNS = 3
+_GOOD = 0.1
+"""Error of storage and of loss factor in the band that is called usable."""
+
+
+def rod_transmissibility(
+    frequency: FloatArray, modulus: ComplexArray | complex, *, mass_ratio: float, length: float,
+    density: float,
+) -> ComplexArray:  # fmt: skip
+    """Return T of a rod with `mass_ratio` times its own mass on top; Hz, Pa, m, kg/m^3."""
+    z = 2 * np.pi * np.asarray(frequency) * length * np.sqrt(density / np.asarray(modulus))
+    return np.asarray(1 / (np.cos(z) - mass_ratio * z * np.sin(z)), dtype=complex)
+
+
+def rod_modulus(
+    frf: FRF,
+    part: Disc | Block,
+    *,
+    mass: Quantity,
+    density: float,
+    bonded: bool = True,
+    errors: RodErrors | None = None,
+    band: Range | None = None,
+) -> RodModulus:
+    """Return E* of a rod's material, line by line, from the FRF of the mass on it.
+
+    Parameters
+    ----------
+    frf : FRF
+        Transmissibility to the mass, or motion of the mass over the force on it.
+    part : Disc or Block
+        Shape of the rod; its height is L.
+    mass : float or str
+        On top, kg.
+    density : float
+        Of the rod, kg/m^3.
+    bonded : bool
+        To its plates: what that stiffens is taken off.
+    errors : RodErrors, optional
+    band : (float, float), optional
+        Lines to use, Hz.
+
+    Raises
+    ------
+    DataError
+        If a number cannot be, the FRF was windowed, or a line has no modulus.
+    """
+    top, limits = float(si(mass, "mass")), si_range(band, "frequency")
+    positive(mass=top, density=density, expected="a finite number above 0")
+    if frf.shift:
+        raise DataError("a rod's waves need an FRF without an exponential window")
+    over_base, relative_sensor = (
+        frf.quantity.over_base,
+        frf.quantity is Kind.RELATIVE_TRANSMISSIBILITY,
+    )
+    measured = frf.to(Kind.TRANSMISSIBILITY if over_base else Kind.DYNAMIC_STIFFNESS)
+    measured = measured if limits is None else measured.band(*limits)
+    measured = measured.only(measured.usable)
+    own = density * part.area * part.height
+    rod = _Setup(part, top / own, own, density, bonded)
+    found = _inverted(measured, rod, errors or RodErrors(), relative_sensor=relative_sensor)
+    # a sensor between both ends is not seen at rest
+    beside = []
+    if over_base and not relative_sensor:
+        found, seen = _at_one(found, measured, rod)
+        beside = [seen]
+    return replace(found, checks=(*found.checks, mass_beside_rod(rod.ratio), *beside))
+
+
+@dataclass(frozen=True)
+class _Setup:
+    """A rod as it stands: `ratio` of the mass on it to its own, kg; kg/m^3."""
+
+    part: Disc | Block
+    ratio: float
+    own: float
+    density: float
+    bonded: bool
+
+
+def _at_one(found: RodModulus, measured: FRF, rod: _Setup) -> tuple[RodModulus, Check]:
+    """The modulus without the gain and phase that sensors show at rest, and what they show."""
+    said, whole = found.errors, 0j
+    known = max(said.gain, _EXACT), max(said.phase, _EXACT)
+    seen_first = _at_rest(found, measured, rod.ratio)
+    if seen_first is None:
+        return found, sensors_agree(None, 0.0, known=known)
+    off, error = seen_first
+    known = float(np.hypot(known[0], error.real)), float(np.hypot(known[1], error.imag))
+    gain = min(said.gain, float(np.hypot(_GAIN_LEFT, error.real)))
+    phase = min(said.phase, float(np.hypot(_PHASE_LEFT, error.imag)))
+    # who calibrated them as well knows as much
+    by_gain, by_phase = gain < said.gain, phase < said.phase
+    if not (by_gain or by_phase):
+        return found, sensors_agree(off.real, off.imag, known=known)
+    left = replace(said, gain=gain, phase=phase)
+    for _ in range(_TURNS):  # it moves the modulus, and so what is expected at rest
+        whole += complex(by_gain * off.real, by_phase * off.imag)
+        seen = replace(measured, value=measured.value * np.exp(-whole))
+        found = _inverted(seen, rod, left, relative_sensor=False)
+        again = _at_rest(found, seen, rod.ratio)
+        if again is None:
+            off = 0j
+            break
+        off, _ = again
+    whole += off
+    return found, sensors_agree(whole.real, whole.imag, known=known)
+
+
+def _inverted(
+    measured: FRF, rod: _Setup, errors: RodErrors, *, relative_sensor: bool
+) -> RodModulus:
+    """E* line by line, and all that is asked of its lines."""
+    part, ratio, density, over_base = rod.part, rod.ratio, rod.density, measured.quantity.over_base
+    omega = 2 * np.pi * measured.frequency
+    y = 1 / measured.value if over_base else measured.value / (rod.own * omega**2)
+    equation = _base if over_base else _force
+    w = _tracked(equation, y, omega, ratio)
+    told = np.isfinite(w)
+    measured, omega, y, w = measured.only(told), omega[told], y[told], w[told]
+    _, by_w, by_ratio = equation(w, ratio)
+    # the bonded factor goes with the area over the length squared
+    shape = part.factor(bonded=rod.bonded) * part.height / part.area
+    steep, by_poisson = part.bonded_slopes() if rod.bonded else (0.0, 0.0)
+    E = density * omega**2 * part.height**2 / w / shape
+    relative = y / (by_w * w)  # d ln E for a gain of the response over the base, or over the force
+    heavy = ratio * by_ratio / (by_w * w)
+    # F / (m omega^2) falls as the rod grows heavier; 1/T does not know its mass
+    own = np.zeros_like(y) if over_base else relative
+    # of a sensor between both ends the gain is that of T - 1
+    gained = relative * (1 - y) if relative_sensor else relative
+    sensitivity = {
+        "by_gain": gained,
+        "by_phase": 1j * gained,
+        "by_mass": heavy,
+        "by_length": 2 - steep - heavy + own,
+        "by_area": steep / 2 - heavy + own,
+        "by_density": 1 - heavy + own,
+        "by_poisson": np.full_like(y, -by_poisson),
+        "by_glue": _by_glue(w, by_w, ratio, over_base=over_base) * E / np.abs(E.real),
+    }
+    spread = [getattr(errors, name.removeprefix("by_")) * d for name, d in sensitivity.items()]
+    random = measured.random_sd
+    if random is None:
+        part_of: ComplexArray = _scatter(np.log(E)).astype(complex)
+    else:
+        part_of = random / np.abs(measured.value) * relative
+    spread += [part_of, 1j * part_of]
+    none = np.zeros(len(E))
+    found = RodModulus(
+        measured.frequency, E, w, **sensitivity,
+        storage_sd=none, loss_factor_sd=none, band=(np.nan, np.nan), checks=(), errors=errors,
+    )  # fmt: skip
+    response = np.abs(measured.value if over_base else 1 / measured.value)
+    found = _judged(found, spread, response, np.abs(w) / part.height**2 * _across(part))
+    usable = found.usable
+    scatter = np.hypot(np.abs(part_of), _EXACT * np.abs(relative))
+    # a solid in a row with a spring is one solid again
+    solid = replace(found.only(usable), errors=replace(errors, glue=0.0))
+    left = misfit_of_one_solid(solid, scatter[usable])
+    return replace(found, checks=(*found.checks, lines_of_one_solid(left)))
+
+
+def _by_glue(w: ComplexArray, by_w: ComplexArray, ratio: float, *, over_base: bool) -> ComplexArray:
+    r"""Return d ln E* for a glue that gives as much as the rod's storage modulus lets it.
+
+    Between base and rod it gives under the force there, so that
+
+    .. math:: \frac1T = \cos z - \frac Mm z \sin z
+              - g\,\frac{E^*}{E'}\,z\Bigl(\sin z + \frac Mm z \cos z\Bigr)
+
+    Under a mass that is struck it is a spring in a row with the rod.
+    """
+    if not over_base:
+        return np.ones_like(w)
+    z: ComplexArray = np.sqrt(np.asarray(w, dtype=complex))
+    return np.asarray(-z * (np.sin(z) + ratio * z * np.cos(z)) / (by_w * w))
+
+
+def _judged(
+    found: RodModulus, spread: list[ComplexArray], response: FloatArray, bulging: FloatArray
+) -> RodModulus:
+    """With its errors, the band in which they are small, and what else limits it."""
+    E, storage, loss = found.modulus, found.storage, found.loss_factor
+    changes = [E * one for one in spread]
+    storage_sd = np.sqrt(sum(one.real**2 for one in changes))
+    loss_sd = np.sqrt(sum(((one.imag - loss * one.real) / storage) ** 2 for one in changes))
+    good = (storage_sd < _GOOD * np.abs(storage)) & (loss_sd < _GOOD * np.abs(loss)) & (storage > 0)
+    plane = good & (bulging <= PLANE)
+    if np.count_nonzero(plane) >= ROD_LINES:  # what is beyond is not the rod's wave equation
+        good = plane
+    band = _about(found.frequency, good, int(response.argmax()))
+    found = replace(found, storage_sd=storage_sd, loss_factor_sd=loss_sd, band=band)
+    widest = float(bulging[found.usable].max()) if found.usable.any() else None
+    return replace(
+        found, checks=(rod_usable(int(found.usable.sum()), band), waves_plane(widest, band[1]))
+    )
+
+
+def _at_rest(found: RodModulus, measured: FRF, ratio: float) -> tuple[complex, complex] | None:
+    """The logarithm of T below the band over what the modulus where it begins makes of it.
+
+    The middle of its lines, and the standard error of either part.
+    """
+    f, usable = measured.frequency, np.flatnonzero(found.usable)
+    low = f < 0.5 * found.band[0]
+    if not usable.size or np.count_nonzero(low) < _FEW:
+        return None
+    first = int(usable[0])
+    # a modulus that falls towards rest as its loss there says: E* as f^(2 delta/pi)
+    power = 2 - 2 / np.pi * float(np.angle(found.modulus[first]))
+    expected, _, _ = _base(found.wave[first] * (f[low] / f[first]) ** power, ratio)
+    off = np.log(measured.value[low] * expected)
+    parts = np.stack([off.real, off.imag])
+    error = _MEDIAN * parts.std(axis=1, ddof=1) / np.sqrt(len(off))
+    return complex(*np.median(parts, axis=1)), complex(*error)
+
+
+def _scatter(lines: ComplexArray) -> FloatArray:
+    """Standard deviation of either part of lines by their second differences, which no curve has.
+
+    The mean over a few neighbours; of fewer lines than that it is not known, 0.
+    """
+    if len(lines) < 2 * _NEIGHBOURS:
+        return np.zeros(len(lines))
+    rough = np.abs(np.diff(lines, 2)) ** 2 / 12  # 1 + 4 + 1, in two parts
+    near = np.ones(_NEIGHBOURS)
+    mean = np.convolve(rough, near, "same") / np.convolve(np.ones_like(rough), near, "same")
+    return np.sqrt(np.pad(mean, 1, mode="edge"))
+
+
+def _across(part: Disc | Block) -> float:
+    r"""What the inertia of the bulging takes off a modulus, over k^2 (Rayleigh).
+
+    .. math:: \nu^2 I_p / A, \qquad \nu = 1/2
+    """
+    if isinstance(part, Disc):
+        return part.diameter**2 / 32
+    return (part.length**2 + part.width**2) / 48
+
+
+_Equation = Callable[[ComplexArray, float], tuple[ComplexArray, ComplexArray, ComplexArray]]
+
+
+def _base(w: ComplexArray, ratio: float) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """1/T, and its derivatives by w = z^2 and by M/m."""
+    z: ComplexArray = np.sqrt(np.asarray(w, dtype=complex))
+    sine, cosine = np.sin(z), np.cos(z)
+    by_z = -sine - ratio * (sine + z * cosine)
+    return cosine - ratio * z * sine, by_z / (2 * z), -z * sine
+
+
+def _force(w: ComplexArray, ratio: float) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """F/(x m omega^2), and its derivatives by w = z^2 and by M/m."""
+    z: ComplexArray = np.sqrt(np.asarray(w, dtype=complex))
+    cotangent = 1 / np.tan(z)
+    by_z = -(1 + cotangent**2) / z - cotangent / z**2
+    return cotangent / z - ratio, by_z / (2 * z), -np.ones_like(z)
+
+
+def _tracked(equation: _Equation, y: ComplexArray, omega: FloatArray, ratio: float) -> ComplexArray:
+    """The root w of every line: from the resonance outwards, each from its neighbour's.
+
+    nan where noise leaves none: far from the resonance T hardly depends on the modulus.
+
+    Raises
+    ------
+    DataError
+        If less than half of the lines have one.
+    """
+    peak = int(np.abs(y / (1 if equation is _base else 1 / omega**2)).argmin())
+    w = np.zeros(len(y), dtype=complex)
+    guess = (1 - y[peak]) / (ratio + 0.5) if equation is _base else 1 / (y[peak] + ratio + 1 / 3)
+    for order in (range(peak, len(y)), range(peak - 1, -1, -1)):
+        before = peak
+        for i in order:
+            start = guess if i == peak else w[before] * (omega[i] / omega[before]) ** 2
+            w[i] = _root(equation, complex(start), complex(y[i]), ratio)
+            before = i if np.isfinite(w[i]) else before
+    lost = np.flatnonzero(~np.isfinite(w))
+    if np.isnan(w[peak]) or 2 * len(lost) > len(w):
+        line = omega[peak if np.isnan(w[peak]) else lost[0]] / (2 * np.pi)
+        raise DataError(
+            f"no modulus explains the line at {line:.5g} Hz: expected the FRF of a mass on the "
+            "rod. Check mass and density, or narrow the band (--band)"
+        )
+    return w
+
+
+def _root(equation: _Equation, w: complex, y: complex, ratio: float) -> complex:
+    for _ in range(_ROUNDS):
+        value, slope, _ = equation(np.asarray(w), ratio)
+        step = complex((value - y) / slope)
+        w -= step * min(1.0, 0.5 * abs(w) / max(abs(step), 1e-300))
+        if abs(step) <= _CLOSE * abs(w):
+            return w
+    return complex(np.nan, np.nan)
+
+
+def _about(frequency: FloatArray, good: np.ndarray, peak: int) -> tuple[float, float]:
+    """The run of good lines nearest to the peak."""
+    if not good.any():
+        return np.nan, np.nan
+    at = int(np.flatnonzero(good)[np.abs(np.flatnonzero(good) - peak).argmin()])
+    bad = np.flatnonzero(~good)
+    low = int(bad[bad < at].max(initial=-1)) + 1
+    high = int(bad[bad > at].min(initial=len(good))) - 1
+    return float(frequency[low]), float(frequency[high])

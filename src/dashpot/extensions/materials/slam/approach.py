@@ -1,0 +1,56 @@
+"""How a mass meets a piece: at a speed, or after a fall."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from dashpot.base.errors import DataError
+from dashpot.base.units import GRAVITY, Quantity, parse_quantity
+from dashpot.base.validators import positive
+
+
+@dataclass(frozen=True)
+class Approach:
+    """How a mass meets a piece.
+
+    Attributes
+    ----------
+    speed : float
+        At the touch, m/s.
+    pull : float
+        Acceleration that acts besides the piece, m/s^2: gravity for a fall, else 0.
+    """
+
+    speed: float
+    pull: float = 0.0
+
+    def __post_init__(self) -> None:
+        positive("slam: ", speed=self.speed, unit=" m/s")
+
+    @classmethod
+    def of(cls, said: Quantity) -> Approach:
+        r"""What is said of it: a speed, m/s or ``"0.6m/s"``, or how far it fell, ``"18.4mm"``.
+
+        After a fall from rest :math:`v = \sqrt{2 g h}`, and gravity pulls on.
+
+        Raises
+        ------
+        DataError
+            If it is neither.
+        """
+        if not isinstance(said, str):
+            return cls(float(said))
+        for dimension in ("velocity", "length"):
+            try:
+                value = parse_quantity(said, dimension)
+            except DataError:
+                continue
+            if dimension == "velocity":
+                return cls(value)
+            positive("slam: ", fall=value, unit=" m")
+            return cls(math.sqrt(2 * GRAVITY * value), GRAVITY)
+        raise DataError(
+            f"--slam {said}: expected the speed at the touch with its unit, 0.6m/s, or the height "
+            "of the fall, 18mm"
+        )

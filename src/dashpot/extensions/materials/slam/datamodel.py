@@ -1,0 +1,186 @@
+"""Recorded slams: a mass of known weight hits a piece, and its force or its motion is recorded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from dashpot.base.array_units import into_si, said_units
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured, median
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.base.number_format import counted
+from dashpot.base.provenance import Source, of_file
+from dashpot.base.reported_values import Fact, Numbered
+from dashpot.base.result_mixins import Described, Judged, Series, arrays
+from dashpot.base.serialisation import Documented
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.specimen import Specimen
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SlamTest(ByValue, Described):
+    """Force on a piece, or acceleration of the mass, through one slam or several.
+
+    Attributes
+    ----------
+    time : array, shape (n,)
+        s, evenly spaced.
+    force, acceleration : array, shape (n,), or None
+        N and m/s^2, their sign and their zero as recorded; one of them at least.
+    specimen : Specimen
+    source : Source or None
+    units : str
+        Of the arrays, in their order: ``"ms, N"``, or ``"SI"``. Within they are in SI.
+
+    Raises
+    ------
+    DataError
+        If there is neither, arrays differ in length, are not finite, or sampling is not even.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 50, 500)
+    >>> hit = dp.SlamTest(t, force=np.sin(np.pi * t / 50), units="ms, N")
+    >>> round(float(hit.time[-1]), 3)
+    0.05
+    """
+
+    time: FloatArray
+    force: FloatArray | None = None
+    acceleration: FloatArray | None = None
+    specimen: Specimen = field(default_factory=Specimen)
+    source: Source | None = None
+    units: str = said_units()
+
+    def __post_init__(self) -> None:
+        into_si(self, time="time", force="force", acceleration="acceleration")
+        hold_measured(self, "time", "force", "acceleration", minimum=16)
+        if self.force is None and self.acceleration is None:
+            raise DataError("a slam is a force, or the acceleration of the mass. Give one of them")
+        steps = np.diff(self.time)
+        worst = int(np.argmax(np.abs(steps - self.step)))
+        if abs(steps[worst] - self.step) > 0.2 * self.step:
+            raise DataError(
+                f"a slam needs even sampling, and the step after t = {self.time[worst]:.9g} s is "
+                f"{steps[worst]:.6g} s where {self.step:.6g} s is usual. Cut the record there"
+            )
+
+    @property
+    def step(self) -> float:
+        """Between two samples, s."""
+        return median(np.diff(self.time))
+
+    @property
+    def series(self) -> Series:
+        """Force and acceleration over time."""
+        return arrays(self, time="s", force="N", acceleration="m/s^2")
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which record it is, and what was recorded."""
+        both = {"force": self.force, "acceleration": self.acceleration}
+        named = " and ".join(name for name, one in both.items() if one is not None)
+        return of_file(self.source, len(self.time)), f"{named} at {1 / self.step:.6g} Hz"
+
+
+@dataclass(frozen=True, eq=False)
+class SlamHit(ByValue, Documented):
+    """One slam as it was fitted.
+
+    Attributes
+    ----------
+    name : str
+        Of its file, and its number there.
+    speed : Fact
+        At the touch, m/s.
+    peak, compression, contact, rebound, lost_part : float
+        Largest force, N, and compression, m; length, s; speed of release over that of approach,
+        and part of the kinetic energy that was absorbed.
+    time, measured, modelled : array, shape (n,)
+        s from the touch, and N.
+    """
+
+    keys = ("name", "speed", "peak", "compression", "contact", "rebound", "lost_part")
+
+    name: str
+    speed: Fact
+    peak: float
+    compression: float
+    contact: float
+    rebound: float
+    lost_part: float
+    time: FloatArray
+    measured: FloatArray
+    modelled: FloatArray
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SlamFit(ByValue, Numbered, Judged, Documented):
+    """What slams say of a piece: its loss factor, and the arm that a ramp is too slow for.
+
+    Attributes
+    ----------
+    frequency : float
+        Of the cycle that a contact is half of, Hz.
+    found : tuple of Fact
+        The loss factor there, and the arm.
+    hits : tuple of SlamHit
+    mass : float
+        kg.
+    fit : Fit
+        The piece: its elastic law, the memory that was known, and the arm.
+    checks : tuple of Check
+    sources : tuple of Source
+    """
+
+    schema = "dashpot/slam@1"
+    keys = ("verdict", "frequency", "found", "mass", "hits", "checks", "sources", "fit")
+    read_back = False
+
+    frequency: float
+    found: tuple[Fact, ...]
+    hits: tuple[SlamHit, ...]
+    mass: float
+    fit: Fit
+    checks: tuple[Check, ...] = ()
+    sources: tuple[Source, ...] = ()
+
+    @property
+    def kept(self) -> Fit:
+        """The fit with every check that decided the verdict."""
+        return self.fit.with_checks(self.checks)
+
+    @property
+    def source(self) -> Source | None:
+        """The first file behind it."""
+        return next(iter(self.sources), None)
+
+    @property
+    def facts(self) -> tuple[Fact, ...]:
+        """What was found, and of every hit its speed, force, contact and rebound."""
+        return (*self.found, *(fact for one in self.hits for fact in _told(one, len(self.hits))))
+
+    @property
+    def sound(self) -> str:
+        """The loss factor, and of how many slams."""
+        loss = self.found[0].cells
+        between = f" ({loss.interval})" if loss.interval else ""
+        return (
+            f"the loss factor at {self.frequency:.3g} Hz is {loss.with_error}{between}, from "
+            f"{counted(len(self.hits), 'slam')}"
+        )
+
+
+def _told(one: SlamHit, of: int) -> tuple[Fact, ...]:
+    """The numbers of a hit as rows."""
+    words = f"{one.name}: " if of > 1 else ""
+    return (
+        replace(one.speed, words=f"{words}speed"),
+        Fact("peak_force", one.peak, unit="N", words=f"{words}peak force"),
+        Fact("contact", one.contact, unit="s", read="ms", words=f"{words}contact"),
+        Fact("rebound", one.rebound, unit="1", read="%", words=f"{words}rebound speed"),
+        Fact("lost_part", one.lost_part, unit="1", read="%", words=f"{words}energy absorbed"),
+    )

@@ -1,0 +1,48 @@
+"""A mass slammed on a door seal, simulated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+import numpy as np
+
+from dashpot.base.version import byline
+from dashpot.extensions.materials.slam.motion import slammed
+from dashpot.registry import Example
+from dashpot.solids.demo_seals import BROAD
+from dashpot.solids.elastic import ElasticLaw
+
+_DEPTH = 8e-3
+_SEALS = 2
+"""Pieces of 50 mm under the mass."""
+
+
+def _slams() -> str:
+    """200 g at 0.3, 0.45 and 0.6 m/s on two broad seals; force at 10 kHz, 1 % of its peak noisy."""
+    law, random = ElasticLaw.linear(BROAD.k_inf, _DEPTH), np.random.default_rng(1)
+    force = []
+    for speed in (0.3, 0.45, 0.6):
+        (one,) = slammed([_SEALS * BROAD], law, mass=0.2, speed=speed)
+        time = np.arange(0.0, 0.6, 1e-4)
+        own = np.interp(time - 0.05, one.time, np.maximum(one.force, 0.0), left=0.0, right=0.0)
+        force.append(own + 0.01 * own.max() * random.standard_normal(len(own)))
+    whole = np.concatenate(force)
+    rows = (f"{1e-4 * i:.4f},{one:.5g}" for i, one in enumerate(whole.tolist()))
+    head = [
+        f"# {byline('simulated slams')}",
+        "# simulated: slams of 200 g on 100 mm of seal, at 0.3, 0.45 and 0.6 m/s",
+    ]
+    return "\n".join([*head, "time [s],force [N]", *rows, ""])
+
+
+EXAMPLES: Mapping[str, Example] = MappingProxyType(
+    {
+        "slam.csv": Example(
+            "slam",
+            "200 g slammed on two such seals at 0.3, 0.45 and 0.6 m/s, for dashpot fit",
+            _slams,
+        ),
+    }
+)
+"""By their names."""

@@ -1,0 +1,70 @@
+"""Figures of a mass slammed on a piece."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.units import in_unit
+from dashpot.extensions.materials.slam.datamodel import SlamFit
+from dashpot.extensions.materials.slam.prediction import Slam
+from dashpot.plot.picture import BENEATH, FIT, PREDICTED, UPON, Line, Panel, Picture, Scale
+from dashpot.plot.provenance_stamp import stamp as stamped
+
+_MOST = 6
+"""Slams that a figure shows."""
+
+
+def slams(found: SlamFit, *, stamp: str = "") -> Picture:
+    """Force of every slam over time: measured, and by the motion that was fitted.
+
+    Parameters
+    ----------
+    found : SlamFit
+    stamp : str
+        What the figure says of its origin; by default the files.
+    """
+    panels = []
+    for one in found.hits[:_MOST]:
+        ms = in_unit(one.time, "ms")
+        top = 1.08 * float(one.measured.max())
+        marks = (
+            Line(ms, one.modelled, BENEATH, "fitted"),
+            Line(ms, one.measured, UPON, "measured"),
+        )
+        across = Scale("time from the touch, ms", (float(ms[0]), float(ms[-1])))
+        title = f"{one.speed.value:.3g} m/s"
+        panels.append(Panel(across, Scale("force, N", (-0.08 * top, top)), marks, title=title))
+    caption = "Force of slams on a piece over time: measured, and by the fitted motion."
+    origin = stamped(found.sources) if found.sources else ""
+    return Picture("slams", caption, tuple((one,) for one in panels), 3, stamp or origin)
+
+
+def slam(found: Slam, *, stamp: str = "") -> Picture:
+    """Force of a slam over time and over compression, beside the relaxed force.
+
+    Parameters
+    ----------
+    found : Slam
+    stamp : str
+        What the figure says of its origin; by default the files of the fit.
+    """
+    motion = found.motion
+    ms, mm = in_unit(motion.time, "ms"), in_unit(motion.compression, "mm")
+    up = Scale("force, N", (0.0, 1.08 * float(motion.force.max())))
+    whole = Panel(
+        Scale("time, ms", (0.0, float(ms[-1]))),
+        up,
+        (Line(ms, np.maximum(motion.force, 0.0), PREDICTED, "predicted"),),
+    )
+    rising = slice(0, int(motion.compression.argmax()) + 1)
+    loop = Panel(
+        Scale("compression, mm", (0.0, 1.05 * float(mm.max()))),
+        up,
+        (
+            Line(mm, np.maximum(motion.force, 0.0), PREDICTED, "predicted"),
+            Line(mm[rising], motion.relaxed[rising], FIT, "relaxed"),
+        ),
+    )
+    caption = "Force of a mass slammed on the piece, over time and over compression."
+    origin = stamped(found.sources) if found.sources else ""
+    return Picture("slam", caption, ((whole,), (loop,)), 2, stamp or origin)

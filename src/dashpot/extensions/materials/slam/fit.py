@@ -1,0 +1,316 @@
+r"""From recorded slams to the loss factor of a piece, and the arm that a ramp is too slow for.
+
+All slams of a piece are followed by one motion each
+(``dashpot.extensions.materials.slam.motion``), of one law and one memory, with the speed at the
+touch, the touch and the zero of each slam free:
+
+.. math:: F_i(t) = F(t - t_i;\, c, g, \tau, v_i) + b_i + \text{noise}
+
+What is known before is a row as any other: the law of a load deflection test, the arms of a
+relaxation test with their covariance, the speeds. So the tests are of one likelihood.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError, FitError
+from dashpot.base.provenance import Step, sources_of
+from dashpot.base.reported_values import Fact
+from dashpot.base.units import Quantity, si
+from dashpot.datamodel.checks import caution_checks
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
+from dashpot.datamodel.parameter_estimate import ParameterEstimate, Residual, parameter_names
+from dashpot.extensions.materials.slam import checks
+from dashpot.extensions.materials.slam.approach import Approach
+from dashpot.extensions.materials.slam.datamodel import SlamFit, SlamHit, SlamTest
+from dashpot.extensions.materials.slam.elastic_law import POWERS, SlamLaw
+from dashpot.extensions.materials.slam.least_squares_problem import Memory, Slams
+from dashpot.extensions.materials.slam.motion import SlamMotion
+from dashpot.extensions.materials.slam.preprocess import slams_of
+from dashpot.extensions.materials.slam.residual_shapes import shapes_left
+from dashpot.fitting.fit_construction import FoundSolid, assembled
+from dashpot.numerics.inference.covariance_estimate import Derived, Estimate, estimate
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+SPEED_SD = 0.05
+"""How well a speed is known that was said, as a part of it: by a light barrier, or by a ruler."""
+
+
+def fit_slams(
+    records: Sequence[SlamTest],
+    *,
+    mass: Quantity | None = None,
+    slam: Quantity | Sequence[Quantity] = (),
+    memory: Fit | Sequence[Fit] = (),
+    law: SlamLaw | None = None,
+    speed_sd: float = SPEED_SD,
+) -> SlamFit:
+    """Find the loss factor of a piece, and the arm that a ramp is too slow for, from slams on it.
+
+    Parameters
+    ----------
+    records : sequence of SlamTest
+        Of one piece.
+    mass : float or str
+        kg, or ``"200g"``.
+    slam : sequence of float or str
+        Of the slams in their order the speed at the touch, ``"0.6m/s"``, or the height of the fall,
+        ``"18mm"``. Where fewer are given, the speeds of the rest are free.
+    memory : Fit, optional
+        Of a relaxation test, or of a load deflection test with such a memory: its arms are known to
+        their covariance, and its law, where it bends, to its errors.
+    law : SlamLaw, optional
+        What is known of the law, by default what `memory` holds of it.
+    speed_sd : float
+        Standard deviation of a speed that is given, as a part of it.
+
+    Raises
+    ------
+    DataError, FitError
+        If the mass is missing, no slam stands out, or no motion follows them.
+    """
+    if mass is None:
+        raise DataError("slams need the mass of what moves. Add it: --mass 200g")
+    fits = (memory,) if isinstance(memory, Fit) else tuple(memory)
+    if len(fits) > 1:
+        raise DataError(f"--memory was given {len(fits)} times, and slams take one. Give it once")
+    kg, fit = si(mass, "mass"), fits[0] if fits else None
+    hits = tuple(
+        one
+        for place, test in enumerate(records, 1)
+        for one in slams_of(test, kg, test.source.file if test.source else f"record {place}")
+    )
+    speeds, pulls = _approaches(slam, len(hits))
+    longer = _longer(records, fit)
+    if law is None:
+        law = SlamLaw.free() if fit is None else SlamLaw.of(fit, longer)
+    slams = Slams(hits, kg, pulls, speeds, speed_sd, law, Memory.of(fit))
+    best = slams.solved()
+    if best is None:
+        raise FitError(
+            "no motion of the mass follows the slams. Check the mass and the speeds, or look at "
+            "the record with dashpot inspect"
+        )
+    found = estimate(best, parts=[len(one.time) for one in hits], prior_variance=1.0)
+    return _SlamsSolved(tuple(records), slams, found, fit).whole
+
+
+def _approaches(slam: Quantity | Sequence[Quantity], count: int) -> tuple[FloatArray, FloatArray]:
+    """Speed, NaN where it is free, and pull of so many slams; those not given are pulled alike."""
+    said = [slam] if isinstance(slam, str | float | int) else list(slam)
+    if len(said) > count:
+        raise DataError(
+            f"--slam was given {len(said)} times, and {count} slams were found. Give the speed "
+            "of each slam, in their order"
+        )
+    known = [Approach.of(one) for one in said]
+    pulls, free = [one.pull for one in known], count - len(known)
+    pulls += [pulls[-1] if pulls else 0.0] * free
+    return np.array([*(one.speed for one in known), *[np.nan] * free]), np.array(pulls)
+
+
+def _longer(records: Sequence[SlamTest], fit: Fit | None) -> float:
+    """Length of the piece slammed on over that of the one whose law is known."""
+    own = next((one.specimen.length for one in records if one.specimen.length), None)
+    other = None if fit is None else fit.specimen.length
+    return own / other if own and other else 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class _SlamsSolved:
+    """What the slams say, at their optimum."""
+
+    records: tuple[SlamTest, ...]
+    slams: Slams
+    known: Estimate
+    fit: Fit | None
+
+    @property
+    def whole(self) -> SlamFit:
+        """All of it, judged."""
+        known, slams, frequency = self.known, self.slams, self.frequency
+        arm = known.derived(lambda values: values[slams.shared - 2 : slams.shared])
+        found = [
+            self._fact("loss_factor", self.loss, 0, f"loss factor at {frequency:.3g} Hz"),
+            self._fact("arm", arm, 0, "fast arm, over the relaxed force"),
+            self._fact("arm_time", arm, 1, "its relaxation time"),
+        ]
+        if len(slams.memory.g):
+            before = known.derived(lambda values: self._loss(values, arm=False))
+            found.insert(1, self._fact("loss_before", before, 0, "the same without the fast arm"))
+        judged = self._judged()
+        return SlamFit(
+            frequency, tuple(found), self.hits, slams.mass, self._piece(judged), judged,
+            sources_of(self.records),
+        )  # fmt: skip
+
+    @property
+    def theta(self) -> FloatArray:
+        return self.known.optimum.theta
+
+    def _fact(self, name: str, of: Derived, place: int, words: str) -> Fact:
+        """One of several numbers with its interval; of a time, by its logarithm."""
+        value, error = float(of.values[place]), float(of.standard_error[place])
+        times = self.known.quantile()
+        if name != "arm_time":
+            return Fact.known(name, value, error, times, words=words)
+        time = float(np.exp(value))
+        return Fact.known(name, time, error, times, of_log=True, unit="s", read="ms", words=words)
+
+    @cached_property
+    def motions(self) -> tuple[SlamMotion, ...]:
+        """Of every slam, to its release."""
+        slams = self.slams
+        rows = np.repeat(self.theta[None, :], len(slams.hits), axis=0)
+        x, v, force, relaxed = slams.marched(rows, slams.speeds(self.theta), slams.pulls)
+        ends = np.minimum((force > 0).cumsum(axis=0).argmax(axis=0) + 2, len(force))
+        time = slams.step * np.arange(float(len(force)))
+        return tuple(
+            SlamMotion(
+                time[:end], x[:end, i], v[:end, i], force[:end, i], relaxed[:end, i], slams.mass,
+                float(slams.pulls[i]),
+            )
+            for i, end in enumerate(ends.tolist())
+        )  # fmt: skip
+
+    @cached_property
+    def frequency(self) -> float:
+        """Of the cycle that a contact is half of, Hz."""
+        return float(np.median([one.frequency for one in self.motions]))
+
+    @property
+    def depth(self) -> float:
+        """To which the piece was pressed, m."""
+        return max(one.deepest.compression for one in self.motions)
+
+    def _loss(self, values: FloatArray, *, arm: bool = True) -> FloatArray:
+        """Loss factor of the memory, whatever the compression."""
+        g, tau = self.slams.arms(values[: self.slams.shared])
+        g, tau = (g, tau) if arm else (g[:-1], tau[:-1])
+        turn = 2j * np.pi * self.frequency * tau
+        K = 1 + (g * turn / (1 + turn)).sum()
+        return np.array([K.imag / K.real])
+
+    @cached_property
+    def loss(self) -> Derived:
+        """That, with its error."""
+        return self.known.derived(self._loss)
+
+    @cached_property
+    def hits(self) -> tuple[SlamHit, ...]:
+        """Every slam as it was fitted."""
+        errors, zeros = self.known.standard_error, self.known.optimum.beta
+        reach, found = self.known.quantile(), []
+        modelled = self.slams.forces(self.theta)
+        for i, (one, motion) in enumerate(zip(self.slams.hits, self.motions, strict=True)):
+            place = self.slams.shared + 2 * i
+            speed, error = float(self.theta[place]), float(errors[place])
+            told = Fact.known("speed", speed, error, reach, unit="m/s", read="m/s")
+            time = one.time - self.theta[place + 1]
+            hit = SlamHit(
+                one.name, told, motion.peak.force, motion.deepest.compression,
+                motion.release.time, motion.rebound, motion.lost / motion.energy, time,
+                one.force - zeros[i], modelled[i],
+            )  # fmt: skip
+            found.append(hit)
+        return tuple(found)
+
+    def _judged(self) -> tuple[Check, ...]:
+        """Every check."""
+        slams, hits, known = self.slams, self.hits, self.slams.law.known
+        value, sd = float(self.loss.values[0]), float(self.loss.standard_error[0])
+        sizes = np.cumsum([len(one.time) for one in slams.hits])[:-1]
+        left = np.split(self.known.optimum.residual, sizes)
+        misfit = max(
+            float(np.sqrt(np.mean(one[hit.modelled > 0] ** 2)))
+            for one, hit in zip(left, hits, strict=True)
+        )
+        speeds = np.array([one.speed.value for one in hits])
+        told = np.isfinite(slams.said)
+        off = np.abs(speeds / slams.said - 1)[told] / slams.said_sd
+        apart = [one.rest / one.contact for one in slams.hits if one.rest is not None]
+        ratios = [one.ratio for one in slams.hits if one.ratio is not None]
+        samples = min(one.contact / float(one.time[1] - one.time[0]) for one in hits)
+        return (
+            checks.loss_determined(sd / max(value, 1e-300), self.frequency),
+            checks.slams_followed(misfit),
+            checks.slams_without_more(shapes_left(slams, self.known.optimum)),
+            checks.slams_sampled(samples),
+            checks.slow_arms_known(given=self.fit is not None),
+            checks.slam_speeds_spread(None if known else float(speeds.max() / speeds.min())),
+            checks.slam_speeds_agree(float(off.max()) if len(off) else None),
+            checks.slams_apart(min(apart, default=None)),
+            checks.slam_mass_agrees(max(ratios, key=lambda one: abs(one - 1), default=None)),
+            *self._against(value, sd),
+            *([] if known is None else [checks.slam_within_law(self.depth, known.depth)]),
+            checks.air_escapes(float(speeds.max())),
+            checks.piece_length_given(given=self.records[0].specimen.length is not None),
+            *caution_checks(sources_of(self.records)),
+        )
+
+    def _against(self, value: float, sd: float) -> list[Check]:
+        """What the slams and the test of the memory say of one another."""
+        memory, fit = self.slams.memory, self.fit
+        if fit is None or not len(memory.g):
+            return []
+        moved, about = None, np.concatenate((memory.g, np.log(memory.tau)))
+        if memory.free:
+            here = self.theta[len(POWERS) : len(POWERS) + self.slams.known]
+            moved = float(np.abs(memory.precision @ (here - about)).max())
+        turn = 2j * np.pi * self.frequency * memory.tau
+        K = 1 + (memory.g * turn / (1 + turn)).sum()
+        before = float(K.imag / K.real)
+        gap = (value - before) / sd if np.isfinite(sd) and sd > 0 else None
+        # beyond its band a relaxation test says what there is at least
+        seen = self.frequency <= fit.band[1]
+        if gap is not None and not seen:
+            gap = min(gap, 0.0)
+        return [
+            checks.memory_kept(moved),
+            checks.spectrum_has_gaps(len(memory.g)),
+            checks.losses_agree(gap, value, before, within=seen),
+        ]
+
+    def _piece(self, judged: tuple[Check, ...]) -> Fit:
+        """The piece as a solid: the law, the memory that was known, and the arm."""
+        slams, depth, cubic = self.slams, self.depth, slice(0, len(POWERS))
+        g, tau = slams.arms(self.theta[: slams.shared])
+        order = [i for i in np.argsort(tau).tolist() if g[i] > 0]
+        arms = len(order)
+
+        def seal(values: FloatArray) -> FloatArray:
+            own_g, own_tau = slams.arms(values[: slams.shared])
+            k_inf = slams.law.knotted(values[cubic], depth)[2]
+            return np.concatenate(([k_inf], k_inf * own_g[order], np.log(own_tau[order])))
+
+        told = self.known.derived(seal)
+        ratio = self.known.derived(lambda values: slams.law.knotted(values[cubic], depth)[1])
+        ratio_se = np.nan_to_num(ratio.standard_error, posinf=0.0)
+        k_inf, *rest = told.values.tolist()
+        taus = np.exp(rest[arms:]).tolist()
+        law = slams.law.piecewise(self.theta[cubic], depth)
+        n, sse = len(self.known.optimum.residual), self.known.optimum.sse
+        left = Residual(n, sse, float(np.sqrt(sse / n)), self.known.kappa, unit="sd")
+        estimated = ParameterEstimate(parameter_names(arms), told.covariance, self.known.dof, left)
+        contact = [one.contact for one in self.hits]
+        low = 1 / (np.pi * max(contact)) if self.fit is None else self.fit.band[0]
+        step = Step(
+            "fit",
+            (("slams", str(len(contact))), ("mass_kg", repr(slams.mass))),
+            f"fitted {len(contact)} slams of {slams.mass:.4g} kg",
+        )
+        model = GeneralizedMaxwell(k_inf, tuple(rest[:arms]), tuple(taus))
+        return assembled(
+            FoundSolid(model, estimated),
+            Evidence((low, 2 / (np.pi * min(contact))), checks=judged),
+            Provenance("slam", sources_of(self.records), (step,), self.records[0].specimen),
+            elastic_law=replace(law, ratio_se=tuple(ratio_se.tolist())),
+        )

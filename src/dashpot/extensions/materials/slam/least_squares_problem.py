@@ -1,0 +1,339 @@
+"""All slams of a piece as one problem of least squares: law, memory, arm, speeds and touches."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import partial
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import DataError
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.parameter_estimate import parameter_names
+from dashpot.extensions.materials.slam.elastic_law import POWERS, SlamLaw
+from dashpot.extensions.materials.slam.motion import Masses, march
+from dashpot.extensions.materials.slam.preprocess import Struck
+from dashpot.fitting.parameters import memory_of, own
+from dashpot.numerics.least_squares.problem import Optimum, Parameter, Problem, Rows
+
+STEPS = 240
+"""Of a contact: right to 3e-5 of the largest force."""
+_STEP = 1e-3
+"""Of a difference, in scales of a parameter."""
+_HELD = 1e-4
+"""Standard deviation, as a part, of what the test of the memory held."""
+_TRIES, _FLAT, _FINISHED = 40, 1e-6, 1e-4
+_REBOUND = 0.95
+_PLACES = ((0.1, 0.25), (0.5, 0.25), (0.5, 0.06))
+"""Arms from which the search begins: g, and time in lengths of a contact."""
+_STARTS, _NEAR, _ROUGHLY = 2, 8, 1e-3
+"""Of them those that are followed, and the steps before, and what these may leave."""
+_SHORTEST, _LONGEST = 0.01, 3.0
+"""Between which the time of the arm lies, in lengths of a contact."""
+
+
+@dataclass(frozen=True, eq=False)
+class Memory:
+    """The arms that are known before.
+
+    Attributes
+    ----------
+    g, tau : array, shape (arms,)
+        Over the relaxed force, and s.
+    precision : array, shape (m, 2 arms)
+        Rows whose products with the errors of g and ln tau are normal of standard deviation 1;
+        none where the arms are held.
+    fit : Fit or None
+        Behind them.
+    """
+
+    g: FloatArray = field(default_factory=lambda: np.zeros(0))
+    tau: FloatArray = field(default_factory=lambda: np.zeros(0))
+    precision: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    fit: Fit | None = None
+
+    @classmethod
+    def of(cls, fit: Fit | None) -> Memory:
+        """Those of a fit: of a relaxation test, or with the law of a load deflection test."""
+        if fit is None:
+            return cls()
+        solid = memory_of(fit.model)
+        g, tau, arms = np.array(solid.k), np.array(solid.tau), solid.arms
+        names, _, covariance = own(fit)
+        if names != parameter_names(arms) or not np.isfinite(covariance).all() or not arms:
+            return cls(g, tau, np.zeros((0, 2 * arms)), fit)
+        # of g = k / k_inf
+        G = np.zeros((2 * arms, 1 + 2 * arms))
+        G[:arms, 0] = -g / fit.model.k_inf
+        G[:arms, 1 : 1 + arms] = np.eye(arms) / fit.model.k_inf
+        G[arms:, 1 + arms :] = np.eye(arms)
+        scale = np.concatenate((g, np.ones(arms)))
+        size, turn = np.linalg.eigh((G @ covariance @ G.T) / np.outer(scale, scale))
+        sd = np.sqrt(np.maximum(size, _HELD**2))
+        return cls(g, tau, turn.T / sd[:, None] / scale, fit)
+
+    @property
+    def free(self) -> bool:
+        """Whether its arms move with the fit."""
+        return len(self.precision) > 0
+
+
+@dataclass(frozen=True, eq=False)
+class Slams:
+    """All slams, each in its own scatter, with what is known before.
+
+    Theta holds c of the law, g and ln tau of the memory where that moves, g and ln tau of the arm,
+    and of every slam its speed and touch.
+
+    Attributes
+    ----------
+    hits : tuple of Struck
+    mass : float
+        kg.
+    pulls : array, shape (slams,)
+        m/s^2.
+    said : array, shape (slams,)
+        Speeds that were given, m/s; nan where none was.
+    said_sd : float
+        Standard deviation of each, as a part of it.
+    law : SlamLaw
+    memory : Memory
+    """
+
+    hits: tuple[Struck, ...]
+    mass: float
+    pulls: FloatArray
+    said: FloatArray
+    said_sd: float
+    law: SlamLaw
+    memory: Memory
+
+    @property
+    def step(self) -> float:
+        """Of the march, s."""
+        return max(one.contact for one in self.hits) * 1.3 / STEPS
+
+    @property
+    def known(self) -> int:
+        """Places of the memory that moves."""
+        return 2 * len(self.memory.g) if self.memory.free else 0
+
+    @property
+    def shared(self) -> int:
+        """Thetas that all slams share."""
+        return len(POWERS) + self.known + 2
+
+    def arms(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """G and tau of every arm, the sought one last, shape (..., arms)."""
+        first, n = len(POWERS), len(self.memory.g)
+        shape = (*theta.shape[:-1], n)
+        g, tau = np.broadcast_to(self.memory.g, shape), np.broadcast_to(self.memory.tau, shape)
+        if self.memory.free:
+            g, tau = theta[..., first : first + n], np.exp(theta[..., first + n : first + 2 * n])
+        own_g, own_tau = (
+            theta[..., self.shared - 2, None],
+            np.exp(theta[..., self.shared - 1, None]),
+        )
+        return np.concatenate((g, own_g), axis=-1), np.concatenate((tau, own_tau), axis=-1)
+
+    def speeds(self, theta: FloatArray) -> FloatArray:
+        """Of every slam, m/s."""
+        return theta[self.shared :: 2]
+
+    def touches(self, theta: FloatArray) -> FloatArray:
+        """Of every slam, s."""
+        return theta[self.shared + 1 :: 2]
+
+    def marched(
+        self, theta: FloatArray, speed: FloatArray, pull: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """x, v, force, relaxed force by steps, shape (steps + 1, n), of rows of theta, (n, p)."""
+        g, tau = self.arms(theta)
+        c = theta[:, : len(POWERS)]
+        n = len(theta)
+        masses = Masses(
+            np.full(n, self.mass), speed, pull, partial(self.law.force, c=c), np.ones(n), g, tau
+        )
+        # a trial law that pulls runs away, and is refused for it
+        with np.errstate(over="ignore", invalid="ignore"):
+            x, v, force, relaxed = march(masses, self.step, STEPS)
+        gone = np.maximum.accumulate((force <= 0) & (v < 0), axis=0)
+        return x, v, np.where(gone, 0.0, force), relaxed
+
+    def forces(self, theta: FloatArray) -> list[FloatArray]:
+        """What every slam is modelled as."""
+        rows = np.repeat(theta[None, :], len(self.hits), axis=0)
+        force = self.marched(rows, self.speeds(theta), self.pulls)[2]
+        return [
+            self.seen(force[:, i], one.time - touch)
+            for i, (one, touch) in enumerate(
+                zip(self.hits, self.touches(theta).tolist(), strict=True)
+            )
+        ]
+
+    def seen(self, force: FloatArray, since: FloatArray) -> FloatArray:
+        """Of a force by steps what is sampled at times since the touch, s."""
+        nodes = self.step * np.arange(len(force))
+        return np.interp(since, nodes, force, left=0.0, right=0.0)
+
+    def slopes(self, theta: FloatArray) -> FloatArray:
+        """Derivative of all forces by theta, all slams and all differences marched as one."""
+        shared, many = self.shared, len(self.hits)
+        scale = np.array([one.scale for one in self.parameters])
+        # up and down of what all share, and of the own speed
+        moves = np.zeros((2 * (shared + 1), shared + 1))
+        moves[: shared + 1] = np.eye(shared + 1)
+        moves[shared + 1 :] = -np.eye(shared + 1)
+        moves *= _STEP
+        each = 2 * (shared + 1) + 1
+        rows = np.repeat(theta[None, :shared], each * many, axis=0)
+        speed = np.repeat(self.speeds(theta), each)
+        pull = np.repeat(self.pulls, each)
+        for i in range(many):
+            at = slice(i * each + 1, (i + 1) * each)
+            rows[at] += moves[:, :shared] * scale[:shared]
+            speed[at] += moves[:, shared] * scale[shared + 2 * i]
+        force = self.marched(rows, speed, pull)[2]
+        J = []
+        for i, one in enumerate(self.hits):
+            since = one.time - self.touches(theta)[i]
+            own = np.zeros((len(since), len(theta)))
+            here = force[:, i * each]
+            for j in range(shared + 1):
+                up, down = (force[:, i * each + 1 + j + k * (shared + 1)] for k in (0, 1))
+                place = j if j < shared else shared + 2 * i
+                own[:, place] = self.seen(up - down, since) / (2 * _STEP * scale[place])
+            own[:, shared + 2 * i + 1] = -self.seen(np.gradient(here, self.step), since)
+            J.append(own / one.noise)
+        return np.concatenate(J)
+
+    @property
+    def priors(self) -> tuple[FloatArray, FloatArray]:
+        """Rows P and what P theta is about, in standard deviations."""
+        first, places = len(POWERS), self.shared + 2 * len(self.hits)
+        law = np.zeros((len(self.law.precision), places))
+        law[:, :first] = self.law.precision
+        memory = np.zeros((len(self.memory.precision), places))
+        memory[:, first : first + self.known] = self.memory.precision
+        about = self.memory.precision @ np.concatenate((self.memory.g, np.log(self.memory.tau)))
+        told = np.flatnonzero(np.isfinite(self.said))
+        speeds = np.zeros((len(told), places))
+        sd = self.said_sd * self.said[told]
+        speeds[np.arange(len(told)), self.shared + 2 * told] = 1 / sd
+        rows = np.concatenate((law, memory, speeds))
+        return rows, np.concatenate((np.zeros(len(law)), about, self.said[told] / sd))
+
+    def rows(self, theta: FloatArray) -> Rows:
+        """The slams less their motions, and what the sensors' zeros add, and the priors."""
+        P, about = self.priors
+        if self.speeds(theta).min() <= 0:
+            raise DataError("a slam has a speed above 0")
+        modelled = self.forces(theta)
+        left = [
+            (one.force - force) / one.noise for one, force in zip(self.hits, modelled, strict=True)
+        ]
+        if not all(np.isfinite(one).all() for one in left):
+            raise DataError("the law pulls")
+        sizes = [len(one) for one in left]
+        zero = np.repeat(np.diag([1 / one.noise for one in self.hits]), sizes, axis=0)
+
+        def slope(_: FloatArray) -> FloatArray:
+            return np.concatenate((self.slopes(theta), P))
+
+        return Rows(
+            np.concatenate((*left, about - P @ theta)),
+            np.concatenate((zero, np.zeros((len(P), len(sizes))))),
+            slope,
+        )
+
+    @property
+    def begun(self) -> FloatArray:
+        """Speeds and touches to begin with, interleaved."""
+        impulse = np.array(
+            [float(np.trapezoid(np.maximum(one.force, 0.0), one.time)) for one in self.hits]
+        )
+        contact = np.array([one.contact for one in self.hits])
+        thrown = (impulse / self.mass - self.pulls * contact) / (1 + _REBOUND)
+        speed = np.where(np.isfinite(self.said), self.said, np.maximum(thrown, 1e-3))
+        return np.stack((speed, [one.touch for one in self.hits]), axis=1).ravel()
+
+    @property
+    def parameters(self) -> list[Parameter]:
+        """Ranges and sizes of theta."""
+        peak = max(float(one.force.max()) for one in self.hits)
+        depth = self.depth
+        contact = min(one.contact for one in self.hits)
+        cubic = [Parameter(scale=0.1 * peak / depth**i) for i in POWERS.tolist()]
+        memory = []
+        if self.memory.free:
+            memory = [Parameter(0.0, np.inf, 0.1 * one) for one in self.memory.g.tolist()]
+            memory += [Parameter(scale=0.1) for _ in self.memory.tau]
+        arm = [
+            Parameter(0.0, 50.0, 0.1),
+            Parameter(math.log(_SHORTEST * contact), math.log(_LONGEST * contact), 0.3),
+        ]
+        own: list[Parameter] = []
+        for i, one in enumerate(self.hits):
+            speed = float(self.begun[2 * i])
+            own.append(Parameter(0.2 * speed, 5 * speed, 0.05 * speed))
+            far = 0.3 * one.contact
+            own.append(Parameter(one.touch - far, one.touch + far, 0.02 * one.contact))
+        return [*cubic, *memory, *arm, *own]
+
+    @property
+    def depth(self) -> float:
+        """Largest compression, roughly, m: a fast mass is brought to rest over half a contact."""
+        return max(
+            2 / np.pi * 0.5 * one.contact * float(speed)
+            for one, speed in zip(self.hits, self.begun[::2], strict=True)
+        )
+
+    def solved(self) -> Optimum | None:
+        """The best of some arms: each held at first, for beside a poor law it would go to 0."""
+        problem = Problem(self.rows, self.parameters, priors=len(self.priors[0]))
+        arm = slice(self.shared - 2, self.shared)
+        held = []
+        for start in self.starts:
+            still = problem.held(self.shared - 1, start[arm][1]).held(
+                self.shared - 2, start[arm][0]
+            )
+            rest = np.delete(start, arm)
+            if (near := still.solve([rest], most=_NEAR, flat=_ROUGHLY)) is not None:
+                held.append((near.cost, np.insert(near.theta, [self.shared - 2] * 2, start[arm])))
+        held.sort(key=lambda one: one[0])
+        starts = [one for _, one in held[:_STARTS]]
+        return problem.solve(starts, most=_TRIES, finished=_FINISHED, flat=_FLAT)
+
+    @property
+    def starts(self) -> list[FloatArray]:
+        """Thetas to begin with, one for each arm that is tried."""
+        contact = float(np.median([one.contact for one in self.hits]))
+        memory = (
+            np.concatenate((self.memory.g, np.log(self.memory.tau)))
+            if self.memory.free
+            else np.zeros(0)
+        )
+        cubic = np.zeros(len(POWERS)) if self.law.known else self._cubic()
+        return [
+            np.concatenate((cubic, memory, [g, np.log(part * contact)], self.begun))
+            for g, part in _PLACES
+        ]
+
+    def _cubic(self) -> FloatArray:
+        """A free law, by the force over the path that it gives the mass, less what the arms add."""
+        slow = 1 + float(self.memory.g.sum()) + 0.1
+        columns, forces = [], []
+        for one, speed, pull in zip(self.hits, self.begun[::2], self.pulls, strict=True):
+            inside = one.time >= one.touch
+            time, force = one.time[inside], one.force[inside]
+            step = np.diff(time, prepend=time[0])
+            velocity = speed + np.cumsum(step * (pull - force / self.mass))
+            x = np.cumsum(step * velocity)
+            loading = slice(0, max(int(x.argmax()), 4))
+            columns.append(x[loading, None] ** POWERS)
+            forces.append(force[loading] / slow)
+        A, y = np.concatenate(columns), np.concatenate(forces)
+        size = np.linalg.norm(A, axis=0)
+        return np.asarray(np.linalg.lstsq(A / size, y, rcond=1e-8)[0] / size)

@@ -1,0 +1,299 @@
+r"""A mass that meets a piece of seal at a speed, and is thrown back.
+
+.. math:: m\,\ddot x = m\,p - F, \qquad F = k_\infty\,u(x) + b\,\dot u + \sum_j q_j, \qquad
+          \dot q_j = k_j\,\dot u - q_j / \tau_j
+
+with p the pull along the way (gravity, for a fall) and u the path of the elastic law: the quasi-
+linear seal (Fung). It ends where F falls to zero. Steps are Verlet's, of second order, with the
+arms exact within each (:mod:`dashpot.solids.constant_rate_step`); any number of masses are marched
+side by side.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import ByValue, FloatArray
+from dashpot.base.errors import DataError
+from dashpot.base.validators import positive
+from dashpot.solids.constant_rate_step import EvenStep
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+_FINE, _ROUGH = 4000, 60
+"""Steps of a contact: its numbers are right to 1e-7, or its length to a few per cent."""
+_LOOK = 8
+"""Steps after which it is asked whether all are let go."""
+_LONGEST = 40.0
+"""Of a contact, in times of an elastic one: what lasts longer stays on the piece."""
+
+
+class Masses(NamedTuple):
+    """Masses on their pieces, one beside the other.
+
+    Attributes
+    ----------
+    mass, speed : array, shape (n,)
+        kg and m/s.
+    pull : array, shape (n,) or (steps + 1, n)
+        m/s^2.
+    path : callable
+        The path u, m, of compressions x, m, both of shape (n,).
+    k_inf, b : array, shape (n,)
+        N/m and N s/m.
+    factor : callable
+        :math:`du/dx` at compressions, where there is any b.
+    k, tau : array, shape (n, arms)
+        N/m and s.
+    """
+
+    mass: FloatArray
+    speed: FloatArray
+    pull: FloatArray
+    path: Callable[[FloatArray], FloatArray]
+    k_inf: FloatArray
+    k: FloatArray
+    tau: FloatArray
+    b: FloatArray | None = None
+    factor: Callable[[FloatArray], FloatArray] | None = None
+
+
+class Marched(NamedTuple):
+    """Step by step, from touch on, shape (steps + 1, n): m, m/s, N, and the path, m."""
+
+    x: FloatArray
+    v: FloatArray
+    force: FloatArray
+    path: FloatArray
+
+
+def march(masses: Masses, step: float, most: int) -> Marched:
+    """Return the motion until every mass is let go, some steps beyond, or so many are done.
+
+    Parameters
+    ----------
+    masses : Masses
+    step : float
+        s.
+    most : int
+    """
+    m, v, pull, path, k_inf, k, tau, b, factor = masses
+    x, u, arms = np.zeros(len(m)), np.zeros(len(m)), np.zeros(k.shape)
+    even = EvenStep.of(step / tau)
+    viscous = b is not None and factor is not None
+    force = b * factor(x) * v if viscous else np.zeros(len(m))  # type: ignore[operator,misc]
+    found = Marched(*np.empty((4, most + 1, len(m))))
+    half = 0.5 * step
+    pulls = np.broadcast_to(pull, (most + 1, len(m)))
+    pushed, i = pulls[0] - force / m, 0
+    for i in range(most + 1):
+        if i:
+            v = v + half * pushed
+            x = x + step * v
+            there = path(x)
+            arms = even.end(arms, k * (there - u)[:, None])
+            u, force = there, k_inf * there + arms.sum(axis=1)
+            v = v + half * (pulls[i] - force / m)
+            if viscous:
+                # what the dashpot takes goes with the speed at the end of the step
+                lost = b * factor(x)  # type: ignore[operator,misc]
+                v = v / (1 + half * lost / m)
+                force = force + lost * v
+            pushed = pulls[i] - force / m
+        found.x[i], found.v[i], found.force[i], found.path[i] = x, v, force, u
+        if not i % _LOOK and ((force <= 0) & (v < 0)).all():
+            break
+    return Marched(*(one[: i + 1] for one in found))
+
+
+@dataclass(frozen=True, eq=False)
+class SlamMotion(ByValue):
+    """One mass on one piece, from touch to release.
+
+    Attributes
+    ----------
+    time, compression, velocity, force, relaxed : array, shape (n,)
+        s, m, m/s, N; the relaxed force is that of the elastic law alone, N.
+    mass : float
+        kg.
+    pull : float
+        m/s^2.
+    """
+
+    time: FloatArray
+    compression: FloatArray
+    velocity: FloatArray
+    force: FloatArray
+    relaxed: FloatArray
+    mass: float
+    pull: float
+
+    @property
+    def peak(self) -> Instant:
+        """Where the force is largest."""
+        return self._at(_vertex(self.force))
+
+    @property
+    def deepest(self) -> Instant:
+        """Where the compression is."""
+        return self._at(_vertex(self.compression))
+
+    @property
+    def release(self) -> Instant:
+        """Where the force is back at zero."""
+        return self._at(_falls_to_zero(self.force))
+
+    def _at(self, place: tuple[int, float]) -> Instant:
+        every = (self.time, self.compression, self.velocity, self.force, self.relaxed)
+        return Instant(*(_between(one, *place) for one in every))
+
+    @property
+    def energy(self) -> float:
+        """Kinetic at the touch, J."""
+        return 0.5 * self.mass * float(self.velocity[0]) ** 2
+
+    @property
+    def taken(self) -> float:
+        """Work of the piece to the largest compression, J."""
+        return self.energy + self.mass * self.pull * self.deepest.compression
+
+    @property
+    def lost(self) -> float:
+        """Work of the piece to the release, J: what it absorbed for good."""
+        at = self.release
+        left = 0.5 * self.mass * at.velocity**2
+        return self.energy - left + self.mass * self.pull * at.compression
+
+    @property
+    def elastic(self) -> float:
+        """Energy of the elastic law at the largest compression, J."""
+        i, part = _vertex(self.compression)
+        deepest = self.deepest
+        whole = float(np.trapezoid(self.relaxed[: i + 1], self.compression[: i + 1]))
+        rest = 0.5 * (deepest.relaxed + float(self.relaxed[i]))
+        return whole + rest * (deepest.compression - float(self.compression[i])) if part else whole
+
+    @property
+    def frequency(self) -> float:
+        """Of the cycle that the contact is half of, Hz."""
+        return 0.5 / self.release.time
+
+    @property
+    def rebound(self) -> float:
+        """Speed of release over speed of approach."""
+        return float(-self.release.velocity / self.velocity[0])
+
+
+class Instant(NamedTuple):
+    """One instant of a motion: s, m, m/s, N, N."""
+
+    time: float
+    compression: float
+    velocity: float
+    force: float
+    relaxed: float
+
+
+def slammed(
+    models: Sequence[GeneralizedMaxwell],
+    law: ElasticLaw,
+    *,
+    mass: float,
+    speed: float,
+    pull: float = 0.0,
+) -> list[SlamMotion]:
+    """Return the motion of a mass that meets a piece at rest, of each of several solids.
+
+    Parameters
+    ----------
+    models : sequence of GeneralizedMaxwell
+        Secant ones at the depth of the law, near to the first.
+    law : ElasticLaw
+        Its shape alone is taken: its path.
+    mass : float
+        kg.
+    speed : float
+        m/s, > 0.
+    pull : float
+        Acceleration that acts besides the piece, m/s^2: gravity for a fall, 0 across.
+
+    Raises
+    ------
+    DataError
+        If a number is not above zero, or the mass is not let go.
+
+    Notes
+    -----
+    Right to 1e-6 of each number, by solutions of DOP853 that this code has no part in.
+    """
+    positive(mass=mass, speed=speed, expected="a finite number above 0")
+    count, arms = len(models), max(one.arms for one in models)
+    k, tau = np.zeros((count, arms)), np.ones((count, arms))
+    for i, one in enumerate(models):
+        k[i, : one.arms], tau[i, : one.arms] = one.k, one.tau
+    b = np.array([one.b for one in models])
+    masses = Masses(
+        np.full(count, mass), np.full(count, speed), np.full(count, pull), law.path,
+        np.array([one.k_inf for one in models]), k, tau, b if b.any() else None, law.factor,
+    )  # fmt: skip
+    length = _length(masses, models[0], law)
+    rough = march(masses, length / _ROUGH, int(_LONGEST * _ROUGH))
+    released = (rough.force <= 0) & (rough.v <= 0)
+    if not released[-1].all():
+        raise DataError(
+            f"the mass is still on the piece after {_LONGEST:g} times the time of an elastic "
+            "contact: it is not thrown back. Expected a lighter mass, or a faster one"
+        )
+    step = length * int(released[:, 0].argmax()) / _ROUGH / _FINE
+    whole = march(masses, step, 3 * _FINE)
+    found = []
+    for i, one in enumerate(models):
+        end = int(((whole.force[:, i] <= 0) & (whole.v[:, i] <= 0)).argmax()) + 1
+        x, v, force, path = (each[:end, i] for each in whole)
+        time = step * np.arange(float(end))
+        found.append(SlamMotion(time, x, v, force, one.k_inf * path, mass, pull))
+    return found
+
+
+def _length(masses: Masses, model: GeneralizedMaxwell, law: ElasticLaw) -> float:
+    """How long an elastic contact about lasts, s: of the law's own energy, to its depth or less."""
+    energy = 0.5 * float(masses.mass[0] * masses.speed[0] ** 2)
+    x = np.linspace(0.0, law.depth, 201)
+    path = law.path(x)
+    work = np.concatenate(([0.0], np.cumsum(np.diff(x) * 0.5 * (path[1:] + path[:-1]))))
+    stiff = max(model.k_inf, 1e-3 * model.k_0)
+    if stiff * work[-1] > energy:
+        depth = float(np.interp(energy / stiff, work, x))
+    else:
+        depth = law.depth * float(np.sqrt(energy / (stiff * work[-1])))
+    return math.pi * depth / float(masses.speed[0])
+
+
+def _vertex(y: FloatArray) -> tuple[int, float]:
+    """The largest sample, or the one before, and how far beyond it the parabola is largest."""
+    i = min(max(int(y.argmax()), 1), len(y) - 2)
+    before, here, after = y[i - 1 : i + 2].tolist()
+    bend = before - 2 * here + after
+    part = 0.5 * (before - after) / bend if bend else 0.0
+    return (i, part) if part >= 0 else (i - 1, 1 + part)
+
+
+def _falls_to_zero(y: FloatArray) -> tuple[int, float]:
+    """The last sample above zero, and how far beyond it the parabola is zero."""
+    i = len(y) - 2
+    before, here, after = y[i - 1 : i + 2].tolist()
+    bend, slope = 0.5 * (before - 2 * here + after), 0.5 * (after - before)
+    root = float(np.sqrt(max(slope**2 - 4 * bend * here, 0.0)))
+    return i, min(max(-2 * here / (slope - root), 0.0), 1.0)
+
+
+def _between(y: FloatArray, i: int, part: float) -> float:
+    """A value beyond a sample, by the parabola through it and its neighbours."""
+    i, part = (i, part) if i else (1, part - 1)
+    before, here, after = map(float, y[i - 1 : i + 2])
+    return here + part * (0.5 * (after - before) + 0.5 * part * (before - 2 * here + after))

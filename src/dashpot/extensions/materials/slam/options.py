@@ -1,0 +1,24 @@
+"""What a slam is asked, as options; no number stands here, so that help loads none."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from dashpot.base.option_fields import option
+
+
+@dataclass(frozen=True)
+class SlamAsked:
+    """How a mass meets the piece.
+
+    Attributes
+    ----------
+    slam : tuple of str
+        Each the speed at the touch, ``"0.6m/s"``, or the height of a fall, ``"18mm"``: of the hits
+        in their order.
+    """
+
+    slam: tuple[str, ...] = option(
+        (), "Speed of a mass at the touch, 0.6m/s, or its fall, 18mm.", metavar="SPEED",
+        multiple=True,
+    )  # fmt: skip

@@ -1,0 +1,199 @@
+"""From the fit of a piece to what a mass does that is slammed on it: a dynamic load deflection."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import ByValue, FloatArray
+from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import Source
+from dashpot.base.reported_values import Fact
+from dashpot.base.result_mixins import Judged
+from dashpot.base.serialisation import Documented
+from dashpot.base.units import Quantity, si, written
+from dashpot.base.validators import positive
+from dashpot.datamodel.fit import Fit
+from dashpot.extensions.materials.slam import checks
+from dashpot.extensions.materials.slam.approach import Approach
+from dashpot.extensions.materials.slam.motion import SlamMotion, slammed
+from dashpot.fitting.parameters import off_by_error
+from dashpot.solids.elastic import ElasticLaw
+
+_STRAIGHT = 1e-3
+"""Depth of the law of a solid that has none, m: it is straight, and any will do."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Slam(ByValue, Judged, Documented):
+    """What a mass does that is slammed on a piece.
+
+    Attributes
+    ----------
+    approach : Approach
+    mass : float
+        kg.
+    seals : float
+        Pieces side by side.
+    answers : tuple of Fact
+    motion : SlamMotion
+        Step by step.
+    checks : tuple of Check
+    sources : tuple of Source
+        Of the fit.
+    """
+
+    schema = "dashpot/slammed@1"
+    keys = (
+        "verdict", "*approach", "mass", "seals", "answers", "time", "compression", "force",
+        "checks",
+    )  # fmt: skip
+    read_back = False
+
+    approach: Approach
+    mass: float
+    seals: float
+    answers: tuple[Fact, ...]
+    motion: SlamMotion
+    checks: tuple[Check, ...]
+    sources: tuple[Source, ...] = ()
+
+    @property
+    def facts(self) -> tuple[Fact, ...]:
+        """The answers."""
+        return self.answers
+
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of it."""
+        force, lost = self.answers[0].cells, 100 * self.motion.lost / self.motion.energy
+        return verdict(
+            self.checks,
+            sound=f"the peak force is {force.with_unit} at "
+            f"{written(self.motion.peak.compression, 'mm', '.3g')}, and {lost:.2g} % of the energy "
+            "is absorbed",
+        )
+
+    @property
+    def time(self) -> FloatArray:
+        """Some hundred instants, s."""
+        return self.motion.time[:: self._every]
+
+    @property
+    def compression(self) -> FloatArray:
+        """There, m."""
+        return self.motion.compression[:: self._every]
+
+    @property
+    def force(self) -> FloatArray:
+        """There, N."""
+        return self.motion.force[:: self._every]
+
+    @property
+    def _every(self) -> int:
+        return max(len(self.motion.time) // 300, 1)
+
+
+def predict_slam(
+    found: Fit,
+    *,
+    slam: Quantity | Sequence[str],
+    mass: Quantity | None = None,
+    seals: float = 1.0,
+) -> Slam:
+    """Predict what a mass does that is slammed on a piece at rest.
+
+    Parameters
+    ----------
+    found : Fit
+        Of a piece: its elastic law, and its memory.
+    slam : float or str
+        Speed at the touch, m/s or ``"0.6m/s"``; or the height of a fall, ``"18mm"``, and gravity
+        then pulls on.
+    mass : float or str
+        kg, or ``"200g"``.
+    seals : float
+        Pieces side by side: two of 50 mm for the mass of 100 mm.
+
+    Raises
+    ------
+    DataError
+        If the fit is of a material, a number is missing, or the mass is not thrown back.
+    """
+    if mass is None:
+        raise DataError("a slam needs the mass of what moves. Add it: --mass 200g")
+    said = slam if isinstance(slam, str | float | int) else _one(slam)
+    approach, kg = Approach.of(said), si(mass, "mass")
+    positive(mass=kg, seals=seals)
+    if found.unit != "N/m":
+        raise DataError(
+            "the fit is of a material, and a slam is of a piece. Fit a test of the piece, in N and "
+            "mm"
+        )
+    piece = found if seals == 1 else found.in_parallel(seals)
+    known = piece.elastic_law
+    law = known or ElasticLaw.linear(max(piece.model.k_inf, 1e-9), _STRAIGHT)
+    models = [piece.model, *(one.maxwell for one in off_by_error(piece))]
+    motions = slammed(models, law, mass=kg, speed=approach.speed, pull=approach.pull)
+    motion = motions[0]
+    checked = (
+        checks.slam_within_law(motion.deepest.compression, None if known is None else known.depth),
+        checks.slam_within_band(motion.frequency, found.band[1]),
+        checks.air_escapes(approach.speed),
+        checks.piece_length_given(given=piece.specimen.length is not None),
+    )
+    return Slam(
+        approach, kg, seals, _answers(motions), motion,
+        (*checked, *(one for one in found.checks if one.grade == "stop")), found.source,
+    )  # fmt: skip
+
+
+def _one(said: Sequence[str]) -> str:
+    if len(said) != 1:
+        raise DataError(
+            f"--slam was given {len(said)} times, and one slam is predicted at a time. Give it once"
+        )
+    return said[0]
+
+
+_NAMED = (
+    ("peak_force", "N", "", "peak force"),
+    ("peak_time", "s", "ms", "time to the peak force"),
+    ("compression", "m", "mm", "largest compression"),
+    ("compression_time", "s", "ms", "time to the largest compression"),
+    ("contact", "s", "ms", "contact"),
+    ("compression_left", "m", "mm", "compression when it is let go"),
+    ("rebound", "1", "%", "rebound speed"),
+    ("taken", "J", "mJ", "energy to the largest compression"),
+    ("lost", "J", "mJ", "energy absorbed"),
+    ("lost_part", "1", "%", "energy absorbed, of the kinetic energy"),
+    ("force_ratio", "1", "", "peak force over the relaxed force there"),
+    ("energy_ratio", "1", "", "energy over that of the relaxed force"),
+)
+"""Name, unit, unit that people read, and words of every number."""
+
+
+def _answers(motions: Sequence[SlamMotion]) -> tuple[Fact, ...]:
+    """The numbers of the first motion, with the errors that the others show."""
+    first, *others = map(_numbers, motions)
+    off = np.array([np.subtract(one, first) for one in others])
+    # what energy a speed has, no fit can doubt
+    size = np.linalg.norm(off, axis=0) if others else np.zeros(len(first))
+    errors = [one or None for one in size.tolist()]
+    return tuple(
+        Fact.known(name, value, error, unit=unit, read=read, words=words)
+        for (name, unit, read, words), value, error in zip(_NAMED, first, errors, strict=True)
+    )
+
+
+def _numbers(one: SlamMotion) -> list[float]:
+    """In the order of their names."""
+    peak, deepest, release = one.peak, one.deepest, one.release
+    return [
+        peak.force, peak.time, deepest.compression, deepest.time, release.time,
+        release.compression, one.rebound, one.taken, one.lost, one.lost / one.energy,
+        peak.force / deepest.relaxed, one.taken / one.elastic,
+    ]  # fmt: skip

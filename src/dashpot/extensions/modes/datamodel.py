@@ -1,0 +1,152 @@
+"""FRFs of one structure at several points, and the shapes of its modes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import ByValue, ComplexArray, FloatArray
+from dashpot.base.errors import DataError
+from dashpot.base.result_mixins import verb
+from dashpot.datamodel.frf import FRF, Kind, Mode
+
+SAME_LINES = 1e-6
+"""Part of a line's frequency by which files that round it differently may differ."""
+
+
+@dataclass(frozen=True, eq=False)
+class FRFSet(ByValue):
+    """FRFs of one structure at several points, on the same lines, under the same window.
+
+    Attributes
+    ----------
+    frfs : tuple of FRF
+        Motion per force, of any kind.
+    points : tuple of str
+        What each is called, such as ``"3+Z/1+Z"``: where it moves, and where it is struck. By
+        default their numbers.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> one = dp.FRF(frequency=t, value=t + 1j, units="Hz, (m/s^2)/N")
+    >>> dp.FRFSet((one, one), ("1+Z/1+Z", "2+Z/1+Z")).points
+    ('1+Z/1+Z', '2+Z/1+Z')
+    """
+
+    frfs: tuple[FRF, ...]
+    points: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "frfs", tuple(self.frfs))
+        if not self.frfs:
+            raise DataError("there is no FRF in the set; expected one or more")
+        names = tuple(self.points) or tuple(str(i + 1) for i in range(len(self.frfs)))
+        object.__setattr__(self, "points", names)
+        if len(names) != len(self.frfs) or len(set(names)) < len(names):
+            raise DataError(
+                f"{len(set(names))} different names of points for {len(self.frfs)} FRFs; "
+                "expected one name each"
+            )
+        first = self.frfs[0]
+        for name, one in zip(names, self.frfs, strict=True):
+            if one.quantity.over_base != first.quantity.over_base:
+                raise DataError(
+                    f"the quantity of '{name}' is {one.quantity}, that of '{names[0]}' "
+                    f"{first.quantity}; expected "
+                    "motions over that of a base, or motions per force, at every point (Python: "
+                    "frf.to('accelerance', mass=m))"
+                )
+            self._refuse_other_lines(name, one, first)
+
+    def _refuse_other_lines(self, name: str, one: FRF, first: FRF) -> None:
+        there, here = one.frequency, first.frequency
+        if len(there) != len(here) or not np.allclose(there, here, rtol=SAME_LINES, atol=0):
+            raise DataError(
+                f"'{name}' has {len(there)} lines from {there[0]:.6g} to {there[-1]:.6g} Hz, "
+                f"'{self.points[0]}' {len(here)} from {here[0]:.6g} to {here[-1]:.6g} Hz; poles "
+                "common to several points need the same lines at each: export them alike"
+            )
+        if (one.shift, one.record) != (first.shift, first.record):
+            raise DataError(
+                f"'{name}' has another window or another length of record than "
+                f"'{self.points[0]}'; expected the same at every point: average them alike"
+            )
+
+    @property
+    def over_base(self) -> bool:
+        """Whether they are motions over that of a base."""
+        return self.frfs[0].quantity.over_base
+
+    def per_force(self, *, mass: float) -> FRFSet:
+        """The same as motions per force, for a mass, kg, on the base; what is so already stays.
+
+        Poles and damping are those of any mass.
+        """
+        if not self.over_base:
+            return self
+        each = tuple(one.to(Kind.ACCELERANCE, mass=mass) for one in self.frfs)
+        return FRFSet(each, self.points)
+
+    @property
+    def accelerance(self) -> ComplexArray:
+        """1/kg, shape (points, n)."""
+        return np.array([one.to(Kind.ACCELERANCE).value for one in self.frfs])
+
+    @property
+    def sd(self) -> FloatArray | None:
+        """Of the accelerance, 1/kg, shape (points, n); None where one point does not know it."""
+        each = [one.to(Kind.ACCELERANCE).random_sd for one in self.frfs]
+        known = [one for one in each if one is not None]
+        return np.array(known) if len(known) == len(each) else None
+
+    def modes(
+        self, *, band: tuple[float, float] | None = None, count: int | None = None
+    ) -> tuple[ModeShape, ...]:
+        """Modes common to all points, the one that moves most first; see :class:`ModeShape`.
+
+        Parameters
+        ----------
+        band : (float, float), optional
+            Hz; by default two octaves to either side of where the points together move most.
+        count : int, optional
+            Exactly this many; by default those that matter.
+
+        Raises
+        ------
+        DataError
+            If the band holds too few lines.
+        """
+        found: tuple[ModeShape, ...] = verb("extensions.modes.multi_point", "find_shapes")(
+            self, band=band, count=count
+        )
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class ModeShape(ByValue):
+    """A mode and how each point moves in it.
+
+    Attributes
+    ----------
+    mode : Mode
+        Pole and errors; its residue is that of the point that moves most.
+    residues : complex array, shape (n,)
+        Of the receptances at n points, m/(N s).
+    residue_se : array, shape (n,)
+        Their standard errors.
+    misfit : float
+        Squared misfit of the lines about the mode over its variance, for each degree of freedom.
+    """
+
+    mode: Mode
+    residues: ComplexArray
+    residue_se: FloatArray
+    misfit: float
+
+    @property
+    def normalised(self) -> ComplexArray:
+        """Residues over that of the point that moves most, shape (points,)."""
+        return np.asarray(self.residues / self.residues[np.argmax(np.abs(self.residues))])

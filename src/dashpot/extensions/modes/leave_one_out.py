@@ -1,0 +1,124 @@
+r"""A hit left out in turn: how well a joint fit to the others predicts it.
+
+A fit agrees with the hits that it was made from, whatever it is. Its error on a hit that it has not
+seen is a figure of its own: each hit in turn is held against the fit to the relaxation tests and to
+all other hits, over the lines about the resonance,
+
+.. math:: \varepsilon_i = \mathrm{rms}|A_i - \hat A_i| / \mathrm{rms}|A_i|
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dashpot.base.serialisation import Documented
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.impact import ImpactTest
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.fitting.identification.identify import identify
+from dashpot.vibration.modal.peaks import find_peak
+from dashpot.vibration.systems.frf_prediction import predict_frf
+from dashpot.workflow.job import HammerChoices
+from dashpot.workflow.vibration.measured_frf import average
+
+_FEWEST, _MOST = 3, 8
+"""Hits that are asked, of which one is left out."""
+_ABOUT = 2.3
+"""Times the resonance to either side."""
+
+
+@dataclass(frozen=True)
+class LeftOut(Documented):
+    """How well hits are predicted by a fit that has not seen them.
+
+    Attributes
+    ----------
+    error : float
+        Mean over the hits of the rms error, over the rms of the measured accelerance.
+    hits : int
+        Each left out once.
+    frequency : (float, float)
+        Least and largest error of the peak's frequency, Hz.
+    height : (float, float)
+        And of its height, relative.
+    """
+
+    keys = ("error", "hits", "frequency_error_hz=frequency", "height_error=height")
+
+    error: float
+    hits: int
+    frequency: tuple[float, float]
+    height: tuple[float, float]
+
+
+def left_out(
+    impact: ImpactTest,
+    tests: Sequence[RampHold],
+    fit: Fit,
+    *,
+    mass: float,
+    seals: float,
+    choices: HammerChoices,
+    compression: float | None = None,
+    band: tuple[float, float] | None = None,
+) -> LeftOut | None:
+    """Leave each accepted hit out in turn; None of fewer than three.
+
+    Parameters
+    ----------
+    impact : ImpactTest
+    tests : sequence of RampHold
+        The relaxation tests that the hits were fitted together with.
+    fit : Fit
+        The joint fit: how many arms it has.
+    mass : float
+        kg.
+    seals : float
+    choices : HammerChoices
+    compression : float, optional
+        m.
+    band : (float, float), optional
+        Lines compared, Hz; by default a factor of 2.3 about the resonance.
+    """
+    whole = average(impact, choices=choices)
+    names = [hit.name for hit in whole.hits if hit.accepted]
+    if len(names) < _FEWEST:
+        return None
+    peak = find_peak(whole).frequency
+    low, high = band or (peak / _ABOUT, peak * _ABOUT)
+    errors, peaks = [], []
+    for name in names[:_MOST]:
+        rest = average(impact, choices=replace(choices, reject=(*choices.reject, name)))
+        others = tuple(one for one in names if one != name)
+        alone = average(impact, choices=replace(choices, reject=(*choices.reject, *others)))
+        one = _as_signed(alone.band(low, high), whole)
+        found = identify(
+            _as_signed(rest, whole), tests=tests, mass=mass, seals=seals, compression=compression,
+            arms=fit.model.arms,
+        )  # fmt: skip
+        predicted = predict_frf(
+            found, mass=mass, frequency=one.frequency, kind=one.quantity, shift=one.shift,
+            seals=seals, compression=compression,
+        )  # fmt: skip
+        off = np.linalg.norm(predicted.value - one.value) / np.linalg.norm(one.value)
+        errors.append(float(off))
+        there, here = find_peak(one), find_peak(predicted)
+        peaks.append((here.frequency - there.frequency, here.height / there.height - 1))
+    hz, height = np.array(peaks).T
+    return LeftOut(
+        float(np.mean(errors)), len(errors), (float(hz.min()), float(hz.max())),
+        (float(height.min()), float(height.max())),
+    )  # fmt: skip
+
+
+def _as_signed(frf: FRF, whole: FRF) -> FRF:
+    """With the sign that the whole record has: one hit alone may be taken the other way round."""
+    near = np.interp(frf.frequency, whole.frequency, whole.value.real) + 1j * np.interp(
+        frf.frequency, whole.frequency, whole.value.imag
+    )
+    same = float(np.real(np.vdot(near, frf.value))) >= 0
+    return frf if same else replace(frf, value=-frf.value)

@@ -1,0 +1,190 @@
+"""From the FRFs of several masses on the same seals to one solid, or to why there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dashpot.base.checks import Check, Checked
+from dashpot.base.errors import DataError
+from dashpot.base.result_mixins import Judged, Series, columns
+from dashpot.base.serialisation import Documented
+from dashpot.base.units import in_unit, written
+from dashpot.extensions.modes.datamodel import FRFSet
+from dashpot.extensions.modes.mass_series import SeveralMasses, several_masses
+from dashpot.extensions.modes.measured_modes import MeasuredMode, MeasuredModes, modes_of
+from dashpot.extensions.modes.read_frf_set import read_frfs
+from dashpot.reading.read_options import ReadOptions
+from dashpot.vibration.modal.checks import one_solid
+
+
+class UnderMass(NamedTuple):
+    """A mass, kg, where its modes were sought, Hz, and those modes."""
+
+    mass: float
+    band: tuple[float, float]
+    modes: tuple[MeasuredMode, ...]
+
+
+class StiffnessAtMode(NamedTuple):
+    """A stiffness, N/m, at a frequency, with the standard errors of its parts."""
+
+    frequency_hz: float
+    storage: float
+    loss: float
+    storage_se: float
+    loss_se: float
+
+
+@dataclass(frozen=True, repr=False)
+class ModesByMass(Checked, Judged, Documented):
+    """What ``dashpot fit`` found under several masses.
+
+    Attributes
+    ----------
+    tests : tuple of MeasuredModes
+        One for each mass.
+    together : SeveralMasses
+    checks : tuple of Check
+        Of every test, with its mass, and whether one solid has all poles.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> light, heavy = dp.simulate("impact", mass="90g"), dp.simulate("impact", mass="120g")
+    >>> found = dp.fit(light.frf(), heavy.frf(), mass=["90g", "120g"], seals=2)
+    >>> found.verdict.use in ("use", "use with care", "do not use")
+    True
+    """
+
+    schema = "dashpot/modes-by-mass@1"
+    keys = ("tests=each", "stiffness", "model", "together.distance", "verdict", "checks")
+
+    tests: tuple[MeasuredModes, ...]
+    together: SeveralMasses
+    checks: tuple[Check, ...]
+
+    @property
+    def series(self) -> Series:
+        """The mode under each mass, and the stiffness of the seals there."""
+        of = self.together
+        return {
+            "mass": (list(of.masses), "kg"),
+            **columns(
+                of.modes, frequency="Hz", frequency_se="Hz", damping_ratio="", damping_ratio_se=""
+            ),
+            **columns(self.stiffness, storage="N/m", storage_se="N/m", loss="N/m", loss_se="N/m"),
+        }
+
+    @property
+    def each(self) -> tuple[UnderMass, ...]:
+        """The modes under each mass."""
+        masses = zip(self.together.masses, self.tests, strict=True)
+        return tuple(UnderMass(mass, one.band, one.modes) for mass, one in masses)
+
+    @property
+    def sound(self) -> str:
+        """The resonance under each mass."""
+        pairs = zip(self.together.masses, self.together.modes, strict=True)
+        each = [f"{mode.frequency:.4g} Hz under {written(mass, 'g')}" for mass, mode in pairs]
+        return f"one solid has the resonance of every mass: {', '.join(each[:3])}"
+
+    @property
+    def stiffness(self) -> tuple[StiffnessAtMode, ...]:
+        """Of the seals, at every mode."""
+        of = self.together
+        rows = zip(of.modes, of.stiffness, of.spread, strict=True)
+        return tuple(StiffnessAtMode(mode.frequency, k.real, k.imag, *se) for mode, k, se in rows)
+
+    @property
+    def model(self) -> dict[str, Any]:
+        """The solid that has all poles, if one has."""
+        solid = self.together.solid
+        arms = [{"k": k, "tau": tau} for k, tau in zip(solid.k, solid.tau, strict=True)]
+        return {"k_inf": solid.k_inf, "b": solid.b, "arms": arms}
+
+
+def modes_by_mass(
+    files: Sequence[str | Path],
+    masses: Sequence[float],
+    *,
+    seals: float = 1.0,
+    options: ReadOptions | None = None,
+    band: tuple[float, float] | None = None,
+) -> ModesByMass:
+    """Find the main mode under each of several masses, and hold them against one solid.
+
+    Parameters
+    ----------
+    files : sequence of path
+        The FRF of each mass on the same seals.
+    masses : sequence of float
+        kg, in the order of the files.
+    seals : float
+        That carry each of them.
+    options, band
+        As in :func:`.modes_files`.
+
+    Raises
+    ------
+    DataError
+        If there are not two or more masses, one for each file, two files hold the same FRF, or
+        nothing rings under one of them.
+    """
+    tests = [read_frfs([file], options=options) for file in files]
+    names = [Path(file).name for file in files]
+    return modes_under(tests, masses, names, seals=seals, band=band)
+
+
+def modes_under(
+    measured: Sequence[FRFSet],
+    masses: Sequence[float],
+    names: Sequence[str],
+    *,
+    seals: float = 1.0,
+    band: tuple[float, float] | None = None,
+) -> ModesByMass:
+    """Hold the main modes of FRFs under several masses against one solid; each has a name."""
+    if len(measured) != len(masses) or len(measured) < 2:
+        raise DataError(
+            f"{len(masses)} masses (--mass) for {len(measured)} files; expected two or more files "
+            "and the mass of each, in their order"
+        )
+    tests = tuple(modes_of(each, band=band)[0] for each in measured)
+    _refuse_same(names, masses, tests)
+    silent = [mass for mass, one in zip(masses, tests, strict=True) if not one.modes]
+    if silent:
+        raise DataError(
+            f"nothing rings under the mass of {written(silent[0], 'g')}; give the band of its "
+            "resonance (--band), or leave its file out"
+        )
+    modes = [one.modes[0].mode for one in tests]
+    found = several_masses(modes, masses, seals=seals)
+    missed = found.missed
+    by = f"{100 * missed.real:+.2g} % of stiffness and {100 * missed.imag:+.2g} % of damping"
+    own = [
+        check.within(f"under {written(mass, 'g')}")
+        for mass, one in zip(masses, tests, strict=True)
+        for check in one.frf.checks
+    ]
+    across = one_solid(found.distance, masses, (masses[found.worst], by))
+    return ModesByMass(tests, found, (across, *own))
+
+
+def _refuse_same(
+    names: Sequence[str], masses: Sequence[float], tests: Sequence[MeasuredModes]
+) -> None:
+    """Refuse an FRF that is given under two masses."""
+    every = list(zip(names, masses, tests, strict=True))
+    for (name, mass, one), (other, its, two) in combinations(every, 2):
+        if np.array_equal(one.frf.value, two.frf.value):
+            both = " and ".join(dict.fromkeys((name, other)))
+            raise DataError(
+                f"{both}: the same FRF is given under {in_unit(mass, 'g'):.4g} and under "
+                f"{written(its, 'g')}; expected what was measured under each mass"
+            )

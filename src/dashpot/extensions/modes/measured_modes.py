@@ -1,0 +1,318 @@
+"""From the files of measured FRFs to their modes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base.checks import Check
+from dashpot.base.choices import OverBase
+from dashpot.base.errors import DataError
+from dashpot.datamodel.frf import FRF, Mode
+from dashpot.extensions.modes.datamodel import FRFSet, ModeShape
+from dashpot.extensions.modes.mode_shapes import mac, phase_collinearity, phase_deviation
+from dashpot.extensions.modes.multi_point import shapes_of, within
+from dashpot.extensions.modes.read_frf_set import read_frfs
+from dashpot.extensions.modes.stabilisation import Stabilisation, stabilisation
+from dashpot.reading.read_options import ReadOptions
+from dashpot.vibration.impact.checks import (
+    lines_in_half_power_band,
+    modes_within_band,
+    record_long_enough,
+    resonance,
+)
+from dashpot.vibration.modal.checks import modes_explain_lines, modes_stable, points_share_modes
+from dashpot.workflow.vibration.impact_tests import finite
+from dashpot.workflow.vibration.measured_frf import as_measured, judged, with_polarity
+from dashpot.workflow.vibration.modes import ImpactMode, Modes
+
+_UNIT = 1.0
+"""kg; the mass that a transmissibility leaves open."""
+SAME_MODE = 0.2
+"""Relative: no mode of another set is the same one farther off than this."""
+
+
+@dataclass(frozen=True)
+class PointInMode:
+    """How a point moves in a mode, over the one that moves most; `se` of either part."""
+
+    point: str
+    real: float
+    imag: float
+    se: float | None
+
+
+@dataclass(frozen=True)
+class MeasuredMode(ImpactMode):
+    """A mode with its residue of the receptance, m/(N s), and the mass that moves in it, kg.
+
+    Of several points they are those of the point that moves most; of a transmissibility those of
+    1 kg on the base.
+
+    Attributes
+    ----------
+    orders : int
+        Of the stabilisation chart, at which the mode is stable.
+    shape : tuple of PointInMode
+        Empty of a single point.
+    phase_collinearity, phase_deviation_deg : float or None
+        1 and 0 where all points move in phase or against it.
+    """
+
+    residue_real: float
+    residue_imag: float
+    residue_se: float | None
+    modal_mass: float
+    orders: int = 0
+    shape: tuple[PointInMode, ...] = ()
+    phase_collinearity: float | None = None
+    phase_deviation_deg: float | None = None
+
+    @property
+    def mode(self) -> Mode:
+        """The pole with its residue and their errors: nan where a method cannot tell."""
+        residue = complex(self.residue_real, self.residue_imag)
+        known = float("nan") if self.residue_se is None else self.residue_se
+        return replace(super().mode, residue=residue, residue_se=known)
+
+
+@dataclass(frozen=True)
+class SameMode:
+    """A mode and the one of another set that is most like it: both from 1, and how alike."""
+
+    mode: int
+    other: int
+    frequency_hz: float
+    damping_ratio: float
+    mac: float | None
+
+
+@dataclass(frozen=True, repr=False)
+class MeasuredModes(Modes):
+    """What FRFs tell: the modes that they share.
+
+    Attributes
+    ----------
+    frf : FRF
+        As it was read, with every check; of several points that which the checks are about.
+    modes : tuple of MeasuredMode
+        The one that moves most first; empty if nothing rings in the band.
+    band : (float, float)
+        Where they were sought, Hz.
+    points : tuple of str
+        What the points are called; empty of a single one.
+    highest_order : int
+        Of the stabilisation chart.
+    mac : tuple of tuple of float
+        Modal assurance criterion of every mode with every other; empty of a single point.
+    against : tuple of SameMode
+        The modes of another set that these are found in again.
+    """
+
+    schema = "dashpot/modes@1"
+    keys = ("frf.checks", "verdict", "frf.source", "*")
+
+    modes: tuple[MeasuredMode, ...]
+    band: tuple[float, float]
+    points: tuple[str, ...] = ()
+    highest_order: int = 0
+    mac: tuple[tuple[float, ...], ...] = ()
+    against: tuple[SameMode, ...] = ()
+
+    @property
+    def sound(self) -> str:
+        """Of two tests, where the first mode that both have moves."""
+        if not self.against:
+            return super().sound
+        there = self.against[0]
+        here = self.modes[there.mode - 1]
+        change = 100 * (there.frequency_hz / here.frequency_hz - 1)
+        return (
+            f"mode {there.mode} goes from {here.frequency_hz:.4g} to {there.frequency_hz:.4g} Hz "
+            f"({change:+.2g} %), its damping ratio from {100 * here.damping_ratio:.3g} to "
+            f"{100 * there.damping_ratio:.3g} %"
+        )
+
+
+def modes_files(
+    files: Sequence[str | Path],
+    *,
+    options: ReadOptions | None = None,
+    band: tuple[float, float] | None = None,
+    motion: OverBase = "absolute",
+    polarity: Sequence[int] | None = None,
+    against: Sequence[str | Path] = (),
+) -> tuple[MeasuredModes, Stabilisation]:
+    """Find the modes that the FRFs in files share, and their stabilisation chart.
+
+    Parameters
+    ----------
+    files : sequence of path
+        Of any format and kind that :func:`~dashpot.extensions.modes.read_frf_set.read_frfs` reads:
+        one point or several, in one file or in several.
+    options : ReadOptions, optional
+        What the user said of the files.
+    band : (float, float), optional
+        Where to look for modes, Hz; by default two octaves to either side of where a block on its
+        mounts moves most.
+    motion : str
+        Of the mass in transmissibilities: ``"absolute"``, or ``"relative"`` to the base.
+    polarity : sequence of +1 and -1, optional
+        Sign of each FRF.
+    against : sequence of path
+        The same points, tested once more, whose modes are held against these.
+
+    Raises
+    ------
+    ReadError
+        If there is no FRF in a file.
+    DataError
+        If the band holds fewer than 8 lines, or the points are not on the same ones.
+    """
+    other = read_frfs(against, options=options) if against else None
+    measured = read_frfs(files, options=options)
+    frfs = with_polarity([as_measured(one, motion) for one in measured.frfs], polarity)
+    return modes_of(FRFSet(frfs, measured.points), band=band, against=other)
+
+
+def modes_of(
+    measured: FRFSet, *, band: tuple[float, float] | None = None, against: FRFSet | None = None
+) -> tuple[MeasuredModes, Stabilisation]:
+    """Find the modes that FRFs share, as :func:`modes_files` does of those in files.
+
+    Those of motions over a base are sought in what they would be per force on 1 kg: poles and
+    damping ratios are those of any mass, residues those of 1 kg.
+    """
+    pushed = measured.per_force(mass=_UNIT)
+    near = within(pushed, band)
+    lines = near.frfs[0].frequency
+    sought = band or (float(lines[0]), float(lines[-1]))
+    chart = stabilisation(pushed, band=sought)
+    shapes = shapes_of(near)
+    several = len(measured.points) > 1
+    found = MeasuredModes(
+        _judged(measured, near, shapes, chart, sought),
+        tuple(_told(one, chart, measured.points if several else ()) for one in shapes),
+        sought,
+        measured.points if several else (),
+        chart.highest,
+        _macs(shapes, shapes) if several else (),
+    )
+    if against is None:
+        return found, chart
+    if len(against.points) != len(measured.points):
+        raise DataError(
+            f"{len(measured.points)} points are held against {len(against.points)}; "
+            "expected the same ones, in the same order"
+        )
+    others = against.per_force(mass=_UNIT).modes(band=sought)
+    return replace(found, against=_again(shapes, others, several)), chart
+
+
+def _judged(
+    measured: FRFSet,
+    near: FRFSet,
+    shapes: Sequence[ModeShape],
+    chart: Stabilisation,
+    sought: tuple[float, float],
+) -> FRF:
+    """Return the FRF of the point that tells most, with what it and the modes say of themselves."""
+    main = shapes[0] if shapes else None
+    driven = [i for i, name in enumerate(measured.points) if _is_driven(name)]
+    single = len(measured.points) == 1
+    top = 0 if main is None else int(np.argmax(np.abs(main.residues)))
+    at = 0 if single else driven[0] if driven else top
+    frf, mode = measured.frfs[at], None if main is None else main.mode
+    mass = _UNIT if measured.over_base else None
+    checks = (
+        *judged(frf, sought, mode, mass=mass, driven=single or bool(driven)).checks,
+        resonance(near.frfs[at], mode),
+        *(() if main is None else _of_modes(frf, near, at, shapes, chart, sought=sought)),
+    )
+    return replace(frf, checks=checks)
+
+
+def _of_modes(
+    frf: FRF,
+    near: FRFSet,
+    at: int,
+    shapes: Sequence[ModeShape],
+    chart: Stabilisation,
+    *,
+    sought: tuple[float, float],
+) -> Iterator[Check]:
+    """What is asked of the modes, and of the FRF of the point that tells most of the first."""
+    main = shapes[0].mode
+    yield modes_within_band([one.mode for one in shapes], sought)
+    yield lines_in_half_power_band(near.frfs[at], main)
+    yield modes_stable(shapes, chart)
+    yield modes_explain_lines(shapes, known=near.sd is not None)
+    if len(near.points) > 1:
+        yield points_share_modes(shapes)
+    if frf.record is not None:
+        yield record_long_enough(frf, main)
+
+
+def _is_driven(name: str) -> bool:
+    """Whether a point such as 1+Z/1+Z is struck where it is measured."""
+    moves, slash, struck = name.rpartition(" ")[2].partition("/")
+    return bool(slash) and moves == struck
+
+
+def _told(one: ModeShape, chart: Stabilisation, points: Sequence[str]) -> MeasuredMode:
+    mode, shape = one.mode, one.normalised
+    errors = one.residue_se / np.abs(one.residues).max()
+    return MeasuredMode(
+        mode.frequency,
+        mode.damping_ratio,
+        finite(mode.frequency_se),
+        finite(mode.damping_ratio_se),
+        mode.method,
+        mode.residue.real,
+        mode.residue.imag,
+        finite(mode.residue_se),
+        mode.modal_mass,
+        chart.orders_with(mode),
+        tuple(
+            PointInMode(name, float(value.real), float(value.imag), finite(float(se)))
+            for name, value, se in zip(points, shape, errors, strict=False)
+        ),
+        phase_collinearity(shape) if points else None,
+        float(np.degrees(phase_deviation(shape))) if points else None,
+    )
+
+
+def _macs(one: Sequence[ModeShape], other: Sequence[ModeShape]) -> tuple[tuple[float, ...], ...]:
+    if not one or not other:
+        return ()
+    both = [np.column_stack([shape.residues for shape in some]) for some in (one, other)]
+    return tuple(tuple(map(float, row)) for row in mac(*both))
+
+
+def _again(
+    shapes: Sequence[ModeShape], others: Sequence[ModeShape], several: bool
+) -> tuple[SameMode, ...]:
+    """The mode of another set that each is found in again: the most alike of those nearby."""
+    alike = _macs(shapes, others)
+    found = []
+    for i, one in enumerate(shapes):
+        near = [
+            (
+                -alike[i][j] if several else 0.0,
+                abs(other.mode.frequency / one.mode.frequency - 1),
+                j,
+            )
+            for j, other in enumerate(others)
+            if abs(other.mode.frequency / one.mode.frequency - 1) < SAME_MODE
+        ]
+        if near:
+            j = min(near)[2]
+            mode = others[j].mode
+            found.append(
+                SameMode(i + 1, j + 1, mode.frequency, mode.damping_ratio,
+                         alike[i][j] if several else None)
+            )  # fmt: skip
+    return tuple(found)

@@ -1,0 +1,105 @@
+"""Modes common to the FRFs of several points."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from dashpot.base.errors import DataError
+from dashpot.datamodel.frf import FRF, Kind, Mode
+from dashpot.extensions.modes.datamodel import FRFSet, ModeShape
+from dashpot.vibration.modal.frf_lines import FRFLines
+from dashpot.vibration.modal.peaks import mount_band
+from dashpot.vibration.modal.rational_fraction import find_poles
+
+FEWEST_LINES = 8
+MOST_MODES, MOST_OF_A_SET = 6, 24
+"""Modes sought in one FRF, about a mount's resonance, and in a set of them."""
+
+
+def together(points: FRFSet) -> FRF:
+    """What all points do: the root mean square of their accelerances, each over its own size.
+
+    Its value has no phase. It shows where to look for modes, and where a chart's peaks are.
+    """
+    value = points.accelerance
+    size = np.abs(value) ** 2
+    own = size.mean(axis=1, keepdims=True)
+    whole = np.sqrt((size / own).mean(axis=0) * own.mean())
+    first, scatter = points.frfs[0].to(Kind.ACCELERANCE), points.sd
+    sd = None if scatter is None else np.sqrt((scatter**2 / own).mean(axis=0) * own.mean())
+    return FRF(first.frequency, whole.astype(complex), sd=sd, units="SI")
+
+
+def lines_of(points: FRFSet) -> FRFLines:
+    """The accelerances of a set as lines to be fitted, a row for each point."""
+    first = points.frfs[0].to(Kind.ACCELERANCE)
+    return FRFLines.measured(
+        first.s, points.accelerance, points.sd, record=first.record, pulse=first.pulse
+    )
+
+
+def within(points: FRFSet, band: tuple[float, float] | None) -> FRFSet:
+    """The lines where modes are sought, by default about where the points together move most.
+
+    Raises
+    ------
+    DataError
+        If they are fewer than 8.
+    """
+    all_of_them = together(points)
+    f = all_of_them.frequency
+    low, high = band or mount_band(f, all_of_them.value, all_of_them.sd)
+    keep = (f >= low) & (f <= high) & (f > 0)
+    if np.count_nonzero(keep) < FEWEST_LINES:
+        raise DataError(
+            f"{np.count_nonzero(keep)} lines between {low:g} and {high:g} Hz; modes need at least "
+            f"{FEWEST_LINES}, and the FRF has lines from {f[0]:.3g} to {f[-1]:.4g} Hz: give a band "
+            "within, or record longer"
+        )
+    accelerances = tuple(one.to(Kind.ACCELERANCE).only(keep) for one in points.frfs)
+    return replace(points, frfs=accelerances)
+
+
+def find_shapes(
+    points: FRFSet, *, band: tuple[float, float] | None = None, count: int | None = None
+) -> tuple[ModeShape, ...]:
+    """Poles that all points share and each point's residues; see :meth:`.FRFSet.modes`."""
+    return shapes_of(within(points, band), count)
+
+
+def shapes_of(near: FRFSet, count: int | None = None) -> tuple[ModeShape, ...]:
+    """Modes on all lines of accelerances, by :func:`.find_poles`; the largest motion first."""
+    most = MOST_MODES if len(near.frfs) == 1 else MOST_OF_A_SET
+    fit = find_poles(lines_of(near), most=most, count=count)
+    if fit is None:
+        return ()
+    # a window spreads each line's noise over its neighbours, which then count less
+    first = near.frfs[0]
+    fall = 0.5 * first.shift * (first.record or 0.0)
+    spread = float(np.sqrt(fall / np.tanh(fall))) if fall > 0 else 1.0
+    se = spread * np.sqrt(np.diag(fit.covariance))
+    found = []
+    for i, p in enumerate(fit.poles):
+        residues, errors = fit.residues[:, i], spread * fit.residue_se[:, i]
+        top = int(np.argmax(np.abs(residues)))
+        known = (float(se[2 * i]), float(se[2 * i + 1]), float(errors[top]))
+        mode = mode_at(complex(p), complex(residues[top]), known, "rational")
+        found.append(ModeShape(mode, residues / p**2, errors / abs(p) ** 2, float(fit.misfit[i])))
+    return tuple(sorted(found, key=lambda one: -float(np.linalg.norm(one.residues))))
+
+
+def mode_at(p: complex, residue: complex, errors: tuple[float, float, float], method: str) -> Mode:
+    """Turn a pole and the accelerance's residue into a mode, errors of sigma and omega and all."""
+    sigma_se, omega_se, residue_se = errors
+    size = abs(p)
+    return Mode(
+        frequency=size / (2 * np.pi),
+        damping_ratio=-p.real / size,
+        residue=residue / p**2,
+        frequency_se=float(np.hypot(p.imag * omega_se, p.real * sigma_se)) / size / (2 * np.pi),
+        damping_ratio_se=float(np.hypot(p.imag * sigma_se, p.real * omega_se)) * p.imag / size**3,
+        residue_se=residue_se / size**2,
+        method=str(method),
+    )

@@ -1,0 +1,145 @@
+"""From files to the FRFs of several points."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import chain
+from pathlib import Path
+
+from dashpot.base.errors import DataError, ReadError
+from dashpot.datamodel.frf import FRF
+from dashpot.extensions.formats.uff import SEGMENT
+from dashpot.extensions.modes.datamodel import FRFSet
+from dashpot.reading.columns.amplitude_phase_pairs import two_signals
+from dashpot.reading.columns.kind_detection import FileKind
+from dashpot.reading.columns.role_assignment import score
+from dashpot.reading.columns.vocabulary import Role
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers import channels
+from dashpot.reading.readers.channels import Opened
+from dashpot.reading.readers.frf import PAIRS, built, read_frf, settled
+from dashpot.reading.table import Column
+
+_NAMED = 1.5
+"""Least score of a column whose name says its role."""
+
+
+def read_frfs(
+    path: str | Path | Sequence[str | Path], *, options: ReadOptions | None = None
+) -> FRFSet:
+    """Return the FRFs of several points: of files with one each, or of files with several.
+
+    A UFF file holds a dataset 58 for each point, a text file a pair of columns: ``frequency [Hz],
+    real 1 [1/kg], imaginary 1 [1/kg], real 2 [1/kg], ...``, or magnitudes and phases.
+
+    Parameters
+    ----------
+    path : path or sequence of path
+    options : ReadOptions, optional
+        What the user said of the files; with a segment, or a column of a role, it is one FRF of
+        each.
+
+    Raises
+    ------
+    ReadError
+        If there is no FRF in a file, its kind or unit is left open, or it is given twice.
+    DataError
+        If they are not on the same lines.
+    """
+    paths = [path] if isinstance(path, str | Path) else list(path)
+    _refuse_twice(paths)
+    names: list[str] = []
+    frfs: list[FRF] = []
+    for one in paths:
+        stem = Path(one).stem
+        for point, frf in _points_in(one, options):
+            frfs.append(frf)
+            names.append(point if len(paths) == 1 else f"{stem} {point}".strip())
+    if len(set(names)) < len(names) or not all(names):
+        names = [str(i + 1) for i in range(len(frfs))]
+    try:
+        return FRFSet(tuple(frfs), tuple(names))
+    except DataError as error:
+        raise DataError(f"{', '.join(Path(one).name for one in paths[:4])}: {error}") from None
+
+
+def _refuse_twice(paths: Sequence[str | Path]) -> None:
+    places = [Path(one).resolve() for one in paths]
+    twice = [one.name for i, one in enumerate(places) if one in places[:i]]
+    if twice:
+        raise ReadError(f"{twice[0]} is given twice; expected each point once")
+
+
+def _points_in(path: str | Path, options: ReadOptions | None) -> Iterator[tuple[str, FRF]]:
+    """Each FRF of a file with the name of its point, which is empty of a single one."""
+    with channels.opened(path, options, sure=False) as file:
+        groups = _groups(file)
+        if len(groups) > 1:
+            other = [one for one in file.table.doubts if one.option != SEGMENT]
+            if other:
+                raise ReadError(other[0].says)
+            # an option that names columns or a part has left one group
+            kinds: list[FileKind] = ["frf", "transmissibility"]
+            channels.expect(file, kinds, "an FRF is", named=["real", "magnitude"])
+            for name, columns in groups:
+                yield name, _one_of(file, columns)
+            return
+    yield "", read_frf(path, options=options)
+
+
+def _groups(file: Opened) -> list[tuple[str, dict[int, str]]]:
+    """The columns of each FRF by index, named as those of a single one; and its point's name."""
+    options, columns = file.options, file.table.columns
+    if options.segment or any(getattr(options, role) for role in chain(*PAIRS)):
+        return []
+    if two_signals(file.table, options):
+        return []  # a motion and what moves it are of one
+    of = _by_role(columns, options)
+    for pair in PAIRS:
+        if len(of["frequency"]) == 1 and 2 <= len(of[pair[0]]) == len(of[pair[1]]):
+            return _repeated(columns, of, pair)
+    return []
+
+
+def _repeated(
+    columns: Sequence[Column], of: Mapping[str, list[int]], pair: tuple[Role, Role]
+) -> list[tuple[str, dict[int, str]]]:
+    """The groups of a pair of parts that stands there several times."""
+    first = of[pair[0]]
+    # what does not stand there once for each is of none
+    roles = [role for role in (*pair, "coherence", "sd") if len(of[role]) == len(first)]
+    names = [_point(columns[i], pair[0]) or str(n) for n, i in enumerate(first, start=1)]
+    each = zip(*(of[role] for role in roles), strict=True)
+    named = [dict(zip(indexes, roles, strict=True)) for indexes in each]
+    ticks = {of["frequency"][0]: "frequency"}
+    return [(name, ticks | group) for name, group in zip(names, named, strict=True)]
+
+
+def _by_role(columns: Sequence[Column], options: ReadOptions) -> dict[str, list[int]]:
+    """The columns that name each role, and those of standard deviations."""
+    found: dict[str, list[int]] = {
+        role: [i for i, c in enumerate(columns) if score(c, role, options) >= _NAMED]
+        for role in ("frequency", "coherence", *chain(*PAIRS))
+    }
+    sd = [i for i, c in enumerate(columns) if c.name.casefold().startswith("sd ")]
+    return found | {"sd": sd}
+
+
+def _point(column: Column, role: Role) -> str:
+    """What a column's name says besides its role: its point."""
+    words = column.name.split()
+    kept = [w for w in words if score(Column(w), role, ReadOptions()) < _NAMED]
+    return " ".join(kept) if len(kept) < len(words) else ""
+
+
+def _one_of(file: Opened, chosen: dict[int, str]) -> FRF:
+    """The FRF in some of a table's columns, as if there were no others."""
+    indexes = list(chosen)
+    own = [replace(file.table.columns[i], name=chosen[i]) for i in indexes]
+    table = replace(
+        file.table, columns=tuple(own), doubts=(),
+        load=lambda asked: file.table.load([indexes[i] for i in asked]),
+    )  # fmt: skip
+    one = replace(file, table=table)
+    return built(one, settled(one))

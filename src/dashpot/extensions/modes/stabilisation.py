@@ -1,0 +1,175 @@
+r"""Stabilisation chart: poles of one denominator after another, and which of them stay.
+
+A right-hand fraction with one denominator for all points,
+:math:`H_o(\omega) = \sum_k \beta_{ok} z^k / \sum_k \alpha_k z^k`, :math:`z = e^{j\omega T}`, is
+fitted in linear least squares (LSCF: Guillaume, Verboven and Vanlanduit, ISMA 1998) for each order
+up to the highest. The band is laid over three quarters of the circle and the coefficients are
+complex, so that the order is the number of poles in the band. With the first coefficient of the
+denominator fixed, poles that only follow the noise grow instead of decaying, and are left out
+(Cauberghe et al. 2005). What a structure does stays where it is as the order rises.
+
+The chart knows nothing of the model that :mod:`.rational_fraction` fits, so it is a second opinion
+on each of its modes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, IndexArray
+from dashpot.datamodel.frf import Mode
+from dashpot.extensions.modes.datamodel import FRFSet
+from dashpot.extensions.modes.mode_shapes import mac
+from dashpot.extensions.modes.multi_point import lines_of, together, within
+from dashpot.vibration.modal.frf_lines import FRFLines
+from dashpot.vibration.modal.pole_trial import MOST_DAMPED
+
+HIGHEST = 30
+ARC = 1.5 * np.pi
+NOTHING_NEW = 1e-11
+"""Of the squares of a numerator's columns: below it they follow the noise."""
+SAME_FREQUENCY, SAME_DAMPING, SAME_SHAPE = 0.01, 0.05, 0.98
+"""Relative, relative, and by the modal assurance criterion: what stays from order to order."""
+NEW, FREQUENCY, DAMPING, SHAPE = range(4)
+"""How much of a pole was there at the order before."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stabilisation:
+    """Poles of every order, and what of each was there at the order before.
+
+    Attributes
+    ----------
+    order, state : int array, shape (poles,)
+        State: 0 new, 1 frequency, 2 damping too, 3 shape too, which one point does not have.
+    frequency, damping_ratio : array, shape (poles,)
+        Hz, 1.
+    lines, height : array, shape (n,)
+        Hz, and the root mean square of the points' accelerances there, 1/kg.
+    highest : int
+        Order.
+    points : int
+    """
+
+    order: IndexArray
+    frequency: FloatArray
+    damping_ratio: FloatArray
+    state: IndexArray
+    lines: FloatArray
+    height: FloatArray
+    highest: int
+    points: int
+
+    @property
+    def stable(self) -> BoolArray:
+        """Poles that stayed in all that can be told, shape (poles,)."""
+        return np.asarray(self.state == (SHAPE if self.points > 1 else DAMPING))
+
+    def orders_with(self, mode: Mode) -> int:
+        """At how many orders a stable pole stands within the half-power band of a mode."""
+        reach = max(0.5 * mode.bandwidth, SAME_FREQUENCY * mode.frequency)
+        near = self.stable & (np.abs(self.frequency - mode.frequency) <= reach)
+        return len(np.unique(self.order[near]))
+
+
+def stabilisation(
+    points: FRFSet, *, band: tuple[float, float] | None = None, highest: int = HIGHEST
+) -> Stabilisation:
+    """Stabilisation chart of the FRFs of one or several points.
+
+    Parameters
+    ----------
+    points : FRFSet
+    band : (float, float), optional
+        Hz; by default where modes are sought.
+    highest : int
+        Order; no more than a third of the lines can tell.
+
+    Raises
+    ------
+    DataError
+        If the band holds fewer than 8 lines.
+    """
+    near = within(points, band)
+    seen = together(near)
+    lines = lines_of(near)
+    highest = min(highest, len(seen.frequency) // 3)
+    rows: list[tuple[int, float, float, int]] = []
+    before: tuple[ComplexArray, ComplexArray] | None = None
+    for order, poles, residues in _fractions(lines, np.abs(seen.value), highest):
+        size = np.abs(poles)
+        ratio = -poles.real / size
+        state = _states(poles, residues, before)
+        rows += zip([order] * len(poles), size / (2 * np.pi), ratio, state, strict=True)
+        before = poles, residues
+    table = np.array(rows, dtype=float).reshape(-1, 4)
+    return Stabilisation(
+        table[:, 0].astype(int), table[:, 1], table[:, 2], table[:, 3].astype(int),
+        seen.frequency, np.abs(seen.value), highest, len(points.frfs),
+    )  # fmt: skip
+
+
+def _fractions(
+    lines: FRFLines, height: FloatArray, highest: int
+) -> list[tuple[int, ComplexArray, ComplexArray]]:
+    """Order, poles in the band and their residues, shape (points, poles), for each order."""
+    omega = lines.s.imag
+    tick = ARC / (omega[-1] - omega[0])
+    powers = np.exp(1j * tick * np.outer(omega - omega[0], np.arange(highest + 1)))
+    # the equation's error is the scatter times the denominator, which is small at a peak
+    own = powers * (height / lines.sd)[..., None]
+    shown = -own * lines.value[..., None]
+    turned = own.conj().swapaxes(1, 2)
+    square = turned @ own
+    size = np.trace(square, axis1=1, axis2=2).real / len(powers.T)
+    square += NOTHING_NEW * size[:, None, None] * np.eye(len(powers.T))
+    # its leading block is the factor of each lower order
+    factor = np.linalg.cholesky(square)
+    cross = np.linalg.solve(factor, turned @ shown)
+    whole = (shown.conj().swapaxes(1, 2) @ shown).sum(axis=0)
+    found = []
+    for order in range(1, highest + 1):
+        k = order + 1
+        by = cross[:, :k, :k]
+        left = whole[:k, :k] - (by.conj().swapaxes(1, 2) @ by).sum(axis=0)
+        c = np.append(1.0, -np.linalg.lstsq(left[1:, 1:], left[1:, 0], rcond=1e-14)[0])
+        z = np.roots(c[::-1])
+        z = z[np.abs(z) > 0]
+        angle = np.angle(z)
+        angle[angle < 0.5 * (ARC - 2 * np.pi)] += 2 * np.pi  # the gap is beyond both ends
+        poles = (np.log(np.abs(z)) + 1j * angle) / tick + 1j * omega[0] + lines.s[0].real
+        keep = (poles.real < 0) & (-poles.real < MOST_DAMPED * poles.imag)
+        keep &= (poles.imag > omega[0]) & (poles.imag < omega[-1])
+        z, poles = z[keep], poles[keep]
+        order_of = np.argsort(poles.imag)
+        z, poles = z[order_of], poles[order_of]
+        base = z[:, None] ** np.arange(k)
+        slope = (base[:, :-1] * np.arange(1, k)) @ c[1:] * z * tick
+        numerators = -np.linalg.solve(factor[:, :k, :k].conj().swapaxes(1, 2), (by @ c)[..., None])
+        residues = (base @ numerators)[..., 0] / slope
+        found.append((order, np.asarray(poles), residues))
+    return found
+
+
+def _states(
+    poles: ComplexArray, residues: ComplexArray, before: tuple[ComplexArray, ComplexArray] | None
+) -> list[int]:
+    """What of each pole was there at the order before."""
+    if before is None or not len(before[0]) or not len(poles):
+        return [NEW] * len(poles)
+    old, old_residues = before
+    alike = mac(residues, old_residues)
+    state = []
+    for i, p in enumerate(poles):
+        j = int(np.argmin(np.abs(np.abs(old) - abs(p))))
+        if abs(abs(old[j]) / abs(p) - 1) > SAME_FREQUENCY:
+            state.append(NEW)
+        elif abs((old[j].real / abs(old[j])) / (p.real / abs(p)) - 1) > SAME_DAMPING:
+            state.append(FREQUENCY)
+        elif len(residues) == 1 or alike[i, j] < SAME_SHAPE:
+            state.append(DAMPING)
+        else:
+            state.append(SHAPE)
+    return state

@@ -1,0 +1,106 @@
+"""The figures of the paper, drawn again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.number_format import rounded
+from dashpot.base.units import in_unit
+from dashpot.datamodel.relaxation import RelaxationTest
+from dashpot.plot.downsampling import extremes
+from dashpot.plot.picture import (
+    FIT,
+    REF,
+    SIMPLER,
+    Line,
+    Panel,
+    Pen,
+    Picture,
+    Rule,
+    Scale,
+    Tag,
+    around,
+)
+
+DATA = Pen("measured", 2.4)
+CLOCK = "time from first contact, s"
+BINS = 500
+
+
+def figure_2(test: RelaxationTest, contact: float, *, stamp: str = "") -> Picture:
+    """Displacement and force of the ramp and hold, one below the other (paper Fig. 2).
+
+    Parameters
+    ----------
+    test : RelaxationTest
+    contact : float
+        Of the seal, s on the clock of the record.
+    stamp : str
+        What the figure says of its origin.
+    """
+    t = test.time - contact
+    axis = Scale(CLOCK, (float(t[0]), float(t[-1])))
+    moved, force = in_unit(test.displacement, "mm"), test.force
+    top = int(np.argmax(force))
+    highest = Tag(float(t[top]), float(force[top]), f"{rounded(float(force[top]), digits=4)} N at "
+                  f"{t[top]:.3g} s", "measured", "filled")  # fmt: skip
+    end = f"{rounded(float(force[-1]), digits=4)} N at {t[-1]:.3g} s"
+    panels = (
+        Panel(axis, Scale("displacement, mm", around(moved)),
+              (Line(*extremes(t, moved, bins=BINS), DATA),), title="a: displacement", height=110),
+        Panel(axis, Scale("force, N", around(force, margin=0.12)),
+              (Line(*extremes(t, force, bins=BINS), DATA), highest),
+              title="b: force", note=end, height=210),
+    )  # fmt: skip
+    caption = "Stress relaxation of one seal, 8 mm in 1 s and held: displacement and force."
+    return Picture("figure-2", caption, (panels,), 1, stamp)
+
+
+def figure_4(
+    test: RelaxationTest,
+    contact: float,
+    fits: Sequence[tuple[str, FloatArray, FloatArray]],
+    *,
+    stamp: str = "",
+) -> Picture:
+    """The hold and the solids fitted to it, and what each leaves (paper Fig. 4).
+
+    Parameters
+    ----------
+    test : RelaxationTest
+    contact : float
+        Of the seal, s on the clock of the record.
+    fits : sequence of (str, array, array)
+        What each is called, its time from contact, s, and its force, N; the best one last.
+    stamp : str
+        What the figure says of its origin.
+    """
+    begun = float(fits[0][1][0])
+    t = test.time - contact
+    held = t >= begun
+    x = Scale(CLOCK, (begun, float(t[-1])), log=True)
+    pens = (*SIMPLER[: len(fits) - 1], FIT)
+    drawn = test.force[held]
+    # the fit over a broad record: both are seen where they agree
+    marks = [Line(*extremes(t[held], drawn, bins=BINS, log=True), Pen("measured", 6.0), "measured")]
+    left = []
+    for (name, time, force), pen in zip(fits, pens, strict=True):
+        marks.append(Line(*extremes(time, force, bins=BINS, log=True), pen, name))
+        off = in_unit(np.interp(time, t, test.force) - force, "mN")
+        rms = rounded(float(np.sqrt(np.mean(off**2))), digits=3)
+        label = "left, mN"
+        left.append(
+            Panel(x, Scale(label, around(off, np.array([-1.0, 1.0]))),
+                  (Rule(0.0, REF, across=True),
+                   Line(*extremes(time, off, bins=BINS, log=True), Pen(pen.colour, 1.4))),
+                  height=80, note=f"{name}: {rms} mN rms")
+        )  # fmt: skip
+    upper = Panel(x, Scale("force, N", around(drawn, *(one[2] for one in fits))), tuple(marks),
+                  height=230)  # fmt: skip
+    caption = (
+        "Force while the seal is held, with N = 1 and N = 2 fitted to it, and what each leaves."
+    )
+    return Picture("figure-4", caption, ((upper, *left),), 1, stamp)

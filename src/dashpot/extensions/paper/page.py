@@ -1,0 +1,106 @@
+"""The page that lays the paper's statements beside what is found, and its figures."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+
+from dashpot import plot
+from dashpot.base.number_format import rounded
+from dashpot.base.reported_values import Fact
+from dashpot.base.units import in_unit
+from dashpot.extensions.paper.figure import figure_2, figure_4
+from dashpot.extensions.paper.reproduction import BEFORE, Coefficient, Reproduced, Statement
+from dashpot.plot.picture import Picture
+from dashpot.report.figures import HALF, drawn
+from dashpot.report.page_frame import environment, frame, held
+from dashpot.report.tables import TextTable
+
+TITLE = "The paper, reproduced"
+STAMP = "SIMULATED: Table 1 of the paper, no measurement"
+PARTS = {
+    "equation": "Equations",
+    "figure": "Figures",
+    "misprint": "Misprinted, or said the wrong way round",
+    "unsaid": "Not said, and what is supposed here",
+}
+"""Headings of the tables of statements."""
+
+
+def paper_page(found: Reproduced) -> str:
+    """Return the page as one self-contained HTML file.
+
+    Parameters
+    ----------
+    found : Reproduced
+        What ``dashpot demo --paper`` made.
+    """
+    contents = {
+        **frame(),
+        "title": TITLE,
+        "verdict": None,
+        "colour": "good" if found.reproduced else "bad",
+        "word": "Reproduced" if found.reproduced else "Not reproduced",
+        "says": found.says,
+        "figures": {name: drawn(one, width=HALF) for name, one in paper_pictures(found).items()},
+        "table_1": table_1(found.table),
+        "parts": {part: (PARTS[part], statements(found.rows, part)) for part in PARTS},
+        "link": held("application/json", json.dumps(found.document, indent=2)),
+    }
+    return str(environment("dashpot.report").get_template("paper.html").render(contents))
+
+
+def paper_pictures(found: Reproduced) -> dict[str, Picture]:
+    """The paper's figures by file name: 2, 4 and 6."""
+    fits = [
+        (f"N = {one.solid.arms}", one.time, one.force) for one in (found.one_arm, found.two_arms)
+    ]
+    study = found.study
+    assert study.comparison is not None  # noqa: S101
+    sixth = plot.comparison(study.comparison, band=study.frf_band, stamp=STAMP)
+    return {
+        "figure_2": figure_2(found.ideal, BEFORE, stamp=STAMP),
+        "figure_4": figure_4(found.ideal, BEFORE, fits, stamp=STAMP),
+        "figure_6": replace(sixth, name="figure-6"),
+    }
+
+
+def table_1(table: Sequence[Coefficient]) -> TextTable:
+    """Table 1 as printed, and as each record gives it back."""
+    head = (
+        "", "unit", "printed", "exact record", "in steps of 1/1280 N",
+        "virtual rig, whole history", "virtual rig, hold alone",
+    )  # fmt: skip
+    rows, marks = [], []
+    for one in table:
+        unit = one.full.word
+        printed, exact, coarse = (
+            in_unit(value, one.full.reading)
+            for value in (one.printed, one.noise_free, one.quantised)
+        )
+        rows.append((
+            one.full.symbol, unit, f"{printed:.4f}", rounded(exact, digits=9),
+            rounded(coarse, digits=7), _told(one.full), _told(one.hold),
+        ))  # fmt: skip
+        marks.append("" if all(one.held) else "doubt")
+    return TextTable(head, tuple(rows), tuple(marks))
+
+
+def _told(fact: Fact) -> str:
+    cells = fact.cells
+    return f"{cells.value}, {cells.interval}" if cells.interval else cells.value
+
+
+def statements(rows: Sequence[Statement], part: str) -> TextTable:
+    """What the paper says beside what is found, of one part; what is left of what is compared."""
+    chosen = [row for row in rows if row.part == part]
+    compared = any(row.holds is not None for row in chosen)
+    head = ("where", "the paper says", "found", *(("off by", "allowed") if compared else ()))
+    cells = []
+    for row in chosen:
+        off, most = ("–" if value is None else f"{value:.1g}" for value in (row.off, row.tolerance))
+        cells.append((row.name, row.paper, row.found, *((off, most) if compared else ())))
+    return TextTable(
+        head, tuple(cells), tuple("bad" if row.holds is False else "" for row in chosen)
+    )

@@ -1,0 +1,94 @@
+"""The columns that a plug-in's kind is given, and what it found in them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from dashpot.base.arrays import ByValue, FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.provenance import Source, of_file
+from dashpot.base.reported_values import Fact, Numbered
+from dashpot.base.result_mixins import Described, Judged, Series
+from dashpot.base.serialisation import Documented
+
+
+@dataclass(frozen=True, eq=False)
+class PluggedColumn(ByValue):
+    """One column of a file.
+
+    Attributes
+    ----------
+    name, role : str
+        As the file calls it; what it plays, such as ``"force"``, empty where that is not known.
+    unit : str
+        Of SI; empty where the file names none that dashpot knows.
+    values : array, shape (n,)
+    """
+
+    name: str
+    role: str
+    unit: str
+    values: FloatArray
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PluggedTest(ByValue, Described):
+    """The columns of a file, for a kind that a plug-in fits.
+
+    Attributes
+    ----------
+    kind : str
+        The name of the plug-in.
+    columns : tuple of PluggedColumn
+    source : Source or None
+    """
+
+    kind: str
+    columns: tuple[PluggedColumn, ...]
+    source: Source | None = None
+
+    @property
+    def series(self) -> Series:
+        """Its columns by their names."""
+        return {one.role or one.name: (one.values, one.unit) for one in self.columns}
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which file it is, and its columns."""
+        named = ", ".join(f"{one.role or one.name} [{one.unit or '?'}]" for one in self.columns)
+        return of_file(self.source, len(self.columns[0].values)), f"for '{self.kind}': {named}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PluggedFit(ByValue, Numbered, Judged, Documented):
+    """What a plug-in found: its numbers and its checks, under its own name.
+
+    Attributes
+    ----------
+    kind, by : str
+        The name of the plug-in; its package and version.
+    found : tuple of Fact
+    checks : tuple of Check
+    notes : tuple of str
+    sources : tuple of Source
+    """
+
+    schema = "dashpot/plugged@1"
+    keys = ("verdict", "*")
+
+    kind: str
+    by: str
+    found: tuple[Fact, ...]
+    checks: tuple[Check, ...] = ()
+    notes: tuple[str, ...] = ()
+    sources: tuple[Source, ...] = ()
+
+    @property
+    def source(self) -> Source | None:
+        """The first file behind it."""
+        return next(iter(self.sources), None)
+
+    @property
+    def sound(self) -> str:
+        """Its first number, and whose it is."""
+        return f"{self.found[0].says}, by '{self.kind}' of {self.by}, not verified by dashpot"

@@ -1,0 +1,40 @@
+"""The figure of what a plug-in found: each number with its interval."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from dashpot.base.reported_values import Fact
+from dashpot.extensions.plugins.datamodel import PluggedFit
+from dashpot.plot.picture import FIT, Dots, Line, Panel, Picture, Scale
+from dashpot.plot.provenance_stamp import stamp as stamped
+
+_HEIGHT = 60.0
+
+
+def plugged(found: PluggedFit, *, stamp: str = "") -> Picture:
+    """Every number of a plug-in with its interval, one below the other.
+
+    Parameters
+    ----------
+    found : PluggedFit
+    stamp : str
+        What the figure says of its origin; by default the files.
+    """
+    origin = stamped(found.sources) if found.sources else ""
+    caption = f"Numbers of '{found.kind}' of {found.by}, each with its interval."
+    panels = tuple((_panel(one),) for one in found.found)
+    return Picture("plugged", caption, panels, 1, stamp or origin)
+
+
+def _panel(fact: Fact) -> Panel:
+    value, low, high = (fact.shown(one) for one in (fact.value, fact.low, fact.high))
+    ends = [one for one in (low, high) if math.isfinite(one)]
+    reach = max([abs(one - value) for one in ends] + [0.1 * abs(value) or 1.0])
+    label = f"{fact.called}, {fact.word or '1'}"
+    across = Scale(label, (value - 1.2 * reach, value + 1.2 * reach))
+    marks = [Dots(np.array([value]), np.array([0.5]), "fit", "value")]
+    lines = [Line(np.array(ends), np.full(2, 0.5), FIT, "interval")] if len(ends) == 2 else []
+    return Panel(across, Scale("", (0.0, 1.0)), (*lines, *marks), height=_HEIGHT)

@@ -1,0 +1,103 @@
+"""From columns to what a plug-in finds in them, held to the contract."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from dashpot.base import plugins, units
+from dashpot.base.checks import GRADES, Check, Remedy
+from dashpot.base.errors import FitError
+from dashpot.base.plugins import Plugin
+from dashpot.base.provenance import sources_of
+from dashpot.base.reported_values import NORMAL, Fact
+from dashpot.datamodel.checks import caution_checks
+from dashpot.extensions.plugins.datamodel import PluggedFit, PluggedTest
+
+_EXPECTED = (
+    "{'numbers': [{'name': ..., 'value': ..., 'unit': ...}, ...], 'checks': [...]}, SI units"
+)
+_KNOWN = frozenset({"numbers", "checks", "notes"})
+
+
+def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
+    """Return what the plug-in of a kind finds in the columns of one file.
+
+    Its module's ``fit(columns, options)`` gets a list of ``{"name", "role", "unit", "values"}``,
+    SI where a unit is known, and returns numbers and checks.
+
+    Raises
+    ------
+    FitError
+        If there are several files.
+    ReadError
+        If there is no such plug-in, it fails, or returns something else.
+    """
+    if len(records) != 1:
+        raise FitError(f"a plug-in fits one file at a time, and {len(records)} were given")
+    (test,) = records
+    plugin = plugins.wanted("kinds", test.kind)
+    module = plugin.load()
+    columns = [
+        {"name": one.name, "role": one.role, "unit": one.unit, "values": one.values.tolist()}
+        for one in test.columns
+    ]
+    try:
+        found = module.fit(columns, {"file": test.source.file if test.source else ""})
+    except Exception as error:  # noqa: BLE001  others' code may raise anything
+        plugin.failed(error)
+    if not isinstance(found, dict):
+        plugin.wrong(f"a {type(found).__name__}", _EXPECTED)
+    strange = sorted(map(str, found.keys() - _KNOWN))
+    if strange:
+        plugin.wrong(f"the key '{strange[0]}'", _EXPECTED)
+    facts = tuple(_fact(plugin, one) for one in plugins.items(plugin, found, "numbers"))
+    if not facts:
+        plugin.wrong("no numbers", _EXPECTED)
+    own = tuple(_check(plugin, one) for one in plugins.items(plugin, found, "checks"))
+    checks = (*own, *caution_checks(sources_of(records)))
+    notes = plugins.texts(plugin, found, "notes")
+    return PluggedFit(plugin.name, plugin.by, facts, checks, notes, sources_of(records))
+
+
+def _fact(plugin: Plugin, item: Mapping[str, Any]) -> Fact:
+    name = plugins.word(plugin, item, "name")
+    if not name.isidentifier():
+        plugin.wrong(f"a number called '{name}'", "an identifier, such as peel_force")
+    unit = plugins.word(plugin, item, "unit", "")
+    known = units.find(unit) if unit else None
+    if unit and (known is None or known.factor != 1.0 or known.offset):
+        plugin.wrong(f"'{name}' in '{unit}'", "a unit of SI that dashpot knows, or none")
+    value = _number(plugin, item, "value", name)
+    words = plugins.word(plugin, item, "words", "")
+    if "low" in item or "high" in item:
+        low, high = (_number(plugin, item, end, name) for end in ("low", "high"))
+        if not low <= value <= high:
+            plugin.wrong(f"'{name}' = {value:g} outside {low:g} to {high:g}", "a value within")
+        return Fact(name, value, low, high, unit, words=words)
+    if "error" not in item:
+        return Fact(name, value, unit=unit, words=words)
+    error = _number(plugin, item, "error", name)
+    if error < 0:
+        plugin.wrong(f"'{name}' with the standard error {error:g}", "one of 0 or more")
+    half = NORMAL * error  # an interval alone: that is what a document keeps
+    return Fact(name, value, value - half, value + half, unit, words=words)
+
+
+def _number(plugin: Plugin, item: Mapping[str, Any], key: str, name: str) -> float:
+    found = item.get(key)
+    if isinstance(found, bool) or not isinstance(found, int | float) or not math.isfinite(found):
+        plugin.wrong(f"'{name}' whose {key} is {found!r:.40}", "a finite number")
+    return float(found)
+
+
+def _check(plugin: Plugin, item: Mapping[str, Any]) -> Check:
+    name, says = (plugins.word(plugin, item, key) for key in ("name", "says"))
+    passed, grade = item.get("passed"), item.get("grade", "limit")
+    if not (passed is None or isinstance(passed, bool)):
+        plugin.wrong(f"the check '{name}' whose 'passed' is {passed!r:.40}", "True, False or None")
+    if grade not in GRADES:
+        plugin.wrong(f"the check '{name}' of grade {grade!r:.40}", f"one of {', '.join(GRADES)}")
+    remedy = plugins.word(plugin, item, "remedy", "")
+    return Check(name, passed, says, grade=grade, remedy=Remedy(remedy) if remedy else None)

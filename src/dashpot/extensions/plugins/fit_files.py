@@ -1,0 +1,25 @@
+"""From a file to what a plug-in finds in it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from dashpot.extensions.plugins.datamodel import PluggedFit
+from dashpot.extensions.plugins.fit import fit_plugged
+from dashpot.extensions.plugins.read import read_plugged
+from dashpot.reading.raw_file import about
+from dashpot.reading.read_options import ReadOptions
+
+
+def plugged_files(files: Sequence[str | Path], *, options: ReadOptions | None = None) -> PluggedFit:
+    """Return what the plug-in that ``options.kind`` names finds in a file.
+
+    Raises
+    ------
+    ReadError, FitError
+        If the file cannot be read, the plug-in fails, or there are several files.
+    """
+    tests = [read_plugged(path, options=options) for path in files]
+    with about(Path(files[0]).name):
+        return fit_plugged(tests)

@@ -1,0 +1,63 @@
+"""From a file to its columns in SI units, with the roles that show themselves."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from dashpot.base import units
+from dashpot.base.errors import ReadError
+from dashpot.extensions.plugins.datamodel import PluggedColumn, PluggedTest
+from dashpot.reading.columns.kind_detection import RECOGNISED
+from dashpot.reading.columns.role_assignment import assign
+from dashpot.reading.columns.vocabulary import Role
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers import channels
+from dashpot.reading.readers.channels import Opened
+from dashpot.reading.table import Question
+
+
+def read_plugged(path: str | Path, *, options: ReadOptions | None = None) -> PluggedTest:
+    """Return the columns of a file for the plug-in that ``options.kind`` names; ``-`` is stdin.
+
+    Raises
+    ------
+    ReadError
+        If the file cannot be read, or holds no column of numbers.
+    """
+    with channels.opened(path, options) as opened:
+        every = opened.table.columns
+        numeric = [i for i, one in enumerate(every) if one.content in {"number", "clock"}]
+        if not numeric:
+            raise ReadError("no column of numbers is in it; expected at least one")
+        roles = _roles(opened)
+        loaded = channels.load(opened.table, numeric, opened.options.segment)
+        columns = []
+        for place, index in enumerate(numeric):
+            role, name = roles.get(index), every[index].name.strip().casefold()
+            told = opened.options.by_name().get(name, every[index].unit)
+            word = opened.unit_word(index, role) if role else told
+            known = units.find(word) if word else None
+            values = loaded.values[:, place].copy()
+            columns.append(
+                PluggedColumn(
+                    every[index].label(index + 1),
+                    role or "",
+                    "" if known is None else units.si_unit(known.dimension).word,
+                    values if known is None else channels.si(values, known),
+                )
+            )
+        notes = [*opened.table.notes, *loaded.notes]
+        said = [f"{one.role or '-'}: {one.name} [{one.unit or '?'}]" for one in columns]
+        return PluggedTest(
+            opened.options.kind or "", tuple(columns), channels.source(opened, said, notes)
+        )
+
+
+def _roles(file: Opened) -> dict[int, Role]:
+    """The columns that surely play a role, by index; the likelier role comes first."""
+    found: dict[int, Role] = {}
+    for role in RECOGNISED["plug-in"].roles:
+        one = assign(file.table, role, file.options)
+        if not isinstance(one, Question):
+            found.setdefault(one.index, role)
+    return found

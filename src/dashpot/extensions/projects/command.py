@@ -1,0 +1,100 @@
+"""dashpot verify: a project, recomputed end to end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import click
+
+from dashpot import workflow
+from dashpot.base.atomic import half_written
+from dashpot.base.checks import Check, verdict
+from dashpot.base.errors import ReadError
+from dashpot.base.number_format import counted
+from dashpot.base.sentences import lowered
+from dashpot.base.serialisation import Documented
+from dashpot.cli._command import group, opt, verb
+from dashpot.cli._command_io import Outcome
+from dashpot.cli._options import RESULT
+from dashpot.cli._param_types import Folder
+from dashpot.text_output.layout import Text
+
+
+@dataclass(frozen=True)
+class Verification(Documented):
+    """A project, the hash of its history, and what was found of every result."""
+
+    schema = "dashpot/verification@1"
+    keys = ("project", "ok", "head", "checks")
+
+    project: str
+    head: str
+    checks: tuple[Check, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing of weight failed."""
+        return not any(check.failed and check.grade != "note" for check in self.checks)
+
+
+@verb(
+    "verify",
+    """Recompute a project's results from its raw files and check every hash.
+
+  dashpot verify door-seal/
+  dashpot verify door-seal/ --expect 5f0c...
+  dashpot verify lot/ --overwrite
+
+Half-written files of killed runs are listed, in any folder of results.
+--overwrite removes them.""",
+    click.Argument(["project"], type=Folder(), metavar="DIR"),
+    group(
+        RESULT,
+        opt("--expect", metavar="HASH", help="Last line of its history, as you noted it."),
+        opt("--overwrite", help="Remove half-written files of killed runs."),
+        opt("--json", "as_json", help="Print one JSON document."),
+        opt("-v", "--verbose", help="Print everything."),
+    ),
+)
+def command(*, project: str, expect: str | None) -> Outcome:
+    """Recompute every result; leave with 1 if anything differs."""
+    left = half_written(project)
+    if click.get_current_context().obj.replace:
+        for one in left:
+            one.unlink(missing_ok=True)
+    try:
+        place = workflow.open_project(project)
+    except ReadError:
+        if not left or expect is not None:
+            raise
+        return _cleared(project, [one.relative_to(project).as_posix() for one in left])
+    checks = workflow.verify(place, page=workflow.html, expect=expect)
+    every = [
+        f"  {'ok' if check.passed else '--'}  {check.says}" for check in checks if not check.failed
+    ]
+    return Outcome(
+        Verification(project, place.head, checks),
+        Text([f"history {place.head}"], every),
+        checks,
+        must_pass=True,
+        verdict=verdict(checks, sound=_sound(checks)),
+    )
+
+
+def _cleared(folder: str, left: list[str]) -> Outcome:
+    """What is said of a folder that is no project."""
+    check = workflow.left_by_killed_runs(Path(folder))
+    found = Verification(folder, "", (check,))
+    did = "left" if check.failed else "cleared"
+    gone = f"{counted(len(left), 'half-written file')} {did}"
+    text = Text([f"{did} {one}" for one in left], [])
+    return Outcome(found, text, (check,), verdict=verdict((check,), sound=gone))
+
+
+def _sound(checks: Iterable[Check]) -> str:
+    """What to say where nothing failed: no more than was judged."""
+    open_ = [check.says for check in checks if check.passed is None]
+    more = f". {len(open_)} not judged: {lowered(open_[0])}" if open_ else ""
+    return f"every result follows from its raw files again{more}"

@@ -1,0 +1,267 @@
+"""A project folder: raw files untouched, every result traceable, the history append-only.
+
+::
+
+    project/
+      dashpot.toml      what this folder is
+      raw/              input files, byte for byte, never overwritten
+      profiles/         what was said of how to read them, TOML
+      records/          results, named by the first 16 digits of the hash of job and result, and
+                        the fits among them, which every command reads
+      reports/          HTML, one per result
+      history.jsonl     one line per operation, each with the hash of the line before it
+      history.head      how many lines that are, and the hash of the last
+      .lock             held while dashpot writes here
+
+A file is written beside its place and moved there; the line of history comes last, in one write.
+So dashpot may be killed at any point: what has no line of history has not happened.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from dashpot.base.atomic import PART, named, write_whole
+from dashpot.base.errors import DataError, ReadError
+from dashpot.base.lock import alone
+from dashpot.base.parsing import parsed_toml
+from dashpot.base.serialisation import Documented, plain
+from dashpot.extensions.projects.history import Listed, append, file_of, read_history, sha256
+from dashpot.reading.raw_file import missing, open_raw
+from dashpot.reading.read_options import ReadOptions, dump_profile
+from dashpot.workflow.job import Job, with_paths
+from dashpot.workflow.json_archive import document, to_json
+from dashpot.workflow.study import Study, run
+
+SCHEMA = "dashpot/project@1"
+NAME = 16
+"""Digits of a hash that name a result."""
+
+OWN = ("dashpot.toml", "history.jsonl", "history.head", ".lock")
+"""Files of a project that no line of its history lists."""
+
+
+@dataclass(frozen=True)
+class Project:
+    """A project folder that exists.
+
+    Attributes
+    ----------
+    folder : Path
+    """
+
+    folder: Path
+
+    @property
+    def history_file(self) -> Path:
+        """The append-only log."""
+        return file_of(self.folder)
+
+    @property
+    def head(self) -> str:
+        """The hash of the last line of its history: whoever notes it can ask for it later."""
+        return read_history(self.folder).last
+
+
+def create(folder: str | Path) -> Project:
+    """Return the project in `folder`, made if there is none.
+
+    Raises
+    ------
+    DataError
+        If the folder holds files but is no project.
+    """
+    path = named(folder)
+    if (path / "dashpot.toml").exists():
+        return open_project(path)
+    if path.exists() and any(not one.name.endswith(PART) for one in path.iterdir()):
+        raise DataError(
+            f"{path} holds files but no dashpot.toml; choose an empty folder for a new project"
+        )
+    path.mkdir(parents=True, exist_ok=True)
+    about = f'schema = "{SCHEMA}"\nname = {json.dumps(path.name)}\n'
+    write_whole(path / "dashpot.toml", about.encode())
+    return Project(path)
+
+
+def open_project(folder: str | Path) -> Project:
+    """Return the project in `folder`.
+
+    Raises
+    ------
+    ReadError
+        If there is none, or one of a version that this dashpot cannot read.
+    """
+    path = named(folder)
+    try:
+        about = parsed_toml((path / "dashpot.toml").read_bytes())
+    except (FileNotFoundError, NotADirectoryError):
+        if not path.exists():
+            made = "A project is the folder that dashpot report --project FOLDER made."
+            raise ReadError(f"{missing(path)} {made}") from None
+        what = "it is a file" if path.is_file() else "it has no dashpot.toml"
+        raise ReadError(
+            f"{path} is not a project: {what}; expected the folder that dashpot report --project "
+            "FOLDER made"
+        ) from None
+    except ReadError as error:
+        raise ReadError(f"{path / 'dashpot.toml'}: {error}") from None
+    if about.get("schema") != SCHEMA:
+        raise ReadError(
+            f"{path / 'dashpot.toml'} has schema {about.get('schema')!r}; expected {SCHEMA!r}"
+        )
+    return Project(path)
+
+
+def record(project: Project, job: Job, *, page: Callable[[Study], str]) -> tuple[Study, Path]:
+    """Run a job inside the project; return its study and where the report is.
+
+    `page` makes the HTML report of a study.
+
+    Raises
+    ------
+    DataError
+        If another dashpot writes there, or a file of the project is not as it was recorded.
+    """
+    with alone(project.folder / ".lock", str(project.folder)):
+        for left in project.folder.rglob(f".*{PART}"):  # by a dashpot that was killed
+            left.unlink(missing_ok=True)
+        kept = with_paths(job, lambda path: _keep(project, path))
+        inputs = {path: sha256((project.folder / path).read_bytes()) for path in paths_of(kept)}
+        study = run(inside(project, kept))
+        made = contents(study, page)
+        name = name_of(document(kept), made["records/.json"])
+        outputs = {place.replace("/.", f"/{name}."): each for place, each in made.items()}
+        stated = profiles(kept)
+        for place, content in (stated | outputs).items():
+            (project.folder / place).parent.mkdir(exist_ok=True)
+            write_whole(project.folder / place, content)
+        inputs |= {place: sha256(content) for place, content in stated.items()}
+        append(
+            project.folder,
+            plain(
+                {
+                    "operation": "report",
+                    "job": kept,
+                    "inputs": [Listed(*one) for one in inputs.items()],
+                    "outputs": [Listed(f, sha256(c)) for f, c in outputs.items()],
+                }
+            ),
+        )
+    return study, project.folder / f"reports/{name}.html"
+
+
+def name_of(job: Mapping[str, Any], result: bytes) -> str:
+    """Return the name of a result: two questions may have one answer, but not one report."""
+    asked = json.dumps(job, indent=2, ensure_ascii=False)
+    return sha256(asked.encode() + result)[:NAME]
+
+
+def contents(study: Study, page: Callable[[Study], str]) -> dict[str, bytes]:
+    """Return what a project keeps of a study, by place without the name of the result."""
+    fits = {"fit": study.fit, "joint": study.joint}
+    return {
+        "records/.json": json.dumps(
+            ResultNumbers(study).document, indent=2, ensure_ascii=False
+        ).encode(),
+        "reports/.html": page(study).encode(),
+        **{
+            f"records/.{what}.json": to_json(fit).encode()
+            for what, fit in fits.items()
+            if fit is not None
+        },
+    }
+
+
+@dataclass(frozen=True)
+class ResultNumbers(Documented):
+    """The numbers of a study, which verification recomputes and compares."""
+
+    schema = "dashpot/result@1"
+    keys = ("study.mass", "fit", "alternatives", "*others")
+
+    study: Study
+
+    @property
+    def fit(self) -> dict[str, Any]:
+        """Of the chosen solid."""
+        return numbers(self.study.fit.document)
+
+    @property
+    def alternatives(self) -> list[dict[str, Any]]:
+        """Of the solids with one and with two arms."""
+        return [numbers(fit.document) for fit in self.study.alternatives]
+
+    @property
+    def others(self) -> dict[str, Any]:
+        """Of what there is where a hammer was used."""
+        names = ("joint", "comparison", "joint_comparison")
+        found = {name: getattr(self.study, name) for name in names}
+        return {name: None if one is None else numbers(one.document) for name, one in found.items()}
+
+
+def numbers(whole: dict[str, Any]) -> dict[str, Any]:
+    """Return a noun's document without its sampled arrays and its words."""
+    dropped = {"predicted", "measured", "profiles", "checks", "source", "steps", "verdict", "says"}
+    return {key: value for key, value in whole.items() if key not in dropped}
+
+
+def profiles(job: Job) -> dict[str, bytes]:
+    """Return the reading profiles of a job, where the user said anything, by their place."""
+    stated = {dump_profile(options) for options in (job.reading, job.reading_impact)}
+    texts = [text.encode() for text in sorted(stated - {dump_profile(ReadOptions())})]
+    return {f"profiles/{sha256(text)[:NAME]}.toml": text for text in texts}
+
+
+# -- the files that a job names -------------------------------------------------------------------
+
+
+def paths_of(job: Job) -> tuple[str, ...]:
+    """Return every path that a job names, each once."""
+    paths: dict[str, str] = {}
+    with_paths(job, lambda path: paths.setdefault(path, path))
+    return tuple(paths)
+
+
+def inside(project: Project, job: Job) -> Job:
+    """Return the job with paths that can be opened, all of them inside the project."""
+    return with_paths(job, lambda path: str(within(project, path)))
+
+
+def within(project: Project, path: str) -> Path:
+    """Return a place named in the project's own files, which must be inside the project.
+
+    Raises
+    ------
+    ReadError
+        If it is not, by whatever link.
+    """
+    root = project.folder.resolve()
+    place = (root / path).resolve()
+    if not place.is_relative_to(root):
+        raise ReadError(f"{path} leads out of the project; nothing outside it is read")
+    return place
+
+
+def _keep(project: Project, path: str) -> str:
+    """Copy a file into ``raw/`` unless it is there; return its place inside the project."""
+    source = open_raw(path)
+    content = b"".join(source.blocks())
+    named = Path(source.name)
+    raw = project.folder / "raw"
+    raw.mkdir(exist_ok=True)
+    place = raw / named
+    if place.exists() and place.read_bytes() != content:
+        place = raw / f"{named.stem}-{sha256(content)[:NAME]}{named.suffix}"
+    if not place.exists():
+        write_whole(place, content)
+    elif place.read_bytes() != content:
+        raise DataError(
+            f"{place} is no longer the copy of {path} that it was: put it back, or remove it "
+            "and run 'dashpot verify'"
+        )
+    return f"raw/{place.name}"

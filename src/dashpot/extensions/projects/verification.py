@@ -1,0 +1,255 @@
+"""A project held against itself: every hash, every line of history, every result again."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+from collections.abc import Callable
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+from dashpot.base.atomic import half_written, is_half_written
+from dashpot.base.checks import Check
+from dashpot.base.errors import ReadError
+from dashpot.base.serialisation import DIGEST
+from dashpot.base.version import software
+from dashpot.extensions.projects.history import History, HistoryLine, Listed, read_history, sha256
+from dashpot.extensions.projects.project import (
+    NAME,
+    OWN,
+    Project,
+    contents,
+    inside,
+    name_of,
+    numbers,
+    paths_of,
+    profiles,
+    within,
+)
+from dashpot.workflow import checks
+from dashpot.workflow.job import Job
+from dashpot.workflow.json_archive import from_json
+from dashpot.workflow.json_validation import once, parts_of
+from dashpot.workflow.study import Study, run
+
+_ROUNDED = 1.000001
+"""Units of the last digit by which one number may be printed twice: it was rounded both times."""
+
+
+def verify(
+    project: Project, *, page: Callable[[Study], str], expect: str | None = None
+) -> tuple[Check, ...]:
+    """Check every hash and the chain of history, and make every result again from its raw files.
+
+    Parameters
+    ----------
+    project : Project
+    page : function
+        Makes the HTML report of a study.
+    expect : str, optional
+        The hash of a line that the history must hold, noted when that was its last.
+
+    Raises
+    ------
+    ReadError
+        If a line of the history or its head is none that dashpot writes, or names a file outside,
+        or one of the project's own files is a link to a file outside.
+    """
+    for own in OWN:
+        within(project, own)
+    history = read_history(project.folder)
+    found = [
+        checks.history_present(len(history.lines)),
+        checks.history_complete(len(history.lines), torn=bool(history.torn)),
+        checks.history_whole(
+            len(history.lines),
+            history.written,
+            shortened=history.shortened,
+            headed=history.headed,
+        ),
+    ]
+    if expect is not None:
+        found.append(_expected(history, expect))
+    for line, intact in zip(history.lines, history.intact, strict=True):
+        found.append(checks.history_unchanged(line.line, whole=intact))
+        files = [_file(project, one, line.line) for one in (*line.inputs, *line.outputs)]
+        found += files
+        if not any(check.failed for check in files):
+            found += _again(project, line, page)
+    found.append(checks.files_listed(_added(project, history)))
+    return (*found, left_by_killed_runs(project.folder))
+
+
+def left_by_killed_runs(folder: Path) -> Check:
+    """Whether a folder of results, of whatever kind, holds what killed runs left half written."""
+    left = half_written(folder)
+    return checks.nothing_half_written([one.relative_to(folder).as_posix() for one in left])
+
+
+def _expected(history: History, expect: str) -> Check:
+    hashes = [line.hash for line in history.lines]
+    place = hashes.index(expect) if expect in hashes else None
+    return checks.history_expected(expect, place, len(hashes))
+
+
+def _file(project: Project, listed: Listed, number: int) -> Check:
+    path = within(project, listed.file)
+    if not path.is_file():
+        return checks.file_present(listed.file, number)
+    same = sha256(path.read_bytes()) == listed.sha256
+    return checks.file_unchanged(listed.file, number, same=same)
+
+
+def _added(project: Project, history: History) -> list[str]:
+    """The files of the project's folder that no line lists."""
+    known = {*OWN} | {one.file for line in history.lines for one in (*line.inputs, *line.outputs)}
+    files = (path for path in project.folder.rglob("*") if path.is_file() or path.is_symlink())
+    whole = (path for path in files if not is_half_written(path.name))
+    return sorted({path.relative_to(project.folder).as_posix() for path in whole} - known)
+
+
+# -- the work, done again -------------------------------------------------------------------------
+
+
+def _again(project: Project, line: HistoryLine, page: Callable[[Study], str]) -> list[Check]:
+    job = from_json(json.dumps(line.job))
+    if not isinstance(job, Job):
+        raise ReadError(f"line {line.line} of history.jsonl holds no job: it was changed")
+    needed = {*paths_of(job), *profiles(job)}
+    unlisted = sorted(needed - {one.file for one in (*line.inputs, *line.outputs)})
+    if unlisted:
+        return [checks.inputs_listed(unlisted, line.line)]
+    made = contents(run(inside(project, job)), page)
+    kept = {_kind(one.file): within(project, one.file).read_bytes() for one in line.outputs}
+    # another version may word and draw the same numbers otherwise
+    alike = line.software == software()
+    names = {match[1] for one in line.outputs if (match := _NAMED.search(one.file))}
+    other = kept.keys() != made.keys() or len(names) != 1
+    if other or (alike and names != {name_of(line.job, kept["records/.json"])}):
+        return [checks.result_recomputed(float("inf"), "it keeps other files", line.line)]
+    if any(one.file not in needed for one in line.inputs):
+        return [checks.result_recomputed(float("inf"), "its job reads fewer files", line.line)]
+    worst, where = max(
+        _json_difference(kept[place], made[place], place, words=alike)
+        for place in kept
+        if place.endswith(".json")
+    )
+    same = alike and same_page(kept["reports/.html"], made["reports/.html"])
+    return [
+        checks.result_recomputed(worst, where, line.line),
+        checks.page_redrawn(line.line, same=same, alike=alike),
+    ]
+
+
+_NAMED = re.compile(rf"/([0-9a-f]{{{NAME}}})\.")
+
+
+def _kind(place: str) -> str:
+    """A place without the name of the result: ``records/0123456789abcdef.fit.json``."""
+    return _NAMED.sub("/.", place)
+
+
+def _json_difference(kept: bytes, again: bytes, place: str, *, words: bool) -> tuple[float, str]:
+    try:
+        before, after = json.loads(kept, object_pairs_hook=once), json.loads(again)
+    except (ValueError, RecursionError):
+        return float("inf"), f"{place} is no JSON"
+    if not words and isinstance(before, dict):
+        before, after = numbers(before), numbers(after)
+    return difference(before, after, place)
+
+
+def difference(kept: Any, again: Any, where: str = "") -> tuple[float, str]:
+    """Return the largest relative difference between two documents, and its place."""
+    if not (isinstance(kept, dict | list) and isinstance(again, type(kept))):
+        return _apart(kept, again), f"{where} was {kept!r} and is {again!r}"
+    before, after = parts_of(kept, where), parts_of(again, where)
+    if before.keys() != after.keys():
+        otherwise = "other keys" if isinstance(kept, dict) else "another length"
+        return float("inf"), f"{where or 'the document'} has {otherwise}"
+    pairs = (
+        difference(before[place], after[place], place.lstrip("."))
+        for place in before
+        if place != f"{where}.{DIGEST}"
+    )
+    return max(pairs, default=(0.0, ""), key=lambda item: item[0])
+
+
+def _apart(kept: Any, again: Any) -> float:
+    """Relative difference of two values; of texts that of the numbers in them, if any."""
+    if repr(kept) == repr(again):  # as NaN equals nothing
+        return 0.0
+    if _is_number(kept) and _is_number(again) and kept != again:
+        apart, scale = abs(Decimal(kept) - Decimal(again)), max(abs(kept), abs(again))
+        # what is not finite is no rounding of what is
+        return float(apart / Decimal(scale)) if apart.is_finite() else float("inf")
+    if isinstance(kept, str) and isinstance(again, str):
+        same = _same_words(kept, again)
+    else:
+        same = kept == again and isinstance(kept, bool) == isinstance(again, bool)
+    return 0.0 if same else float("inf")
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def same_page(kept: bytes, again: bytes) -> bool:
+    """Tell whether two pages say and show the same, but for how a last digit is rounded.
+
+    The files inside a page are compared as what they are.
+    """
+    if kept == again:
+        return True
+    try:
+        before, after = (_opened(text.decode()) for text in (kept, again))
+    except ValueError:
+        return False
+    return _same_words(before, after)
+
+
+def _opened(page: str) -> str:
+    """A page with the files that its links hold as text."""
+    return re.sub(
+        r"(?<=;base64,)[A-Za-z0-9+/=]+",
+        lambda link: base64.b64decode(link[0]).decode(errors="backslashreplace"),
+        page,
+    )
+
+
+_NUMBER = re.compile(r"(-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)", re.ASCII)
+
+
+def _same_words(kept: str, again: str) -> bool:
+    """Tell whether two texts differ in nothing but the last printed digit of their numbers."""
+    if kept == again:
+        return True
+    before, after = _NUMBER.split(kept), _NUMBER.split(again)
+    return before[::2] == after[::2] and all(
+        # of 13 and 12.71 the finer counts: who prints fewer digits has not computed another number
+        a == b or _is_rounded(a, b)
+        for a, b in zip(before[1::2], after[1::2], strict=True)
+    )
+
+
+def _is_rounded(a: str, b: str) -> bool:
+    """Tell whether two printed numbers may be one that was rounded twice: a count is never.
+
+    >>> _is_rounded("12.70", "12.71"), _is_rounded("13", "12.71"), _is_rounded("13", "14")
+    (True, False, False)
+    """
+    counted = a.lstrip("-").isdigit() and b.lstrip("-").isdigit()
+    unit = min(_last_digit(a), _last_digit(b))
+    return not counted and abs(float(a) - float(b)) <= _ROUNDED * unit
+
+
+def _last_digit(number: str) -> float:
+    """Return what one unit of the last digit of a printed number is.
+
+    >>> _last_digit("12.70"), _last_digit("-3e-05"), _last_digit("40")
+    (0.01, 1e-05, 1.0)
+    """
+    digits, _, exponent = number.lower().partition("e")
+    return float(f"1e{int(exponent or 0) - len(digits.partition('.')[2])}")

@@ -1,0 +1,1 @@
+"""Solver inputs beyond Nastran, Abaqus, tables and state space."""

@@ -1,0 +1,249 @@
+"""LS-DYNA keyword input."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TypeAlias
+
+from dashpot.base.errors import ExportError
+from dashpot.base.units import Quantity, si
+from dashpot.datamodel.seal_line import Shear, Stations
+from dashpot.export.deck import Deck, DeckText
+from dashpot.export.deck_validation import target
+from dashpot.export.seal_line_springs import SpringRow, row_of
+from dashpot.export.unit_systems import packed
+
+FORMS = ("arms", "prony")
+SUFFIX = "k"
+NEEDS = {"prony": ("modulus", "bulk_modulus", "density")}
+READ = (
+    "not solver-verified: no LS-DYNA runs in dashpot's tests. They read the cards back, field by "
+    "field, as the manual lays them out"
+)
+_MOST_TERMS = 18  # of *MAT_GENERAL_VISCOELASTIC
+
+
+@target(*FORMS, line=("arms",))
+def lsdyna(
+    deck: Deck,
+    *,
+    modulus: Quantity | None = None,
+    bulk_modulus: Quantity | None = None,
+    density: float | None = None,
+    line: Stations | None = None,
+    shear: Shear | None = None,
+    first_id: int = 1,
+) -> DeckText:
+    r"""LS-DYNA keywords of a solid.
+
+    ``"arms"`` writes discrete elements in parallel between two nodes: one ``*MAT_SPRING_ELASTIC``,
+    and for each arm one ``*MAT_SPRING_MAXWELL``, whose stiffness decays from k_j to 0 at
+    beta_j = 1/tau_j: the exact network without inner nodes. Sliders are
+    ``*MAT_SPRING_ELASTOPLASTIC`` without hardening, a cubic spring is
+    ``*MAT_SPRING_NONLINEAR_ELASTIC``. ``"prony"`` writes
+    ``*MAT_GENERAL_VISCOELASTIC`` (076) with absolute shear moduli.
+
+    Parameters
+    ----------
+    solid, units, specimen, allow
+        As in :func:`dashpot.export.nastran`.
+    form : str
+    modulus, bulk_modulus : float, optional
+        Instantaneous shear modulus and elastic bulk modulus of the rubber, Pa; only and always
+        for ``"prony"``.
+    density : float, optional
+        kg/m^3; only and always for ``"prony"``.
+    line, shear, first_id
+        As in :func:`dashpot.export.nastran`: at each station the elements stand between two
+        coincident nodes, and act along vectors of their own.
+    """
+    modulus, bulk_modulus = si(modulus, "stress"), si(bulk_modulus, "stress")
+    if deck.form == "prony":
+        return _prony(deck, modulus, bulk_modulus, density)
+    if (modulus, bulk_modulus, density) != (None, None, None):
+        raise ExportError(
+            "modulus, bulk_modulus and density belong to the material card; add --form prony "
+            "(Python: form='prony'), or leave them out"
+        )
+    return _arms(deck) if line is None else _line(deck, row_of(deck, line, shear), first_id)
+
+
+_Material: TypeAlias = tuple[str, list[float | int]]
+
+
+def _linear(deck: Deck) -> list[_Material]:
+    """A material for the spring, the dashpot and each arm."""
+    materials: list[_Material] = []
+    if deck.k_inf > 0:
+        materials.append(("*MAT_SPRING_ELASTIC", [deck.k_inf]))
+    if deck.b > 0:
+        materials.append(("*MAT_DAMPER_VISCOUS", [deck.b]))
+    for k, tau, _ in deck.arms:
+        # k0, ki, beta, cut-off time and force, incremental in time
+        materials.append(("*MAT_SPRING_MAXWELL", [k, 0.0, 1 / tau, 1e20, 0.0, 0.0]))
+    return materials
+
+
+def _section(number: int) -> list[str]:
+    return [
+        "*SECTION_DISCRETE",
+        "$#   secid       dro        kd        v0        cl        fd",
+        fields(number, 0, 0.0, 0.0, 0.0, 0.0),
+        "$#     cdl       tdl",
+        fields(0.0, 0.0),
+    ]
+
+
+def _part(number: int, section: int, material: _Material) -> list[str]:
+    keyword, values = material
+    return [
+        keyword,
+        fields(number, *values),
+        "*PART",
+        f"seal {keyword[5:].lower().replace('_', ' ')} {number}",
+        fields(number, section, number),
+    ]
+
+
+def _parts(
+    deck: Deck, row: SpringRow, first_id: int
+) -> tuple[dict[tuple[int, float], list[int]], list[str]]:
+    """The numbers of the parts of each way and share, and their cards, each written once."""
+    numbers = itertools.count(first_id)
+    parts: dict[tuple[int, float], list[int]] = {}
+    cards: list[str] = []
+    for shares in row.shares:
+        for way, solid in row.springs(shares):
+            if (way, shares[way]) in parts:
+                continue
+            own: list[int] = []
+            parts[way, shares[way]] = own
+            for material in _linear(deck.of(solid)):
+                own.append(next(numbers))
+                cards += _part(own[-1], first_id, material)
+    return parts, cards
+
+
+def _line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
+    """The network of each way of each station, along a vector of its own."""
+    cards = ["*KEYWORD", "*NODE"]
+    for i, one in enumerate(row.stations):
+        place = "".join(f"{packed(value, 16):>16}" for value in one.place)
+        cards += [f"{node:>8}{place}" for node in row.nodes(i, first_id)]
+    vectors = {
+        (frame, way): rank
+        for rank, (frame, way) in enumerate(
+            itertools.product(dict.fromkeys(one.frame for one in row.stations), range(row.ways)),
+            start=first_id,
+        )
+    }
+    cards += [
+        "*DEFINE_SD_ORIENTATION",
+        "$#     vid       iop        xt        yt        zt      nid1      nid2",
+        *(fields(vid, 0, *frame[way], 0, 0) for (frame, way), vid in vectors.items()),
+        *_section(first_id),
+    ]
+    parts, told = _parts(deck, row, first_id)
+    cards += [*told, "*ELEMENT_DISCRETE"]
+    element = itertools.count(first_id)
+    for i, one in enumerate(row.stations):
+        a, b = row.nodes(i, first_id)
+        for way, _ in row.springs(one.shares):
+            cards += [
+                f"{next(element):>8}{part:>8}{a:>8}{b:>8}{vectors[one.frame, way]:>8}"
+                for part in parts[way, one.shares[way]]
+            ]
+    return deck.written(
+        "$",
+        "discrete springs and dampers along a seal line for LS-DYNA",
+        [*cards, "*END"],
+        verified=READ,
+        remarks=[
+            *row.remarks,
+            row.numbered(first_id),
+            "fields of nine columns hold five digits or more; discrete elements add no mass",
+            "forces act normal to the line, across it and along it, wherever the nodes go",
+            "(*DEFINE_SD_ORIENTATION); tie the nodes to their structures",
+        ],
+    )
+
+
+def _arms(deck: Deck) -> DeckText:
+    materials = _linear(deck)
+    # k, kt, fy: no hardening
+    materials += [("*MAT_SPRING_ELASTOPLASTIC", [k, 0.0, F]) for k, F, _ in deck.beside.sliders]
+    curve = []
+    if deck.beside.k3:
+        materials.append(("*MAT_SPRING_NONLINEAR_ELASTIC", [1]))
+        rows = (f"{packed(x, 20):>20}{packed(F, 20):>20}" for x, F in deck.beside.both_ways())
+        curve = ["*DEFINE_CURVE", fields(1), *rows]
+    cards = [
+        "*KEYWORD",
+        "*NODE",
+        f"{1:>8}{'0.':>16}{'0.':>16}{'0.':>16}",
+        # in single precision a long element loses microns: a vector of its own turns none
+        f"{2:>8}{'1.':>16}{'0.':>16}{'0.':>16}",
+        "*DEFINE_SD_ORIENTATION",
+        "$#     vid       iop        xt        yt        zt      nid1      nid2",
+        fields(1, 0, 1.0, 0.0, 0.0, 0, 0),
+        *_section(1),
+    ]
+    for number, material in enumerate(materials, start=1):
+        cards += [
+            *_part(number, 1, material),
+            "*ELEMENT_DISCRETE",
+            f"{number:>8}{number:>8}{1:>8}{2:>8}{1:>8}",
+        ]
+    return deck.written(
+        "$",
+        "discrete springs and dampers for LS-DYNA",
+        [*cards, *curve, "*END"],
+        verified=READ,
+        remarks=[
+            "fields of nine columns hold five digits or more; each Maxwell arm is one discrete",
+            "element, all between nodes 1 (ground side) and 2 (moving side)",
+            "the force acts along x, wherever the nodes go (*DEFINE_SD_ORIENTATION)",
+        ],
+    )
+
+
+def _prony(
+    deck: Deck, modulus: float | None, bulk_modulus: float | None, density: float | None
+) -> DeckText:
+    long_term, terms = deck.shear(modulus, "LS-DYNA")
+    if bulk_modulus is None or density is None or not (bulk_modulus > 0 and density > 0):
+        raise ExportError(
+            "*MAT_GENERAL_VISCOELASTIC needs --bulk-modulus, such as 2000MPa, and --density, such "
+            "as 1200 (Python: bulk_modulus= in Pa, density= in kg/m^3); found "
+            f"{bulk_modulus!r} and {density!r}"
+        )
+    if deck.k_inf > 0:
+        # a term that does not decay carries the equilibrium modulus
+        terms = [(long_term, 0.0), *terms]
+    if len(terms) > _MOST_TERMS:
+        raise ExportError(
+            f"*MAT_GENERAL_VISCOELASTIC holds {_MOST_TERMS} terms, found {len(terms)}; fit fewer "
+            "arms"
+        )
+    return deck.written(
+        "$",
+        "solid material for LS-DYNA",
+        [
+            "*KEYWORD",
+            "*MAT_GENERAL_VISCOELASTIC",
+            "$#     mid        ro      bulk       pcf        ef      tref         a         b",
+            fields(1, deck.units.density(density), deck.units.stress(bulk_modulus)),
+            "$#    lcid        nt    bstart     tramp     lcidk       ntk   bstartk    trampk",
+            fields(0),
+            "$#      gi     betai",
+            *(fields(G, beta) for G, beta in terms),
+            "*END",
+        ],
+        remarks=["the first term has beta = 0: the equilibrium modulus"],
+    )
+
+
+def fields(*values: object) -> str:
+    """A line of a card: fields of ten columns."""
+    words = (packed(value, 9) if isinstance(value, float) else str(value) for value in values)
+    return "".join(f"{word:>10}" for word in words)

@@ -1,0 +1,123 @@
+r"""A force that comes too late for a tangent: its solid answers the motion as late as it is.
+
+To first order a delay adds :math:`-\delta\dot F`. Of 10 ms at a corner of the ramp that is off by
+:math:`\delta^2\ddot F/2`, which looks like a bent law. So where no linear solid is sound and the
+force lags, the solid is asked again of a motion that is late by whole samples, and of one behind
+a low-pass of that time constant. What is left of the delay stays a nuisance term.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.provenance import Step
+from dashpot.base.units import written
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.fitting.design_matrix import Design
+from dashpot.fitting.fit_data import FitData, data_of
+from dashpot.fitting.fit_options import Asked
+from dashpot.fitting.linearity import Gate, Holds, gated
+from dashpot.fitting.nuisance_priors import LINEAR_DELAY
+from dashpot.signals.noise import evenly_sampled
+
+
+class LateMotion(NamedTuple):
+    """Tests whose motion is as late as their force.
+
+    Attributes
+    ----------
+    holds : Holds
+    data : FitData
+    lags : tuple of float
+        By how much each motion was made late, s: 0 as recorded.
+    filtered : bool
+        Whether by low-passes of those time constants.
+    """
+
+    holds: Holds
+    data: FitData
+    lags: tuple[float, ...]
+    filtered: bool = False
+
+    @classmethod
+    def of(
+        cls,
+        records: Sequence[RampHold],
+        design: Design,
+        lags: tuple[float, ...] = (),
+        *,
+        filtered: bool = False,
+    ) -> LateMotion:
+        """The data of records; as they are where no lags are said."""
+        still = (0.0,) * len(records)
+        return cls(Holds(records), data_of(records, design), lags or still, filtered)
+
+    def coefficients(self, found: Callable[[str], float]) -> Callable[[str], float]:
+        """The value of a column by its name, a delay with what the motion was made late by."""
+        late = {f"delay@{i}": lag for i, lag in enumerate(self.lags)}
+        return lambda name: found(name) + late.get(name, 0.0)
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """What was done to the motion."""
+        if not any(self.lags):
+            return ()
+        late = " and ".join(written(lag, "ms", ".3g") for lag in self.lags)
+        parameters = (("lag_s", ", ".join(f"{lag:.6g}" for lag in self.lags)),)
+        how = f"put the motion behind a low-pass of {late}"
+        if not self.filtered:
+            how = f"took the motion {late} later"
+        return (Step("lag", parameters, f"{how}, as the force comes"),)
+
+
+def soundest(recorded: LateMotion, asked: Asked) -> tuple[LateMotion, Gate]:
+    """Return the motion under which a linear solid is sound, and how sound it is.
+
+    As recorded where one is, or where a later motion makes none so; else the later motion that
+    leaves least.
+    """
+    gate = gated(recorded.holds, recorded.data, asked)
+    if gate.sound:
+        return recorded, gate
+    tried = [(one, gated(one.holds, one.data, asked)) for one in _later(recorded, gate)]
+    sound = [pair for pair in tried if pair[1].sound]
+    return min(sound, key=lambda pair: pair[1].first.solutions[-1].sse, default=(recorded, gate))
+
+
+def _later(recorded: LateMotion, gate: Gate) -> Iterator[LateMotion]:
+    """The motions that may be as late as the force of the best linear solid."""
+    records, best = recorded.holds.records, gate.first.solutions[-1]
+    found = [best.coefficient(f"delay@{i}") for i in range(len(records))]
+    late = tuple(lag if lag > LINEAR_DELAY else 0.0 for lag in found)
+    shifted, lags = zip(*map(_shifted, records, late), strict=True)
+    if any(lags):
+        yield LateMotion.of(shifted, Design("full"), lags)
+    if any(late) and not any(record.machine.force_filter for record in records):
+        behind = [*map(_behind, records, late)]
+        yield LateMotion.of(behind, Design("full"), late, filtered=True)
+
+
+def _shifted(record: RampHold, lag: float) -> tuple[RampHold, float]:
+    """The record with its motion late by whole samples, whose counts are as they were read."""
+    step = record.step
+    many = round(lag / step) if evenly_sampled(record.time) else 0
+    if not many:
+        return record, 0.0
+
+    def late(values: FloatArray) -> FloatArray:
+        return np.concatenate((np.full(many, values[0]), values[:-many]))
+
+    given = None if record.given is None else late(record.given)
+    return replace(record, displacement=late(record.displacement), given=given), many * step
+
+
+def _behind(record: RampHold, lag: float) -> RampHold:
+    """The record with a force behind a low-pass of this time constant, as one that is named."""
+    if not lag:
+        return record
+    return replace(record, machine=replace(record.machine, force_filter=1 / (2 * np.pi * lag)))

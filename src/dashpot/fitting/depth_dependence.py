@@ -1,0 +1,201 @@
+r"""Relaxation tests at several depths: what depends on depth, and what does not.
+
+If only the elastic force depends on depth, the seal is quasi-linear (Fung):
+
+.. math:: F(t) = \int_0^t G(t-u)\, \frac{d F_e(x(u))}{du}\, du, \qquad G(\infty) = 1
+
+and every linear tool serves it with :math:`F_e(x)` in place of x. All tests share one
+:math:`F_e`, which their ramps and their depths show together
+(:mod:`~dashpot.fitting.nonlinear_ramp.elastic_law_selection`). Whether one memory serves every
+depth is a question to the tests: each gets its own stiffnesses, and the shapes k_j/k_inf are
+compared. Source: Y. C. Fung, *Biomechanics* (1993), ch. 7.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import FitError
+from dashpot.base.reported_values import NORMAL
+from dashpot.base.units import written
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit_diagnostics import AtDepth
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.extensions.curves.temperatures.test_temperatures import checked_temperatures
+from dashpot.fitting.checks.relaxation import separable
+from dashpot.fitting.checks.solid import arms_enough
+from dashpot.fitting.nonlinear_ramp.elastic_law_estimate import RampLaw
+from dashpot.fitting.nonlinear_ramp.elastic_law_selection import ramp_law, supported_by_holds
+from dashpot.fitting.nonlinear_ramp.fit_construction import depth_error, held_ramps, ramp_fit
+from dashpot.fitting.nonlinear_ramp.hold_then_ramp import MAX_ARMS, follow
+from dashpot.fitting.pipeline import asked_arms
+from dashpot.fitting.relaxation_data import RelaxationData
+from dashpot.fitting.uncertainty.rig_sensitivity import moved_by_clocks, moved_by_rig
+from dashpot.numerics.inference.covariance_estimate import Estimate
+from dashpot.preprocessing.prepare_tests import Tests, ramp_holds
+from dashpot.solids.elastic import ElasticLaw
+
+
+@dataclass(frozen=True)
+class DepthLaw:
+    """What several depths say together.
+
+    Attributes
+    ----------
+    law : ElasticLaw
+        Relaxed force against compression.
+    by_depth : tuple of AtDepth
+        Each test's secant stiffnesses, shallowest first.
+    separable : Check
+        Whether the shape of relaxation is the same at every depth; the value is the
+        probability of shapes as different as found if it were.
+    fit : Fit
+        All tests by one quasi-linear solid; ``fit.model`` is its secant solid at the deepest
+        test.
+    """
+
+    law: ElasticLaw
+    by_depth: tuple[AtDepth, ...]
+    separable: Check
+    fit: Fit
+
+
+def fit_depths(
+    tests: Tests, *, arms: int | Literal["auto"] = "auto", max_arms: int = MAX_ARMS
+) -> DepthLaw:
+    """Fit tests at two or more depths: elastic law, separability, one quasi-linear solid.
+
+    Parameters
+    ----------
+    tests : sequence of RampHold or RelaxationTest
+        At different depths.
+    arms : int or "auto"
+        ``"auto"`` takes as many as the holds support by BIC, up to `max_arms`.
+
+    Raises
+    ------
+    FitError
+        If there are fewer than two tests, two share a depth, they are of several temperatures, or
+        a test has no equilibrium stiffness.
+    """
+    records = ramp_holds(tests)
+    if len(records) < 2:
+        raise FitError(
+            f"found {len(records)} test of one depth; a depth law needs at least two depths, in "
+            "files of their own, or in one record that comes back and rests between them"
+        )
+    ordered = sorted(records, key=lambda test: test.depth)
+    depths = [test.depth for test in ordered]
+    if len(set(depths)) < len(depths):
+        raise FitError(
+            f"depths {', '.join(written(value, 'mm') for value in depths)}; expected "
+            "different compressions > 0: fit equal depths together without depth_law"
+        )
+    checked_temperatures(records, shared=False)
+    most = asked_arms(arms, max_arms)
+    asked = None if arms == "auto" else most
+    found = ramp_law(ordered, arms=asked, max_arms=most)
+    each, held = _each(found), held_ramps(ordered, found)
+    by_depth = tuple(
+        each.at(i, test.depth, rig) for i, (test, rig) in enumerate(_by_rigs(ordered, held, found))
+    )
+    for at in by_depth:
+        if at.k_inf <= 0:
+            raise FitError(
+                f"the test at {written(at.depth, 'mm')} has no equilibrium stiffness; hold it "
+                "longer, or leave it out"
+            )
+    check = _separable(each)
+    enough = (
+        ()
+        if asked is None
+        else (arms_enough(supported_by_holds(ordered, found.hold), found.model.arms, unit="N"),)
+    )
+    together = ramp_fit(
+        ordered, found, asked=asked, by_depth=by_depth, further=(check, *enough),
+        unseen=moved_by_rig(held, found.model),
+    )  # fmt: skip
+    return DepthLaw(found.law, by_depth, check, together)
+
+
+class _Each(NamedTuple):
+    """The stiffnesses of each test on a common path, shape (R, 1 + N), and what is known of them.
+
+    The law gives the path.
+    """
+
+    k: FloatArray
+    known: Estimate
+    dof: float
+    law: ElasticLaw
+
+    def at(self, test: int, depth: float, rig: FloatArray) -> AtDepth:
+        """Secant stiffnesses of one test at its depth; `rig` is what it may add to them."""
+        scale = float(self.law.path(depth)) / depth
+        error = self.known.standard_error[len(self.known.optimum.theta) :]
+        noise = error[: self.k.size].reshape(self.k.shape)[test]
+        k, se = scale * self.k[test], scale * np.hypot(noise, rig)
+        most = float(k[0] + NORMAL * se[0])
+        return AtDepth(depth, float(k[0]), most, tuple(k[1:].tolist()), tuple(se[1:].tolist()))
+
+
+def _by_rigs(
+    tests: Sequence[RampHold], held: Sequence[RelaxationData], found: RampLaw
+) -> Iterator[tuple[RampHold, FloatArray]]:
+    """Each test, and what its rig may add to its own stiffnesses, N/m, on the path of the law."""
+    model = found.model
+    k = np.array((model.k_inf, *model.k))
+    moved = moved_by_rig(held, model, apart=True)
+    for i, test in enumerate(tests):
+        here = slice(i * len(k), (i + 1) * len(k))
+        clocks = moved_by_clocks([test], model)[: len(k)]
+        columns = np.column_stack((moved[here], depth_error(test) * k, clocks))
+        yield test, np.linalg.norm(columns, axis=1)
+
+
+def _each(found: RampLaw) -> _Each:
+    """Fit each test with stiffnesses of its own, relaxation times and law shared."""
+    followed = found.followed
+    solid, log_tau = followed.weighted.solid, np.log(np.asarray(found.model.tau))
+    own = follow(
+        solid,
+        found.hold,
+        followed,
+        solid.theta(log_tau, followed.shape),
+        known=followed.weighted.nuisances,
+        apart=True,
+    )
+    law = ElasticLaw(found.law.knots, tuple(own.shape.tolist()), 1.0)
+    return _Each(own.k, own.estimate(found.hold), found.estimate.dof, law)
+
+
+def _separable(each: _Each) -> Check:
+    r"""Test :math:`k_j/k_\infty` equal at every depth: Wald's statistic, as an F."""
+    if each.k.shape[1] == 1:
+        return separable(None, None)
+    ratio = each.k[:, 1:] / each.k[:, :1]
+    spread = float(np.abs(ratio / ratio.mean(axis=0) - 1.0).max())
+    first = len(each.known.optimum.theta)
+    stiff = slice(first, first + each.k.size)
+    if not np.all(np.isfinite(each.known.covariance[stiff, stiff])):
+        return separable(None, spread)
+
+    def differences(values: FloatArray) -> FloatArray:
+        k = values[stiff].reshape(each.k.shape)
+        shapes = k[:, 1:] / k[:, :1]
+        return np.asarray((shapes[1:] - shapes[0]).ravel())
+
+    apart = each.known.derived(differences)
+    free = len(apart.values)
+    told = np.linalg.lstsq(apart.covariance, apart.values, rcond=1e-12)[0]
+    # a rare path: scipy's F distribution costs an import that a plain fit does not pay
+    from scipy.special import fdtrc
+
+    chance = fdtrc(free, max(each.dof, 1.0), apart.values @ told / free)
+    return separable(float(chance), spread)

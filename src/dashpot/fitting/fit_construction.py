@@ -1,0 +1,169 @@
+"""From an optimum, what supports it and where it comes from to a fit: alike on every way to one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.checks import Check, status_of
+from dashpot.base.provenance import Step, sources_of, steps_of
+from dashpot.base.reported_values import NORMAL
+from dashpot.base.status import Status
+from dashpot.datamodel.band_error import WELL_KNOWN
+from dashpot.datamodel.checks import caution_checks, numbers_unambiguous
+from dashpot.datamodel.fit import LINES_IN_BAND, Fit
+from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
+from dashpot.datamodel.parameter_estimate import (
+    Nuisance,
+    ParameterEstimate,
+    Residual,
+    parameter_names,
+)
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.datamodel.shift_factors import TemperatureShifts
+from dashpot.fitting.checks.solid import loss_factor_known, uncertainty_estimated
+from dashpot.fitting.known_band import known_band
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+
+#: what supports an optimum of which nothing more was asked
+UNJUDGED = Evidence((0.0, 0.0), checks=(uncertainty_estimated(made=False),))
+
+
+class FoundSolid(NamedTuple):
+    """What a search for a solid found.
+
+    Attributes
+    ----------
+    solid : Solid
+    estimate : ParameterEstimate
+        Of its parameters.
+    fewer : bool
+        It has fewer arms than were asked for.
+    at_bound : bool
+        A bound of what is sought holds it.
+    """
+
+    solid: Solid
+    estimate: ParameterEstimate
+    fewer: bool = False
+    at_bound: bool = False
+
+
+def assembled(
+    found: FoundSolid,
+    evidence: Evidence,
+    provenance: Provenance,
+    *,
+    unit: str = "N/m",
+    elastic_law: ElasticLaw | None = None,
+    temperatures: TemperatureShifts | None = None,
+) -> Fit:
+    """Return the fit of an optimum, which ended as its checks and the optimum itself say.
+
+    Parameters
+    ----------
+    found : FoundSolid
+    evidence : Evidence
+        Its checks in the order in which they are told, those of the records first.
+    provenance : Provenance
+    unit, elastic_law, temperatures
+        As `Fit` holds them.
+    """
+    evidence = replace(evidence, checks=_with_cautions(evidence.checks, provenance))
+    shown = {Status.FEWER_ARMS: found.fewer, Status.TAU_AT_BOUND: found.at_bound}
+    fit = Fit(
+        solid=found.solid,
+        status=status_of(evidence.checks, shown),
+        estimate=found.estimate,
+        evidence=evidence,
+        provenance=provenance,
+        unit=unit,
+        elastic_law=elastic_law,
+        temperatures=temperatures,
+    )
+    return fit if evidence.band_error is not None else _within_known_loss(fit)
+
+
+def _within_known_loss(fit: Fit) -> Fit:
+    """Return a fit whose errors are those of its covariance, its band where they are small enough.
+
+    Where they are so at no line, a check says it; where no error is known nothing is claimed.
+    """
+    if not WELL_KNOWN < fit.error_in_band[1] < np.inf:
+        return fit
+    own = fit.estimate
+
+    def errors(line: float) -> tuple[float, float]:
+        stiffness, loss_factor = own.errors_of_vibration(fit.model, np.array([2j * np.pi * line]))
+        return NORMAL * stiffness, NORMAL * loss_factor
+
+    lines = np.geomspace(*fit.band, LINES_IN_BAND).tolist()
+    band, known = known_band(errors, fit.band, {line: errors(line) for line in lines})
+    checks = fit.checks
+    if known.largest[1] > WELL_KNOWN:
+        checks = (*checks, loss_factor_known(known))
+    return replace(fit, evidence=replace(fit.evidence, band=band, checks=checks))
+
+
+def _with_cautions(checks: tuple[Check, ...], provenance: Provenance) -> tuple[Check, ...]:
+    """The checks, and what the files cast doubt on unless preparation has told it."""
+    if any(one.name == numbers_unambiguous.name for one in checks):
+        return checks
+    return (*checks, *caution_checks(provenance.source))
+
+
+def point_estimate(
+    model: GeneralizedMaxwell, samples: int, sse: float, nuisance: tuple[Nuisance, ...]
+) -> ParameterEstimate:
+    """Return what an optimum alone tells of its parameters: no error of any."""
+    names = parameter_names(model.arms)
+    return ParameterEstimate(
+        names,
+        np.diag(np.full(len(names), np.inf)),
+        dof=0.0,
+        residual=Residual(samples, sse, float(np.sqrt(sse / samples))),
+        nuisance=nuisance,
+    )
+
+
+def nuisances(
+    names: Sequence[str],
+    value: Callable[[str], float],
+    error: Callable[[str], float],
+    *,
+    of: str = "N",
+    known: Mapping[str, float] | None = None,
+) -> tuple[Nuisance, ...]:
+    """Return offset, drift, delay and warming of each test; of several, named by its number.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Of columns, ``"offset@0"`` of the first test; those of the solid are passed over.
+    value, error : callable
+        Coefficient and standard error of a column.
+    of : str
+        Unit of what was measured.
+    known : mapping of str to float, optional
+        Standard deviations that were known before the fit.
+    """
+    units = {"offset": of, "drift": f"{of}/s", "delay": "s", "warming": "K"}
+    own = [name for name in names if name.partition("@")[0] in units]
+    several = len({name.partition("@")[2] for name in own}) > 1
+    found = []
+    for name in own:
+        kind, _, test = name.partition("@")
+        title = f"{kind} of test {int(test) + 1}" if several else kind
+        before = None if known is None else known.get(name)
+        found.append(Nuisance(title, value(name), error(name), units[kind], before))
+    return tuple(found)
+
+
+def provenance_of(method: str, tests: Sequence[RampHold], *steps: Step) -> Provenance:
+    """Return where the fit of relaxation tests comes from; its piece is the deepest's."""
+    deepest = max(tests, key=lambda test: test.depth)
+    return Provenance(method, sources_of(tests), (*steps_of(tests), *steps), deepest.specimen)

@@ -1,0 +1,123 @@
+"""What may be asked of a fit to relaxation tests, and what contradicts it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from dashpot.base.choices import FamilyAsked, Method, RampLawAsked, ShiftLaw, Vertical, refuse_other
+from dashpot.base.errors import FitError
+from dashpot.base.units import Quantity
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.fitting.design_matrix import NUISANCE, Design, eq5_obstacle
+from dashpot.fitting.fractional_model.family_selection import checked_family
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a fit is asked for, its design apart.
+
+    Attributes
+    ----------
+    arms : int or "auto"
+    max_arms : int
+        The most that ``"auto"`` tries.
+    law : "auto", "linear" or "nonlinear"
+    family : "maxwell", "fractional" or "auto"
+    intervals, thorough : bool
+    """
+
+    arms: int | Literal["auto"]
+    max_arms: int
+    law: RampLawAsked = "auto"
+    family: FamilyAsked = "maxwell"
+    intervals: bool = True
+    thorough: bool = False
+
+    @property
+    def count(self) -> int | None:
+        """The number of arms asked for; None if it is left to the data."""
+        return None if self.arms == "auto" else self.arms
+
+    @property
+    def point(self) -> int | None:
+        """The arms of an optimum that is wanted alone; None where more is."""
+        return None if self.intervals or self.family != "maxwell" else self.count
+
+
+def checked_design(
+    records: Sequence[RampHold],
+    asked: Asked,
+    *,
+    method: Method,
+    nuisance: Sequence[str],
+) -> Design:
+    """Return how the tests are set out, if that and all else that is asked go together.
+
+    Raises
+    ------
+    FitError
+        If an option is none, contradicts another, or does not apply to the records.
+    """
+    _refuse_method(records, method)
+    _refuse_law(asked, method)
+    _refuse_family(asked)
+    unknown = [name for name in nuisance if name not in NUISANCE]
+    if isinstance(nuisance, str) or unknown:
+        raise FitError(
+            f"nuisance = {nuisance!r}; expected a tuple of names out of {', '.join(NUISANCE)}"
+        )
+    return Design(method, tuple(name for name in NUISANCE if name in nuisance))
+
+
+def refuse_shifts(
+    what: str, vertical: Vertical, shift_law: ShiftLaw, reference: Quantity | None
+) -> None:
+    """Refuse what is asked of shifts where one temperature, or none, leaves nothing to shift."""
+    asked = {
+        "--reference": reference is not None,
+        "--shift": shift_law != "auto",
+        "--vertical": vertical != "free",
+    }
+    named = [flag for flag, given in asked.items() if given]
+    if named:
+        raise FitError(
+            f"{what} of one temperature as far as is known, and shifted to no other: leave out "
+            f"{' and '.join(named)}, or fit tests at several temperatures and give those "
+            "(--temperature 23degC --temperature 0degC)"
+        )
+
+
+def _refuse_method(records: Sequence[RampHold], method: str) -> None:
+    refuse_other("method", method, Method, FitError)
+    if method == "full":
+        return
+    for number, record in enumerate(records, start=1):
+        obstacle = eq5_obstacle(record)
+        if obstacle is not None:
+            which = f"test {number} of {len(records)}: " if len(records) > 1 else ""
+            raise FitError(which + obstacle)
+
+
+def _refuse_law(asked: Asked, method: str) -> None:
+    law = asked.law
+    refuse_other("law", law, RampLawAsked, FitError)
+    if law == "nonlinear" and method == "hold":
+        raise FitError(
+            "a nonlinear law is found from the ramp, and the method hold leaves the ramp out. "
+            "Leave out --method hold, or --elastic nonlinear"
+        )
+    if law == "nonlinear" and asked.thorough:
+        raise FitError(
+            "a nonlinear law has starts of its own. Leave out --thorough, or --elastic nonlinear"
+        )
+
+
+def _refuse_family(asked: Asked) -> None:
+    checked_family(asked.family, asked.arms)
+    if asked.family == "fractional" and asked.law == "nonlinear":
+        raise FitError(
+            "a nonlinear law is fitted with arms alone. Leave out --model fractional, or "
+            "--elastic nonlinear"
+        )

@@ -1,0 +1,70 @@
+"""Whether a fractional solid is known, explains the data, and is told apart from arms."""
+
+from __future__ import annotations
+
+from dashpot.base.checks import Finding, Remedy, criterion
+from dashpot.base.status import Status
+from dashpot.datamodel.alternative_model import Alternative
+
+#: frequencies at which parts of a car or a machine vibrate and are heard end about here, Hz
+HEARD = 100.0
+#: a part of the stiffness, and of the loss factor, that is worth telling
+STIFFNESS_MATTERS, LOSS_MATTERS = 0.02, 0.1
+
+
+@criterion(
+    "SE(alpha)",
+    "<=",
+    0.05,
+    "our choice: 0.05 turns the loss by 12 % per decade",
+    ends=Status.NOT_IDENTIFIED,
+)
+def slope_known(error: float, *, edge: bool) -> Finding:
+    """The slope of the fractional solid and its relaxation time are known.
+
+    `edge` where one of them stands at an end of what is sought.
+    """
+    return Finding(
+        f"The slope alpha is known to ±{error:.2g}",
+        error,
+        "The record shows too few decades of the spectrum",
+        instead="The slope alpha or the relaxation time is at the end of its range. The spectrum "
+        "is no bent power law that this record shows"
+        if edge
+        else "",
+        remedy=Remedy("Fit arms.", "model", "maxwell") if edge else "Hold longer, or ramp faster.",
+        faulted=edge,
+    )
+
+
+@criterion(
+    "residual / that of arms",
+    "<=",
+    1.02,
+    "our choice: white residuals of 1000 samples scatter by 2 %",
+    otherwise="stop beyond 1.1",
+)
+def element_explains(ratio: float, arms: int) -> Finding:
+    """The fractional solid leaves no more than arms do."""
+    return Finding(
+        f"The fractional model leaves {ratio:.4g} times the residual of {arms} arms",
+        ratio,
+        "The spectrum is no bent power law",
+        Remedy("Fit arms.", "model", "maxwell"),
+        grade="stop" if ratio > 1.1 else None,
+    )
+
+
+@criterion(
+    "frequency from which they part, Hz", ">", HEARD, "2 % of stiffness, 10 % of loss factor"
+)
+def families_told_apart(other: Alternative | None) -> Finding:
+    """No other family of solids explains the data and predicts something else."""
+    if other is None or not other.explains:
+        return Finding("No other family of models explains the data as well", excused=True)
+    return Finding(
+        other.says,
+        other.parts_at,
+        remedy="Add a hammer test.",
+        excused=other.parts_at is None,
+    )

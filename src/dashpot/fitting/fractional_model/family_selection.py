@@ -1,0 +1,423 @@
+"""The fractional solid of some data beside their arms: which to take, and where the two part.
+
+A fractional Zener solid has three parameters and a spring, arms two each. Both families are solved
+on the same rows with the same nuisance terms, and BIC with the effective number of residuals
+decides; arms keep their place unless it falls by more than 10, which is very strong evidence
+(R. E. Kass and A. E. Raftery, *J. Am. Stat. Assoc.* 90, 1995). Where the residuals of the other
+are within what chance allows, it is kept: the two may part where no test has looked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.choices import FamilyAsked, refuse_other
+from dashpot.base.errors import FitError
+from dashpot.base.sentences import sentence
+from dashpot.datamodel.alternative_model import Alternative
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit_diagnostics import OrderScore
+from dashpot.datamodel.parameter_estimate import ELEMENT, Profile
+from dashpot.fitting.design_matrix import solid_of
+from dashpot.fitting.fit_data import FitData
+from dashpot.fitting.fractional_model.checks import (
+    HEARD,
+    LOSS_MATTERS,
+    STIFFNESS_MATTERS,
+    element_explains,
+    families_told_apart,
+    slope_known,
+)
+from dashpot.fitting.fractional_model.fractional_solver import ArmColumns, element_jacobian
+from dashpot.fitting.pipeline import Chosen
+from dashpot.fitting.uncertainty.solution_covariance import estimated, rounding
+from dashpot.numerics.inference.model_order import bic, deviance, needed
+from dashpot.numerics.least_squares.problem import Optimum
+from dashpot.solids.fractional import FractionalZener
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+
+# fall of BIC below which arms keep their place
+VERY_STRONG = 10.0
+#: what tells two families apart that explain ramps and holds, and sweeps
+RAMPS = "A faster ramp, a colder test or a hammer test"
+SWEEPS = "a sweep to higher frequencies or a colder one"
+# lines per decade on which two solids are compared
+_LINES = 40
+
+
+@dataclass(frozen=True, eq=False)
+class ChosenElement(Chosen):
+    """The best fractional solid of some data, and its uncertainty.
+
+    Attributes
+    ----------
+    optimum : Optimum
+        Theta are ln tau and alpha, beta the fixed coefficients and the stiffness of the element,
+        N/m; `solution` holds it as arms, even in ln tau.
+    """
+
+    optimum: Optimum
+
+    @property
+    def k(self) -> float:
+        """Stiffness of the element, N/m."""
+        return float(self.optimum.beta[-1])
+
+    @cached_property
+    def solid(self) -> FractionalZener:
+        """The solid of the optimum."""
+        fixed = dict(zip(self.solution.fixed_names, self.optimum.beta[:-1].tolist(), strict=True))
+        k_inf = max(fixed["k_inf"], 0.0)
+        log_tau, alpha = self.optimum.theta.tolist()
+        return FractionalZener(
+            k_inf + self.k,
+            k_inf,
+            float(np.exp(log_tau)),
+            alpha,
+            max(fixed.get("b", 0.0), 0.0),
+        )
+
+    @cached_property
+    def model(self) -> GeneralizedMaxwell:
+        """The arms that stand for it."""
+        return self.solid.maxwell
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the solid's parameters."""
+        return (*ELEMENT, "b") if "b" in self.solution.fixed_names else ELEMENT
+
+    @cached_property
+    def covariance(self) -> FloatArray:
+        """Of k_inf, k_0, ln tau and alpha, and b: k_0 is k_inf and the k of the element."""
+        names = ["k_inf", "k", "ln_tau", "alpha", *(["b"] if "b" in self.parameters else [])]
+        rows = [self.estimate.names.index(name) for name in names]
+        own = self.estimate.covariance[np.ix_(rows, rows)]
+        if not np.isfinite(own).all():
+            return np.diag(np.full(len(rows), np.inf))
+        turn = np.eye(len(rows))
+        turn[1, 0] = 1.0
+        return np.asarray(turn @ own @ turn.T)
+
+    @property
+    def at_edge(self) -> bool:
+        """Slope or relaxation time stands at an end of what is sought."""
+        return bool(self.solution.at_bound.any())
+
+    def profiles(self, *, in_order_of_time: bool) -> tuple[Profile, ...]:  # noqa: ARG002
+        """None: its errors are even."""
+        return ()
+
+    @property
+    def orders(self) -> tuple[OrderScore, ...]:
+        """None: there is one element."""
+        return ()
+
+    @property
+    def stiffnesses(self) -> dict[str, float]:
+        """Those that an error of the depth scales, by their rows."""
+        return {"k_inf": self.solid.k_inf, "k": self.k}
+
+
+def checked_family(family: str, arms: int | str = "auto") -> None:
+    """Refuse a family that is none, and a number of arms of a solid that has none.
+
+    Raises
+    ------
+    FitError
+    """
+    refuse_other("family", family, FamilyAsked, FitError)
+    if family == "fractional" and arms != "auto":
+        raise FitError(
+            f"arms = {arms}, but a fractional solid has no number of arms: leave out --arms, or "
+            "fit both families (--model auto), of which --arms counts those of one"
+        )
+
+
+def refuse_beside_shifts(family: str) -> None:
+    """Refuse all but arms where a solid moves with temperature.
+
+    Raises
+    ------
+    FitError
+    """
+    if family != "maxwell":
+        raise FitError(
+            "a solid with arms alone is fitted at several temperatures. Leave out --model "
+            f"{family}, or fit one temperature by itself (Python: model='maxwell')"
+        )
+
+
+def element(data: FitData) -> ChosenElement:
+    """Return the best fractional solid of some data, whose priors weigh as their noise does.
+
+    Raises
+    ------
+    FitError
+        If the data have fewer samples than parameters.
+    """
+    columns = ArmColumns(data.rows)
+    unknown = len(columns.stack.names) + 3
+    if columns.stack.samples + columns.stack.known <= unknown:
+        raise FitError(
+            f"{columns.stack.samples} samples cannot determine the {unknown} parameters of a "
+            "fractional solid; use a longer record"
+        )
+    best = columns.best()
+    estimate = estimated(
+        columns.solution(best),
+        data.samples,
+        peak=data.peak,
+        priors=data.priors,
+        encoders=data.encoders,
+        whole=element_jacobian(data.every, columns, best),
+    )
+    return ChosenElement(data, estimate, (), None, None, best)
+
+
+# -- beside the arms ------------------------------------------------------------------------------
+
+
+class Other(NamedTuple):
+    """The family that was not taken.
+
+    Attributes
+    ----------
+    solid : Solid
+        Its best; of arms, the fewest that explain the data, if any do.
+    residual : float
+        Standard deviation of what the best of the family taken leaves, over that of this.
+    bic : float
+        Of this, less that of the family taken.
+    explains : bool
+        What this leaves may be chance, or BIC does not tell the two apart.
+    """
+
+    solid: Solid
+    residual: float
+    bic: float
+    explains: bool
+
+
+@dataclass(frozen=True, eq=False)
+class FamilyChoice:
+    """One family taken, and the other.
+
+    Attributes
+    ----------
+    best : Chosen
+    arms : Chosen
+        The solid with arms, taken or not.
+    other : Other or None
+        None where arms alone were asked for.
+    """
+
+    best: Chosen
+    arms: Chosen
+    other: Other | None = None
+
+    def alternative(self, band: tuple[float, float], further: str = RAMPS) -> Alternative | None:
+        """The other family, as a fit keeps it; `band` is what the data inform, Hz."""
+        if self.other is None:
+            return None
+        solid, _, rise, explains = self.other
+        return beside(self.best.solid, solid, rise, band, explains=explains, further=further)
+
+    def checks(self, alternative: Alternative | None) -> tuple[Check, ...]:
+        """What to ask of a solid that was taken beside another family."""
+        if self.other is None:
+            return ()
+        told = families_told_apart(alternative)
+        if not isinstance(self.best, ChosenElement):
+            return (told,)
+        error = float(self.best.error[ELEMENT.index("alpha")])
+        return (
+            slope_known(error, edge=self.best.at_edge),
+            element_explains(self.other.residual, self.other.solid.maxwell.arms),
+            told,
+        )
+
+
+class _Contender(NamedTuple):
+    """One solid of a family: what it leaves, N^2, and how many parameters it has."""
+
+    family: Chosen
+    solid: Solid
+    sse: float
+    parameters: int
+
+
+def chosen_family(arms: Chosen, family: str, one: ChosenElement | None = None) -> FamilyChoice:
+    """Return the family asked for, or with ``"auto"`` the one that BIC prefers, and the other.
+
+    `one` is the fractional solid of the same data, where it is known already.
+    """
+    if family == "maxwell":
+        return FamilyChoice(arms, arms)
+    one = one or element(arms.data)
+    fewest = min(arms, one, key=lambda found: found.solution.sse)
+    effective = fewest.estimate.effective
+    floor = arms.solution.samples * rounding(arms.data.peak) ** 2
+
+    def criterion(found: _Contender) -> float:
+        return bic(found.sse, effective=effective, parameters=found.parameters, floor=floor)
+
+    def explained(found: _Contender, best: _Contender) -> bool:
+        own, least = (deviance(one.sse, effective=effective, floor=floor) for one in (found, best))
+        return not needed(own - least, max(best.parameters - found.parameters, 1))
+
+    def spread(found: _Contender) -> float:
+        # many arms leave less of few samples by chance alone
+        return (found.sse + floor) / max(effective - found.parameters, 1.0)
+
+    single, several = _candidate(one), _of_orders(arms)
+    taken = several[0]
+    better = criterion(single) + VERY_STRONG < criterion(taken) and not one.at_edge
+    best, others = (single, several) if better or family == "fractional" else (taken, [single])
+    least = criterion(best) + VERY_STRONG
+    explain = [other for other in others if criterion(other) < least or explained(other, best)]
+    other = (explain or others)[0]
+    return FamilyChoice(
+        best.family,
+        arms,
+        Other(
+            other.solid,
+            residual=float(np.sqrt(spread(best) / spread(other))),
+            bic=criterion(other) - criterion(best),
+            explains=bool(explain),
+        ),
+    )
+
+
+def _candidate(found: Chosen) -> _Contender:
+    return _Contender(found, found.solid, found.solution.sse, len(found.estimate.names))
+
+
+def _of_orders(arms: Chosen) -> list[_Contender]:
+    """The number of arms that was taken, and the larger ones that were tried."""
+    own = _candidate(arms)
+    more = [score.solution for score in arms.scores if score.solution.order > arms.solution.order]
+    each = 1 + len(arms.solution.groups)
+    return [
+        own,
+        *(
+            _Contender(
+                arms,
+                solid_of(solution),
+                solution.sse,
+                own.parameters + each * (solution.order - arms.solution.order),
+            )
+            for solution in more
+        ),
+    ]
+
+
+def beside_bent(bent: Fit, left: Sequence[FloatArray], one: ChosenElement) -> Fit:
+    """Return a fit hold first that says what a linear fractional solid makes of the same tests.
+
+    Parameters
+    ----------
+    bent : Fit
+    left : sequence of array
+        What it leaves of each test, up to the end of the hold, N.
+    one : ChosenElement
+        Of the same tests.
+    """
+    pairs = [
+        (mine[-min(len(mine), len(other)) :], other[-min(len(mine), len(other)) :])
+        for mine, other in zip(left, one.estimate.residuals, strict=True)
+    ]
+    sse = np.array([[part @ part for part in pair] for pair in pairs]).sum(axis=0)
+    effective = one.estimate.effective
+    mine, other_sse = sse.tolist()
+    fall = deviance(other_sse, effective=effective) - deviance(mine, effective=effective)
+    law = bent.elastic_law
+    parameters = len(bent.parameters) + len(bent.nuisance) + (len(law.knots) if law else 0)
+    rise = fall + (len(one.estimate.names) - parameters) * float(np.log(effective))
+    explains = rise < VERY_STRONG or not needed(fall, 1)
+    other = beside(bent.solid, one.solid, rise, bent.band, explains=explains, further=RAMPS)
+    checks = (*bent.checks, families_told_apart(other))
+    return replace(bent, evidence=replace(bent.evidence, alternative=other, checks=checks))
+
+
+def named(found: Chosen) -> str:
+    """Return what was fitted, in words."""
+    if isinstance(found, ChosenElement):
+        return "a fractional Zener solid"
+    arms = found.model.arms
+    return f"a generalized Maxwell solid with {arms} arm{'s' * (arms != 1)}"
+
+
+def parts_from(one: Solid, other: Solid, band: tuple[float, float]) -> float | None:
+    """Return the lowest frequency, Hz, at which two solids differ materially, if any.
+
+    From the middle of `band`, what the data inform, Hz, to where parts vibrate.
+    """
+    # the slow half of what the data inform is of the end of the hold, not of vibration
+    low, high = max(float(np.sqrt(band[0] * band[1])), 1e-6), max(10 * band[1], HEARD)
+    count = int(np.ceil(_LINES * np.log10(high / low))) + 1
+    f = np.geomspace(low, high, count)
+    apart = np.flatnonzero(_apart(one, other, f))
+    return float(f[apart[0]]) if apart.size else None
+
+
+def _apart(one: Solid, other: Solid, f: FloatArray) -> FloatArray:
+    """Where two solids differ by more than is worth telling."""
+    a, b = (solid.complex_stiffness(omega=2 * np.pi * f) for solid in (one, other))
+    loss = np.array([a.imag / a.real, b.imag / b.real])
+    # the damping of anything that is mounted is hardly ever below a hundredth
+    of_loss = np.abs(np.diff(loss, axis=0)[0]) / np.maximum(loss.max(axis=0), 2e-2)
+    return np.asarray((np.abs(a.real / b.real - 1) > STIFFNESS_MATTERS) | (of_loss > LOSS_MATTERS))
+
+
+def beside(
+    mine: Solid,
+    other: Solid,
+    rise: float,
+    band: tuple[float, float],
+    *,
+    explains: bool,
+    further: str,
+) -> Alternative:
+    """Return another family's solid as a fit keeps it, in numbers that no count of seals changes.
+
+    Parameters
+    ----------
+    mine, other : Solid
+    rise : float
+        BIC of the other, less that of the fit's own.
+    band : (float, float)
+        What the data inform, Hz.
+    explains : bool
+        The data do not reject the other.
+    further : str
+        What would tell the two apart.
+    """
+    apart = parts_from(mine, other, band)
+    if isinstance(other, FractionalZener):
+        name = f"a fractional model (alpha = {other.alpha:.3g})"
+    else:
+        arms = other.maxwell.arms
+        name = f"a solid with {arms} arm{'s' * (arms != 1)}"
+    both = f"{name} explains the data too (BIC {rise:+.3g})"
+    if not explains:
+        says = f"{name} does not explain the data; its BIC is {rise:.3g} higher"
+    elif apart is None:
+        says = f"{both}. It predicts the same up to {HEARD:g} Hz"
+    else:
+        at = max(10.0, 10.0 ** np.ceil(np.log10(apart)))
+        a, b = (complex(solid.complex_stiffness(omega=2 * np.pi * at)) for solid in (mine, other))
+        then = sentence(f"{further} separates them")
+        says = (
+            f"{both}. From {apart:.2g} Hz on the two differ: at {at:g} Hz the loss factor is "
+            f"{a.imag / a.real:.3g} by this model and {b.imag / b.real:.3g} by the other, the "
+            f"stiffness {100 * (b.real / a.real - 1):+.2g} %. {then}"
+        )
+    return Alternative(other, rise, explains, apart, sentence(says))

@@ -1,0 +1,357 @@
+r"""Why a hammer test and a relaxation test disagree: each cause set free, and what it explains.
+
+Where the joint fit has to push the mass, the gain or the lines beyond what is known of them, it is
+made again with one quantity free at a time:
+
+* the stiffness of the seals under the hammer, :math:`\lambda K(s)`: another compression,
+  temperature or length;
+* their :math:`k_\infty` alone: another preload of a seal whose arms stay as they are;
+* the mass;
+* the gain of acceleration over force;
+
+and where none of these alone explains both tests, mass or gain together with a stiffness: held
+exactly, the one takes what belongs to the other. The solid is then that of the best cause that
+explains both, and its value alone is told: others that explain as much are named.
+
+The lines count alike in all of them, by the scatter that the best one leaves. A cause is ranked by
+:math:`\chi^2 + p \ln n`; it explains both tests if nothing else is then beyond what is known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.checks import Check
+from dashpot.base.number_format import with_error
+from dashpot.base.units import in_unit, written
+from dashpot.datamodel.fit_diagnostics import Explanation
+from dashpot.fitting.identification import checks
+from dashpot.fitting.identification.likelihood import (
+    UNCHANGED,
+    Candidate,
+    IdentificationProblem,
+    NuisancePriors,
+    Parameters,
+    descend,
+)
+from dashpot.fitting.relaxation_data import RelaxationData
+from dashpot.numerics.inference.model_order import DECISIVE
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.maxwell import Solid
+
+#: what the model lacks may decide between causes by this part of what they explain
+LACKING = 0.02
+TOLERANCE = 1e-11
+# standard errors beyond which a stiffness is said to be another
+_OTHER = 2.0
+# stiffnesses within this part of a whole multiple look like another number of seals
+_LIKE_A_COUNT = 0.1
+
+
+class Cause(NamedTuple):
+    """A quantity that may differ between two tests.
+
+    Attributes
+    ----------
+    name : str
+    noun : str
+        As a sentence calls it where its value is not told.
+    quantity : str
+        What it is called among the priors, at a point, and in the vector, a logarithm there.
+    unit : str
+    beside : str
+        The stiffness that is free with it; empty of one that is free alone.
+    """
+
+    name: str
+    noun: str
+    quantity: str
+    unit: str = "1"
+    beside: str = ""
+
+
+CAUSES = (
+    Cause("stiffness", "another stiffness of the seals", "factor"),
+    Cause("k_inf", "another stiffness of the seals at rest", "spring"),
+    Cause("mass", "another mass", "mass", "kg"),
+    Cause("gain", "another gain of the channels", "gain"),
+)
+PAIRS = (
+    Cause("mass and stiffness", "another mass and stiffness of the seals", "mass", "kg", "factor"),
+    Cause("gain and stiffness", "another gain and stiffness of the seals", "gain", "1", "factor"),
+    Cause("mass and k_inf", "another mass and stiffness at rest", "mass", "kg", "spring"),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Disagreement:
+    """Two tests that no seal explains under what is known of the rig.
+
+    Attributes
+    ----------
+    explanations : tuple of Explanation
+        The best first.
+    found : Candidate
+        The optimum of the best where it explains both tests; else that under what is known.
+    other : Solid
+        What the same arms, or the element, are without it, or else with it.
+    known : NuisancePriors
+        What is known of the rig.
+    """
+
+    explanations: tuple[Explanation, ...]
+    found: Candidate
+    other: Solid
+    known: NuisancePriors
+
+
+def disagreement(
+    plain: Candidate,
+    refit: Callable[[IdentificationProblem], Candidate],
+    *,
+    law: ElasticLaw | None = None,
+    compression: float | None = None,
+) -> Disagreement | None:
+    """Look for what explains both tests; None if they agree.
+
+    Parameters
+    ----------
+    plain : Candidate
+        The joint optimum under what is known of the rig.
+    refit : callable
+        The best candidate, over numbers of arms, of a problem.
+    law : ElasticLaw, optional
+        Of the relaxation test: a stiffness it has somewhere is that of another compression.
+    compression : float, optional
+        Where the seals under the hammer were supposed to be, m.
+    """
+    problem = plain.problem
+    alone = not problem.relaxations and problem.constraints.before is None
+    if alone or not in_conflict(plain):
+        return None
+    before, alike, ranked = _ranked(plain, refit)
+    told = [
+        _told(cause, one, before, law, compression, leads=not place)
+        for place, (cause, one) in enumerate(ranked)
+    ]
+    if not told[0].explains and _failed(plain) == {"lines_explained"}:
+        # lines that no cause explains contradict no other test: the FRF holds something else
+        return None
+    rivals = [
+        one.says
+        for one, (_, candidate) in zip(told[1:], ranked[1:], strict=True)
+        if one.explains and candidate.criterion <= alike
+    ]
+    if not told[0].explains:
+        return Disagreement(
+            tuple(told), plain, freed(before, told[0].name).point.model, problem.priors
+        )
+    if rivals:
+        says = f"{told[0].says}. It is as well explained by {', or by '.join(rivals)}"
+        told[0] = replace(told[0], says=says)
+    lead = ranked[0][1]
+    held = replace(lead.problem, priors=problem.priors)
+    return Disagreement(tuple(told), lead, _to(held, lead).point.model, problem.priors)
+
+
+def _ranked(
+    plain: Candidate, refit: Callable[[IdentificationProblem], Candidate]
+) -> tuple[Candidate, float, list[tuple[Cause, Candidate]]]:
+    """The plain optimum, up to which criterion two causes are alike, and the causes by rank.
+
+    All are by the line scale of the closest; two causes at once are tried where none alone does.
+    """
+    problem = plain.problem
+    free: list[Cause] = []
+    found: list[Candidate] = []
+    for causes in (CAUSES, PAIRS):
+        if all(map(in_conflict, found)):
+            new = [cause for cause in causes if problem.priors.each[cause.quantity] is not None]
+            free += new
+            found += [refit(_freed(problem, cause)) for cause in new]
+    scale = min(candidate.line_scale for candidate in found)
+    found = [_again(candidate, scale) for candidate in found]
+    before = _again(plain, scale)
+    least = min(one.criterion for one in found)
+    # an arm that the model lacks also tells causes apart: only a decisive lead counts
+    alike = least + max(DECISIVE, LACKING * (before.criterion - least))
+    by = sorted(
+        zip(free, found, strict=True),
+        key=lambda pair: (in_conflict(pair[1]), max(pair[1].criterion, alike)),
+    )
+    return before, alike, by
+
+
+def freed(candidate: Candidate, name: str) -> Candidate:
+    """The optimum of the same arms, or of the element, where the cause of that name is free."""
+    cause = next(cause for cause in (*CAUSES, *PAIRS) if cause.name == name)
+    return _to(_freed(candidate.problem, cause), candidate)
+
+
+def _to(problem: IdentificationProblem, candidate: Candidate) -> Candidate:
+    """The optimum of a problem from that of another."""
+    return descend(problem, problem.pack(candidate.point), tolerance=TOLERANCE)
+
+
+def in_conflict(candidate: Candidate) -> bool:
+    """Return True if lines, a relaxation test, mass, gain or stiffness are beyond belief."""
+    return bool(_failed(candidate))
+
+
+def _failed(candidate: Candidate) -> set[str]:
+    return {check.name for check in agreement(candidate) if check.failed}
+
+
+def agreement(candidate: Candidate, known: NuisancePriors | None = None) -> list[Check]:
+    """Every check of whether one seal explains all tests under what is known of the rig.
+
+    `known` is that, where the candidate was found with a cause free.
+    """
+    problem, frf_data = candidate.problem, candidate.problem.frf_data
+    answers = [
+        checks.lines_explained(
+            candidate.line_scale,
+            known_sd=frf_data.known_sd,
+            coherent=frf_data.lines.coherence is not None,
+        )
+    ]
+    answers += [
+        checks.relaxation_still_explained(
+            i, chi2 / relaxation.samples, missed=_missed(relaxation, chi2)
+        )
+        for i, (relaxation, chi2) in enumerate(
+            zip(problem.relaxations, candidate.relaxation_chi2, strict=True), 1
+        )
+    ]
+    earlier = candidate.modelled.earlier[0]
+    if len(earlier):
+        off = float(np.sqrt(np.mean(earlier**2)))
+        answers.append(checks.earlier_fit_kept(off))
+    return answers + _of_rig(candidate.point, known or problem.priors)
+
+
+def _missed(relaxation: RelaxationData, chi2: float) -> float:
+    """Return the rms force that a joint fit adds to a test's residual, over the largest force."""
+    added = max(chi2 - relaxation.samples, 0.0) / relaxation.block.samples
+    peak = float(np.abs(relaxation.block.exact.target).max())
+    return float(np.sqrt(added)) / (relaxation.weight * peak) if peak > 0 else np.inf
+
+
+def _of_rig(point: Parameters, priors: NuisancePriors) -> list[Check]:
+    """How far each nuisance had to go from what was known of it."""
+    mass = priors.mass
+    known = [
+        (checks.gain_believable, float(np.log(point.gain)), priors.gain.sd),
+        (checks.delay_believable, point.delay, priors.delay.sd),
+        (checks.stiffness_believable, point.factor - priors.factor.mean, priors.factor.sd),
+    ]
+    if mass is not None:
+        known.insert(0, (checks.mass_believable, point.mass - mass.mean, mass.sd))
+    return [judge(off, sd) for judge, off, sd in known if 0 < sd < np.inf]
+
+
+def _freed(problem: IdentificationProblem, cause: Cause) -> IdentificationProblem:
+    free = {
+        name: (problem.priors.each[name] or UNCHANGED)._replace(sd=np.inf)
+        for name in (cause.quantity, cause.beside)
+        if name
+    }
+    return replace(problem, priors=replace(problem.priors, **free))
+
+
+def _again(candidate: Candidate, scale: float) -> Candidate:
+    """The same optimum, its lines weighted alike."""
+    return descend(replace(candidate.problem, scale=scale), candidate.theta, tolerance=TOLERANCE)
+
+
+def _told(
+    cause: Cause,
+    found: Candidate,
+    before: Candidate,
+    law: ElasticLaw | None,
+    compression: float | None,
+    *,
+    leads: bool,
+) -> Explanation:
+    explains = not in_conflict(found)
+    value, error = _known(found, cause.quantity)
+    supposed = float(getattr(before.problem.priors, cause.quantity).mean)
+    says = cause.noun
+    if explains and leads:
+        says = _SENTENCES[cause.quantity](value, error)
+        says += f", not {written(supposed, 'g', '.5g')}" if cause.quantity == "mass" else ""
+        says += _beside(cause, found) + _elsewhere(cause, value, law, compression)
+    return Explanation(
+        name=cause.name,
+        value=value,
+        standard_error=error,
+        unit=cause.unit,
+        departure=value / supposed - 1,
+        fall=before.cost - found.cost,
+        explains=explains,
+        says=says,
+    )
+
+
+def _known(found: Candidate, quantity: str) -> tuple[float, float]:
+    """What a free quantity came to, and its standard error."""
+    place = found.problem.at[quantity]
+    value = float(getattr(found.point, quantity))
+    return value, value * float(np.sqrt(found.covariance[place, place]))
+
+
+def _beside(cause: Cause, found: Candidate) -> str:
+    """The stiffness that goes with a mass or a gain, where it is another one at all."""
+    if not cause.beside:
+        return ""
+    value, error = _known(found, cause.beside)
+    if abs(value - 1) < _OTHER * error:
+        return ""
+    return f". Then {_SENTENCES[cause.beside](value, error)}"
+
+
+def _percent(value: float, error: float) -> str:
+    more = "stiffer" if value > 1 else "softer"
+    return f"{with_error(100 * abs(value - 1), 100 * error)} % {more}"
+
+
+def as_other_count(value: float) -> str:
+    """Say so where the seals are as stiff as another number of them would be."""
+    times = max(value, 1 / value)
+    if round(times) < 2 or abs(times / round(times) - 1) > _LIKE_A_COUNT:
+        return ""
+    many = f"{round(times)} times as many seals" if value > 1 else f"one seal in {round(times)}"
+    return f". So would be {many}"
+
+
+_SENTENCES: dict[str, Callable[[float, float], str]] = {
+    "factor": lambda value, error: (
+        f"the seals are {_percent(value, error)} under the hammer{as_other_count(value)}"
+    ),
+    "spring": lambda value, error: f"k_inf alone is {_percent(value, error)} under the hammer",
+    "mass": lambda value, error: (
+        f"the mass is {with_error(in_unit(value, 'g'), in_unit(error, 'g'))} g"
+    ),
+    "gain": lambda value, error: (
+        f"acceleration over force reads {with_error(value, error)} times what it is"
+    ),
+}
+
+
+def _elsewhere(
+    cause: Cause, value: float, law: ElasticLaw | None, compression: float | None
+) -> str:
+    """At which other compression the law has this stiffness, in words."""
+    if cause.name != "stiffness" or law is None or law.kind == "linear":
+        return ""
+    shape = np.asarray(law.ratio)
+    if not shape.min() <= value <= shape.max():
+        return ". Their elastic law gives this at no compression tested"
+    x = np.linspace(0.0, law.depth, 2001)
+    at = float(x[np.argmin(np.abs(law.factor(x) - value))])
+    supposed = "" if compression is None else f", not {written(compression, 'mm', '.3g')}"
+    return f". Their elastic law gives this at {written(at, 'mm', '.3g')}{supposed}"

@@ -1,0 +1,413 @@
+"""From an optimum to what a reader needs: a Fit with its errors, its nuisances, what moved."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.provenance import Step, sources_of, steps_of
+from dashpot.base.reported_values import NORMAL
+from dashpot.datamodel.band_error import WELL_KNOWN, BandError
+from dashpot.datamodel.bounds import EndOfHold
+from dashpot.datamodel.fit import LINES_IN_BAND, Fit
+from dashpot.datamodel.fit_diagnostics import Evidence, Moved, OrderScore, Provenance
+from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.parameter_estimate import (
+    Nuisance,
+    ParameterEstimate,
+    Residual,
+    parameter_names,
+)
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.datamodel.shift_factors import TemperatureShifts
+from dashpot.datamodel.specimen import Specimen
+from dashpot.fitting.checks.solid import optimum_found
+from dashpot.fitting.fit_construction import FoundSolid, assembled
+from dashpot.fitting.identification import checks
+from dashpot.fitting.identification.discrepancy_causes import Disagreement, agreement
+from dashpot.fitting.identification.family_selection import Rival, edged, family_checks
+from dashpot.fitting.identification.likelihood import DELAY_UNIT, UNCHANGED, Candidate
+from dashpot.fitting.identification.parametrisation import Arms
+from dashpot.fitting.identification.prior_knowledge import HammerRig
+from dashpot.fitting.identification.unseen_rig import moved_by_hammer_rig
+from dashpot.fitting.known_band import known_band
+from dashpot.fitting.relaxation_data import RelaxationData
+from dashpot.solids.fractional import FractionalZener
+from dashpot.solids.maxwell import Solid
+
+# arms nearer than this in ln tau are the same arm
+SAME = 1.0
+
+
+def identified(
+    best: Candidate,
+    orders: Sequence[Candidate],
+    *,
+    frf: FRF,
+    tests: Sequence[RampHold],
+    before: Fit | None,
+    own: Fit | None,
+    doubtful: Sequence[RelaxationData],
+    asked: int | str,
+    most: int,
+    apart: Disagreement | None,
+    rival: Rival | None,
+    dashpot: tuple[Check, ...],
+    rig: HammerRig,
+) -> Fit:
+    """The fit of one seal, with everything needed to judge it.
+
+    `before` is what was known of the seal before the hammer, `own` that of the same family;
+    `doubtful` are its tests with all that their rigs may have done unseen.
+    """
+    point, covariance = best.point, best.covariance
+    names, values, physical = _physical(best)
+    unseen = _moved_by_rig(best, physical, doubtful, rig)
+    if apart is not None:
+        # which of the two solids is right is a doubt of its own
+        physical = physical + np.outer(*[values - _physical(best, apart.other)[1]] * 2)
+    residual, samples = _residual(best)
+    band = data_band(best, before)
+    other = None if rival is None else rival.alternative(band)
+    estimate = ParameterEstimate(
+        names,
+        physical,
+        dof=max(samples - len(best.theta), 1.0),
+        residual=residual,
+        nuisance=_nuisance(best, covariance),
+    )
+    in_band = np.asarray(2j * np.pi * np.geomspace(*band, LINES_IN_BAND), dtype=complex)
+    known = (np.inf, np.inf)
+    if before is None and isinstance(best.problem.sought, Arms):
+        known = estimate.errors_of_vibration(point.model.maxwell, in_band)
+    answers = (
+        *_checks(best, covariance, before, apart, known),
+        *family_checks(best, rival, other),
+        *dashpot,
+    )
+    of_noise, estimate = estimate, estimate.with_rig(unseen)
+    band, known_there = _known_band(best, band, of_noise, estimate)
+    answers = (*answers, checks.cables_described(known_there, best.problem.frf_data.peak_hz))
+    end = end_of_data(best, before, estimate)
+    law = None if before is None else before.elastic_law
+    return assembled(
+        FoundSolid(
+            point.model,
+            estimate,
+            fewer=asked != "auto" and most > point.model.maxwell.arms,
+            at_bound=edged(best),
+        ),
+        Evidence(
+            band,
+            orders=tuple(_score(candidate) for candidate in orders),
+            checks=answers,
+            moved=() if own is None else _moved(own, point.model, names, physical, end),
+            explanations=() if apart is None else apart.explanations,
+            alternative=other,
+            end_of_hold=end,
+            band_error=known_there,
+        ),
+        Provenance(
+            "joint" if tests or before is not None else "frf",
+            (*frf.source, *sources_of(tests)),
+            (*frf.steps, *steps_of(tests), _step(best)),
+            _specimen(tests, before),
+        ),
+        elastic_law=None if law is None else replace(law, stiffness=point.model.k_inf),
+        temperatures=None if before is None else _shifts(before),
+    )
+
+
+def end_of_data(
+    best: Candidate, before: Fit | None, estimate: ParameterEstimate
+) -> EndOfHold | None:
+    r"""Return what the tests leave open of the stiffness at rest; None where nothing bounds it.
+
+    A hammer says nothing of it: with a hold it is what the hold leaves. Of vibration alone it is at
+    most the storage at the lowest line, :math:`k_\infty \le K'(\omega_1)`, for
+    :math:`K' - k_\infty = \sum_j k_j \omega^2\tau_j^2/(1 + \omega^2\tau_j^2) \ge 0`.
+    """
+    solid = best.point.model
+    if before is not None and before.end_of_hold is not None:
+        return before.end_of_hold.holding(solid)
+    of_arms = estimate.of_arms(solid) if isinstance(solid, FractionalZener) else estimate
+    model = solid.maxwell
+    rows = [of_arms.parameters.index(name) for name in parameter_names(model.arms)]
+    covariance = of_arms.covariance[np.ix_(rows, rows)]
+    if not np.isfinite(covariance).all():
+        return None
+    omega = 2 * np.pi * float(best.problem.frf_data.lines.frequency[0])
+    slope = model.arm_slopes(np.array([1j * omega]))[0][0].real
+    reach = of_arms.quantile(0.95) * float(np.sqrt(max(slope @ covariance @ slope, 0.0)))
+    storage = float(solid.complex_stiffness(omega=omega).real)
+    low, high = max(storage - reach, 0.0), storage + reach
+    return EndOfHold(
+        time=1 / omega, k_end=(low, high), k_3end=(0.0, high), k_inf=(0.0, high), ended="frf"
+    ).holding(solid)
+
+
+def _shifts(before: Fit) -> TemperatureShifts | None:
+    """How the solid of the relaxation tests moves with temperature; the hammer is of one."""
+    moved = before.temperatures
+    return None if moved is None else replace(moved, cross=moved.cross[-1:])
+
+
+def _specimen(tests: Sequence[RampHold], before: Fit | None) -> Specimen:
+    """The piece that the relaxation tests were made on."""
+    if before is not None and before.temperatures is not None:
+        return before.specimen
+    if tests:
+        return max(tests, key=lambda test: test.depth).specimen
+    return Specimen() if before is None else before.specimen
+
+
+def _physical(
+    best: Candidate, model: Solid | None = None
+) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
+    """Names, values and covariance of the solid's parameters; values of another model, if given."""
+    problem, sought = best.problem, best.problem.sought
+
+    def physical(theta: FloatArray) -> FloatArray:
+        b = [np.exp(theta[problem.at["b"]])] if problem.dashpot else []
+        return np.append(sought.physical(theta[: sought.size])[1], b)
+
+    names = sought.physical(best.theta[: sought.size])[0] + ("b",) * problem.dashpot
+    told = best.estimate.derived(physical)
+    if model is None:
+        return names, told.values, told.covariance
+    b = [model.maxwell.b] if problem.dashpot else []
+    return names, np.append(sought.physical(sought.pack(model))[1], b), told.covariance
+
+
+def _moved_by_rig(
+    best: Candidate,
+    covariance: FloatArray,
+    doubtful: Sequence[RelaxationData],
+    rig: HammerRig,
+) -> FloatArray:
+    r"""What each doubt of a relaxation test and of the hammer's rig adds to the solid: (p, d).
+
+    It pulls at the solid by J'c, and C J'c is how far the solid follows, C being the covariance of
+    all that was fitted. An earlier fit without its tests pulls by :math:`C_0^{-1}` times what it
+    was moved by.
+    """
+    size = len(covariance)
+    pulls = [data.pulled(best.point.model)[:size] for data in doubtful]
+    before = best.problem.constraints.before
+    if before is not None and best.problem.earlier is not None:
+        places, _, root = best.problem.earlier
+        pulls.append(np.zeros((size, len(places))))
+        pulls[-1][places] = np.linalg.solve(root @ root.T, _unseen_root(before, best))
+    of_hammer = _slope_of_physical(best) @ moved_by_hammer_rig(best, rig)
+    known = np.where(np.isfinite(covariance), covariance, 0.0)
+    return np.hstack([*(known @ pull for pull in pulls), of_hammer])
+
+
+def _slope_of_physical(best: Candidate) -> FloatArray:
+    """Derivative of the solid's parameters by the flat vector."""
+    problem, sought = best.problem, best.problem.sought
+    slope = np.zeros((sought.size + problem.dashpot, len(best.theta)))
+    slope[: sought.size, : sought.size] = sought.physical(best.theta[: sought.size])[2]
+    if problem.dashpot:
+        slope[-1, problem.at["b"]] = np.exp(best.theta[problem.at["b"]])
+    return slope
+
+
+def _unseen_root(before: Fit, best: Candidate) -> FloatArray:
+    """A root of what rigs add to the covariance of an earlier fit, in the rows that are kept."""
+    estimate = before.estimate
+    rows = best.problem.earlier_rows
+    more = (estimate.covariance - estimate.noise_alone.covariance)[np.ix_(rows, rows)]
+    values, vectors = np.linalg.eigh(more)
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
+
+
+def _residual(best: Candidate) -> tuple[Residual, float]:
+    lines, relaxations = 2 * len(best.problem.frf_data.lines.s), best.problem.relaxations
+    effective = lines + sum(relaxation.samples for relaxation in relaxations)
+    n = lines + sum(relaxation.block.samples for relaxation in relaxations)
+    rms = float(np.sqrt(best.chi2 / effective))
+    kappa = float(n / effective)
+    return Residual(n=n, sse=best.chi2, rms=rms, kappa=kappa, unit="sd"), float(effective)
+
+
+def _score(candidate: Candidate) -> OrderScore:
+    return OrderScore(
+        candidate.point.model.maxwell.arms,
+        candidate.chi2,
+        candidate.bic,
+        candidate.significant,
+        candidate.point.model.maxwell,
+    )
+
+
+def _known_band(
+    best: Candidate,
+    band: tuple[float, float],
+    of_noise: ParameterEstimate,
+    estimate: ParameterEstimate,
+) -> tuple[tuple[float, float], BandError]:
+    """Return the part of a band around the peak in which the loss factor is known, and how well.
+
+    What a rig may add unseen counts, but where it alone leaves the loss factor open at the peak:
+    the band is then what the noise leaves of it, and its errors say what the rig may have added.
+    """
+    solid, peak = best.point.model, best.problem.frf_data.peak_hz
+    model = solid.maxwell
+
+    def errors_by(known: ParameterEstimate) -> Callable[[float], tuple[float, float]]:
+        arms = known.of_arms(solid) if isinstance(solid, FractionalZener) else known
+
+        def errors(line: float) -> tuple[float, float]:
+            s = np.array([2j * np.pi * line], dtype=complex)
+            stiffness, loss_factor = arms.errors_of_vibration(model, s)
+            return NORMAL * stiffness, NORMAL * loss_factor
+
+        return errors
+
+    every, noise = errors_by(estimate), errors_by(of_noise)
+    # an error by a covariance costs little: so many lines place the ends to a few per cent
+    lines = sorted({*np.geomspace(*band, 8 * LINES_IN_BAND).tolist(), peak})
+    errors = every if every(peak)[1] <= WELL_KNOWN else noise
+    found, known = known_band(errors, band, {line: errors(line) for line in lines}, around=peak)
+    if errors is every:
+        return found, known
+    told = {line: every(line) for line in known.frequency}
+    return found, replace(
+        known,
+        stiffness=tuple(error[0] for error in told.values()),
+        loss_factor=tuple(error[1] for error in told.values()),
+    )
+
+
+def data_band(best: Candidate, before: Fit | None) -> tuple[float, float]:
+    """Where the tests inform the solid: an octave about the peak, and what relaxation sees."""
+    frf_data = best.problem.frf_data
+    low = max(frf_data.peak_hz / 2, float(frf_data.lines.frequency[0]))
+    high = min(frf_data.peak_hz * 2, float(frf_data.lines.frequency[-1]))
+    return (low, high) if before is None else (min(low, before.band[0]), max(high, before.band[1]))
+
+
+def _nuisance(best: Candidate, covariance: FloatArray) -> tuple[Nuisance, ...]:
+    at, point = best.problem.at, best.point
+    told = [("mass", "mass", "kg"), ("gain", "gain", "1"), ("delay", "delay", "s")]
+    told += [
+        (title, name, "1")
+        for title, name in (("stiffness_factor", "factor"), ("k_inf_factor", "spring"))
+        if getattr(best.problem.priors, name) != UNCHANGED
+    ]
+    found = []
+    for title, name, unit in told:
+        value = float(getattr(point, name))
+        number = covariance[at[name], at[name]] if name in at else 0.0
+        scale = DELAY_UNIT if name == "delay" else value
+        found.append(Nuisance(title, value, float(np.sqrt(number)) * scale, unit))
+    return tuple(found)
+
+
+def _step(best: Candidate) -> Step:
+    frf_data, relaxations = best.problem.frf_data, best.problem.relaxations
+    return Step(
+        "identify",
+        (
+            ("lines", str(len(frf_data.lines.s))),
+            ("band_hz", f"{frf_data.lines.frequency[0]:.6g} {frf_data.lines.frequency[-1]:.6g}"),
+            ("seals", f"{frf_data.seals:g}"),
+            ("relaxation_tests", str(len(relaxations))),
+            ("scatter_scaled_by", f"{best.problem.scale:.6g}"),
+        ),
+        f"fitted {len(frf_data.lines.s)} lines of the FRF"
+        + (f" together with {len(relaxations)} relaxation test(s)" if relaxations else ""),
+    )
+
+
+def _moved(
+    before: Fit,
+    solid: Solid,
+    names: tuple[str, ...],
+    covariance: FloatArray,
+    end: EndOfHold | None,
+) -> tuple[Moved, ...]:
+    """Each parameter before and after; arms are matched by their relaxation times."""
+    # as the fit of both weighed it
+    of_noise = before.estimate.noise_alone.covariance
+    old, new = (
+        dict(zip(rows, np.sqrt(np.diag(matrix)).tolist(), strict=True))
+        for rows, matrix in ((before.parameters, of_noise), (names, covariance))
+    )
+    # title and unit, then value and row before and after
+    if isinstance(solid, FractionalZener):
+        rows: list[tuple[str, str, float | None, str, float, str]] = [
+            (name, unit, getattr(before.solid, name), row, getattr(solid, name), row)
+            for name, unit, row in (
+                ("k_inf", "N/m", "k_inf"), ("k_0", "N/m", "k_0"), ("tau", "s", "ln_tau"),
+                ("alpha", "1", "alpha"),
+            )
+        ]  # fmt: skip
+    else:
+        first, last = before.model, solid.maxwell
+        rows = [("k_inf", "N/m", first.k_inf, "k_inf", last.k_inf, "k_inf")]
+        partner = _partners(first.tau, last.tau)
+        for j, (k, tau) in enumerate(zip(last.k, last.tau, strict=True)):
+            i = partner.get(j)
+            k0, tau0 = (None, None) if i is None else (first.k[i], first.tau[i])
+            of = 0 if i is None else i + 1
+            rows.append((f"k_{j + 1}", "N/m", k0, f"k_{of}", k, f"k_{j + 1}"))
+            rows.append((f"tau_{j + 1}", "s", tau0, f"ln_tau_{of}", tau, f"ln_tau_{j + 1}"))
+    if solid.maxwell.b > 0:
+        rows.append(("b", "N s/m", before.model.b, "", solid.maxwell.b, "b"))
+
+    def error(errors: dict[str, float], row: str, value: float) -> float:
+        return errors[row] * (value if row.startswith("ln_") else 1.0)
+
+    found = []
+    for title, unit, was, there, now, here in rows:
+        if title == "k_inf":
+            most = None if end is None else end.k_inf[1]
+            found.append(
+                Moved(title, was, None, now, None, unit, before.intervals()["k_inf"][1], most)
+            )
+            continue
+        known = None if was is None or there not in old else error(old, there, was)
+        found.append(Moved(title, was, known, now, error(new, here, now), unit))
+    return tuple(found)
+
+
+def _partners(old: tuple[float, ...], new: tuple[float, ...]) -> dict[int, int]:
+    """New arm -> old arm, nearest pairs first, none farther apart than a factor e."""
+    pairs = sorted((abs(np.log(a / b)), i, j) for i, a in enumerate(old) for j, b in enumerate(new))
+    found: dict[int, int] = {}
+    for distance, i, j in pairs:
+        if distance < SAME and j not in found and i not in found.values():
+            found[j] = i
+    return found
+
+
+def _checks(
+    best: Candidate,
+    covariance: FloatArray,
+    before: Fit | None,
+    apart: Disagreement | None,
+    in_band: tuple[float, float],
+) -> tuple[Check, ...]:
+    lead = None if apart is None else apart.explanations[0]
+    answers = [optimum_found(stationary=best.optimum.stationary)]
+    asked = agreement(best, None if apart is None else apart.known)
+    if before is not None:
+        told = checks.tests_agree(lead)
+        if lead is not None and lead.explains:
+            # what follows from the cause is no graver than the cause
+            asked = [replace(one, grade=told.grade) if one.failed else one for one in asked]
+        answers.append(told)
+    answers += asked
+    if isinstance(best.problem.sought, Arms):
+        arms = best.problem.sought.count
+        worst = float(max(np.sqrt(np.diag(covariance))[1 : 1 + 2 * arms], default=0.0))
+        new = 0 if before is None else arms - before.model.arms
+        known = checks.arms_identified(arms, worst, unknown=best.unknown, new=new, in_band=in_band)
+        answers.append(known)
+    return tuple(answers)

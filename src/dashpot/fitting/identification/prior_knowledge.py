@@ -1,0 +1,158 @@
+"""What the user of an identification knows beside its records: of the rig, and of the solid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from math import isfinite
+from typing import Any, Literal
+
+from dashpot.base.choices import Method, RampLawAsked, ShiftLaw, Vertical
+from dashpot.base.errors import DataError
+from dashpot.base.option_fields import option
+from dashpot.base.units import Dimension, Quantity, si_fields, si_range
+from dashpot.datamodel.machine import USUAL, Machine
+
+_DIMENSIONS: dict[str, Dimension] = {
+    "static_stiffness": "stiffness",
+    "natural_frequency": "frequency",
+    "damping_ratio": "strain",
+}
+
+
+@dataclass(frozen=True)
+class BenchFit:
+    """How the relaxation tests are fitted that a hammer then joins.
+
+    The fields are arguments of :func:`~dashpot.fitting.relaxation.fit`.
+    """
+
+    method: Method = "full"
+    law: RampLawAsked = "auto"
+    thorough: bool = False
+    shift_law: ShiftLaw = "auto"
+    vertical: Vertical = "free"
+    reference: float | None = None
+
+    @property
+    def choices(self) -> dict[str, Any]:
+        """What differs from the usual, by the names of those arguments."""
+        every = {one.name: getattr(self, one.name) for one in fields(self)}
+        return {name: every[name] for name in every if every[name] != getattr(BenchFit, name)}
+
+    @property
+    def of_one_test(self) -> BenchFit:
+        """The same of a test by itself, which has one temperature."""
+        return BenchFit(self.method, self.law, self.thorough)
+
+
+@dataclass(frozen=True)
+class HammerRig:
+    """How well the rig of a vibration test is known; 0 is exact.
+
+    Attributes
+    ----------
+    mass_sd : float, optional
+        Standard deviation of the mass, kg; 0.1 % by default.
+    gain_sd, delay_sd : float
+        What acceleration over force may be off by, relative, and late by, s. Of a transmissibility,
+        the upper sensor over the lower.
+    cable : float, optional
+        Standard deviation of the stiffness of its cables over that of the seals; 0 if they hang
+        free, 2 % by default (``dashpot.datamodel.machine.USUAL``).
+
+    Raises
+    ------
+    DataError
+        If a standard deviation is below 0.
+    """
+
+    mass_sd: float | None = option(None, "Standard deviation of the mass.", unit="mass")
+    gain_sd: float = option(0.01, "Of acceleration over force, relative.")
+    delay_sd: float = option(1e-4, "Of acceleration behind force.", unit="time")
+    cable: float | None = option(None, "Of its cables over the seals.", unit="strain")
+
+    @property
+    def cable_sd(self) -> float:
+        """What cables may add, over the stiffness of the seals."""
+        return USUAL["cable"].size if self.cable is None else self.cable
+
+    def on(self, machine: Machine | None) -> HammerRig:
+        """The rig, and what a user says of its cable among what is known of the machines."""
+        if machine is None or machine.cable is None:
+            return self
+        return replace(self, cable=machine.cable)
+
+    def __post_init__(self) -> None:
+        si_fields(self)
+        for name in ("mass_sd", "gain_sd", "delay_sd", "cable"):
+            _standard_deviation(name, getattr(self, name) or 0.0)
+
+
+@dataclass(frozen=True)
+class KnownSolid:
+    r"""What the solid under a mass must obey besides the records (Zhang and Richards 2007).
+
+    Each of the three is a value, which is exact, or a value and its standard deviation; the noun
+    holds pairs in SI units.
+
+    Attributes
+    ----------
+    static_stiffness : float or (float, float), optional
+        k_inf of one seal, N/m.
+    natural_frequency : float or (float, float), optional
+        :math:`|p|/2\pi` of the mass on the seals, Hz.
+    damping_ratio : float or (float, float), optional
+        :math:`-\mathrm{Re}\,p/|p|`.
+    parallel_dashpot : bool or "auto"
+        A dashpot beside the arms: with no arm a Voigt solid, with one a Maxwell-Voigt solid;
+        ``"auto"`` takes it where BIC prefers it.
+
+    Raises
+    ------
+    DataError
+        If a value is not positive, a standard deviation below 0, or the damping not below the
+        critical.
+    """
+
+    parallel_dashpot: bool | Literal["auto"] = option(
+        False, "Add a dashpot beside the arms.", is_flag=True, flag="dashpot"
+    )
+    static_stiffness: float | tuple[float, float] | None = option(
+        None, "Static stiffness of one seal.", unit="stiffness", under="known", key="stiffness"
+    )
+    natural_frequency: float | tuple[float, float] | None = option(
+        None, "Natural frequency.", unit="frequency", under="known", key="frequency"
+    )
+    damping_ratio: float | tuple[float, float] | None = option(
+        None, "Damping ratio.", above=0.0, under="known", key="damping"
+    )
+
+    def __post_init__(self) -> None:
+        for name in _DIMENSIONS:
+            object.__setattr__(self, name, self.pair(name))
+
+    def pair(self, name: str) -> tuple[float, float] | None:
+        """One of the three with its standard deviation, SI units; None if it is not known."""
+        return _pair(name, getattr(self, name), _DIMENSIONS[name])
+
+
+def _pair(
+    name: str, given: Quantity | tuple[Quantity, Quantity] | None, dimension: Dimension
+) -> tuple[float, float] | None:
+    if given is None:
+        return None
+    value, sd = si_range(given if isinstance(given, tuple) else (given, 0.0), dimension)
+    if not (isfinite(value) and value > 0):
+        raise DataError(f"{name} = {value!r}; expected a number > 0")
+    if name == "damping_ratio" and value >= 1:
+        raise DataError(
+            f"damping_ratio = {value:g}; expected a part of the critical damping, < 1: if it is "
+            f"in per cent, give {value / 100:g}"
+        )
+    _standard_deviation(name, sd)
+    return float(value), float(sd)
+
+
+def _standard_deviation(name: str, value: float) -> None:
+    if not (isfinite(value) and value >= 0):
+        raise DataError(f"{name} = {value!r}; expected a standard deviation >= 0")

@@ -1,0 +1,187 @@
+"""What an identification is given: mass and rig, earlier fit, tests; each checked, as a prior."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.choices import Method, words
+from dashpot.base.errors import DataError, FitError
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.extensions.curves.temperatures.test_temperatures import temperatures_of
+from dashpot.fitting.fractional_model.family_selection import refuse_beside_shifts
+from dashpot.fitting.identification.likelihood import (
+    UNCHANGED,
+    Constraints,
+    NuisancePriors,
+)
+from dashpot.fitting.identification.prior_knowledge import BenchFit, HammerRig, KnownSolid
+from dashpot.fitting.nuisance_priors import Prior
+from dashpot.fitting.relaxation import fit as fit_tests
+from dashpot.fitting.relaxation_data import RelaxationData
+from dashpot.fitting.relaxation_likelihood import relaxation_data
+from dashpot.vibration.systems.operating_point import OperatingPoint, operating_point
+
+# a block on a workshop balance: 0.1 g of 100 g
+USUAL_MASS_SD = 0.001
+MOST_ARMS = 3
+
+
+class Before(NamedTuple):
+    """What was known before the hammer.
+
+    Attributes
+    ----------
+    arms, element : Fit or None
+        The earlier fit of either family, at the temperature of the hammer.
+    relaxations : tuple of RelaxationData
+        The tests that they are of.
+    doubtful : tuple of RelaxationData
+        The same with all that their rigs may have done unseen.
+    """
+
+    arms: Fit | None
+    element: Fit | None
+    relaxations: tuple[RelaxationData, ...]
+    doubtful: tuple[RelaxationData, ...] = ()
+
+    @property
+    def known(self) -> Fit | None:
+        """The one that knows of elastic law and temperatures."""
+        return self.element if self.arms is None else self.arms
+
+
+def before_hammer(
+    records: Sequence[RampHold],
+    fit: Fit | None,
+    temperature: float | None,
+    family: str,
+    bench: BenchFit,
+) -> Before:
+    """The earlier fits, at the temperature of the hammer, and the tests that they are of.
+
+    Tests that no earlier fit is of are fitted as `bench` says.
+
+    Raises
+    ------
+    FitError
+        If the family asked for is not that of an earlier fit, or knows of one temperature alone.
+    """
+    if not records:
+        return _without_tests(fit, temperature, family)
+    if len(temperatures_of(records)) > 1:
+        refuse_beside_shifts(family)
+    # arms are matched to arms: of a fractional solid, those of the same tests
+    before = _of_family("maxwell", fit) or fit_tests(list(records), **bench.choices)
+    if temperature is not None:
+        before = before.at_temperature(temperature)
+    same = len(records) == 1 and before.method in words(Method)
+    each = bench.of_one_test.choices
+    alone = [before] if same else [fit_tests(record, **each) for record in records]
+    found, doubtful = (
+        tuple(
+            relaxation_data(record, before, alone=own, claimed=claimed)
+            for record, own in zip(records, alone, strict=True)
+        )
+        for claimed in (False, True)
+    )
+    bent = before.elastic_law is not None and before.elastic_law.kind != "linear"
+    if family == "maxwell" or bent:
+        return Before(before, None, found, doubtful)
+    element = _of_family("fractional", fit) or fit_tests(
+        list(records), family="fractional", **bench.choices
+    )
+    return Before(before, element, found, doubtful)
+
+
+def _of_family(family: str, fit: Fit | None) -> Fit | None:
+    return fit if fit is not None and fit.family == family else None
+
+
+def _without_tests(fit: Fit | None, temperature: float | None, family: str) -> Before:
+    if fit is None:
+        return Before(None, None, ())
+    if fit.family != family:
+        raise FitError(
+            f"the earlier fit is of family {fit.family}, and without its relaxation tests no "
+            f"other can be fitted: ask for its own (--model {fit.family}), or give the tests "
+            "in its place"
+        )
+    if temperature is not None:
+        fit = fit.at_temperature(temperature)
+    return Before(None, fit, ()) if family == "fractional" else Before(fit, None, ())
+
+
+def point_of(
+    before: Fit | None, mass: float | None, seals: float, compression: float | None
+) -> OperatingPoint | None:
+    """Where the seals are under the hammer; None if that makes no difference, or nothing tells."""
+    law = None if before is None else before.elastic_law
+    if before is None or law is None or law.kind == "linear":
+        return None
+    if mass is None and compression is None:
+        raise DataError(
+            "the stiffness of the seals depends on their compression: give --mass, or --compression"
+        )
+    return operating_point(before, mass=mass or 1.0, seals=seals, compression=compression)
+
+
+def numbers_of(arms: int | str, before: Fit | None) -> list[int]:
+    """The numbers of arms to try: from those of the earlier fit on, or as asked."""
+    least = 0 if before is None else before.model.arms
+    if arms == "auto":
+        return list(range(least, least + MOST_ARMS + 1))
+    if not isinstance(arms, int | np.integer) or arms < 0:
+        raise FitError(f'arms = {arms!r}; expected a number >= 0 or "auto"')
+    if arms < least:
+        raise FitError(
+            f"arms = {arms}, but the relaxation test alone has {least}: ask for at least as many, "
+            "one more for what only the hammer sees"
+        )
+    return [int(arms)]
+
+
+def seals_of(seals: float) -> float:
+    """How many seals there are, > 0."""
+    if not (np.isfinite(seals) and seals > 0):
+        raise DataError(f"seals = {seals!r}; expected a number > 0")
+    return seals
+
+
+def priors_of(mass: float | None, rig: HammerRig, point: OperatingPoint | None) -> NuisancePriors:
+    """What is known of mass, rig and seals before the hammer."""
+    factor = UNCHANGED if point is None else Prior(point.factor, point.factor_se)
+    return NuisancePriors(
+        _mass_of(mass, rig.mass_sd), Prior(1.0, rig.gain_sd), Prior(0.0, rig.delay_sd), factor
+    )
+
+
+def constraints_of(known: KnownSolid, before: Before) -> Constraints:
+    """What the solid must obey: what is known of it, and an earlier fit that has no tests here."""
+
+    def prior(name: str) -> Prior | None:
+        pair = known.pair(name)
+        return None if pair is None else Prior(*pair)
+
+    return Constraints(
+        prior("static_stiffness"),
+        prior("natural_frequency"),
+        prior("damping_ratio"),
+        before=None if before.relaxations else before.known,
+    )
+
+
+def _mass_of(mass: float | None, sd: float | None) -> Prior | None:
+    """What is known of a mass, kg."""
+    if mass is None:
+        return None
+    if not (np.isfinite(mass) and mass > 0):
+        raise DataError(f"mass = {mass!r} kg; expected a number > 0")
+    if sd is not None and sd >= mass:
+        raise DataError(
+            f"mass_sd = {sd:g} kg of a mass of {mass:g} kg; expected less: check its unit"
+        )
+    return Prior(mass, USUAL_MASS_SD * mass if sd is None else sd)

@@ -1,0 +1,327 @@
+r"""Hold first: the hold fixes number of arms, relaxation times and noise; the ramp only adds.
+
+A hold needs no elastic law: whatever the ramp was, :math:`F = F_\infty + \sum_j A_j e^{-t/\tau_j}`
+after it. Rows of the ramp enter with a variance of their own, what the law misses there included,
+
+.. math:: s_r^2 = \max\Bigl(\kappa_r \frac{\sum c\,r^2}{n_r - \sum h},\; s_h^2 \kappa_h\Bigr)
+
+(h leverages, :math:`\kappa` correlated rows count as one): never less than that of the hold,
+so that no law, however wrong, can bend what the hold says.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import FloatArray
+from dashpot.fitting.nonlinear_ramp.downsampling import ThinnedRows
+from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear
+from dashpot.fitting.nonlinear_ramp.weighted_least_squares import (
+    Bounds,
+    Nuisances,
+    Weighted,
+    tau_bounds,
+)
+from dashpot.fitting.nuisance_priors import Prior
+from dashpot.numerics.design_matrices.block import DataBlock, design_block
+from dashpot.numerics.exponential_fit.variable_projection import (
+    Solution,
+    full_jacobian,
+    solve_orders,
+)
+from dashpot.numerics.inference.covariance import directions, noise_of, white
+from dashpot.numerics.inference.covariance_estimate import Estimate, estimate, white_noise
+from dashpot.numerics.inference.model_order import deviance
+from dashpot.numerics.least_squares.problem import Optimum
+
+MAX_ARMS = 5
+_ROUNDS = 10
+_SETTLED = 0.005
+# a plate that moves by less than this part of the depth stands
+STILL = 1e-3
+# leverages leave at least this part of the rows of a ramp
+_LEAST_DOF = 0.2
+# a residual smaller than this part of the largest force is rounding, or the width of a block
+ROUNDING = 3e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Hold:
+    """The holds of the records by themselves, their relaxation times shared.
+
+    Attributes
+    ----------
+    log_tau : array, shape (N,)
+    plateau, plateau_error : tuple of float
+        Relaxed secant stiffness of each record at its own depth, N/m, and its standard error.
+    scatter : tuple of float
+        Standard deviation of one independent sample of each record, N.
+    correlation : tuple of float
+        How many rows say the same.
+    rms : tuple of float
+        Of each hold's residual, a sample, N.
+    """
+
+    log_tau: FloatArray
+    plateau: tuple[float, ...]
+    plateau_error: tuple[float, ...]
+    scatter: tuple[float, ...]
+    correlation: tuple[float, ...]
+    rms: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """The optimum of one law.
+
+    Attributes
+    ----------
+    weighted : Weighted
+    optimum : Optimum
+    ramp, hold : tuple of float
+        Root mean square of each record's residual on its ramp and in its hold, a sample, N.
+    ramp_scatter : tuple of float
+        s_r of each record, N.
+    ramp_correlation : tuple of float
+    """
+
+    weighted: Weighted
+    optimum: Optimum
+    ramp: tuple[float, ...]
+    hold: tuple[float, ...]
+    ramp_scatter: tuple[float, ...]
+    ramp_correlation: tuple[float, ...]
+
+    @property
+    def log_tau(self) -> FloatArray:
+        """Of every arm, shape (N,)."""
+        return self.weighted.solid.parted(self.optimum.theta)[0]
+
+    @property
+    def shape(self) -> FloatArray:
+        """Of the law at its knots, of mean 1."""
+        return self.weighted.solid.parted(self.optimum.theta)[1]
+
+    @property
+    def k(self) -> FloatArray:
+        """k_inf and every k, N/m, of each set of stiffnesses, shape (S, 1 + N)."""
+        return self.weighted.stiffnesses(self.optimum)
+
+    @property
+    def nuisance(self) -> dict[str, float]:
+        """The nuisance terms by their names, N, N/s and s."""
+        names = self.weighted.nuisances.names
+        return dict(zip(names, self.optimum.beta[-len(names) :].tolist(), strict=True))
+
+    def estimate(self, hold: Hold) -> Estimate:
+        """What is known of the optimum; noise as much more as it leaves in a hold than that alone.
+
+        Arms without stiffness have no error, nor has a shape that rests at 0; every k_inf has.
+        """
+        best, worse = self.optimum, max(1.0, *np.divide(self.hold, hold.rms).tolist())
+        plateau = np.zeros(len(best.beta), dtype=bool)
+        plateau[: self.k.size : self.k.shape[1]] = True
+        gone = (self.k[:, 1:] <= 0).all(axis=0)
+        return estimate(
+            best,
+            noises=[white_noise(best, worse**2)],
+            prior_variance=worse**2,
+            resting=plateau,
+            held=np.append(gone, best.theta[len(self.log_tau) :] <= 0),
+        )
+
+
+# -- the hold alone -------------------------------------------------------------------------------
+
+
+def hold_alone(rows: ThinnedRows, arms: int | None = None, max_arms: int = MAX_ARMS) -> Hold:
+    """Fit the holds without their ramps: as many arms as BIC supports, or `arms`."""
+    bounds = tau_bounds(rows)
+    blocks = [_hold_block(rows, i, bounds) for i in range(len(rows.depths))]
+    fewest = min(block.samples for block in blocks)
+    most = max(min(max_arms if arms is None else arms, (fewest - 3) // 2), 0)
+    one_more = (1 + len(blocks)) * float(np.log(fewest)) if arms is None else 0.0
+    solutions = solve_orders(blocks, most, negligible=one_more)
+    chosen = _supported(rows, blocks, solutions) if arms is None else solutions[-1]
+    return _described(rows, blocks, chosen)
+
+
+def _hold_block(rows: ThinnedRows, i: int, bounds: Bounds) -> DataBlock:
+    r"""What relaxes, and what answers at once to a plate that has not settled.
+
+    .. math:: F - F_0 = k_\infty + \sum_j A_j e^{-t/\tau_j} + k_g\,(x - x_h)
+    """
+    here = rows.held(i)
+    time = rows.time[here] - rows.time[here][0]
+    root = np.sqrt(rows.count[here])
+    fixed = {f"k_inf@{i}": np.ones(len(time))}
+    moved = rows.displacement[here] - rows.depths[i]
+    if float(np.ptp(moved)) > STILL * rows.depths[i]:
+        fixed[f"settling@{i}"] = moved
+
+    def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
+        age = time[:, None] / tau
+        decay = root[:, None] * np.exp(-age)
+        return (decay, age * decay) if derivative else (decay, decay)
+
+    block = design_block(
+        target=root * (rows.force[here] - rows.known[i].offset.mean),
+        fixed=root[:, None] * np.column_stack(list(fixed.values())),
+        fixed_names=tuple(fixed),
+        columns=columns,
+        window=(float(np.exp(bounds.low)), float(np.exp(bounds.high))),
+    )
+    return replace(block, arm_group=f"k@{i}")
+
+
+def _supported(
+    rows: ThinnedRows, blocks: Sequence[DataBlock], solutions: Sequence[Solution]
+) -> Solution:
+    """Return the number of arms with the least BIC: rows that say something new, all samples."""
+    sizes = [block.samples for block in blocks]
+    largest = np.split(full_jacobian(blocks, solutions[-1]).residual, np.cumsum(sizes)[:-1])
+    effective = sum(noise_of(residual).effective for residual in largest)
+    floor = sum(size * rounding(rows, i) ** 2 for i, size in enumerate(sizes))
+    price = float(np.log(effective / sum(sizes) * rows.count[~rows.ramp].sum()))
+    per_arm = 1 + len(blocks)
+    return min(
+        solutions,
+        key=lambda s: deviance(s.sse, effective=effective, floor=floor) + per_arm * s.order * price,
+    )
+
+
+def _described(rows: ThinnedRows, blocks: Sequence[DataBlock], solution: Solution) -> Hold:
+    found = full_jacobian(blocks, solution)
+    cuts = np.cumsum([block.samples for block in blocks])[:-1]
+    scatter, correlation, rms, plateau, error = [], [], [], [], []
+    for i, residual in enumerate(np.split(found.residual, cuts)):
+        own = [n.endswith(f"@{i}") or n.startswith("ln_tau") for n in found.names]
+        left = max(len(residual) - sum(own), 1)
+        rms.append(max(float(np.sqrt(np.mean(residual**2))), rounding(rows, i)))
+        scatter.append(max(float(np.sqrt(residual @ residual / left)), rounding(rows, i)))
+        correlation.append(noise_of(residual).kappa)
+    sd = np.repeat(np.array(scatter) * np.sqrt(correlation), [block.samples for block in blocks])
+    covariance = white(found.matrix / sd[:, None], 1.0)
+    for i, depth in enumerate(rows.depths):
+        row = found.names.index(f"k_inf@{i}")
+        doubt = float(covariance[row, row]) + rows.known[i].offset.sd ** 2
+        plateau.append(solution.coefficient(f"k_inf@{i}") / depth)
+        error.append(float(np.sqrt(doubt)) / depth)
+    return Hold(
+        solution.log_tau,
+        tuple(plateau),
+        tuple(error),
+        tuple(scatter),
+        tuple(correlation),
+        tuple(rms),
+    )
+
+
+def rounding(rows: ThinnedRows, i: int) -> float:
+    """Return the residual that block means and rounding leave of record i, N."""
+    return ROUNDING * rows.peak(i)
+
+
+# -- and its ramp ---------------------------------------------------------------------------------
+
+
+def nuisances(rows: ThinnedRows, delay: FloatArray | None = None) -> Nuisances:
+    r"""Return offset and drift of each record; with :math:`-dF/dt` given, its delay too."""
+    names, columns, known = [], [], []
+    for i, prior in enumerate(rows.known):
+        here = rows.record == i
+        names += [f"offset@{i}", f"drift@{i}"]
+        columns += [1.0 * here, here * (rows.time - prior.at)]
+        known += [prior.offset, prior.drift]
+        if delay is not None:
+            names.append(f"delay@{i}")
+            columns.append(here * delay)
+            known.append(prior.delay)
+    peak = float(np.abs(rows.force).max())
+    least = 1e-12 * peak
+    return Nuisances(
+        tuple(names),
+        np.column_stack(columns),
+        tuple(Prior(one.mean, max(one.sd, least)) for one in known),
+    )
+
+
+def lag(weighted: Weighted, best: Optimum) -> FloatArray:
+    r"""Return what a delay of one second would do, :math:`-\dot F` of the solid, N/s."""
+    rows, force = weighted.solid.rows, weighted.force(best)
+    found = np.empty(len(force))
+    for i in range(len(rows.depths)):
+        here = np.flatnonzero(rows.record == i)
+        found[here] = -np.gradient(force[here], rows.time[here])
+    return found
+
+
+def spread(rows: ThinnedRows, ramp: npt.ArrayLike, hold: npt.ArrayLike) -> FloatArray:
+    """Return the standard deviation of each row's samples, N, from those of ramps and holds."""
+    return np.where(rows.ramp, np.asarray(ramp)[rows.record], np.asarray(hold)[rows.record])
+
+
+def independent(hold: Hold) -> FloatArray:
+    """Return the standard deviation of one independent sample of each hold, N."""
+    return np.asarray(hold.scatter * np.sqrt(hold.correlation))
+
+
+def recorded_hold(rows: ThinnedRows, hold: Hold) -> Followed:
+    """Fit the hold rows alone as what follows the recorded history of a linear seal."""
+    unseen = spread(rows, np.full(len(rows.depths), np.inf), independent(hold))
+    weighted = Weighted(QuasiLinear(rows, np.array([0.0, rows.depth])), unseen, nuisances(rows))
+    return measured(weighted, weighted.descend(hold.log_tau), independent(hold))
+
+
+def follow(
+    solid: QuasiLinear,
+    hold: Hold,
+    found: Followed,
+    theta: FloatArray,
+    *,
+    known: Nuisances | None = None,
+    apart: bool = False,
+) -> Followed:
+    """Fit one law to every row, the ramps weighted by what they miss, first that of `found`.
+
+    The nuisances are offset and drift unless others are `known`; `apart` gives each record its
+    own stiffnesses.
+    """
+    rows = solid.rows
+    known = nuisances(rows) if known is None else known
+    by_hold = independent(hold)
+    for _ in range(_ROUNDS):
+        weighted = Weighted(solid, spread(rows, found.ramp_scatter, by_hold), known, apart=apart)
+        before, found = found, measured(weighted, weighted.descend(theta), by_hold)
+        theta = found.optimum.theta
+        change = np.array(found.ramp_scatter) / np.array(before.ramp_scatter) - 1
+        if float(np.abs(change).max()) < _SETTLED:
+            break
+    return found
+
+
+def measured(weighted: Weighted, best: Optimum, by_hold: FloatArray) -> Followed:
+    """Return an optimum with what its residuals say of each ramp."""
+    rows, nuisance = weighted.solid.rows, best.beta[-len(weighted.nuisances.names) :]
+    residual = rows.force - weighted.force(best) - weighted.nuisances.columns @ nuisance
+    leverage = np.sum(directions([best.jacobian]).columns[0].matrix ** 2, axis=1)[: len(residual)]
+    scaled = np.sqrt(rows.count) * residual
+    ramps, holds, scatters, correlations = [], [], [], []
+    for i in range(len(rows.depths)):
+        ramp, held = rows.ramp & (rows.record == i), rows.held(i)
+        size = int(ramp.sum())
+        left = max(size - float(leverage[ramp].sum()), _LEAST_DOF * size)
+        kappa = noise_of(scaled[ramp]).kappa
+        ramps.append(max(float(np.sqrt(np.mean(scaled[ramp] ** 2))), rounding(rows, i)))
+        holds.append(max(float(np.sqrt(np.mean(scaled[held] ** 2))), rounding(rows, i)))
+        correlations.append(kappa)
+        scatters.append(
+            max(float(np.sqrt(kappa * (scaled[ramp] @ scaled[ramp]) / left)), float(by_hold[i]))
+        )
+    return Followed(
+        weighted, best, tuple(ramps), tuple(holds), tuple(scatters), tuple(correlations)
+    )

@@ -1,0 +1,486 @@
+"""From a relaxation test to the data that a likelihood weighs: its rows, its noise, its rig."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, median, slow_periodogram
+from dashpot.base.errors import DataError
+from dashpot.base.units import celsius
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.machine import USUAL
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
+from dashpot.fitting.design_matrix import block_of, first_sample, motion
+from dashpot.fitting.nuisance_priors import (
+    LINEAR_DELAY,
+    Prior,
+    delay_prior,
+    kind_of,
+    priors,
+    terms_of,
+    unseen_warmth,
+    warmed,
+)
+from dashpot.fitting.relaxation_data import (
+    DASHPOT,
+    LN_10,
+    RelaxationData,
+    ThermalShift,
+    Unseen,
+)
+from dashpot.numerics.design_matrices.block import DataBlock
+from dashpot.numerics.design_matrices.data_compression import uniform_step
+from dashpot.numerics.design_matrices.hold import window_of
+from dashpot.numerics.design_matrices.recorded_motion import FARTHEST
+from dashpot.preprocessing.denoising import between_samples, rests, true_motion
+from dashpot.signals.rig_disturbances import (
+    earlier_press,
+    folded_mains,
+    machine_terms,
+    set_sd,
+    warming,
+)
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
+
+_CELL = ("offset", "drift")
+# relaxation times of a record on an uneven clock are asked about from this on, s
+SHORTEST = 1e-6
+# readings that stand for a while on the way, at most
+RESTS = 8
+# the rate of a force is that of the arms slower than so many samples
+SLOW_ARM = 5.0
+# what lags may be a filter, in the difference of the two
+FILTERED = 1.0
+# a doubt is smooth, and needs few digits: samples of the hold at which it is laid out, three times
+# as many of the ramp, and relaxation times of which it is a sum
+LAID_OUT, MIXED = 100, 16
+# samples of earlier loadings
+REMEMBERED = 4000
+# cycles per record between which noise is what an arm is told from
+SLOWEST_NOISE, FASTEST_NOISE = 8, 160
+# a line of the periodogram so far above its middle is a hum, and no noise
+LINE = 20.0
+# slower noise counts where its power is so much larger: by chance it never is
+WANDERS = 2.0
+# standard errors of a shift within which other spectra may move it, and never less than this, ln
+_FREE, _LEAST_SHIFT = 5.0, 0.007
+# standard errors of a slope from which on arms do shift apart
+_SURE = 3.0
+# another temperature may change every stiffness by so much more than b_T
+_GAIN = 0.02
+
+
+def relaxation_data(
+    test: RampHold,
+    fit: Fit,
+    *,
+    alone: Fit | None = None,
+    claimed: bool = True,
+    moved: ThermalShift | None = None,
+    warms: tuple[float, float] = (0.0, 0.0),
+) -> RelaxationData:
+    r"""Weigh a test by its own residual, and doubt all that its rig adds to the force.
+
+    What is before first contact only tells offset and drift, and is spent on their priors. A
+    reading that stands, such as the first and that of the hold, is uniform within a count q of the
+    encoder, a standard deviation of :math:`q/\sqrt{12}`; while it moves, what is left of counts
+    and noise makes the samples worth less. Either looks like an arm faster than the ramp.
+
+    Parameters
+    ----------
+    test : RampHold
+    fit : Fit
+        The solid whose response to a small motion stands for the doubt; its method is kept.
+    alone : Fit, optional
+        Of this test alone, where `fit` is of more than this test: its solid leaves the noise.
+    claimed : bool
+        For limits, which bear all that a rig may have done unseen (:func:`unseen`). A fit of
+        several tests is a point, and not of the doubtful rig: what could be moved by so much would
+        hide that the tests disagree.
+    moved : ThermalShift, optional
+        How the solid that is asked about lies at the temperature of the test and of `fit`: the
+        seal may then have warmed while it was recorded.
+    warms : (float, float)
+        Slopes of ln a_T and ln b_T there, 1/K.
+
+    Raises
+    ------
+    DataError
+        If the fit is of several temperatures, and the test of none of them.
+    """
+    if fit.temperatures is not None:
+        return _at_its_temperature(test, fit, alone, claimed=claimed)
+    model, own = fit.few_arms, (alone or fit).few_arms
+    if fit.method == "hold":
+        held = _left_by(own, block_of(test, method="hold", terms=_CELL))
+        return held_data(test, model, held, claimed=claimed)
+    law = fit.elastic_law
+    if law is not None and law.kind == "linear":
+        law = None
+    (time, x, _), left = motion(test), true_motion(test)[1]
+    left = np.hypot(left, between_samples(test, time, x, left))
+    if law is not None:
+        x, left = law.path(x), left * law.factor(x)
+    doubts = {
+        name: (model.force(time, 1.0 * there), sd)
+        for name, (there, sd) in _doubts(test, time).items()
+    }
+    if claimed:
+        at = laid_out(test, time)
+        for name, (column, sd) in unseen(test, time[at], x[at], model).items():
+            doubts[name] = np.interp(time, time[at], column), sd
+    if moved is not None:
+        by_a, by_b = warms
+        doubts["warming"] = warming(time, x, model, by_a=by_a, by_b=by_b), 0.0
+    late = _lateness(alone or fit)
+    if late:
+        doubts |= _of_lateness(test, model, time, x, late=late)
+    columns = {name: column for name, (column, _) in doubts.items()}
+    certain = block_of(test, terms=_CELL, law=law, reach=_reach(test, 1.0))
+    residual = _left_by(own, certain)
+    power = max(noise_power(residual), certain.rounding_floor)
+    trusted = 1 / np.sqrt(1 + (model.k_0 * left) ** 2 / power)
+    found = _weighed(
+        test,
+        block_of(
+            test,
+            terms=_CELL,
+            law=law,
+            columns=columns,
+            weights=trusted,
+            reach=_reach(test, moved.a_t if moved else 1.0),
+        ),
+        certain,
+        model,
+        residual,
+        size=float(np.hypot(_left_of_law(law), set_of(test, model))),
+        rms=fit.residual.rms,
+        doubts={kind_of(name): sd for name, (_, sd) in doubts.items()},
+        claimed=claimed,
+    )
+    found = replace(found, delay=0.0) if late else found
+    if moved is None:
+        return found
+    found = replace(found, terms=found.terms.beside(warming=warmed(test.specimen)))
+    gain = _GAIN if moved.shift_sd > 0 else 0.0
+    return replace(found, moved=moved, size=float(np.hypot(found.size, gain)))
+
+
+def _of_lateness(
+    test: RampHold, model: GeneralizedMaxwell, time: FloatArray, x: FloatArray, *, late: float
+) -> dict[str, tuple[FloatArray, float]]:
+    """The columns of a force that is so late, s, with their standard deviations.
+
+    They are of the size that was found: the chord is exact there, where the tangent is not.
+    """
+    slow = _slower(model, SLOW_ARM * test.step)
+    moved = slow.force(time, np.interp(time - late, time, x, left=0.0))
+    # what has lagged once may lag by that, whatever was thought possible
+    sd = max(delay_prior(test).sd, late)
+    found = {"delay": ((moved - slow.force(time, x)) / late, sd)}
+    if late > 0:
+        low_passed = x - arm_response(time, x, late)
+        found["filter"] = slow.force(time, low_passed) - moved, FILTERED
+    return found
+
+
+def _lateness(fit: Fit) -> float:
+    """The delay of the force of one test, s, where it is too large for the tangent; else 0."""
+    found = [one.value for one in fit.nuisance if one.name == "delay"]
+    late = found[0] if fit.method == "full" and found else 0.0
+    return late if abs(late) > LINEAR_DELAY else 0.0
+
+
+def _slower(solid: GeneralizedMaxwell, tau: float) -> GeneralizedMaxwell:
+    """The arms of a solid that are no faster than this, s."""
+    slow = [j for j, own in enumerate(solid.tau) if own >= tau]
+    return GeneralizedMaxwell(
+        solid.k_inf, tuple(solid.k[j] for j in slow), tuple(solid.tau[j] for j in slow)
+    )
+
+
+def _left_of_law(law: ElasticLaw | None) -> float:
+    """What the size of a vibration's force is not known to, where a gentle law bends.
+
+    About the depth it is the tangent's, about the middle of the way the secant's.
+    """
+    return abs(float(law.factor(law.depth)) - 1) if law is not None and law.gentle else 0.0
+
+
+def _at_its_temperature(
+    test: RampHold, fit: Fit, alone: Fit | None, *, claimed: bool
+) -> RelaxationData:
+    """A test of several temperatures: what it says of the solid at their reference.
+
+    Its shifts are as free as other spectra may want them, within what the line through the fit
+    bears; its stiffnesses may differ by a gain.
+    """
+    moved, kelvin = fit.temperatures, test.specimen.temperature
+    if moved is None or kelvin is None:
+        raise DataError(
+            "the fit is of tests at several temperatures, and a record has none: give the records "
+            "that were fitted, each with its temperature"
+        )
+    shift = moved.nearest(kelvin)
+    if abs(shift.temperature - kelvin) > SAME_TEMPERATURE:
+        raise DataError(
+            f"a record is of {celsius(kelvin)}, and no test of the fit is: give those that were "
+            "fitted"
+        )
+    here = replace(fit.at_temperature(shift.temperature), temperatures=None)
+    rates, at_reference = moved.rates(shift.temperature), shift.temperature == moved.reference
+    slope_sd = float(np.sqrt(moved.cross[-1, -1])) if len(moved.cross) else 0.0
+    where = ThermalShift(
+        shift.log10_a_t * LN_10,
+        float(np.log(shift.b_t)),
+        # arms that shift apart by no more than chance are laid out together, and doubted
+        moved.slope if abs(moved.slope) > _SURE * slope_sd else 0.0,
+        0.0 if at_reference else max(_FREE * shift.se * LN_10, _LEAST_SHIFT),
+        0.0 if at_reference else _FREE * slope_sd,
+    )
+    return relaxation_data(test, here, alone=alone, claimed=claimed, moved=where, warms=rates)
+
+
+def held_data(
+    test: RampHold,
+    answer: GeneralizedMaxwell,
+    residual: FloatArray,
+    *,
+    law: ElasticLaw | None = None,
+    claimed: bool = True,
+) -> RelaxationData:
+    """The hold after an ideal ramp, whose depth scales the force, by way of its elastic law."""
+    block = block_of(test, method="hold", terms=_CELL, law=law)
+    since = float(test.ramp_end - test.time[0])
+    felt = test.depth if law is None else float(law.path(test.depth))
+    time = test.time[: test.hold.stop] - test.time[0]
+    ramp = felt * np.clip((time - (test.onset - test.time[0])) / test.ramp_time, 0.0, 1.0)
+    found = _weighed(
+        test,
+        block,
+        block,
+        answer,
+        residual,
+        since=since,
+        claimed=claimed,
+        size=float(np.hypot(test.depth_doubt, set_of(test, answer))),
+    )
+    if law is None:
+        # eq. 5 is fitted with a drift as free as it may be
+        found = replace(found, drift=found.terms.known["drift"])
+    start = float(test.time[test.settled.start] - test.time[0])
+    return found if not claimed else _doubted(found, test, (time, ramp), since=since, start=start)
+
+
+def fitted_data(
+    test: RampHold, block: DataBlock, answer: GeneralizedMaxwell, residual: FloatArray
+) -> RelaxationData:
+    """As :func:`relaxation_data`, from the block of a recorded motion that a fit has at hand.
+
+    What the encoder leaves unknown of the depth scales the force; what it leaves unknown of the
+    ramp's corners is not in it, so it serves no question about fast arms.
+    """
+    size = float(np.hypot(test.depth_doubt, test.contact_error / test.depth))
+    size = float(np.hypot(size, set_of(test, answer)))
+    time, x, _ = motion(test)
+    found = _weighed(test, block, block, answer, residual, size=size)
+    found = _doubted(found, test, (time, x), start=float(time[first_sample(test)]))
+    late = any(kind_of(name) == "delay" for name in block.fixed_names)
+    return replace(found, delay=0.0) if late else found
+
+
+def _doubted(
+    data: RelaxationData,
+    test: RampHold,
+    moved: tuple[FloatArray, FloatArray],
+    *,
+    start: float,
+    since: float = 0.0,
+) -> RelaxationData:
+    """The data with what its rig may add, as sums of its own columns: right to some per cent.
+
+    The motion that is answered is `moved`, s and m; the rows begin at `start`, s, and their drift
+    counts from `since`, s, all from the first sample on.
+    """
+    time, x = (part[laid_out(test, moved[0])] for part in moved)
+    adds = unseen(test, time, x, data.answer)
+    tau = np.geomspace(max(test.ramp_time / 100, test.step), 10 * test.hold_time, MIXED)
+    shapes = {"k_inf": x, "offset": np.ones(len(time)), "drift": time - since}
+    kinds = [kind_of(name) for name in data.block.fixed_names]
+    there = [kind in shapes for kind in kinds]
+    own = [shapes[kind] for kind in kinds if kind in shapes]
+    basis = np.column_stack((*own, arm_response(time, x, tau)))[time >= start]
+    scale = np.linalg.norm(basis, axis=0)
+    wanted = np.column_stack([sd * column[time >= start] for column, sd in adds.values()])
+    weights = np.linalg.lstsq(basis / scale, wanted, rcond=1e-9)[0] / scale[:, None]
+    fixed = np.zeros((len(kinds), wanted.shape[1]))
+    fixed[there] = weights[: len(own)]
+    return replace(data, unseen=Unseen(tuple(adds), np.log(tau), fixed, weights[len(own) :]))
+
+
+def noise_power(residual: FloatArray) -> float:
+    r"""Return the power S of noise where arms are told from it: its variance, if it is white.
+
+    The mean periodogram between 8 and 160 cycles per record, lines of hum left out; below, where
+    the noise wanders. A standard deviation counts a hum as noise, and so does a sum of
+    autocovariances; an arm does not see it.
+    """
+    cycles, power = slow_periodogram(residual, FASTEST_NOISE)
+    medium = _without_lines(power[(cycles >= SLOWEST_NOISE) & (cycles <= FASTEST_NOISE)])
+    if not len(medium):
+        return float(np.mean(residual**2))
+    slow = power[(cycles >= SLOWEST_NOISE / 3) & (cycles <= 2 * SLOWEST_NOISE)]
+    level = float(medium.mean())
+    return max(level, float(slow.mean())) if slow.mean() > WANDERS * level else level
+
+
+def _without_lines(power: FloatArray) -> FloatArray:
+    return power[power <= LINE * median(power)] if len(power) else power
+
+
+def _weighed(
+    test: RampHold,
+    block: DataBlock,
+    certain: DataBlock,
+    answer: GeneralizedMaxwell,
+    residual: FloatArray,
+    *,
+    doubts: Mapping[str, float] = MappingProxyType({}),
+    size: float = 0.0,
+    since: float = 0.0,
+    rms: float = 0.0,
+    claimed: bool = True,
+) -> RelaxationData:
+    terms = terms_of(test, claimed=claimed)
+    power = max(noise_power(residual), certain.rounding_floor)
+    left = max(float(np.mean(residual**2)), rms**2, power)
+    return RelaxationData(
+        block=block,
+        weight=1 / float(np.sqrt(power)),
+        kappa=power / max(float(np.mean(residual**2)), certain.rounding_floor / len(residual)),
+        terms=replace(terms, since=since + terms.since).beside(
+            **{name: Prior(0.0, sd) for name, sd in doubts.items()}
+        ),
+        answer=_slower(answer, SLOW_ARM * test.step),
+        delay=terms.known["delay"].sd,
+        size=size,
+        certain=certain,
+        misfit=len(residual) * left / power,
+        drift=priors(test).drift,
+    )
+
+
+def _left_by(model: GeneralizedMaxwell, block: DataBlock) -> FloatArray:
+    """What the arms of a solid leave of a record, their stiffnesses free."""
+    rows = block.exact.evaluate(np.log(model.tau), derivative=False)
+    columns = np.concatenate((rows.fixed, rows.arms), axis=1)
+    return np.asarray(rows.target - columns @ np.linalg.lstsq(columns, rows.target, rcond=None)[0])
+
+
+def _reach(test: RampHold, a_t: float) -> tuple[float, float]:
+    """Relaxation times that are asked about where the solid is `a_t` times slower, s."""
+    time = motion(test)[0]
+    low, high = window_of(time, uniform_step(time))
+    return min(DASHPOT * low, SHORTEST) * min(a_t, 1.0), FARTHEST * high * max(a_t, 1.0)
+
+
+def _doubts(test: RampHold, time: FloatArray) -> dict[str, tuple[BoolArray, float]]:
+    """Motions that may have been, and the standard deviation of their size, m."""
+    found: dict[str, tuple[BoolArray, float]] = {}
+    clock, count = time + test.time[0], test.encoder_step / np.sqrt(12)
+    if test.contact_error > 0:
+        found["contact"] = clock >= test.onset, test.contact_error
+    if count > 0:
+        (_, leaves), *between, (reaches, _) = _few_rests(test, clock)
+        # motion counts from the first reading: an error of it begins where it is left
+        found["rest@first"] = clock >= leaves, float(count)
+        found["rest@last"] = clock >= reaches, float(count)
+        for i, (start, stop) in enumerate(between):
+            found[f"rest@{i}"] = (clock >= start) & (clock < stop), float(count)
+    return found
+
+
+def unseen(
+    test: RampHold, time: FloatArray, x: FloatArray, answer: GeneralizedMaxwell
+) -> dict[str, tuple[FloatArray, float]]:
+    """What a rig may add to the force that no record shows, in N a unit, and its sd in units.
+
+    The machine gives under the force; its crosshead settles after its stop, where no reading moves;
+    what the cell carries before the ramp may be a seal that was pressed already; the seal warms;
+    the mains are folded to rest by a converter of which no filter is stated.
+
+    Parameters
+    ----------
+    test : RampHold
+    time, x : array, shape (n,)
+        Since the first sample, s, and the motion that the solid `answer` is thought to feel, m.
+    """
+    found = machine_terms(
+        test.machine,
+        answer,
+        time,
+        x,
+        since=time + test.time[0] - test.ramp_end,
+        ramp_time=test.ramp_time,
+        depth=test.depth,
+        settles=not test.readings_moved,
+    )
+    peak = float(np.abs(answer.force(time, x)).max())
+    if test.preload and peak > 0:
+        # pressed when the record begins; what it carries in the middle of the rest is offset
+        relaxing = answer.force(time, np.ones(len(time)))
+        tared = float(np.interp(priors(test).at, time, relaxing))
+        found["preload"] = relaxing - tared, test.preload * test.depth / peak
+    if test.loading_start is None and not test.gap > 0 and answer.arms:
+        memory, sd = earlier_press(test.machine, answer, time, depth=test.depth)
+        # what it carries in the middle of the rest is offset
+        found["memory"] = memory - float(np.interp(priors(test).at, time, memory)), sd
+    # its temperature is that of its contact, however long the machine stood before
+    known = max(test.onset - test.ramp_time - test.time[0], 0.0)
+    warms = warming(time, x, answer, since=known)
+    found["warming"] = warms, unseen_warmth(test.specimen).sd
+    if test.machine.force_filter is None:
+        lines = folded_mains(time, step=test.step)
+        # four parts of one line of that size
+        sd = USUAL["folded mains"].size * peak / 2
+        found |= {f"mains@{i}": (line, sd) for i, line in enumerate(lines)}
+    return found
+
+
+def set_of(test: RampHold, answer: GeneralizedMaxwell) -> float:
+    """Return the standard deviation of the depth that a set of earlier presses leaves, relative.
+
+    A gap that was found may be the set of a seal that was pressed before its record began.
+    """
+    if not test.gap > 0 or test.loading_start is not None:
+        return 0.0
+    return set_sd(test.machine, answer, depth=test.depth, gap=test.gap) / test.depth
+
+
+def laid_out(test: RampHold, time: FloatArray) -> IndexArray:
+    """Return some hundred samples of a motion, and some of what relaxes after it."""
+    corner = test.ramp_end - test.time[0]
+    even = int(np.searchsorted(time, corner + test.ramp_time))
+    late = np.searchsorted(time, corner + np.geomspace(test.ramp_time, time[-1], LAID_OUT))
+    early = np.arange(test.start, even, max((even - test.start) // (3 * LAID_OUT), 1))
+    # of earlier loadings the solid remembers the way, whose corners count
+    past = np.arange(0, test.start, max(test.start // REMEMBERED, 1))
+    chosen = np.concatenate((past, early, np.minimum(late, len(time) - 1), [len(time) - 1]))
+    chosen.sort()
+    return np.asarray(chosen[np.append(True, np.diff(chosen) > 0)])
+
+
+def _few_rests(test: RampHold, clock: FloatArray) -> list[tuple[float, float]]:
+    """The first and the last reading that stand, and the longest of those between them."""
+    found = rests(clock, test.displacement[: len(clock)], test.encoder_step)
+    first, last = (-np.inf, test.onset), (test.ramp_end, np.inf)
+    if len(found) > 1:
+        first, last = found[0], found[-1]
+    longest = sorted(found[1:-1], key=lambda rest: rest[0] - rest[1])[:RESTS]
+    return [first, *longest, last]

@@ -1,0 +1,88 @@
+"""Standard errors of many records on one clock, from means over a few samples."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, IndexArray, block_means
+from dashpot.numerics.design_matrices.recorded_motion import arm_columns
+from dashpot.numerics.exponential_fit.batched_solver import ManySolutions
+from dashpot.numerics.inference.covariance import autocovariance, geyer_cuts
+
+# about so many means stand for a record
+MEANS = 1000
+# records done together: they stay in the cache
+_AT_ONCE = 16
+# a direction that says so much less than the sharpest says nothing
+_SINGULAR = 1e-13
+
+
+def many_errors(
+    time: FloatArray, x: FloatArray, records: FloatArray, first: int, found: ManySolutions
+) -> FloatArray:
+    r"""Standard errors of k_inf, every k and every ln tau, shape (R, 1 + 2 N).
+
+    :math:`S\,(J'J)^{-1}`: the power S of the residuals, their variance times
+    :math:`\kappa = 1 + 2\sum_l \gamma_l/\gamma_0`, is that of means over a few samples, times their
+    number; and a mean of forces is the answer to the mean of motions. NaN where there is no arm,
+    infinite where the record says nothing.
+
+    Parameters
+    ----------
+    time, x : array, shape (M,)
+        Clock, s, and motion, m, of all records.
+    records : array, shape (R, M)
+        N.
+    first : int
+        The first sample that was fitted.
+    found : ManySolutions
+    """
+    count, arms = found.arms.shape
+    few = max(1, len(time) // MEANS)
+    used = slice(-(-first // few), None)
+    clock, motion, forces = (block_means(one, few) for one in (time, x, records))
+    out = np.full((count, 1 + 2 * arms), np.nan)
+    for order in range(arms + 1):
+        rows = np.flatnonzero(found.order == order)
+        columns = np.concatenate(([0], 1 + np.arange(order), 1 + arms + np.arange(order)))
+        for start in range(0, len(rows), _AT_ONCE):
+            part = rows[start : start + _AT_ONCE]
+            jacobian, model = _model(clock, motion, found, part, order)
+            left = (forces[part] - model)[:, used]
+            out[np.ix_(part, columns)] = _standard_errors(jacobian[:, :, used], left)
+    return out
+
+
+def _model(
+    time: FloatArray, x: FloatArray, found: ManySolutions, rows: IndexArray, order: int
+) -> tuple[FloatArray, FloatArray]:
+    """Jacobians (R, 1 + 2 N, n) by k_inf, k and ln tau, and the forces of the solids (R, n)."""
+    k, k_inf = found.arms[rows, :order], found.fixed[rows, :1]
+    jacobian = np.empty((len(rows), 1 + 2 * order, len(x)))
+    jacobian[:, 0] = x
+    if not order:
+        return jacobian, k_inf * x
+    both = arm_columns(time, x, np.exp(found.log_tau[rows, :order].ravel()))
+    q, slope = (part.T.reshape(len(rows), order, -1) for part in both)
+    jacobian[:, 1 : 1 + order] = q
+    np.multiply(k[:, :, None], slope, out=jacobian[:, 1 + order :])
+    return jacobian, k_inf * x + (k[:, None] @ q)[:, 0]
+
+
+def _standard_errors(jacobian: FloatArray, residual: FloatArray) -> FloatArray:
+    """Standard errors (R, p) by the power of the residuals (R, n)."""
+    _, parameters, n = jacobian.shape
+    gamma = autocovariance(residual)
+    kept = np.arange(n) < geyer_cuts(gamma)[:, None]
+    power = np.maximum(gamma[:, 0], 2 * (gamma * kept).sum(axis=1) - gamma[:, 0])
+    information = jacobian @ jacobian.swapaxes(1, 2)
+    length = np.sqrt(np.maximum(np.diagonal(information, axis1=1, axis2=2), 1e-300))
+    values, vectors = np.linalg.eigh(information / (length[:, :, None] * length[:, None, :]))
+    known = values > _SINGULAR * values[:, -1:]
+    with np.errstate(divide="ignore"):
+        inverse = np.where(known, 1 / np.maximum(values, 1e-300), np.inf)
+    # a direction without information leaves unknown what it touches, and no more
+    shares = np.where(vectors**2 > _SINGULAR, vectors**2, 0.0)
+    with np.errstate(invalid="ignore"):
+        spread = np.where(shares > 0, shares * inverse[:, None, :], 0.0).sum(axis=2)
+    return np.asarray(np.sqrt(spread * (power * n / max(n - parameters, 1))[:, None]) / length)

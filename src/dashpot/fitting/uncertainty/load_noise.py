@@ -1,0 +1,48 @@
+r"""What the noise of the load cell leaves unknown of a fit to creep.
+
+The fit answers a load freed of its noise, :math:`\hat F = F + W e` with e the white noise of the
+readings. To first order the error moves the parameters by :math:`(J^TJ)^{-1} J^T S W e`, with S the
+displacement that a load gives. :math:`W^T S^T J` joins the middle of the sandwich: S transposed
+runs the same recursions backwards.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.extensions.curves.creep.preprocess import errors_of_load
+from dashpot.extensions.curves.datamodel.creep import LoadHold
+from dashpot.numerics.design_matrices.recorded_motion import recursion
+from dashpot.solids.interconversion import CreepSpectrum
+
+
+def load_rows(columns: FloatArray, record: LoadHold, creep: CreepSpectrum) -> FloatArray:
+    """Return J' delta of every independent error of the load, of unit variance, shape (m, r).
+
+    `columns` are J, or any turn of it, of the last samples of the record.
+    """
+    whole = np.zeros((len(record.time), columns.shape[1]))
+    whole[len(whole) - len(columns) :] = columns
+    return errors_of_load(record)(felt(whole, record.time, creep))
+
+
+def felt(columns: FloatArray, time: FloatArray, creep: CreepSpectrum) -> FloatArray:
+    """S transposed, times columns: how each reading of the load moves them, shape (n, r)."""
+    step = np.diff(time)[:, None]
+    felt = (creep.glass + sum(creep.d)) * columns
+    if creep.flow > 0:
+        later = np.cumsum(columns[::-1], axis=0)[::-1]
+        halves = 0.5 * creep.flow * step * later[1:]
+        felt[:-1] += halves
+        felt[1:] += halves
+    for d, lam in zip(creep.d, creep.lam, strict=True):
+        z = step / lam
+        lost = np.expm1(-z)
+        decay = np.broadcast_to(1 + lost, (len(z), columns.shape[1]))
+        since = recursion(decay[::-1], columns[-2::-1], columns[-1])[::-1]
+        mean = -lost / z
+        felt[0] -= d * (since[0] - mean[0] * since[1])
+        felt[1:] -= d * mean * since[1:]
+        felt[1:-1] += d * mean[1:] * since[2:]
+    return felt

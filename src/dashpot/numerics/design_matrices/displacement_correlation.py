@@ -1,0 +1,453 @@
+r"""A recorded displacement on a uniform grid: correlated once, fitted at no cost per sample.
+
+With d_i = x_i - x_{i-1}, z = h/tau, a = e^{-z}, G = (1 - e^{-z})/z and u_i = a u_{i-1} + d_i, an
+arm is q = G u, and every inner product that a fit asks for over the window W is a sum of
+:math:`a^l c(l)` over the lags of a correlation:
+
+.. math::
+
+    \langle v, q \rangle &= G \sum_l a^l C_v(l), \qquad C_v(l) = \sum_{i \in W} v_i d_{i-l} \\
+    \langle q_j, q_k \rangle &= G_j G_k
+        \frac{S_j + S_k - C_d(0) + a_j a_k (u_j u_k|_{before} - u_j u_k|_{last})}
+             {1 - a_j a_k}, \qquad S_j = \sum_l a_j^l C_d(l)
+
+The C_v(l) are compressed like a decaying signal, so a sum over all lags is a sum over some 200
+nodes. Derivatives by ln tau multiply a node by l z; the mixed derivative of
+:math:`\langle q_j, q_k \rangle` is :math:`\langle p_j, p_k \rangle`. The Cholesky factor of the
+Gram matrix of [fixed, q, y, p] then holds the columns in orthogonal coordinates.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import ByValue, ComplexArray, FloatArray, fast_length
+from dashpot.base.errors import FitError
+from dashpot.numerics.design_matrices.block import DataBlock, Evaluation, Rows
+from dashpot.numerics.design_matrices.data_compression import Compression, counted, uniform_step
+from dashpot.numerics.design_matrices.delayed_force import Late, Steps, late_lags, turned_back
+
+#: relative sum of squares below which a Gram matrix holds rounding only
+ROUNDING = 1e-14
+_SIGNS = np.array([[1.0], [-1.0]])
+#: of the energy of all steps: an arm with less in a window is nothing there
+NOTHING = 1e-15
+#: a ridge that takes no digit that counts: 1e-9, and not ten times that
+LARGEST_RIDGE = 2e-9
+#: part of the whole motion that is rest: rounding
+RESTS = 1e-13
+#: so many columns of decays are dependent to rounding
+MANY = 24
+
+
+@dataclass(frozen=True, eq=False)
+class ConvolvedMotion(ByValue):
+    """A displacement convolved with decays: all it says of its arms, whatever force goes with it.
+
+    Attributes
+    ----------
+    fixed : array, shape (n, q)
+        The fixed columns over the window.
+    fixed_gram : array, shape (q, q)
+        Their inner products.
+    sequences : array, shape (q + 3, m)
+        Compressed lag sequences: fixed columns, d, u before the window, u at its end.
+    lags : Compression
+    lagged : complex array
+        Conjugate Fourier transform of the displacement's steps, zero padded.
+    energy : float
+        Sum of squared steps in the window.
+    rounding : float
+        What is rounding of the energy of an arm without decay: a part of all steps' energy.
+    start, count, step
+        First sample of the window, samples up to its end, sample interval in s.
+    steps : Steps or None
+        The steps themselves, and their correlation.
+    """
+
+    fixed: FloatArray
+    fixed_gram: FloatArray
+    sequences: FloatArray
+    lags: Compression
+    lagged: ComplexArray
+    size: int
+    energy: float
+    rounding: float
+    start: int
+    count: int
+    step: float
+    steps: Steps | None = None
+
+    def with_fixed(self, column: FloatArray, own: FloatArray | None = None) -> ConvolvedMotion:
+        """The same with one more fixed column, shape (n,), `own` its correlation if known."""
+        fixed = np.concatenate((self.fixed.T, column[None])).T
+        crossed = column @ fixed
+        size = len(crossed)
+        gram = np.empty((size, size))
+        gram[:-1, :-1], gram[-1], gram[:, -1] = self.fixed_gram, crossed, crossed
+        own = self.correlate(column) if own is None else self.lags.nodes_of(own)
+        sequences = np.concatenate((self.sequences[:-3], own[None], self.sequences[-3:]))
+        return replace(self, fixed=fixed, fixed_gram=gram, sequences=sequences)
+
+    def correlate(self, values: FloatArray) -> FloatArray:
+        """Compressed correlation of window values, shape (..., n), with the displacement."""
+        return self.lags.nodes_of(self.lag(values))
+
+    def lag(self, values: FloatArray) -> FloatArray:
+        r"""Correlation :math:`\sum_{i \in W} v_i d_{i-l}` for all lags l, shape (..., count)."""
+        if self.start:
+            padded = np.zeros((*values.shape[:-1], self.count))
+            padded[..., self.start :] = values
+            values = padded
+        spectrum = np.fft.rfft(values, self.size)
+        spectrum *= self.lagged
+        return np.asarray(np.fft.irfft(spectrum, self.size)[..., : self.count])
+
+    def gram(self, tau: FloatArray, force: Force, *, derivative: bool) -> FloatArray:
+        """Gram matrix of [fixed, arms, y] or [fixed, arms, slopes, y].
+
+        For tau of shape (..., N) and a force of leading shape (...).
+        """
+        arm = self._arm_sums(tau, force)
+        q, arms = self.fixed.shape[1], tau.shape[-1]
+        size = q + 1 + (2 * arms if derivative else arms)
+        gram = np.empty((*tau.shape[:-1], size, size))
+        here, y = slice(q, q + arms), size - 1
+        gram[..., :q, :q] = self.fixed_gram
+        gram[..., :q, y] = gram[..., y, :q] = force.fixed
+        gram[..., y, y] = force.energy
+        _mirror(gram, slice(q), here, arm.g[..., None, :] * arm.sums[..., :q, :])
+        _mirror(gram, y, here, arm.g * arm.y)
+        if not derivative:
+            gram[..., here, here] = _values(arm, self.energy)
+        else:
+            products = _products(arm, self.energy)
+            gram[..., here, here] = products.qq
+            there = slice(q + arms, y)
+            slopes = arm.dg[..., None, :] * arm.sums + arm.g[..., None, :] * arm.slopes
+            _mirror(gram, slice(q), there, slopes[..., :q, :])
+            _mirror(gram, y, there, arm.dg * arm.y + arm.g * arm.dy)
+            _mirror(gram, here, there, products.qp)
+            gram[..., there, there] = products.pp
+        own = np.diagonal(gram, axis1=-2, axis2=-1)[..., here]
+        lost = own < arm.g * arm.g * self.rounding
+        if lost.any():
+            gone = np.zeros((*tau.shape[:-1], size), dtype=bool)
+            gone[..., here] = lost
+            if derivative:
+                gone[..., there] = lost
+            gram[gone[..., :, None] | gone[..., None, :]] = 0.0
+        return gram
+
+    def products(self, tau: FloatArray, sequences: FloatArray) -> FloatArray:
+        """Inner products of forces, (R, m), with arms at shared tau (G,), shape (R, G)."""
+        z = self.step / tau
+        decay = self.lags.root_weight[:, None] * np.exp(-self.lags.nodes[:, None] * z)
+        return np.asarray(sequences @ decay * (-np.expm1(-z) / z))
+
+    def _arm_sums(self, tau: FloatArray, force: Force) -> _ArmSums:
+        z = self.step / tau
+        lost = np.expm1(-z)
+        a, g = 1 + lost, -lost / z
+        x = z[..., None] * self.lags.nodes
+        decay = self.lags.root_weight * np.exp(-x)
+        falling = x * decay
+        own = force.sequence[..., None]
+        return _ArmSums(
+            z,
+            a,
+            g,
+            g - a,
+            np.swapaxes(decay @ self.sequences.T, -1, -2),
+            np.swapaxes(falling @ self.sequences.T, -1, -2),
+            (decay @ own)[..., 0],
+            (falling @ own)[..., 0],
+        )
+
+
+def _own_lag(bare: ConvolvedMotion, d: FloatArray, moving: int) -> FloatArray:
+    """Correlation of the steps of the window with all steps, the last of which is at `moving`."""
+    if d[: bare.start].any():
+        # never the difference of two correlations: the last creep of a motion is lost in it
+        return bare.lag(d[bare.start :])
+    found = np.zeros(len(d))
+    size = fast_length(2 * moving)
+    spectrum = np.fft.rfft(d[:moving], size)
+    power = spectrum.real**2 + spectrum.imag**2
+    found[:moving] = np.fft.irfft(power, size)[:moving]
+    return found
+
+
+class Force(NamedTuple):
+    """One force, or a stack of them, correlated with a motion: y of the Gram matrix."""
+
+    sequence: FloatArray  # (..., m) compressed correlation with the displacement
+    fixed: FloatArray  # (..., q) inner products with the fixed columns
+    energy: FloatArray  # (...) y'y
+
+    @classmethod
+    def of(cls, motion: ConvolvedMotion, values: FloatArray) -> Force:
+        """Correlate window values of shape (..., n)."""
+        energy = np.asarray(np.vecdot(values, values))
+        return cls(motion.correlate(values), values @ motion.fixed, energy)
+
+
+def correlation_rows(shared: ConvolvedMotion, force: Force, exact: DataBlock) -> Rows:
+    """Rows whose inner products are closed forms in tau, in the coordinates of their factor.
+
+    Where rounding takes more of them than a factor bears, that of every sample serves.
+    """
+    q = shared.fixed.shape[1]
+
+    def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
+        try:
+            factor = upper_factor(shared.gram(np.exp(log_tau), force, derivative=derivative))
+        except FitError:
+            factor = _factor_of_samples(exact.evaluate(log_tau, derivative), derivative=derivative)
+        own = slice(q, q + len(log_tau))
+        slope = slice(own.stop, -1) if derivative else own
+        return Evaluation(factor[:, -1], factor[:, :q], factor[:, own], factor[:, slope])
+
+    return rows
+
+
+def _factor_of_samples(found: Evaluation, *, derivative: bool) -> FloatArray:
+    """The same factor by the columns themselves: dearer, and no digit is lost by squaring."""
+    slopes = [found.d_arms] if derivative else []
+    columns = np.column_stack((found.fixed, found.arms, *slopes, found.target))
+    if not np.isfinite(columns).all():
+        raise FitError("the terms of the fit are no finite numbers on this record; check its units")
+    return np.asarray(np.linalg.qr(columns, mode="r"))
+
+
+class _ArmSums(NamedTuple):
+    z: FloatArray
+    a: FloatArray
+    g: FloatArray
+    dg: FloatArray  # dG / d ln tau = G - a
+    sums: FloatArray  # sum a^l c(l): a row per sequence, a column per arm
+    slopes: FloatArray  # their derivatives by ln tau
+    y: FloatArray  # the same for the force
+    dy: FloatArray
+
+
+class _Products(NamedTuple):
+    qq: FloatArray
+    qp: FloatArray
+    pp: FloatArray
+
+
+def _products(arm: _ArmSums, energy: float) -> _Products:
+    r"""Inner products of arms and of their derivatives, by the quotient rule on num/den."""
+    arms = arm.z.shape[-1]
+    ds = arm.slopes[..., -3, :]
+    a, da = arm.a[..., None, :], (arm.a * arm.z)[..., None, :]
+    ends = a * arm.sums[..., -2:, :]
+    d_ends = da * arm.sums[..., -2:, :] + a * arm.slopes[..., -2:, :]
+    # before the window less its last sample: values and derivatives at once
+    both = np.concatenate((ends, d_ends), axis=-1)
+    gained = _turned(both * _SIGNS) @ both
+    den, num = _quotient(arm, energy, gained[..., :arms, :arms])
+    u = num / den
+    num_k = ds[..., None, :] + gained[..., :arms, arms:]
+    den_k = -_turned(a) * da
+    u_k = (num_k - u * den_k) / den
+    crossed = _turned(u_k) * den_k
+    u_jk = gained[..., arms:, arms:] - crossed - _turned(crossed) + u * (_turned(da) * da)
+    g, dg = arm.g[..., None, :], arm.dg[..., None, :]
+    gg, g_dg = _turned(g) * g, _turned(g) * dg
+    cross = _turned(g_dg) * u_k
+    return _Products(
+        qq=gg * u,
+        qp=g_dg * u + gg * u_k,
+        pp=_turned(dg) * dg * u + cross + _turned(cross) + gg * u_jk / den,
+    )
+
+
+def _values(arm: _ArmSums, energy: float) -> FloatArray:
+    """Inner products of arms alone."""
+    ends = arm.a[..., None, :] * arm.sums[..., -2:, :]
+    den, num = _quotient(arm, energy, _turned(ends * _SIGNS) @ ends)
+    return np.asarray(arm.g[..., :, None] * arm.g[..., None, :] * num / den)
+
+
+def _quotient(arm: _ArmSums, energy: float, gained: FloatArray) -> tuple[FloatArray, FloatArray]:
+    s = arm.sums[..., -3, :]
+    den = -np.expm1(-(arm.z[..., :, None] + arm.z[..., None, :]))
+    return den, s[..., :, None] + s[..., None, :] - energy + gained
+
+
+def _turned(a: FloatArray) -> FloatArray:
+    return a.swapaxes(-1, -2)
+
+
+def _mirror(gram: FloatArray, row: slice | int, column: slice, values: FloatArray) -> None:
+    gram[..., row, column] = values
+    gram[..., column, row] = values if isinstance(row, int) else _turned(values)
+
+
+def upper_factor(gram: FloatArray) -> FloatArray:
+    """Upper factors R with R'R = gram, (..., c, c), scaled to a unit diagonal where in doubt.
+
+    Dependent columns leave a ridge of rounding size; a column that is nothing stays nothing.
+
+    Raises
+    ------
+    FitError
+        If a number is not finite, or rounding takes more than 1e-9 of the columns.
+    """
+    if gram.shape[-1] <= MANY:
+        try:
+            return np.asarray(np.swapaxes(np.linalg.cholesky(gram), -1, -2))
+        except np.linalg.LinAlgError:  # so it is asked again, with all that follows
+            pass
+    own = np.diagonal(gram, axis1=-2, axis2=-1)
+    there = ~(own <= 0)  # what is no number is not passed over
+    scale = np.sqrt(np.where(there, own, 0.0))
+    shrink = np.where(there, 1 / np.where(there, scale, 1.0), 0.0)
+    unit = gram * (shrink[..., :, None] * shrink[..., None, :])
+    if not there.all():
+        unit += (~there)[..., None] * np.eye(unit.shape[-1])
+    ridge = 0.0
+    if unit.shape[-1] > MANY:
+        ridge = ROUNDING
+        unit = unit + ridge * np.eye(unit.shape[-1])
+    while True:
+        try:
+            lower = np.linalg.cholesky(unit)
+        except np.linalg.LinAlgError:
+            ridge = max(10 * ridge, 1e-15)
+            if not ridge <= LARGEST_RIDGE:
+                raise FitError(
+                    "the terms of the fit are no finite numbers on this record, or no two of them "
+                    "can be told apart: its times and those of the records fitted with it lie too "
+                    "far apart; check their units"
+                ) from None
+            unit = unit + ridge * np.eye(unit.shape[-1])
+        else:
+            return np.asarray(np.swapaxes(lower, -1, -2) * scale[..., None, :])
+
+
+def convolved(
+    time: FloatArray, x: FloatArray, fixed: FloatArray, *, start: int, stop: int
+) -> ConvolvedMotion:
+    """Correlate a displacement on a uniform grid, at rest at zero before its first sample.
+
+    Parameters
+    ----------
+    time, x : array, shape (M,)
+    fixed : array, shape (stop - start, q)
+        Fixed columns over the window.
+    start, stop : int
+        The window.
+    """
+    d, moving = _steps(x[:stop])
+    # the lags may wrap around where nothing moves any more
+    size = fast_length(stop + moving)
+    lags = counted(stop)
+    before = np.zeros(len(lags.nodes))
+    if start:
+        before = lags.nodes_of(turned_back(d, start))
+    lagged = np.fft.rfft(d, size)
+    bare = ConvolvedMotion(
+        fixed=fixed,
+        fixed_gram=fixed.T @ fixed,
+        sequences=before[None],
+        lags=lags,
+        lagged=np.conjugate(lagged, out=lagged),
+        size=size,
+        energy=float(d[start:] @ d[start:]),
+        rounding=NOTHING * float(d @ d),
+        start=start,
+        count=stop,
+        step=float(time[-1] - time[0]) / (len(time) - 1),
+    )
+    own = _own_lag(bare, d, moving)
+    rows = [_lagged(bare, column, x, d, own) for column in fixed.T]
+    nodes = lags.nodes_of_each([*rows, own, d[::-1]])
+    sequences = np.concatenate((nodes[:-1], before[None], nodes[-1:]))
+    after = float(x[stop] - x[stop - 1] if stop < len(x) else d[-1])
+    return replace(bare, sequences=sequences, steps=Steps(d, after, own))
+
+
+def _steps(x: FloatArray) -> tuple[FloatArray, int]:
+    """The steps of a motion from zero, and where they end: what it still moves by is rounding."""
+    off = np.abs(x - x[-1])
+    moving = int(np.flatnonzero(off > RESTS * off.max())[-1:].sum()) + 2
+    d = x.copy()
+    d[1:] -= x[:-1]
+    d[moving - 1 : moving] = x[-1] - x[moving - 2]
+    d[moving:] = 0.0
+    return d, min(moving, len(x))
+
+
+def _lagged(
+    bare: ConvolvedMotion, column: FloatArray, x: FloatArray, d: FloatArray, own: FloatArray
+) -> FloatArray:
+    r"""Correlation of a fixed column with the steps, in closed form where there is one.
+
+    For a constant the sum of the steps telescopes. Summing by parts over the window that ends at
+    e and starts after b gives that of a straight line of slope s, and of the displacement itself,
+
+    .. math:: C_t(l) = t_e x_{e-l} - t_{b+1} x_{b-l} - s \sum_{b < i < e} x_{i-l}, \qquad
+              C_x(l) - C_x(l+1) = -C_d(l+1) + x_e d_{e-l} - x_b d_{b-l}
+    """
+    start, stop = bare.start, bare.count
+    if column[0] == column[-1] and (column == column[0]).all():
+        return np.asarray(column[0] * (x[:stop][::-1] - turned_back(x[:stop], start)))
+    slope = uniform_step(column)
+    if slope is not None:
+        rest = x[stop - 1]  # a sum of what is left of it in the hold loses nothing to rounding
+        total = np.cumsum(x[:stop] - rest) + rest * np.arange(1.0, stop + 1.0)
+        line = column[-1] * x[:stop][::-1] - slope * turned_back(total, stop - 1)
+        if start:
+            line -= turned_back(column[0] * x[:stop] - slope * total, start)
+        return np.asarray(line)
+    if not np.array_equal(column, x[start:stop]):
+        return bare.lag(column)
+    # from the last lag to the first
+    falls = x[stop - 1] * d
+    if start:
+        falls -= x[start - 1] * turned_back(d, start)[::-1]
+    falls[1:] -= own[:0:-1]
+    return np.cumsum(falls)[::-1]
+
+
+def correlation_block(
+    exact: DataBlock, time: FloatArray, x: FloatArray, *, start: int, stop: int
+) -> DataBlock:
+    """The block of one force: its record correlated, every sample kept in `exact`.
+
+    Its Gram matrix resolves an SSE to 1e-14 of the data's own sum of squares.
+    """
+    target, fixed, *_ = exact.evaluate(np.zeros(0), False)
+    shared = convolved(time, x, fixed, start=start, stop=stop)
+    return _of_force(exact, shared, Force.of(shared, target), target)
+
+
+def _of_force(
+    exact: DataBlock, shared: ConvolvedMotion, force: Force, target: FloatArray
+) -> DataBlock:
+    def delayed(name: str, late: Late) -> DataBlock:
+        lags = None
+        if shared.steps is not None:
+            lags = late_lags(shared.steps, late, start=shared.start, interval=shared.step)
+        return widen(name, late.column, lags)
+
+    def widen(name: str, column: FloatArray, lags: FloatArray | None = None) -> DataBlock:
+        wider = shared.with_fixed(column, lags)
+        more = force._replace(fixed=np.append(force.fixed, target @ column))
+        return _of_force(exact.with_column(name, column), wider, more, target)
+
+    return replace(
+        exact,
+        rows=correlation_rows(shared, force, exact),
+        accuracy=float(np.sqrt(ROUNDING)),
+        rotated_basis=True,
+        full=lambda: exact,
+        widen=widen,
+        delayed=delayed,
+    )

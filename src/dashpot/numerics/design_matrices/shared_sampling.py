@@ -1,0 +1,288 @@
+"""Records that share a sampling: what a fit of many records needs to know of each kind."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
+from dashpot.base.errors import DataError
+from dashpot.numerics.design_matrices.block import DataBlock, stiffnesses
+from dashpot.numerics.design_matrices.data_compression import (
+    Compression,
+    compression,
+    projected,
+    uniform_step,
+)
+from dashpot.numerics.design_matrices.displacement_correlation import (
+    ROUNDING,
+    ConvolvedMotion,
+    Force,
+    convolved,
+    upper_factor,
+)
+from dashpot.numerics.design_matrices.hold import hold_block
+from dashpot.numerics.design_matrices.recorded_motion import recorded_block
+
+#: samples compressed together
+AT_ONCE = 400_000
+TIMES_PER_FOLD = 9.5
+RANK = 1e-14
+
+
+class Reduced(NamedTuple):
+    """A stack of records through a family: all that a fit needs of them."""
+
+    data: tuple[FloatArray, ...]  # arrays whose first axis is the record
+    floor: FloatArray  # (R,)
+    energy: FloatArray  # (R,) sum of squares of what the rows hold
+
+    def take(self, index: IndexArray | BoolArray) -> Reduced:
+        """Some of the records."""
+        return Reduced(
+            tuple(part[index] for part in self.data), self.floor[index], self.energy[index]
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Family(ABC):
+    """Records that share a sampling and a history, so that only the data differ.
+
+    Attributes
+    ----------
+    block : callable
+        Makes the block of one record, shape (M,).
+    template : DataBlock
+        That of a record of zeros.
+    rounding_floor : float
+        Relative sum of squares that is rounding.
+    """
+
+    block: Callable[[FloatArray], DataBlock]
+    template: DataBlock
+    rounding_floor: ClassVar[float] = ROUNDING
+
+    @property
+    def fixed_count(self) -> int:
+        """Number of fixed columns."""
+        return len(self.template.fixed_names)
+
+    @property
+    def nonnegative(self) -> BoolArray:
+        """Which fixed coefficients are stiffnesses, shape (q,)."""
+        return stiffnesses(self.template.fixed_names)
+
+    def reduce(self, values: FloatArray) -> Reduced:
+        """Reduce records, shape (R, M), a few at a time: they stay in the cache."""
+        few = max(1, AT_ONCE // values.shape[1])
+        parts = [self._reduced(values[i : i + few]) for i in range(0, len(values), few)]
+        data, floor, energy = zip(*parts, strict=True)
+        together = tuple(np.concatenate(part) for part in zip(*data, strict=True))
+        return Reduced(together, np.concatenate(floor), np.concatenate(energy))
+
+    @abstractmethod
+    def _reduced(self, values: FloatArray) -> Reduced: ...
+
+    @abstractmethod
+    def factor(self, log_tau: FloatArray, reduced: Reduced, *, exact: bool) -> FloatArray:
+        """Triangular factors of [fixed, arms, slopes, y] at ln tau (R, N), one per record.
+
+        `exact` asks for the factor that does not go through a Gram matrix, if there is one.
+        """
+
+    @abstractmethod
+    def moments(
+        self, log_tau: FloatArray, reduced: Reduced
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Gram of [fixed, arms] at shared ln tau (G,), products with y: (R, q) and (R, G)."""
+
+
+def hold_family(
+    time: FloatArray, *, depth: float, ramp_time: float, ramp: bool = False
+) -> CompressedFamily:
+    """Holds after an ideal ramp, or with it
+    (:func:`~dashpot.numerics.design_matrices.hold.hold_block`).
+    """
+    make = partial(hold_block, depth=depth, ramp_time=ramp_time, ramp=ramp)
+    if not ramp:
+        return _compressed(time, (compression(time),), make)
+    first = int(np.searchsorted(time, ramp_time))
+    plans = compression(time[:first]), compression(time[first:] - ramp_time)
+    return _compressed(time, plans, make, second_from=ramp_time)
+
+
+def recorded_family(
+    time: FloatArray, displacement: FloatArray, *, window: slice = slice(None)
+) -> RecordedFamily:
+    """Forces under one recorded displacement (:func:`.recorded_block`).
+
+    Raises
+    ------
+    DataError
+        If the grid is not uniform or the displacement does not start at zero: nothing can be
+        shared there.
+    """
+    x, (start, stop, _) = np.asarray(displacement, dtype=float), window.indices(len(time))
+    if not shares_correlation(time, x):
+        raise DataError("records share a correlation only on a uniform grid and from x = 0")
+    make = partial(recorded_block, time, x, window=slice(start, stop))
+    shared = convolved(time, x, x[start:stop, None], start=start, stop=stop)
+    return RecordedFamily(make, make(np.zeros(len(time))), shared)
+
+
+def shares_correlation(time: FloatArray, displacement: FloatArray) -> bool:
+    """True if forces under this displacement can be correlated with it once for all."""
+    return displacement[0] == 0 and uniform_step(time) is not None
+
+
+class ColumnSpace(NamedTuple):
+    r"""The few dimensions that the compressed columns of a sampling live in.
+
+    With B an orthonormal basis of them, the fixed columns first, :math:`G = B_f F`, and S as many
+    nodes as it has columns, so chosen that B_S is well conditioned,
+
+    .. math:: B'\varphi(\tau) = B_S^{-1} \varphi_S(\tau)
+
+    Attributes
+    ----------
+    basis : array, shape (n, q + r)
+    triangle : array, shape (q, q)
+        F.
+    inverse : array, shape (q + r, q + r)
+        The inverse of B_S.
+    chosen : DataBlock
+        The columns at the nodes S alone.
+    """
+
+    basis: FloatArray
+    triangle: FloatArray
+    inverse: FloatArray
+    chosen: DataBlock
+
+
+def column_space(template: DataBlock, at_nodes: Callable[[IndexArray], DataBlock]) -> ColumnSpace:
+    """Return the space of a block's columns; `at_nodes` makes the block at some of its rows."""
+    low, high = template.bounds
+    log_tau = np.linspace(low, high, round(TIMES_PER_FOLD * (high - low)))
+    _, given, columns, _ = template.evaluate(log_tau, False)
+    fixed = np.linalg.qr(given)[0]
+    swept = columns - fixed @ (fixed.T @ columns)
+    u, s, _ = np.linalg.svd(swept / np.linalg.norm(columns, axis=0), full_matrices=False)
+    # the last directions hold rounding along the fixed columns
+    basis, r = np.linalg.qr(np.concatenate((given, u[:, s > RANK * s[0]]), axis=1))
+    nodes, q = _independent(basis), given.shape[1]
+    return ColumnSpace(basis, r[:q, :q], np.linalg.inv(basis[nodes]), at_nodes(nodes))
+
+
+def _independent(basis: FloatArray) -> IndexArray:
+    """As many rows as there are columns, each the farthest from the span of those before it."""
+    rest, chosen = basis.copy(), []
+    for _ in range(basis.shape[1]):
+        square = np.vecdot(rest, rest)
+        chosen.append(int(np.argmax(square)))
+        unit = rest[chosen[-1]] / np.sqrt(square[chosen[-1]])
+        rest -= np.outer(rest @ unit, unit)
+    return np.sort(np.array(chosen))
+
+
+def _compressed(
+    time: FloatArray,
+    plans: tuple[Compression, ...],
+    make: Callable[..., DataBlock],
+    *,
+    second_from: float = 0.0,
+) -> CompressedFamily:
+    origins = (0.0, second_from)
+    nodes = np.concatenate([plan.nodes + at for plan, at in zip(plans, origins, strict=False)])
+    root = np.concatenate([plan.root_weight for plan in plans])
+
+    def at_nodes(chosen: IndexArray) -> DataBlock:
+        zeros = np.zeros(len(chosen))
+        return make(nodes[chosen], zeros, weights=root[chosen], compress=False)
+
+    block = partial(make, time)
+    template = block(np.zeros(len(time)))
+    return CompressedFamily(block, template, plans, column_space(template, at_nodes))
+
+
+@dataclass(frozen=True, eq=False)
+class CompressedFamily(Family):
+    """Records of a hold, a ramp and hold, or a plain decay on one sampling.
+
+    A record is reduced as its coordinates in the space of the sampling's columns, those along the
+    fixed columns apart: Gram matrices of the others then hold no large constant.
+    """
+
+    plans: tuple[Compression, ...]
+    space: ColumnSpace
+
+    def _reduced(self, values: FloatArray) -> Reduced:
+        z, floor = projected(self.plans, values)
+        at = z @ self.space.basis
+        rest = z - at @ self.space.basis.T
+        along, beside = at[:, : self.fixed_count], at[:, self.fixed_count :]
+        return Reduced((along, beside), floor + np.vecdot(rest, rest), np.vecdot(beside, beside))
+
+    def factor(self, log_tau: FloatArray, reduced: Reduced, *, exact: bool) -> FloatArray:
+        """Triangular factors, by a Gram matrix or `exact` by QR."""
+        along, beside = reduced.data
+        count, arms = log_tau.shape
+        q, size = self.fixed_count, 2 * arms + 1
+        both = np.empty((count, size, q + beside.shape[1]))
+        _, _, columns, slopes = self.space.chosen.evaluate(log_tau.ravel())
+        both[:, :arms] = (columns.T @ self.space.inverse.T).reshape(count, arms, -1)
+        both[:, arms:-1] = (slopes.T @ self.space.inverse.T).reshape(count, arms, -1)
+        both[:, -1, :q], both[:, -1, q:] = along, beside
+        swept = both[:, :, q:]
+        out = np.zeros((count, q + size, q + size))
+        out[:, :q, :q] = self.space.triangle
+        out[:, :q, q:] = both[:, :, :q].transpose(0, 2, 1)
+        if exact:
+            out[:, q:, q:] = np.linalg.qr(swept.transpose(0, 2, 1), mode="r")
+        else:
+            out[:, q:, q:] = upper_factor(swept @ swept.transpose(0, 2, 1))
+        return out
+
+    def moments(
+        self, log_tau: FloatArray, reduced: Reduced
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """In the space of the columns."""
+        columns = self.space.inverse @ self.space.chosen.evaluate(log_tau, False).arms
+        q = self.fixed_count
+        fixed = np.zeros((len(columns), q))
+        fixed[:q] = self.space.triangle
+        every = np.concatenate((fixed, columns), axis=1)
+        at = np.concatenate(reduced.data, axis=1) @ every
+        return every.T @ every, at[:, :q], at[:, q:]
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedFamily(Family):
+    """Records under one recorded displacement on a uniform grid."""
+
+    motion: ConvolvedMotion
+    rounding_floor: ClassVar[float] = 100 * ROUNDING
+
+    def _reduced(self, values: FloatArray) -> Reduced:
+        force = Force.of(self.motion, values[:, self.motion.start : self.motion.count])
+        return Reduced(force, np.zeros(len(values)), force.energy)
+
+    def factor(self, log_tau: FloatArray, reduced: Reduced, *, exact: bool) -> FloatArray:  # noqa: ARG002
+        """Triangular factors by a Gram matrix: it is all that there is."""
+        return upper_factor(
+            self.motion.gram(np.exp(log_tau), Force(*reduced.data), derivative=True)
+        )
+
+    def moments(
+        self, log_tau: FloatArray, reduced: Reduced
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """By the correlations."""
+        tau, force = np.exp(log_tau), Force(*reduced.data)
+        first = Force(force.sequence[0], force.fixed[0], force.energy[0])
+        gram = self.motion.gram(tau, first, derivative=False)[:-1, :-1]
+        return gram, force.fixed, self.motion.products(tau, force.sequence)

@@ -1,0 +1,219 @@
+r"""Thousands of records on one sampling, fitted side by side.
+
+What one record computes, a stack of them computes at once: compression is a matrix product, a start
+is the best of all sets of grid points (:class:`.GridSearch`), and every step of
+the descent is arithmetic on small matrices, one per record.
+Where a relaxation time is not known to 10 %, other peaks of the grid search are descended from too;
+whatever leaves another doubt (an arm at the edge of the window, a coefficient that is not positive)
+is solved again one by one, so that the result is that of
+:func:`dashpot.numerics.exponential_fit.variable_projection.solve`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, ByValue, FloatArray, IndexArray
+from dashpot.base.errors import FitError
+from dashpot.numerics.design_matrices.block import DataBlock
+from dashpot.numerics.design_matrices.data_compression import PLAIN
+from dashpot.numerics.design_matrices.shared_sampling import Family, Reduced
+from dashpot.numerics.exponential_fit.arm_insertion import DOUBT
+from dashpot.numerics.exponential_fit.log_tau_descent import StackTrial, descend_together, points_at
+from dashpot.numerics.exponential_fit.starting_points import POINTS, GridSearch
+from dashpot.numerics.exponential_fit.variable_projection import Solution, solve
+
+CHUNK = 128
+#: further peaks of the grid search that are tried where a relaxation time is not well known
+RIVALS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class ManySolutions(ByValue):
+    """The optima of many records; rows without a solution hold NaN.
+
+    Attributes
+    ----------
+    log_tau, arms : array, shape (R, N)
+        Ascending in tau; NaN beyond `order`.
+    fixed : array, shape (R, q)
+    sse : array, shape (R,)
+    order : int array, shape (R,)
+        Arms found; -1 where nothing was fitted.
+    finite, converged, at_bound : bool array, shape (R,)
+        Samples and the sum of their squares are finite; the gradient vanished inside the
+        window; an arm sits at its edge.
+    """
+
+    log_tau: FloatArray
+    arms: FloatArray
+    fixed: FloatArray
+    sse: FloatArray
+    order: IndexArray
+    finite: BoolArray
+    converged: BoolArray
+    at_bound: BoolArray
+
+
+def solve_many(family: Family, records: FloatArray, arms: int) -> ManySolutions:
+    """Fit every row of `records`, shape (R, M), with up to `arms` exponentials.
+
+    Nothing is raised by a bad row: it comes back without a solution.
+    """
+    _refuse(family.template.samples, family.fixed_count, arms)
+    count = len(records)
+    out = _empty(count, arms, family.fixed_count)
+    search = GridSearch(family, arms) if arms in POINTS else None
+    for first in range(0, count, CHUNK):
+        chunk = records[first : first + CHUNK]
+        index = first + np.arange(len(chunk))
+        if search is None:
+            out.finite[index] = _usable(chunk)
+            index = index[out.finite[index]]
+        else:
+            with np.errstate(over="ignore", invalid="ignore"):
+                reduced = family.reduce(chunk)
+                finite = np.isfinite(reduced.floor + reduced.energy)
+            out.finite[index] = finite
+            index = index[finite]
+            if len(index):
+                sure = _together(family, search, reduced.take(finite), index, out)
+                index = index[~sure]
+        for i in index:
+            _alone(family.block, records[i], arms, int(i), out)
+    return out
+
+
+def solve_each(
+    make: Callable[[FloatArray], DataBlock], records: FloatArray, arms: int, *, fixed_count: int
+) -> ManySolutions:
+    """Fit every row by itself, where nothing can be shared: `make` turns a row into a block."""
+    _refuse(records.shape[1], fixed_count, arms)
+    out = _empty(len(records), arms, fixed_count)
+    out.finite[:] = _usable(records)
+    for i in np.flatnonzero(out.finite):
+        _alone(make, records[i], arms, int(i), out)
+    return out
+
+
+def _refuse(samples: int, fixed_count: int, arms: int) -> None:
+    if arms < 1:
+        raise FitError(f"arms = {arms}; expected at least one")
+    unknown = fixed_count + 2 * arms
+    if samples < unknown:
+        raise FitError(
+            f"{samples} samples cannot determine {unknown} parameters; "
+            "use fewer arms or longer records"
+        )
+
+
+def _usable(records: FloatArray) -> BoolArray:
+    """Which records hold finite samples whose squares can be summed."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.asarray(np.isfinite(np.einsum("ij,ij->i", records, records)))
+
+
+def _empty(count: int, arms: int, fixed: int) -> ManySolutions:
+    return ManySolutions(
+        log_tau=np.full((count, arms), np.nan),
+        arms=np.full((count, arms), np.nan),
+        fixed=np.full((count, fixed), np.nan),
+        sse=np.full(count, np.nan),
+        order=np.full(count, -1),
+        finite=np.zeros(count, dtype=bool),
+        converged=np.zeros(count, dtype=bool),
+        at_bound=np.zeros(count, dtype=bool),
+    )
+
+
+def _alone(
+    make: Callable[[FloatArray], DataBlock],
+    values: FloatArray,
+    arms: int,
+    row: int,
+    out: ManySolutions,
+) -> None:
+    """One record by the single solver; a record that it refuses stays without a solution."""
+    try:
+        found: Solution = solve([make(values)], arms)
+    except (FitError, np.linalg.LinAlgError):
+        return
+    n = found.order
+    out.log_tau[row, :n] = found.log_tau
+    out.arms[row, :n] = found.arms[0]
+    out.fixed[row] = found.fixed
+    out.sse[row] = found.sse
+    out.order[row] = n
+    out.converged[row] = found.converged
+    out.at_bound[row] = found.at_bound.any()
+
+
+def _together(
+    family: Family, search: GridSearch, reduced: Reduced, index: IndexArray, out: ManySolutions
+) -> BoolArray:
+    """Descend all records of a chunk; write the ones that leave no doubt, and say which."""
+    gain = search.gains(reduced)
+    point, done = descend_together(family, *search.best(gain), reduced)
+    sure = done & _proper(family, point, reduced)
+    weak = np.flatnonzero(sure)
+    weak = weak[~_known(family, point.take(weak), reduced.take(weak))]
+    if len(weak):
+        best, sure[weak] = _compared(
+            family, search, gain[:, weak], point.take(weak), reduced.take(weak)
+        )
+        point.put(weak, best)
+    q, (_, arms) = family.fixed_count, point.log_tau.shape
+    small = np.flatnonzero(sure & (point.sse < PLAIN * reduced.energy))
+    if len(small):
+        point.put(small, points_at(family, point.log_tau[small], reduced.take(small), exact=True))
+    sse = reduced.floor + point.sse
+    rows = index[sure]
+    order = np.argsort(point.log_tau[sure], axis=1)
+    out.log_tau[rows] = np.take_along_axis(point.log_tau[sure], order, axis=1)
+    out.arms[rows] = np.take_along_axis(point.beta[sure, q:], order, axis=1)
+    out.fixed[rows] = point.beta[sure, :q]
+    out.sse[rows] = sse[sure]
+    out.order[rows] = arms
+    out.converged[rows] = True
+    return sure
+
+
+def _proper(family: Family, point: StackTrial, reduced: Reduced) -> BoolArray:
+    """Which points lie inside the window, all coefficients positive."""
+    low, high = family.template.bounds
+    q, beta = family.fixed_count, point.beta
+    proper: BoolArray = point.sse > 100 * family.rounding_floor * reduced.energy
+    proper &= (beta[:, q:] > 0).all(axis=1) & (beta[:, :q] > 0)[:, family.nonnegative].all(axis=1)
+    proper &= ((point.log_tau > low) & (point.log_tau < high)).all(axis=1)
+    return proper
+
+
+def _known(family: Family, point: StackTrial, reduced: Reduced) -> BoolArray:
+    """Which records know every relaxation time so well that no other optimum can be better."""
+    count, arms = point.log_tau.shape
+    spare = family.template.samples - family.fixed_count - 2 * arms
+    if spare < 10:
+        return np.zeros(count, dtype=bool)
+    curvature = point.curvature
+    scale = np.maximum(np.diagonal(curvature, axis1=1, axis2=2), 1e-300)
+    unit = curvature / np.sqrt(scale[:, :, None] * scale[:, None, :]) + 1e-14 * np.eye(arms)
+    variance = np.diagonal(np.linalg.inv(unit), axis1=1, axis2=2) / scale
+    noise = (reduced.floor + point.sse) / spare
+    known = (variance > 0) & (variance * noise[:, None] < DOUBT**2)
+    return np.asarray(known.all(axis=1))
+
+
+def _compared(
+    family: Family, search: GridSearch, gain: FloatArray, found: StackTrial, reduced: Reduced
+) -> tuple[StackTrial, BoolArray]:
+    """The best of what was found and of descents from other peaks, and where it is proper."""
+    proper = np.ones(len(found.sse), dtype=bool)
+    for start, started in search.peaks(gain, RIVALS):
+        other, done = descend_together(family, start, started, reduced)
+        better = np.flatnonzero(other.sse < found.sse * (1 - 1e-10))
+        proper[better] = (done & _proper(family, other, reduced))[better]
+        found.put(better, other.take(better))
+    return found, proper

@@ -1,0 +1,404 @@
+"""Where to start: peaks of the best positive spectrum, and of the dual gradient."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Hashable, Iterator
+from functools import cached_property, lru_cache
+from itertools import combinations
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
+from dashpot.numerics.exponential_fit.log_tau_descent import Stack, StackTrial
+from dashpot.numerics.least_squares.nnls import nonnegative
+
+if TYPE_CHECKING:
+    from dashpot.numerics.design_matrices.shared_sampling import Family, Reduced
+
+GRID = 72
+#: triples are first looked for among every so-many-th point
+COARSE = 3
+MOST_PEAKS = 9
+#: samplings whose lattices are kept
+KEPT = 8
+#: grid points by number of arms: every set of them is tried; more arms have too many sets, and go
+#: one by one
+POINTS = {1: 72, 2: 40, 3: 24}
+
+
+class Lattice(NamedTuple):
+    """A stack's columns on a grid of ln tau, free of the fixed columns, of unit length.
+
+    Attributes
+    ----------
+    log_tau : array, shape (m,)
+    rows : array, shape (G m, n)
+        A row per column of the design matrix, group by group.
+    length : array, shape (G m,)
+        Norms before they were made one.
+    gram : array, shape (G m, G m)
+    basis : array, shape (n, q)
+        Orthonormal columns that span the fixed ones.
+    """
+
+    log_tau: FloatArray
+    rows: FloatArray
+    length: FloatArray
+    gram: FloatArray
+    basis: FloatArray
+
+    @classmethod
+    def of(
+        cls, stack: Stack, log_tau: FloatArray, loose: BoolArray | None = None
+    ) -> tuple[Lattice, FloatArray]:
+        """The lattice, and the target in its coordinates.
+
+        `loose` says which fixed columns have a coefficient that is not held at zero; all, by
+        default.
+        """
+        found = stack.evaluate(log_tau, derivative=False)
+        target, phi, q = found.target, found.phi, len(stack.names)
+        rows = np.ascontiguousarray(phi.T[q:])
+        fixed = phi[:, :q] if loose is None else phi[:, :q][:, loose]
+        basis = np.linalg.qr(fixed)[0] if fixed.size else np.zeros((len(target), 0))
+        raw = np.vecdot(rows, rows)
+        rows -= (rows @ basis) @ basis.T
+        left = np.vecdot(rows, rows)
+        # a column that the fixed ones explain to seven digits points nowhere
+        length = np.sqrt(np.where(left > 1e-14 * raw, left, np.inf))
+        rows /= length[:, None]
+        return cls(log_tau, rows, length, rows @ rows.T, basis), target
+
+
+class _KeptLattices(OrderedDict[Hashable, Lattice]):
+    """The lattices of the last few samplings."""
+
+    def of(self, stack: Stack, size: int) -> tuple[Lattice, FloatArray]:
+        key = (stack.sampling, size)
+        if key in self:
+            return self[key], stack.blocks[0].target
+        found, target = Lattice.of(stack, np.linspace(*stack.bounds, size))
+        if stack.sampling is None:
+            return found, target
+        self[key] = found
+        if len(self) > KEPT:
+            self.popitem(last=False)
+        return found, target
+
+
+_KEPT_LATTICES = _KeptLattices()
+
+
+class Grid:
+    """A stack on a grid of ln tau: its columns, and what they have in common with its data.
+
+    Attributes
+    ----------
+    log_tau, columns, length, gram
+        Of the :class:`Lattice`; columns of shape (n, G m).
+    moment : array, shape (G m,)
+        Inner products of columns with the target.
+    near : array, shape (m,), or None
+        Where the best spectrum is likely to have weight.
+    """
+
+    def __init__(
+        self,
+        stack: Stack,
+        size: int = GRID,
+        *,
+        log_tau: FloatArray | None = None,
+        loose: BoolArray | None = None,
+        near: BoolArray | None = None,
+    ) -> None:
+        if log_tau is None:
+            lattice, target = _KEPT_LATTICES.of(stack, size)
+        else:
+            lattice, target = Lattice.of(stack, log_tau, loose)
+        self.stack, self.near = stack, near
+        self.groups = len(stack.groups)
+        self.log_tau, self.length, self.gram = lattice.log_tau, lattice.length, lattice.gram
+        self.columns = lattice.rows.T
+        self.moment = lattice.rows @ target
+        self.target, self.basis = target, lattice.basis
+
+    @cached_property
+    def aim(self) -> FloatArray:
+        """The target, fixed columns swept out, shape (n,)."""
+        return np.asarray(self.target - self.basis @ (self.basis.T @ self.target))
+
+    @cached_property
+    def spectrum(self) -> FloatArray:
+        """Best non-negative spectrum on the grid, in unit columns, shape (G, m)."""
+        near = None if self.near is None else np.tile(self.near, self.groups)
+        found = nonnegative(self.gram, self.moment, near)
+        return np.asarray(found.reshape(self.groups, -1))
+
+    @cached_property
+    def left(self) -> float:
+        """Sum of squares that the best spectrum leaves."""
+        rest = self.aim - self.columns @ self.spectrum.ravel()
+        return float(rest @ rest)
+
+    def dual_gradient(self, point: StackTrial, *, signed: bool) -> FloatArray:
+        r"""How much of the residual one more arm at each grid point would remove, shape (m,).
+
+        :math:`D(\tau) = \hat\varphi_\perp' r`, with the columns of the point swept out of
+        phi; negative where only a negative coefficient would help. Groups add as squares.
+        """
+        if len(point.log_tau):
+            columns, residual, phi = self._beside(point)
+            basis = np.linalg.qr(phi)[0]
+            along = basis.T @ columns
+            left = np.sqrt(np.maximum(1.0 - (along * along).sum(axis=0), 0.0))
+            dual_gradient = (columns.T @ residual) / np.where(left > 1e-4, left, np.inf)
+        else:
+            dual_gradient = self.moment
+        dual_gradient = np.where(np.isfinite(self.length), dual_gradient, 0.0).reshape(
+            self.groups, -1
+        )
+        if signed:
+            return np.asarray(np.sqrt((dual_gradient * dual_gradient).sum(axis=0)))
+        push = np.maximum(dual_gradient, 0.0)
+        return np.asarray(
+            np.where(
+                push.any(axis=0), np.sqrt((push * push).sum(axis=0)), dual_gradient.max(axis=0)
+            )
+        )
+
+    def _beside(self, point: StackTrial) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Grid columns, the point's residual and its columns, in common coordinates."""
+        if not self.stack.rotated_basis:
+            rows = self.stack.evaluate(point.log_tau, derivative=False)
+            return self.columns, rows.target - rows.phi @ point.beta, rows.phi
+        arms, q = len(point.log_tau), len(self.stack.names)
+        both = np.concatenate((point.log_tau, self.log_tau))
+        rows = self.stack.evaluate(both, derivative=False)
+        every = rows.phi[:, q:].reshape(len(rows.target), self.groups, -1)
+        fixed = rows.phi[:, :q]
+        phi = np.concatenate((fixed, every[:, :, :arms].reshape(len(fixed), -1)), axis=1)
+        grid = every[:, :, arms:].reshape(len(fixed), -1)
+        basis = np.linalg.qr(fixed)[0]
+        columns = (grid - basis @ (basis.T @ grid)) / self.length
+        return columns, rows.target - phi @ point.beta, phi
+
+
+def single(grid: Grid) -> FloatArray | None:
+    """The grid point whose column, with a positive coefficient, fits best; for one group."""
+    best = int(np.argmax(grid.moment))
+    return grid.log_tau[best : best + 1] if grid.moment[best] > 0 else None
+
+
+def paired(grid: Grid) -> FloatArray | None:
+    r"""Next to the two grid points whose columns, both with positive coefficients, fit best.
+
+    All pairs at once: unit columns with cosine c and moments m_1, m_2 explain
+    :math:`(m_1^2 + m_2^2 - 2 c\, m_1 m_2)/(1 - c^2)` of the sum of squares. The best of them and
+    its neighbours then tell where between the points that is largest.
+    """
+    cosine, m = grid.gram, grid.moment
+    determinant = 1.0 - cosine * cosine
+    leads = m[:, None] - cosine * m
+    # neighbours that are one column to five digits cannot be told apart from one
+    positive = leads > 0
+    allowed = positive & positive.T & (determinant > 1e-10)
+    gain = np.divide(
+        m[:, None] * leads + m * leads.T, determinant, out=np.zeros_like(cosine), where=allowed
+    )
+    best = int(np.argmax(gain))
+    if gain.flat[best] <= 0:
+        return None
+    i, j = sorted(divmod(best, len(m)))
+    step = grid.log_tau[1] - grid.log_tau[0]
+    return np.asarray(grid.log_tau[[i, j]] + step * _vertex(gain, i, j))
+
+
+def _vertex(gain: FloatArray, i: int, j: int) -> FloatArray:
+    """Where the parabola through a largest value and its eight neighbours has its maximum."""
+    nowhere = np.zeros(2)
+    if not 0 < i < j - 2 < len(gain) - 3:
+        return nowhere
+    (a, b, c), (d, e, f), (g, h, k) = gain[i - 1 : i + 2, j - 1 : j + 2].tolist()
+    down, across, mixed = b - 2 * e + h, d - 2 * e + f, (a - c - g + k) / 4
+    determinant = down * across - mixed * mixed
+    if min(a, b, c, d, f, g, h, k) <= 0 or down >= 0 or determinant <= 0:
+        return nowhere
+    by_row, by_column = (h - b) / 2, (f - d) / 2
+    row = (mixed * by_column - across * by_row) / determinant
+    column = (mixed * by_row - down * by_column) / determinant
+    return np.array([max(-1.0, min(1.0, row)), max(-1.0, min(1.0, column))])
+
+
+def tripled(grid: Grid) -> FloatArray | None:
+    """The three grid points whose columns, with positive coefficients, fit best.
+
+    Of every third point, all triples; then around the best of them, the points between.
+    """
+    last = len(grid.log_tau) - 1
+    sets = _triples(1 + last // COARSE)
+    gain = _triple_gain(grid, sets)
+    best = int(np.argmax(gain))
+    if gain[best] <= 0:
+        return None
+    around = np.indices((2 * COARSE - 1,) * 3).reshape(3, -1) - (COARSE - 1)
+    finer = np.clip(around + np.array([[each[best]] for each in sets]), 0, last)
+    return np.asarray(grid.log_tau[finer[:, int(np.argmax(_triple_gain(grid, finer)))]])
+
+
+def _triple_gain(grid: Grid, sets: IndexArray) -> FloatArray:
+    """What triples of grid points, (3, sets), explain of the sum of squares: Cramer's rule.
+
+    Zero where a coefficient would not be positive, or two points are one.
+    """
+    first, second, third = sets
+    m1, m2, m3 = grid.moment[sets]
+    c12, c13, c23 = (grid.gram[i, j] for i, j in ((first, second), (first, third), (second, third)))
+    minor12, minor13, minor23 = c13 * c23 - c12, c12 * c23 - c13, c12 * c13 - c23
+    beta1 = (1 - c23 * c23) * m1 + minor12 * m2 + minor13 * m3
+    beta2 = minor12 * m1 + (1 - c13 * c13) * m2 + minor23 * m3
+    beta3 = minor13 * m1 + minor23 * m2 + (1 - c12 * c12) * m3
+    determinant = 1 - c23 * c23 + c12 * minor12 + c13 * minor13
+    allowed = (np.minimum(np.minimum(beta1, beta2), beta3) > 0) & (determinant > 1e-10)
+    explained = beta1 * m1 + beta2 * m2 + beta3 * m3
+    nothing = np.zeros_like(m1)
+    return np.asarray(np.divide(explained, determinant, out=nothing, where=allowed))
+
+
+@lru_cache(maxsize=2)
+def _triples(size: int) -> IndexArray:
+    """All i < j < k below size, three rows, every COARSE-th point of a grid."""
+    i = np.arange(size)
+    return COARSE * np.array(np.nonzero((i[:, None, None] < i[:, None]) & (i[:, None] < i)))
+
+
+def inserted(grid: Grid, point: StackTrial, *, signed: bool, count: int) -> list[FloatArray]:
+    """Starts with one arm more than the point, at the highest maxima of its dual gradient."""
+    dual_gradient = grid.dual_gradient(point, signed=signed)
+    padded = np.concatenate(([-np.inf], dual_gradient, [-np.inf]))
+    peaks = np.flatnonzero(
+        (dual_gradient >= padded[:-2]) & (dual_gradient > padded[2:]) & (dual_gradient > 0)
+    )
+    best = peaks[np.argsort(-dual_gradient[peaks], kind="stable")][:count]
+    return [np.sort(np.append(point.log_tau, grid.log_tau[i])) for i in best]
+
+
+def peaks_of(grid: Grid) -> tuple[FloatArray, FloatArray]:
+    """Positions in ln tau and weights of the spectrum's peaks, neighbours merged."""
+    weight = grid.spectrum.sum(axis=0)
+    support = np.flatnonzero(weight > 1e-9 * weight.max(initial=0.0))
+    if not len(support):
+        return np.zeros(0), np.zeros(0)
+    runs = np.split(support, np.flatnonzero(np.diff(support) > 1) + 1)
+    mass = np.array([weight[run].sum() for run in runs])
+    place = np.array([weight[run] @ grid.log_tau[run] for run in runs]) / mass
+    keep = np.sort(np.argsort(-mass, kind="stable")[:MOST_PEAKS])
+    return place[keep], mass[keep]
+
+
+def partitioned(
+    grid: Grid, place: FloatArray, mass: FloatArray, arms: int, count: int = 2
+) -> list[FloatArray]:
+    """Starts from the peaks: contiguous groups merged, or some peaks alone; best by one LSQ."""
+    m = len(place)
+    if m < arms:
+        return []
+    candidates: dict[tuple[int, ...], FloatArray] = {}
+    weighed = np.concatenate(([0.0], np.cumsum(mass * place)))
+    total = np.concatenate(([0.0], np.cumsum(mass)))
+    step = grid.log_tau[1] - grid.log_tau[0]
+    for cuts in combinations(range(1, m), arms - 1):
+        edge = np.array((0, *cuts, m))
+        start = np.diff(weighed[edge]) / np.diff(total[edge])
+        candidates.setdefault(tuple(np.rint((start - grid.log_tau[0]) / step).astype(int)), start)
+    for chosen in combinations(range(m), arms):
+        start = place[list(chosen)]
+        candidates.setdefault(tuple(np.rint((start - grid.log_tau[0]) / step).astype(int)), start)
+    distinct = [key for key in candidates if len(set(key)) == arms]
+    if not distinct:
+        return []
+    index = np.array(distinct)
+    index = (index[:, None, :] + len(grid.log_tau) * np.arange(grid.groups)[:, None]).reshape(
+        len(distinct), -1
+    )
+    gram = grid.gram[index[:, :, None], index[:, None, :]] + 1e-12 * np.eye(index.shape[1])
+    moment = grid.moment[index]
+    beta = np.linalg.solve(gram, moment[..., None])[..., 0]
+    # negative coefficients count for nothing in the ranking
+    gain = np.where((beta > 0).all(axis=1), 1.0, 0.5) * (moment * beta).sum(axis=1)
+    order = np.argsort(-gain, kind="stable")[:count]
+    return [candidates[distinct[int(i)]] for i in order]
+
+
+def scattered(stack: Stack, arms: int, count: int, seed: int) -> list[FloatArray]:
+    """Quasi-random starts that fill the window: a Kronecker sequence, shifted by the seed."""
+    # the generalized golden ratio: the real root of x^(d+1) = x + 1
+    ratio = 2.0
+    for _ in range(60):
+        ratio = (1 + ratio) ** (1 / (arms + 1))
+    shift = np.random.default_rng(seed).random(arms)
+    steps = ratio ** -np.arange(1, arms + 1)
+    unit = (shift + np.arange(1, count + 1)[:, None] * steps) % 1.0
+    low, high = stack.bounds
+    return [np.sort(low + (high - low) * row) for row in unit]
+
+
+# -- many records side by side --------------------------------------------------------------------
+
+
+class GridSearch:
+    """The best set of grid points for each record: all sets at once, on swept Gram matrices."""
+
+    def __init__(self, family: Family, arms: int) -> None:
+        self.family = family
+        self.log_tau = np.linspace(*family.template.bounds, POINTS[arms])
+        self.sets = np.array(list(combinations(range(POINTS[arms]), arms)))
+        self.inverse: FloatArray | None = None
+
+    def gains(self, reduced: Reduced) -> FloatArray:
+        """What each set explains of each record, (sets, R); zero without positive coefficients."""
+        gram, with_fixed, with_grid = self.family.moments(self.log_tau, reduced)
+        q = self.family.fixed_count
+        across = np.linalg.solve(gram[:q, :q], gram[:q, q:])
+        swept = gram[q:, q:] - gram[q:, :q] @ across
+        length = np.sqrt(np.maximum(np.diagonal(swept), 1e-14 * np.diagonal(gram)[q:]))
+        moment = (with_grid - with_fixed @ across) / length
+        if self.inverse is None:
+            cosine = swept / length / length[:, None]
+            parts = cosine[self.sets[:, :, None], self.sets[:, None, :]]
+            distinct = np.linalg.eigvalsh(parts)[:, 0] > 1e-7
+            self.sets = self.sets[distinct]
+            self.inverse = np.linalg.inv(parts[distinct])
+        # one row per set: whole rows of records are picked, added and compared
+        picked = [moment.T[column] for column in self.sets.T]
+        gain, positive = np.zeros(picked[0].shape), np.ones(picked[0].shape, dtype=bool)
+        for i, row in enumerate(picked):
+            beta = sum(self.inverse[:, i, j, None] * other for j, other in enumerate(picked))
+            positive &= beta > 0
+            gain += beta * row
+        return gain * positive
+
+    def best(self, gain: FloatArray) -> tuple[FloatArray, BoolArray]:
+        """Return ln tau (R, N) of the best set of each record, and whether it explains anything."""
+        best = np.argmax(gain, axis=0)
+        return self.log_tau[self.sets[best]], gain[best, np.arange(gain.shape[1])] > 0
+
+    def peaks(self, gain: FloatArray, count: int) -> Iterator[tuple[FloatArray, BoolArray]]:
+        """Yield what `best` says of the second, third, ... highest local maximum of each record."""
+        left = gain * (gain >= np.maximum.reduce([gain[beside] for beside in self.beside.T]))
+        records = np.arange(gain.shape[1])
+        for _ in range(count):
+            left[np.argmax(left, axis=0), records] = 0.0
+            yield self.best(left)
+
+    @cached_property
+    def beside(self) -> IndexArray:
+        """The sets next to each set, shape (sets, 3^N); itself where there is none."""
+        size = len(self.log_tau) + 2
+        shape = (size,) * self.sets.shape[1]
+        row = np.full(size ** len(shape), -1)
+        row[np.ravel_multi_index((self.sets + 1).T, shape)] = np.arange(len(self.sets))
+        around = np.indices((3,) * len(shape)).reshape(len(shape), -1)
+        found = row[np.ravel_multi_index(self.sets.T[:, :, None] + around[:, None], shape)]
+        return np.where(found < 0, np.arange(len(self.sets))[:, None], found)

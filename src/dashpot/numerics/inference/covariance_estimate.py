@@ -1,0 +1,296 @@
+r"""How well an optimum is known, and whatever follows from it: one sandwich for every problem.
+
+With J the derivative of the model by :math:`\theta` and :math:`\beta`, and
+:math:`\Gamma` the autocovariance of the residuals of each record
+(:mod:`dashpot.numerics.inference.covariance`),
+
+.. math:: C = (J'J)^{-1} J'\Gamma J\,(J'J)^{-1}, \qquad
+          C_f = G\,C\,G', \quad G = \partial f / \partial(\theta, \beta)
+
+A coefficient that rests at zero is held there and has no error unless its bound is asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.errors import DataError
+from dashpot.base.student_t import t_quantile
+from dashpot.numerics.inference.covariance import Noise, directions, noise_of, sandwich
+from dashpot.numerics.inference.model_order import bic
+from dashpot.numerics.least_squares.problem import Optimum
+
+#: of a profile interval: slices to a side, trials at most, and how close its ends come in quantiles
+_SLICES, _TRIALS, _CLOSE = 3, 40, 1e-2
+
+
+class Derived(NamedTuple):
+    """What follows from an estimate.
+
+    Attributes
+    ----------
+    values : array, shape (m,)
+    covariance : array, shape (m, m)
+    gradient : array, shape (m, p + q)
+        By theta, then beta.
+    """
+
+    values: FloatArray
+    covariance: FloatArray
+    gradient: FloatArray
+
+    @property
+    def standard_error(self) -> FloatArray:
+        """Of each value."""
+        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """An optimum with the covariance of theta and beta.
+
+    Attributes
+    ----------
+    optimum : Optimum
+    covariance : array, shape (p + q, p + q)
+        Zero for what rests at a bound, infinite for what the data do not determine.
+    noises : tuple of Noise
+        Of each record.
+    prior_variance : float or None
+        Of the rows of priors, where it is not the mean power of the noises.
+    """
+
+    optimum: Optimum
+    covariance: FloatArray
+    noises: tuple[Noise, ...]
+    prior_variance: float | None = None
+
+    @property
+    def effective(self) -> float:
+        """Effective number of independent residuals."""
+        return sum(noise.effective for noise in self.noises)
+
+    @property
+    def kappa(self) -> float:
+        """How many residuals are worth one."""
+        return len(self.optimum.residual) / self.effective
+
+    @property
+    def dof(self) -> float:
+        """Degrees of freedom left, at least one."""
+        return max(self.effective - len(self.covariance), 1.0)
+
+    @property
+    def standard_error(self) -> FloatArray:
+        """Of theta, then beta."""
+        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+
+    def quantile(self, level: float = 0.95) -> float:
+        """Standard errors in half a two-sided interval: Student's t."""
+        return t_quantile(level, self.dof)
+
+    def derived(self, what: Callable[[FloatArray], FloatArray]) -> Derived:
+        """What follows from theta and beta, by its gradient (delta method)."""
+        here, steps = self.optimum.values, self.optimum.steps
+        values = np.asarray(what(here))
+        G = np.zeros((len(values), len(here)))
+        for i in np.flatnonzero(np.diag(self.covariance) > 0):
+            down, up = here.copy(), here.copy()
+            down[i], up[i] = here[i] + np.array(steps[i])
+            G[:, i] = (what(up) - what(down)) / (up[i] - down[i])
+        return Derived(values, propagated(self.covariance, G), G)
+
+    def moved(self, change: FloatArray) -> FloatArray:
+        """By how much theta and beta follow a change of the model's rows, to first order."""
+        free, by = self.optimum.free, np.zeros(len(self.covariance))
+        J = self.optimum.jacobian[:, free]
+        size = np.maximum(np.linalg.norm(J, axis=0), 1e-300)
+        by[free] = -np.linalg.lstsq(J / size, change, rcond=1e-12)[0] / size
+        return by
+
+    def widened(self, by: FloatArray) -> Estimate:
+        """With one more error, that moves theta and beta by so much."""
+        return replace(self, covariance=self.covariance + np.outer(by, by))
+
+    def profile(self, index: int, *, level: float = 0.95) -> list[Slice]:
+        r"""Return the problem with one theta held, all others at their best, across its interval.
+
+        .. math:: S(\theta_i) - S_{\min} \le t^2\, \gamma
+
+        with the power :math:`\gamma` of the noise, from the low end to the high. What is normal at
+        each value that is held, but not over all, has the interval of all slices together. An end
+        beyond which nothing is worse is that of the parameter's range. Source: D. M. Bates and
+        D. G. Watts, Nonlinear Regression Analysis (1988), ch. 6.
+        """
+        best, one = self.optimum, self.optimum.problem.parameters[index]
+        count = [noise.samples for noise in self.noises]
+        power = float(np.average([noise.power for noise in self.noises], weights=count))
+        reach, middle = self.quantile(level), float(best.theta[index])
+        width = float(self.standard_error[index])
+        sized = 0 < width < np.inf
+        rest, along = np.delete(best.theta, index), self.covariance[: len(best.theta), index]
+        tangent = np.delete(along, index) / width**2 if sized else np.zeros(len(rest))
+        first = reach * width / _SLICES if sized else one.scale
+
+        def held(value: float, start: FloatArray) -> Slice | None:
+            """What is held has no error; None where the model says nothing."""
+            try:
+                found = best.problem.held(index, value).solve([start], flat=_CLOSE / sum(count))
+                return None if found is None else slice_of(value, found)
+            except DataError:
+                return None
+
+        def slice_of(value: float, found: Optimum) -> Slice:
+            known = estimate(
+                found, parts=count, noises=self.noises, prior_variance=self.prior_variance
+            ).covariance
+            known = np.insert(np.insert(known, index, 0.0, axis=0), index, 0.0, axis=1)
+            optimum = best.problem.at(np.insert(found.theta, index, value))
+            root = float(np.sqrt(max(found.cost - best.cost, 0.0) / power))
+            return Slice(root, replace(self, optimum=optimum, covariance=known))
+
+        def side(way: float, limit: float) -> list[Slice]:
+            inside: list[Slice] = []
+            last, (here, near, root) = (middle - first, rest - first * tangent), (middle, rest, 0.0)
+            step, beyond, worse = first, np.nan, np.inf
+            for _ in range(_TRIALS):
+                met = root > reach * (1 - _CLOSE) or abs(beyond - here) < _CLOSE * first
+                if met or here == limit:
+                    break
+                # the root of a parabola's deviance is straight: a secant, kept off the ends
+                share = (reach - root) / (worse - root) if worse < np.inf else 0.5
+                far = min(step, abs(limit - here))
+                far = far if np.isnan(beyond) else min(max(share, 0.1), 0.9) * abs(beyond - here)
+                value = here + way * far
+                # the others begin where the last two lead
+                start = near + (near - last[1]) * ((value - here) / (here - last[0]))
+                new = held(value, start)
+                if new is None or new.root > reach * (1 + _CLOSE):
+                    beyond, worse = value, np.inf if new is None else new.root
+                    continue
+                inside.append(new)
+                step *= min(max(reach / _SLICES / max(new.root - root, 1e-9), 0.5), 2.0)
+                last, (here, near, root) = (
+                    (here, near),
+                    (value, np.delete(new.known.optimum.theta, index), new.root),
+                )
+            return inside
+
+        centre = slice_of(middle, best.problem.held(index, middle).at(rest))
+        return [*side(-1.0, one.low)[::-1], centre, *side(1.0, one.high)]
+
+
+def propagated(covariance: FloatArray, gradient: FloatArray) -> FloatArray:
+    """Return the covariance of what moves with parameters by this gradient, shape (m, m).
+
+    What depends on anything that the data do not determine is none of theirs either.
+    """
+    told = np.isfinite(np.diag(covariance))
+    found = gradient[:, told] @ covariance[np.ix_(told, told)] @ gradient[:, told].T
+    lost = (gradient[:, ~told] != 0).any(axis=1)
+    found[lost], found[:, lost] = 0.0, 0.0
+    found[lost, lost] = np.inf
+    return np.asarray(found)
+
+
+class Slice(NamedTuple):
+    """An estimate with one theta held at a value other than its best.
+
+    Attributes
+    ----------
+    root : float
+        Of the deviance: how many standard errors away that is.
+    known : Estimate
+    """
+
+    root: float
+    known: Estimate
+
+
+def estimate(
+    optimum: Optimum,
+    *,
+    parts: Sequence[int] = (),
+    rounding: float = 0.0,
+    noises: Sequence[Noise] = (),
+    resting: BoolArray | None = None,
+    held: BoolArray | None = None,
+    prior_variance: float | None = None,
+    finely: bool = False,
+) -> Estimate:
+    """Return what the residuals of each record say of an optimum.
+
+    Parameters
+    ----------
+    optimum : Optimum
+    parts : sequence of int
+        Rows of each record, in order; by default there is one record.
+    rounding : float
+        Rms that rounding alone leaves.
+    noises : sequence of Noise
+        Of each record, where it is known otherwise (:func:`white_noise`).
+    resting : array, shape (q,), optional
+        Coefficients whose error is wanted, as a bound, where they rest at zero, too.
+    held : array, shape (p,), optional
+        Thetas that have no error: such as press against an end that is no mere window.
+    prior_variance : float, optional
+        Of the rows of priors; by default the mean power of the noises.
+    finely : bool
+        As :func:`~dashpot.numerics.inference.covariance.directions` has it.
+    """
+    free, count = optimum.free, optimum.problem.priors
+    if held is not None:
+        free[: len(held)] &= ~held
+    sizes = [*(parts or [len(optimum.residual)]), *([count] if count else [])]
+    cuts = np.cumsum(sizes)[:-1]
+    split = np.split(optimum.jacobian[:, free], cuts)
+    known = directions(split, shared=len(cuts) > 0, finely=finely)
+    # rows of priors are no record
+    records = list(zip(np.split(optimum.every, cuts), known.columns, strict=True))
+    noises = tuple(noises) or tuple(
+        noise_of(residual, columns, rounding=rounding)
+        for residual, columns in (records[:-1] if count else records)
+    )
+    if resting is not None:
+        free = free | np.concatenate((np.zeros(len(optimum.theta), dtype=bool), resting))
+        known = directions(np.split(optimum.jacobian[:, free], cuts))
+    weights = [*noises]
+    if count:
+        power = np.mean([one.power for one in noises])
+        variance = power if prior_variance is None else prior_variance
+        weights.append(Noise(count, np.array([variance]), 1.0, 2.0))
+    covariance = np.zeros((len(free), len(free)))
+    covariance[np.ix_(free, free)] = sandwich(known, weights)
+    return Estimate(optimum, covariance, noises, prior_variance)
+
+
+def white_noise(optimum: Optimum, variance: float | None = None) -> Noise:
+    """Return the noise of independent residuals, of the variance that they tell or that is known.
+
+    What they tell is their sum of squares over n less the free parameters.
+    """
+    n = len(optimum.residual)
+    spare = max(n - int(optimum.free.sum()), 1)
+    return Noise(n, np.array([optimum.sse / spare if variance is None else variance]), 1.0, 2.0)
+
+
+def score(optimum: Optimum, effective: float, *, floor: float = 0.0) -> float:
+    """Return the BIC of an optimum, theta and beta counted, in so many independent residuals.
+
+    Of noise that is known :func:`~dashpot.numerics.inference.model_order.bic_of_deviance`.
+
+    Parameters
+    ----------
+    optimum : Optimum
+    effective : float
+        Of the model that leaves least, for what another leaves more is no noise.
+    floor : float
+        Sum of squares that rounding alone leaves.
+    """
+    count = len(optimum.values)
+    return bic(optimum.sse, effective=max(effective, 2.0), parameters=count, floor=floor)

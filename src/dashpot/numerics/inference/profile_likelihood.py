@@ -1,0 +1,324 @@
+r"""Profile likelihood: how bad the best fit becomes when one parameter is held at a value.
+
+.. math:: D(v) = \frac{\min_{\theta:\,g(\theta)=v} \mathrm{SSE}(\theta) - \mathrm{SSE}_{\min}}
+                      {\kappa s^2}
+
+compared with the square of Student's t. Unlike a standard error it sees that a likelihood is
+skewed, or open on one side. Source: D. M. Bates and D. G. Watts, *Nonlinear Regression Analysis
+and Its Applications* (1988), ch. 6.
+
+The noise of a correlated record has its own gain for each change of the model, and a profile that
+bends walks from one kind of change to another: with :math:`d(v)` the change of the model on
+the way from the optimum to v, :math:`\kappa s^2` grows as :math:`d'\Gamma d / d'd`. In a linear
+model that is constant, and the deviance is the square of (v - optimum) / SE by the sandwich.
+
+Everything else is fitted by variable projection: the linear parameters are solved exactly at each
+trial of the relaxation times. Both sides of every profile asked for walk together, so that one
+trial of all of them costs about what one of one costs; their columns are interpolated from a table.
+
+An arm so fast that none of its stiffness shows, or so slow that none of its b does, is no arm at
+all, and one slower than the record is a plateau. So however far k, tau or b of an arm go, and
+however low a plateau falls, it costs no more than to do without that arm, the others in their
+places,
+
+.. math:: D(v) \le D_0 = D(k = 0)
+
+and a walk that has met :math:`D_0` is at its end: beyond, any value will do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.numerics.exponential_fit.log_tau_descent import Stack
+from dashpot.numerics.exponential_fit.variable_projection import Solution
+from dashpot.numerics.inference.batched_descent import RIDGE, Descents, Solved
+from dashpot.numerics.inference.profile_tracing import Coordinate, Profiled, Walk
+
+#: a relaxation time is walked so far, as a factor, out of the window
+BEYOND = 20.0
+#: a stiffness so many times that of the whole solid, or a b so many folds from the optimum, is open
+_OPEN_STIFFNESS, _OPEN_FOLDS = 1e4, 16.0
+#: ln tau between nodes of the table; cubics through columns and slopes are right to 1e-7
+_NODES_APART = 0.08
+#: a change of ln tau from one point of a walk to the next that may be foretold
+_FORETOLD = 0.7
+_POWERS = np.arange(4.0)
+#: what each power of u gives to the powers of a cubic, of its slope and of its curve
+_DERIVED = np.array([np.eye(4), np.diag(_POWERS[1:], 1), np.diag([2.0, 6.0], 2)]).swapaxes(0, 1)
+
+
+def profiles(
+    stack: Stack, optimum: Solution, asked: Sequence[Profiled], *, limit: float
+) -> list[tuple[FloatArray, FloatArray]]:
+    """Return of each profile the trial values, ascending, the optimum among them, and deviances.
+
+    Parameters
+    ----------
+    stack : Stack
+        The data of the fit, in rows that do not depend on tau.
+    optimum : Solution
+    asked : sequence of Profiled
+    limit : float
+        A walk ends where the deviance exceeds this, or where the data say no more: at the edge
+        of their window, or where a stiffness has grown out of all proportion.
+    """
+    together = _Together(stack, optimum)
+    walks = [
+        Walk(one, together.value(one), sign, limit, together.range(one))
+        for one in asked
+        for sign in (-1.0, 1.0)
+    ]
+    together.walk(walks)
+    found = []
+    for low, high in zip(walks[::2], walks[1::2], strict=True):
+        points = [*reversed(low.points), (low.start, 0.0), *high.points]
+        value, deviance = np.array(points).T
+        found.append((value, deviance))
+    return found
+
+
+class _Together:
+    """The least-squares problems of many profiles, each with one coordinate held."""
+
+    def __init__(self, stack: Stack, optimum: Solution) -> None:
+        self.optimum, self.fixed = optimum, len(stack.names)
+        self.arms, self.groups = len(optimum.log_tau), len(stack.groups)
+        outside = float(np.log(BEYOND))
+        self.plateaus = [i for i, name in enumerate(stack.names) if name.startswith("k_inf")]
+        self.window = stack.bounds
+        self.restricted = stack.restricted(self.arms, signed=False)
+        self.reach = stack.bounds[0] - outside, stack.bounds[1] + outside
+        count = int(np.ceil((self.reach[1] - self.reach[0]) / _NODES_APART)) + 1
+        nodes, apart = np.linspace(*self.reach, count, retstep=True)
+        rows = stack.evaluate(nodes)
+        self.target, self.still = rows.target, rows.phi[:, : self.fixed].T
+
+        def by_node(columns: FloatArray) -> FloatArray:
+            shape = (len(self.target), self.groups, count)
+            return np.ascontiguousarray(columns.reshape(shape).transpose(2, 1, 0))
+
+        columns, slopes = by_node(rows.phi[:, self.fixed :]), apart * by_node(rows.slope)
+        change, rise, fall = np.diff(columns, axis=0), slopes[:-1], slopes[1:]
+        # node, group, power of the part of the way to the next node, row
+        self.cubics = np.stack(
+            (columns[:-1], rise, 3 * change - 2 * rise - fall, rise + fall - 2 * change), axis=2
+        )
+        turn = _DERIVED / apart ** np.arange(3.0)[:, None]
+        self.apart, self.turn = float(apart), turn.reshape(4, -1)
+        start = self._phi(optimum.log_tau[None])[0][0]
+        self.best = float(np.square(self.target - optimum.beta @ start).sum())
+
+    def value(self, asked: Profiled) -> float:
+        """The held coordinate at the optimum."""
+        beta, log_tau = self.optimum.beta, self.optimum.log_tau
+        if asked.coordinate is Coordinate.LINEAR:
+            return float(beta[asked.index])
+        arm = asked.index % self.arms
+        if asked.coordinate is Coordinate.LOG_TAU:
+            return float(log_tau[arm])
+        return float(log_tau[arm] + np.log(beta[self.fixed + asked.index]))
+
+    def range(self, asked: Profiled) -> tuple[float, float]:
+        """How far the held coordinate goes."""
+        if asked.coordinate is Coordinate.LOG_TAU:
+            return self.window
+        if asked.coordinate is Coordinate.LINEAR:
+            return 0.0, _OPEN_STIFFNESS * float(np.abs(self.optimum.beta).max())
+        start = self.value(asked)
+        return start - _OPEN_FOLDS, start + _OPEN_FOLDS
+
+    def walk(self, walks: Sequence[Walk]) -> None:
+        """Walk every side to its end."""
+        held = _Sides([walk.asked for walk in walks], self.fixed, self.arms)
+        self._spare(walks, held)
+        left = np.tile(self.optimum.log_tau, (len(walks), 1))
+        goal = np.array([walk.goal for walk in walks])
+        descents = self._descents(left, walks)
+        known = descents.known
+        while on := [i for i, walk in enumerate(walks) if not walk.ended]:
+            for i in self._tried(descents, goal, held, np.array(on)):
+                walk, at, foretold = walks[i], walks[i].at, np.zeros(self.arms)
+                sse, there = descents.best(i)
+                if walk.arrived(self._deviance(walk, known.beta[i], there, sse)):
+                    foretold = (there - left[i]) * (walk.goal - walk.at) / (walk.at - at)
+                    left[i] = there
+                far = max(map(abs, foretold.tolist()), default=0.0)
+                descents.start(i, left[i] + min(1.0, _FORETOLD / max(far, _FORETOLD)) * foretold)
+                goal[i] = walk.goal
+
+    def _spare(self, walks: Sequence[Walk], held: _Sides) -> None:
+        """Let each arm's walks know what it costs to do without the arm."""
+        if self.groups > 1:  # without its part in one group an arm is still there
+            return
+        of_arm = {arm: i for i, arm in enumerate(held.owner.tolist()) if arm >= 0}
+        if not of_arm:
+            return
+        first = [walks[i] for i in of_arm.values()]
+        none = _Sides(
+            [Profiled(Coordinate.LINEAR, self.fixed + arm, 0.0, 0.0) for arm in of_arm],
+            self.fixed,
+            self.arms,
+        )
+        own = self.optimum.log_tau
+        descents = self._descents(np.tile(own, (len(first), 1)), first)
+        # the others keep their places: one that took the arm's would be the arm
+        between = (own[none.arm][:, None] + own) / 2.0
+        low = np.where(own > own[none.arm][:, None], between, self.reach[0])
+        high = np.where(own < own[none.arm][:, None], between, self.reach[1])
+        on = np.arange(len(first))
+        while on.size:
+            within = low[on], high[on]
+            ended = self._tried(descents, np.zeros(len(first)), none, on, within)
+            on = on[~np.isin(on, ended)]  # `numpy.setdiff1d` imports masked arrays
+        place = {arm: [i] for i, arm in enumerate(of_arm)}
+        for walk, arm, column in zip(walks, held.owner.tolist(), held.column, strict=True):
+            # a plateau that falls may have any of the arms, slower than all, in its place
+            falls = walk.sign < 0 and column in self.plateaus
+            for i in place[arm] if arm >= 0 else range(len(first) * falls):
+                sse, log_tau = descents.best(i)
+                walk.spared(self._deviance(walk, descents.known.beta[i], log_tau, sse))
+
+    def _descents(self, start: FloatArray, walks: Sequence[Walk]) -> Descents:
+        tolerance = np.array([1e-3 * walk.asked.scale for walk in walks])
+        return Descents(start, len(self.optimum.beta), tolerance)
+
+    def _tried(
+        self,
+        descents: Descents,
+        goal: FloatArray,
+        held: _Sides,
+        on: IndexArray,
+        within: tuple[FloatArray, FloatArray] | None = None,
+    ) -> IndexArray:
+        """Try each of the descents `on` once, in reach; those that are at their end."""
+        low, high = within or self.reach
+        # `numpy.clip` takes as long as all of this
+        trial = np.minimum(np.maximum(descents.here[on] + descents.move[on], low), high)
+        trial = held.placed(trial, goal, on)
+        return on[descents.take(trial, self._solved(trial, goal[on], held, on), on)]
+
+    def _deviance(self, walk: Walk, beta: FloatArray, log_tau: FloatArray, sse: float) -> float:
+        gain = walk.asked.relative_gain
+        times = 1.0 if gain is None else gain(beta, log_tau)
+        return max(float(sse) - self.best, 0.0) / (walk.asked.scale * times)
+
+    def _phi(self, log_tau: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Design matrix (A, p, n), and columns, slopes and curves of arms (A, G, N, 3, n)."""
+        place = (log_tau.ravel() - self.reach[0]) / self.apart
+        node = np.minimum(np.maximum(place.astype(int), 0), len(self.cubics) - 1)
+        weights = (place - node)[:, None] ** _POWERS @ self.turn
+        found = weights.reshape(-1, 1, 3, 4) @ self.cubics[node]
+        trials, rows = len(log_tau), len(self.target)
+        found = found.reshape(trials, self.arms, self.groups, 3, rows).swapaxes(1, 2)
+        phi = np.empty((trials, self.fixed + self.groups * self.arms, rows))
+        phi[:, : self.fixed] = self.still
+        phi[:, self.fixed :] = found[..., 0, :].reshape(trials, -1, rows)
+        return phi, found
+
+    def _solved(
+        self, log_tau: FloatArray, goal: FloatArray, held: _Sides, on: IndexArray
+    ) -> Solved:
+        phi, found = self._phi(log_tau)
+        each, arm, column = np.arange(len(on)), held.arm[on], held.column[on]
+        amount, own = held.amount(log_tau, goal, on), phi[each, column]
+        target = self.target - amount[:, None] * own
+        # where a relaxation time is held no coefficient is
+        linear = ~held.log_tau[on]
+        normal = _Normal(phi)
+        normal.leave_out(each[linear], column[linear])
+        aim = phi @ target[:, :, None]
+        beta = normal.solved(aim)[..., 0]
+        # what must not be negative rests at zero, the worst first
+        while (signed := np.where(self.restricted, beta, 0.0)).min() < 0:
+            worst, negative = signed.argmin(axis=1), signed.min(axis=1) < 0
+            normal.leave_out(each[negative], worst[negative])
+            beta = normal.solved(aim)[..., 0]
+        residual = target - (beta[:, None, :] @ phi)[:, 0]
+        beta[each, column] += amount
+        stiffness = beta[:, self.fixed :].reshape(len(on), self.groups, self.arms)
+        turned = (found[..., 1, :] * stiffness[..., None]).sum(axis=1)
+        # columns, slopes and curves meet the residual
+        met = (found @ residual[:, None, None, :, None])[..., 0]
+        second = (stiffness * met[..., 2]).sum(axis=1)
+        # k = exp(ln b - ln tau): the stiffness of an arm whose b is held falls as its ln tau rises
+        falls = amount * held.log_b[on]
+        at_zero, rising, _ = met.reshape(len(on), -1, 3)[each, np.maximum(column - self.fixed, 0)].T
+        second[each, arm] -= falls * (2.0 * rising - at_zero)
+        turned[each, arm] -= falls[:, None] * own
+        # a coefficient and its own tau meet in the residual
+        meets = np.zeros((*beta.shape, self.arms))
+        place = np.arange(self.groups * self.arms)
+        meets[:, self.fixed + place, place % self.arms] = met[..., 1].reshape(len(on), -1)
+        moment = phi @ turned.swapaxes(1, 2)
+        both = normal.solved(np.concatenate((moment, meets), axis=2))
+        along, across = both[..., : self.arms], both[..., self.arms :]
+        outside = turned - along.swapaxes(1, 2) @ phi
+        crossed = meets.swapaxes(1, 2) @ (along - 0.5 * across)
+        bent = crossed + crossed.swapaxes(1, 2)
+        index = np.arange(self.arms)
+        bent[:, index, index] -= second
+        moves = np.ones(log_tau.shape)
+        moves[each, arm] = linear
+        pairs = moves[:, :, None] * moves[:, None, :]
+        return Solved(
+            np.vecdot(residual, residual),
+            beta,
+            np.vecdot(outside, residual[:, None, :]) * moves,
+            outside @ outside.swapaxes(1, 2) * pairs,
+            bent * pairs,
+        )
+
+
+class _Normal:
+    """Normal equations of many design matrices (A, p, n), some columns left out of each."""
+
+    def __init__(self, phi: FloatArray) -> None:
+        gram = phi @ phi.swapaxes(1, 2)
+        length = np.sqrt(np.diagonal(gram, axis1=1, axis2=2))
+        self.length = np.where(length > 0, length, 1.0)[:, :, None]
+        self.gram = gram / (self.length * self.length.swapaxes(1, 2))
+        place = np.arange(gram.shape[1])
+        self.gram[:, place, place] = 1.0 + RIDGE
+        self.free = np.ones_like(self.length)
+
+    def leave_out(self, each: IndexArray, column: IndexArray) -> None:
+        """Hold a further column of some of the matrices at zero."""
+        self.free[each, column] = 0.0
+        self.gram[each, column, :] = self.gram[each, :, column] = 0.0
+        self.gram[each, column, column] = 1.0 + RIDGE
+
+    def solved(self, moment: FloatArray) -> FloatArray:
+        """Coefficients (A, p, r) that answer moments of that shape; zero of what is left out."""
+        scaled = self.free * moment / self.length
+        return np.asarray(np.linalg.solve(self.gram, scaled) / self.length)
+
+
+class _Sides:
+    """The sides of the profiles: which coordinate each holds."""
+
+    def __init__(self, asked: Sequence[Profiled], fixed: int, arms: int) -> None:
+        kinds = [one.coordinate for one in asked]
+        index = np.array([one.index for one in asked])
+        self.log_tau = np.array([kind is Coordinate.LOG_TAU for kind in kinds])
+        self.log_b = np.array([kind is Coordinate.LOG_B for kind in kinds])
+        # where a relaxation time is held the column named stays free
+        self.column: IndexArray = np.where(self.log_b | self.log_tau, fixed + index, index)
+        self.arm: IndexArray = np.where(self.column >= fixed, (self.column - fixed) % arms, 0)
+        #: the arm that each belongs to; -1 of a fixed column
+        self.owner: IndexArray = np.where(self.column >= fixed, self.arm, -1)
+
+    def placed(self, log_tau: FloatArray, goal: FloatArray, on: IndexArray) -> FloatArray:
+        """The trials with a held relaxation time at its goal."""
+        there = np.flatnonzero(self.log_tau[on])
+        log_tau[there, self.arm[on][there]] = goal[on][there]
+        return log_tau
+
+    def amount(self, log_tau: FloatArray, goal: FloatArray, on: IndexArray) -> FloatArray:
+        """The coefficient that is held, zero where none is."""
+        own = log_tau[np.arange(len(on)), self.arm[on]]
+        of_b = np.exp(np.minimum(np.where(self.log_b[on], goal - own, 0.0), 600.0))
+        return np.where(self.log_b[on], of_b, np.where(self.log_tau[on], 0.0, goal))

@@ -1,0 +1,385 @@
+r"""Least squares of models that are linear in some parameters: the one problem of every fit.
+
+.. math:: y(\theta) = A(\theta)\,\beta + \text{noise}, \qquad
+          l \le \theta \le h, \quad \beta_j \ge 0 \text{ where it must be}
+
+:math:`\beta` is solved at every trial and projected out of the slope (variable projection:
+G. H. Golub and V. Pereyra, *SIAM J. Numer. Anal.* 10, 1973; L. Kaufman, *BIT* 15, 1975). A model
+with nothing linear in it has no columns, one with nothing else no :math:`\theta`. What was known
+before the data is a row as any other; such rows come last.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
+from dashpot.base.errors import DataError, FitError
+from dashpot.numerics.least_squares.levenberg_marquardt import FINISHED, Local, Objective, descend
+from dashpot.numerics.least_squares.nnls import linear
+
+#: part of the data, in squares, that rounding leaves
+_NOTHING = 1e-22
+#: a descent that is worse by this factor after its first steps is not followed
+_CLEARLY = 2.0
+#: step of a coefficient for a difference, in parts of it
+_SMALL = 1e-5
+
+
+class Rows(NamedTuple):
+    """A model at one theta.
+
+    Attributes
+    ----------
+    y : array, shape (n,)
+        What is to be explained; what no coefficient changes stands in it with its sign turned.
+    A : array, shape (n, q)
+        The columns of beta.
+    slope : callable, optional
+        ``slope(beta)``, the derivative of ``A beta - y`` by theta, shape (n, p); else it is found
+        by differences.
+    """
+
+    y: FloatArray
+    A: FloatArray
+    slope: Callable[[FloatArray], FloatArray] | None = None
+
+
+Model: TypeAlias = Callable[[FloatArray], Rows]
+"""Rows at a theta; raises DataError where the model says nothing."""
+
+
+class Parameter(NamedTuple):
+    """One component of theta: its range, the size of a sensible step, that of a difference."""
+
+    low: float = -np.inf
+    high: float = np.inf
+    scale: float = 1.0
+    step: float = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A model, the range of theta, and which of beta must not be negative.
+
+    Attributes
+    ----------
+    model : callable
+        See :data:`Model`.
+    parameters : sequence of Parameter
+    positive : bool or array, shape (q,)
+    priors : int
+        How many rows, the last, are no data.
+    gauge : callable, optional
+        Of the thetas that are the same model, the one that is meant: ``gauge(theta) -> theta``.
+    """
+
+    model: Model
+    parameters: Sequence[Parameter] = ()
+    positive: bool | BoolArray = False
+    priors: int = 0
+    gauge: Callable[[FloatArray], FloatArray] | None = None
+
+    @cached_property
+    def bounds(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Low, high and scale of every theta."""
+        low, high, scale, _ = np.array(self.parameters, dtype=float).reshape(-1, 4).T
+        return low, high, scale
+
+    def at(self, theta: FloatArray, near: BoolArray | None = None) -> Optimum:
+        """The best beta at a theta; `near` it only these coefficients are likely above zero."""
+        rows = self.model(theta)
+        beta, span = linear(rows.A, rows.y, self.positive, near)
+        return Optimum(self, np.asarray(theta, dtype=float), beta, rows, span)
+
+    def solve(
+        self,
+        starts: Sequence[FloatArray] = (),
+        *,
+        most: int = 100,
+        rough: int = 0,
+        finished: float = FINISHED,
+        flat: float = 0.0,
+    ) -> Optimum | None:
+        """Return the best of the descents from some starts; None if the model is nowhere there.
+
+        Parameters
+        ----------
+        starts : sequence of array, shape (p,)
+        most : int
+            Steps of a descent.
+        rough : int
+            If given, those that are clearly worse after so many steps are not followed.
+        finished : float
+            Step, in sizes of a parameter, that ends a descent.
+        flat : float
+            Part of the cost that a step promises to lower it by, and ends a descent.
+        """
+        if not self.parameters:
+            return self.at(np.zeros(0))
+        found = self.valleys(starts, most=rough or most, finished=finished, flat=flat)
+        best = min(found, key=lambda one: one.cost, default=None)
+        if best is None or not rough:
+            return best
+        near = [one.theta for one in found if one.cost <= _CLEARLY * best.cost]
+        return self.solve(near, most=most, finished=finished, flat=flat)
+
+    def valleys(
+        self,
+        starts: Sequence[FloatArray],
+        *,
+        same: float = 0.0,
+        most: int = 100,
+        finished: float = FINISHED,
+        flat: float = 0.0,
+    ) -> list[Optimum]:
+        """Return where descents from some starts end, as :meth:`solve` asks of them.
+
+        One that comes nearer than `same`, in sizes of the parameters, to the end of another is not
+        followed.
+        """
+        found: list[Optimum] = []
+        scale = self.bounds[2]
+
+        def met(theta: FloatArray) -> bool:
+            return any(np.abs(theta - one.theta / scale).max() < same for one in found)
+
+        for start in starts:
+            if (ended := self._descended(start, met, most, finished, flat)) is not None:
+                found.append(replace(ended.point.optimum, stationary=ended.converged))
+        return found
+
+    def held(self, index: int, value: float) -> Problem:
+        """The problem with one theta held."""
+        rest = [one for i, one in enumerate(self.parameters) if i != index]
+
+        def model(theta: FloatArray) -> Rows:
+            rows = self.model(np.insert(theta, index, value))
+            if (slope := rows.slope) is None:
+                return rows
+            return rows._replace(slope=lambda beta: np.delete(slope(beta), index, axis=1))
+
+        return replace(self, model=model, parameters=rest, gauge=None)
+
+    def _descended(
+        self,
+        start: FloatArray,
+        met: Callable[[FloatArray], bool],
+        most: int,
+        finished: float,
+        flat: float,
+    ) -> Local[_AtTheta] | None:
+        """Where a descent from one start ends, in sizes of the parameters; None if met before."""
+        low, high, scale = self.bounds
+        low, high = low / scale, high / scale
+        first = self._tried(np.clip(np.asarray(start) / scale, low, high), None)
+        objective = Objective(
+            lambda theta, last: first if last is None else self._tried(theta, last),
+            low, high, rounding=first.rounding,
+        )  # fmt: skip
+        return descend(objective, first.theta, met=met, limit=most, finished=finished, flat=flat)
+
+    def _tried(self, theta: FloatArray, last: _AtTheta | None) -> _AtTheta:
+        """The best beta at a theta in sizes; where the model says nothing it is infinitely bad."""
+        scale = self.bounds[2]
+        near = None if last is None else last.beta > 0
+        meant = theta * scale
+        try:
+            found = self.at(meant if self.gauge is None else self.gauge(meant), near)
+        except DataError:
+            return _AtTheta(theta, scale, None)
+        return _AtTheta(found.theta / scale, scale, found)
+
+
+class _AtTheta:
+    """An optimum at some theta, in sizes of the parameters, as a descent wants it."""
+
+    def __init__(self, theta: FloatArray, scale: FloatArray, found: Optimum | None) -> None:
+        self.theta, self.scale, self.found = theta, scale, found
+        self.sse = np.inf if found is None else found.cost
+        self.rounding = 0.0 if found is None else found.nothing
+
+    @property
+    def optimum(self) -> Optimum:
+        """It must be somewhere."""
+        if self.found is None:
+            raise FitError("the model says nothing of the record there")
+        return self.found
+
+    @property
+    def beta(self) -> FloatArray:
+        return self.optimum.beta
+
+    @cached_property
+    def gradient(self) -> FloatArray:
+        return self.optimum.gradient * self.scale
+
+    @cached_property
+    def curvature(self) -> FloatArray:
+        return self.optimum.curvature * np.outer(self.scale, self.scale)
+
+    def ahead(self, step: FloatArray) -> _AtTheta:
+        """The trial a short step away."""
+        beside = self.optimum.problem._tried(self.theta + step, self)
+        return beside if beside.sse <= self.sse * (1 + 1e-8) + self.rounding else self
+
+
+@dataclass(frozen=True, eq=False)
+class Optimum:
+    """A theta with its best beta.
+
+    Attributes
+    ----------
+    problem : Problem
+    theta : array, shape (p,)
+    beta : array, shape (q,)
+    rows : Rows
+    span : callable
+        ``span()`` is `basis`.
+    stationary : bool
+        The descent ended for no want of steps.
+    """
+
+    problem: Problem
+    theta: FloatArray
+    beta: FloatArray
+    rows: Rows
+    span: Callable[[], FloatArray] = field(repr=False)
+    stationary: bool = True
+
+    @cached_property
+    def every(self) -> FloatArray:
+        """What is left of every row, priors too: y less the model."""
+        return np.asarray(self.rows.y - self.rows.A @ self.beta)
+
+    @property
+    def residual(self) -> FloatArray:
+        """What is left of the data, shape (n,)."""
+        return self.every[: len(self.every) - self.problem.priors]
+
+    @cached_property
+    def cost(self) -> float:
+        """Sum of squares of every row: what is minimised."""
+        return float(self.every @ self.every)
+
+    @property
+    def sse(self) -> float:
+        """Sum of squares of the data alone."""
+        return float(self.residual @ self.residual)
+
+    @property
+    def nothing(self) -> float:
+        """Sum of squares that rounding leaves."""
+        return _NOTHING * float(self.rows.y @ self.rows.y)
+
+    @property
+    def free(self) -> BoolArray:
+        """Which of theta and beta may move: a coefficient that rests at zero does not."""
+        still = (self.beta == 0) & self.problem.positive
+        return np.concatenate((np.ones(len(self.theta), dtype=bool), ~still))
+
+    @property
+    def at_edge(self) -> bool:
+        """Whether a theta rests at an end of its range."""
+        low, high, _ = self.problem.bounds
+        return bool(((self.theta <= low) | (self.theta >= high)).any())
+
+    @property
+    def values(self) -> FloatArray:
+        """Theta, then beta."""
+        return np.concatenate((self.theta, self.beta))
+
+    def modelled(self, values: FloatArray) -> FloatArray:
+        """A beta less y at other values of theta and beta: what moves with them."""
+        rows = self.problem.model(values[: len(self.theta)])
+        return np.asarray(rows.A @ values[len(self.theta) :] - rows.y)
+
+    @cached_property
+    def jacobian(self) -> FloatArray:
+        """Derivative of the model by theta, else by central differences, and by beta, (n, p+q)."""
+        return np.column_stack((self._slopes(central=True), self.rows.A))
+
+    @cached_property
+    def basis(self) -> FloatArray:
+        """Orthonormal, of the columns that carry weight, shape (n, r)."""
+        return self.span()
+
+    @cached_property
+    def projected(self) -> FloatArray:
+        """Derivative of the residual by theta, less what beta takes over, shape (n, p)."""
+        J = self._slopes(central=False)
+        return np.asarray(self.basis @ (self.basis.T @ J) - J)
+
+    @cached_property
+    def gradient(self) -> FloatArray:
+        """Half the slope of the cost by theta."""
+        return np.asarray(self.projected.T @ self.every)
+
+    @cached_property
+    def curvature(self) -> FloatArray:
+        """Of Gauss and Newton, shape (p, p)."""
+        return np.asarray(self.projected.T @ self.projected)
+
+    @property
+    def steps(self) -> list[tuple[float, float]]:
+        """How far down and up theta, in its range, and beta move for a difference."""
+        found = []
+        for value, one in zip(self.theta.tolist(), self.problem.parameters, strict=True):
+            h = one.step * one.scale
+            found.append((-min(h, max(value - one.low, 0.0)), min(h, max(one.high - value, 0.0))))
+        each = _SMALL * np.maximum(np.abs(self.beta), 1e-300)
+        return found + [(-h, h) for h in each.tolist()]
+
+    def _slopes(self, *, central: bool) -> FloatArray:
+        if self.rows.slope is not None and len(self.theta):
+            return np.asarray(self.rows.slope(self.beta))
+        slopes = np.empty((len(self.every), len(self.theta)))
+        for i, (down, up) in enumerate(self.steps[: len(self.theta)]):
+            if central:
+                slopes[:, i] = (self._moved(i, up) - self._moved(i, down)) / (up - down)
+            else:
+                far = up if up > -down else down
+                slopes[:, i] = (self._moved(i, far) + self.every) / far
+        return slopes
+
+    def _moved(self, i: int, far: float) -> FloatArray:
+        values = self.values
+        values[i] += far
+        return self.modelled(values)
+
+
+def solved(
+    problem: Problem,
+    starts: Sequence[FloatArray] = (),
+    *,
+    most: int = 100,
+    rough: int = 0,
+    finished: float = FINISHED,
+    flat: float = 0.0,
+) -> Optimum:
+    """Return the optimum, as :meth:`Problem.solve`; it must be there.
+
+    Raises
+    ------
+    FitError
+        If the model says nothing of the record from any start.
+    """
+    found = problem.solve(starts, most=most, rough=rough, finished=finished, flat=flat)
+    if found is None:
+        raise FitError("the model says nothing of the record from any start")
+    return found
+
+
+def ordinary(y: FloatArray, A: FloatArray, *, positive: bool = False) -> Optimum:
+    """Return ordinary least squares: the optimum of a model that is linear throughout."""
+    return solved(Problem(lambda _: Rows(y, A), positive=positive))
+
+
+def stacked(values: FloatArray | ComplexArray) -> FloatArray:
+    """Complex rows as real ones: real parts, then imaginary."""
+    return np.concatenate((values.real, values.imag))

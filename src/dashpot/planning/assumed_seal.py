@@ -1,0 +1,71 @@
+"""What a plan supposes of the seal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.option_fields import option
+from dashpot.base.units import Quantity, si, si_fields
+from dashpot.base.validators import positive
+from dashpot.planning.plan_options import IN_SI
+from dashpot.solids.demo_seals import PAPER, SHIFT
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.shift_laws import TemperatureLaw
+
+# an arm of this part of the instantaneous stiffness is what sponge rubber may hide
+USUAL_PART = 0.1
+# an arm of the model this near, as a factor in time, already stands for the unseen one
+NEAR = 3.0
+
+
+@dataclass(frozen=True)
+class SupposedSeal:
+    """A guess at one seal, with the arm that a test may not see.
+
+    Attributes
+    ----------
+    model : GeneralizedMaxwell
+        The paper's Table 1 by default.
+    arm : (float, float), optional
+        Stiffness, N/m, and relaxation time, s, of the unseen arm. By default 10 % of the
+        instantaneous stiffness at 1/omega, unless the model has an arm within a factor of 3.
+    temperature : float, optional
+        At which the seal is `model`, K; by default the reference of the law.
+    law : TemperatureLaw
+        How it follows temperature: by default as a rubber with its glass transition at -55 degC.
+        The fit needs no law.
+
+    Raises
+    ------
+    DataError
+        If the temperature is not positive.
+    """
+
+    model: GeneralizedMaxwell = PAPER
+    arm: tuple[Quantity, Quantity] | None = None
+    temperature: float | None = option(
+        None, "Test temperature (23degC, or that of the fit).", unit="temperature"
+    )
+    law: TemperatureLaw = SHIFT
+
+    def __post_init__(self) -> None:
+        si_fields(self)
+        positive(temperature=self.temperature, expected=IN_SI, optional=True)
+
+    @property
+    def room(self) -> float:
+        """The temperature of the test, K."""
+        return self.law.reference if self.temperature is None else self.temperature
+
+    def with_arm(self, at: float) -> tuple[GeneralizedMaxwell, tuple[float, float] | None]:
+        """Return the solid with the arm that matters at a frequency, Hz, and that arm."""
+        arm = self.arm
+        if arm is None:
+            tau = 1 / (2 * np.pi * at)
+            if any(1 / NEAR < own / tau < NEAR for own in self.model.tau):
+                return self.model, None
+            arm = (USUAL_PART * self.model.k_0, tau)
+        known = si(arm[0], "stiffness"), si(arm[1], "time")
+        return self.model + GeneralizedMaxwell(0.0, known[:1], known[1:]), known

@@ -1,0 +1,403 @@
+r"""What a relaxation test and a hammer test would tell, before they are run.
+
+The bench is judged by its Cramer-Rao bound. With the ramp known and white noise of standard
+deviation sigma, no unbiased fit of :math:`\theta = (k_\infty, k_j, \ln\tau_j)` does better than
+
+.. math::
+
+    C = \sigma^2 (J^T J)^{-1}, \qquad
+    \mathrm{sd}(g) = \sqrt{\nabla g^T C\, \nabla g}, \quad g = K', \tan\delta
+
+with J the sensitivities of the force (paper eqs. 1-5) at every sample. What the fit of a recorded
+motion must find besides, offset, drift and delay, stands in J too, each with a row 1/sd for what is
+known of it before. What machine and room may add unseen moves the fit, and is in C as it is in the
+intervals of a fit. An impact record must be long enough for the mass to come to rest, and its pulse
+short enough to make it ring.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.number_format import duration, rounded
+from dashpot.base.reported_values import NORMAL
+from dashpot.base.sentences import paragraph
+from dashpot.datamodel.bounds import STANDS, naming
+from dashpot.datamodel.machine import Machine
+from dashpot.planning.planned_ramp_hold import Bench
+from dashpot.planning.temperature_repeats import Elsewhere, rows_with
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.vibration.systems.frf_prediction import accelerance, ringing_pole
+
+# directions with less than this share of the information are not known at all
+SINGULAR = 1e-14
+# of the machine that is named, s, and what it says to be nothing; its drift the baseline tells
+NAMED_BASELINE = 10.0
+_NAMED = ("compliance", "creep")
+# Trethewey and Cafeo 1992: six time constants leave less than 0.5 % error in the FRF
+TIME_CONSTANTS = 6.0
+LINES = 5.0
+# places of the lines about the peak that are tried, as parts of a line
+PLACES = 21
+
+
+@dataclass(frozen=True)
+class ExpectedError:
+    """What one relaxation test would leave unknown at one frequency.
+
+    Attributes
+    ----------
+    method : str
+        ``"full"`` or ``"hold"``; ``"joint"`` for ramp, hold and a hammer test together.
+    ramp_time, hold_time : float
+        s.
+    storage_sd, loss_factor_sd : float
+        Expected standard deviation over the value, dimensionless; infinite if the test says
+        nothing.
+    arm_sd : float or None
+        That of the stiffness of the unseen arm; None if none was supposed.
+    repeated : tuple of float
+        Temperatures at which the test is repeated, K; all are fitted together.
+    """
+
+    method: str
+    ramp_time: float
+    hold_time: float
+    storage_sd: float
+    loss_factor_sd: float
+    arm_sd: float | None
+    repeated: tuple[float, ...] = ()
+
+
+def expected_error(
+    model: GeneralizedMaxwell,
+    bench: Bench,
+    at: float,
+    arm: int | None,
+    hammer: FloatArray | None = None,
+    *,
+    repeats: Sequence[Elsewhere] = (),
+) -> ExpectedError:
+    """What the test leaves unknown at `at` Hz; `arm` is the index of the unseen arm.
+
+    `hammer` holds the rows of a hammer test in the same parameters and one more, the mass:
+    with them both tests are fitted together. `repeats` are the same test at other temperatures.
+    """
+    rows, unseen = rows_with(model, bench, repeats) if repeats else bench.rows(model)
+    if hammer is not None:
+        own = hammer.shape[1] - 1
+        mass = np.vstack((np.zeros((len(rows), 1)), hammer[:, -1:]))
+        extra = np.zeros((len(hammer), rows.shape[1] - own))
+        rows = np.hstack((np.vstack((rows, np.hstack((hammer[:, :-1], extra)))), mass))
+        unseen = np.pad(unseen, ((0, len(hammer)), (0, 0)))
+    covariance = _covariance(rows, unseen)
+    storage, loss_factor, gradients = _gradients(model, at)
+    sizes = [
+        float(np.sqrt(max(row @ covariance @ row, 0.0)))
+        for row in np.pad(gradients, ((0, 0), (0, len(covariance) - gradients.shape[1])))
+    ]
+    return ExpectedError(
+        method=bench.method if hammer is None else "joint",
+        ramp_time=bench.ramp_time,
+        hold_time=bench.hold_time,
+        storage_sd=sizes[0] / storage,
+        loss_factor_sd=sizes[1] / loss_factor,
+        arm_sd=None if arm is None else float(np.sqrt(covariance[1 + arm, 1 + arm])) / model.k[arm],
+        repeated=tuple(each.temperature for each in repeats),
+    )
+
+
+def _covariance(rows: FloatArray, unseen: FloatArray) -> FloatArray:
+    r"""Return (J'J)^-1, huge where J says nothing, and what each c unseen moves the fit by.
+
+    .. math:: C = (J'J)^{-1} + \sum_c \delta\theta\,\delta\theta', \qquad
+              \delta\theta = (J'J)^{-1} J' c
+
+    A fit looks for no give of its machine: it is moved by it.
+    """
+    scale = np.linalg.norm(rows, axis=0)
+    scale[scale == 0] = 1.0
+    left, values, vectors = np.linalg.svd(rows / scale, full_matrices=False)
+    values = np.maximum(values, SINGULAR * values[0])
+    root = vectors.T / values / scale[:, None]
+    moved = root @ (left.T @ unseen)
+    return np.asarray(root @ root.T + moved @ moved.T)
+
+
+def _gradients(model: GeneralizedMaxwell, at: float) -> tuple[float, float, FloatArray]:
+    r"""Storage stiffness, loss factor, and their gradients in (k_inf, k, ln tau), shape (2, p)."""
+    s = np.array([2j * np.pi * at])
+    stiffness, complex_gradient = complex(model.stiffness_at(s)[0]), model.arm_slopes(s)[0][0]
+    loss_factor = stiffness.imag / stiffness.real
+    storage = complex_gradient.real
+    ratio = (complex_gradient.imag - loss_factor * complex_gradient.real) / stiffness.real
+    return stiffness.real, loss_factor, np.array([storage, ratio])
+
+
+# -- arms ------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class ExpectedArm:
+    """How well a fit of the test would know one arm: half widths of 95 % intervals over the value.
+
+    Attributes
+    ----------
+    k, tau : float
+        Of the arm that was supposed, N/m and s.
+    half_k, half_tau, half_b : float
+        As the test is planned; b = k tau.
+    named_k, named_tau, named_b : float
+        The same with a baseline of 10 s, and drift, compliance, creep and clocks of the machine
+        known.
+    """
+
+    k: float
+    tau: float
+    half_k: float
+    half_tau: float
+    half_b: float
+    named_k: float
+    named_tau: float
+    named_b: float
+
+
+def expected_arms(model: GeneralizedMaxwell, bench: Bench) -> tuple[ExpectedArm, ...]:
+    """What a fit of the solid's own arms would print of each."""
+    planned, named = (
+        _of_arms(model, one) for one in (bench, _on_a_named_rig(bench, *_NAMED, "sync"))
+    )
+    least = np.minimum(planned, named)
+    return tuple(
+        ExpectedArm(k, tau, *now, *then)
+        for k, tau, now, then in zip(
+            model.k, model.tau, planned.tolist(), least.tolist(), strict=True
+        )
+    )
+
+
+def _of_arms(model: GeneralizedMaxwell, bench: Bench) -> FloatArray:
+    """Half widths of k, tau and b of every arm over the value, shape (N, 3)."""
+    n = model.arms
+    arms = slice(1, 1 + 2 * n)
+    covariance = _covariance(*bench.rows(model))[arms, arms]
+    k, every = np.diag(1 / np.asarray(model.k)), np.eye(n)
+    none = np.zeros((n, n))
+    turn = np.vstack((np.hstack((k, none)), np.hstack((none, every)), np.hstack((k, every))))
+    variance = np.einsum("ij,jk,ik->i", turn, covariance, turn)
+    return np.asarray(NORMAL * np.sqrt(np.maximum(variance, 0.0)).reshape(3, n).T)
+
+
+def _on_a_named_rig(bench: Bench, *names: str) -> Bench:
+    """The same test after a baseline, of a machine that says so much of itself: nothing of each."""
+    machine = bench.machine or Machine()
+    told = {name: getattr(machine, name) or 0.0 for name in names}
+    return replace(
+        bench, baseline=max(bench.baseline, NAMED_BASELINE), machine=replace(machine, **told)
+    )
+
+
+# -- the end of the hold ---------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class ExpectedEnd:
+    """How well a test would know the stiffness when it ends, to first order.
+
+    Attributes
+    ----------
+    time : float
+        T, s.
+    stiffness : float
+        k(T) of the solid that was supposed, N/m.
+    half_width : float
+        Of its 95 % limits, over the value: all that machine and room may do unseen is in them.
+    named : float
+        The same with a baseline of 10 s, and compliance and creep of the machine known.
+    """
+
+    time: float
+    stiffness: float
+    half_width: float
+    named: float
+
+    @property
+    def says(self) -> str:
+        """How well it would be known, and what would tell more."""
+        return paragraph(
+            f"At the end of the hold the stiffness k({duration(self.time)}) would be known to "
+            f"about {rounded(100 * self.half_width, digits=2)} %",
+            naming(self.time, self.half_width, self.named),
+        )
+
+
+def expected_end(model: GeneralizedMaxwell, bench: Bench) -> ExpectedEnd:
+    r"""What a test leaves unknown of :math:`k(T) = k_\infty + \sum_j k_j e^{-T/\tau_j}`.
+
+    What machine and room may add unseen stands in J besides, each with a row of 1.
+    """
+    bench = replace(bench, method="full", machine=bench.machine or Machine())
+    named = _on_a_named_rig(bench, *_NAMED)
+    value = float(model.relaxation(bench.hold_time))
+    half, least = (_half_width(model, one) / value for one in (bench, named))
+    return ExpectedEnd(bench.hold_time, value, half, min(least, half))
+
+
+def _half_width(model: GeneralizedMaxwell, bench: Bench) -> float:
+    """Of the 95 % limits of k(T), N/m."""
+    rows, unseen = bench.rows(model)
+    # a limit is over every solid and every rig at once
+    both = np.vstack(
+        (
+            np.hstack((rows, unseen)),
+            np.eye(unseen.shape[1], sum(part.shape[1] for part in (rows, unseen)), rows.shape[1]),
+        )
+    )
+    tau, k = np.asarray(model.tau), np.asarray(model.k)
+    age = bench.hold_time / tau
+    goal = np.concatenate(([1.0], np.exp(-age), k * age * np.exp(-age)))
+    goal = np.pad(goal, (0, both.shape[1] - len(goal)))
+    variance = float(goal @ _covariance(both, both[:, :0]) @ goal)
+    return float(np.sqrt(STANDS * max(variance, 0.0)))
+
+
+# -- the hammer ------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class RecordNeed:
+    """How long the impact record must be for the mass on this solid.
+
+    Attributes
+    ----------
+    frequency, damping_ratio : float
+        Of the ringing pole, Hz and dimensionless.
+    time_constant : float
+        1/sigma of the free response, s.
+    half_power_width : float
+        Of the peak, Hz.
+    for_decay, for_lines : float
+        Six time constants, and five lines in the half-power band, s.
+    record : float or None
+        The record that was planned, s.
+    peak_error : float or None
+        What cutting at that record does to the peak read off the lines, relative; the worst
+        place of the lines.
+    """
+
+    frequency: float
+    damping_ratio: float
+    time_constant: float
+    half_power_width: float
+    for_decay: float
+    for_lines: float
+    record: float | None = None
+    peak_error: float | None = None
+
+
+@dataclass(frozen=True)
+class Pulse:
+    """What a half-sine hammer pulse excites.
+
+    Attributes
+    ----------
+    duration : float
+        s.
+    level_db : float
+        Force spectrum at the frequency asked for, relative to 0 Hz, dB.
+    band_10db, band_20db : float
+        Where the spectrum has fallen by 10 and 20 dB, Hz.
+    first_zero : float
+        1.5 / duration, Hz.
+    """
+
+    duration: float
+    level_db: float
+    band_10db: float
+    band_20db: float
+    first_zero: float
+
+
+def record_need(model: GeneralizedMaxwell, mass: float, record: float | None) -> RecordNeed:
+    """How long a record the ringing of this mass on this solid asks for."""
+    pole = ringing_pole(model, mass)
+    sigma = -float(pole.real)
+    width = sigma / np.pi
+    return RecordNeed(
+        frequency=float(pole.imag) / (2 * np.pi),
+        damping_ratio=float(sigma / abs(pole)),
+        time_constant=1 / sigma,
+        half_power_width=width,
+        for_decay=TIME_CONSTANTS / sigma,
+        for_lines=LINES / width,
+        record=record,
+        peak_error=None if record is None else _peak_error(model, mass, pole, record),
+    )
+
+
+def hammer_rows(
+    model: GeneralizedMaxwell,
+    mass: float,
+    *,
+    seals: float,
+    lines: FloatArray,
+    relative_sd: float,
+) -> FloatArray:
+    r"""Sensitivities of a hammer test in units of its scatter, shape (2n, p + 1).
+
+    .. math:: \frac{\partial \ln A}{\partial K} = -\frac{n}{m s^2 + n K}, \qquad
+              \frac{\partial \ln A}{\partial \ln m} = -\frac{m s^2}{m s^2 + n K}
+
+    Columns are k_inf, k, ln tau of one seal, then ln m; `relative_sd` is that of real and
+    imaginary part of each line.
+    """
+    s = 2j * np.pi * lines
+    inverse = 1 / (mass * s**2 + seals * model.stiffness_at(s))
+    columns = -np.column_stack((seals * model.arm_slopes(s)[0], mass * s**2)) * inverse[:, None]
+    return np.concatenate((columns.real, columns.imag)) / relative_sd
+
+
+def _peak_error(model: GeneralizedMaxwell, mass: float, pole: complex, record: float) -> float:
+    """Worst relative error of the highest line, over where the lines may lie."""
+    near = 1j * (pole.imag - pole.real / 20 * np.arange(-40, 41))
+    top = float(np.abs(accelerance(model, mass, near)).max())
+    step = 2 * np.pi / record
+    offsets = np.linspace(-0.5, 0.5, PLACES)[:, None] * step + np.arange(-3, 4) * step
+    s = 1j * np.maximum(pole.imag + offsets, step / 10)
+    lines = np.abs(accelerance(model, mass, s.ravel(), record)).reshape(s.shape)
+    errors = lines.max(axis=1) / top - 1
+    return float(errors[np.argmax(np.abs(errors))])
+
+
+def half_sine(duration: float, at: float) -> Pulse:
+    r"""The spectrum of a half-sine pulse of `duration` s.
+
+    .. math:: \frac{|F(f)|}{|F(0)|} = \left|\frac{\cos \pi f T}{1 - (2 f T)^2}\right|
+    """
+    zero = 1.5 / duration
+
+    def level(f: float) -> float:
+        x = 2 * f * duration
+        if abs(x - 1) < 1e-6:  # the removable singularity
+            return float(np.pi / 4)
+        return float(abs(np.cos(np.pi * x / 2) / (1 - x**2)))
+
+    def falls_to(decibel: float) -> float:
+        low, high = 0.0, zero
+        for _ in range(60):
+            middle = (low + high) / 2
+            low, high = (middle, high) if level(middle) > 10 ** (-decibel / 20) else (low, middle)
+        return low
+
+    tiny = float(np.finfo(float).tiny)
+    return Pulse(
+        duration=duration,
+        level_db=float(20 * np.log10(max(level(at), tiny))),
+        band_10db=falls_to(10.0),
+        band_20db=falls_to(20.0),
+        first_zero=zero,
+    )

@@ -1,0 +1,137 @@
+r"""The same test at other temperatures, where the arms are slower or faster.
+
+Every test shares the solid :math:`\theta = (k_\infty, k_j, \ln\tau_j)`; at :math:`T_i` its arms are
+:math:`a_i \tau_j`, its stiffnesses :math:`b_i k_j`, and the fit finds
+
+.. math:: \ln a_i, \quad \ln b_i, \quad o_i, \dot o_i, d_i, \quad
+    \ln a_i \to \ln a_i \, \bigl[1 + g \log_{10}(\tau_j / \tau_0)\bigr]
+
+besides: shifts of time and stiffness without a law, offset, drift and delay of every record,
+and the slope g by which slow arms may shift further than fast ones, known before to 0 within .03.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from dashpot.base.errors import DataError
+from dashpot.base.units import celsius
+from dashpot.datamodel.shift_factors import ABOVE_GLASS, SAME_TEMPERATURE
+from dashpot.planning.planned_ramp_hold import Bench, PlannedRows
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.shift_laws import WLF, TemperatureLaw
+
+SLOPE_SD = 0.03
+"""Known before of the slope of the shifts, per decade of relaxation time."""
+_MIDDLE = 0.5
+"""Arms of this relaxation time, s, shift by a_i whatever the slope."""
+
+
+@dataclass(frozen=True)
+class Elsewhere:
+    """Where a test is repeated.
+
+    Attributes
+    ----------
+    temperature : float
+        K.
+    a_t, b_t : float
+        Shift factors of time and of stiffness that are supposed there, dimensionless.
+    """
+
+    temperature: float
+    a_t: float
+    b_t: float
+
+
+def elsewhere(temperature: float, room: float, law: TemperatureLaw) -> Elsewhere:
+    """What the law, and stiffness in proportion to T, suppose at a temperature, K.
+
+    The solid is that of the `room`, K.
+
+    Raises
+    ------
+    DataError
+        If that is no other temperature, or nearer than 10 K to the glass transition.
+    """
+    if abs(temperature - room) <= SAME_TEMPERATURE:
+        raise DataError(
+            f"the test is at {celsius(room)} and is to be repeated at {celsius(temperature)}; "
+            "expected another temperature"
+        )
+    coldest = law.glass + ABOVE_GLASS if isinstance(law, WLF) else 0.0
+    if temperature < coldest:
+        raise DataError(
+            f"{celsius(temperature)} is nearer than {ABOVE_GLASS:g} K to the glass transition that "
+            f"the law supposes; expected {celsius(coldest)} or more"
+        )
+    a_t = float(law.a_t(temperature) / law.a_t(room))
+    return Elsewhere(temperature, a_t, temperature / room)
+
+
+def refuse_twice(temperatures: Sequence[float]) -> None:
+    """Refuse a temperature, K, that is given twice: its tests would share one shift.
+
+    Raises
+    ------
+    DataError
+    """
+    for one, other in pairwise(sorted(temperatures)):
+        if other - one <= SAME_TEMPERATURE:
+            raise DataError(
+                f"the test is to be repeated at {celsius(one)} and at {celsius(other)}, which is "
+                f"one temperature; expected each once, more than {SAME_TEMPERATURE:g} K apart"
+            )
+
+
+def rows_with(
+    model: GeneralizedMaxwell,
+    bench: Bench,
+    repeats: Sequence[Elsewhere],
+    slope_sd: float = SLOPE_SD,
+) -> PlannedRows:
+    """What the test and its repeats tell a fit of all, and what each rig may add to that.
+
+    The first columns are those of the solid, as in
+    :class:`~dashpot.planning.planned_ramp_hold.Bench`; a `slope_sd` of 0 supposes that one factor
+    shifts every arm.
+    """
+    from scipy.linalg import block_diag
+
+    shared = 1 + 2 * model.arms
+    own = bench.rows(model, several=True)
+    blocks = [_repeat(model, bench, each) for each in repeats]
+    private = [own.rows[:, shared:], *(block.rows[:, shared:-1] for block in blocks)]
+    slope = [np.zeros(len(own.rows)), *(block.rows[:, -1] for block in blocks)]
+    every = [own, *blocks]
+    rows = np.hstack(
+        (
+            np.vstack([one.rows[:, :shared] for one in every]),
+            block_diag(*private),
+            np.concatenate(slope)[:, None],
+        )
+    )
+    known = np.zeros((1, rows.shape[1]))
+    known[0, -1] = 1 / max(slope_sd, 1e-12)
+    unseen = block_diag(*(one.unseen for one in every), np.zeros((1, 0)))
+    return PlannedRows(np.vstack((rows, known)), unseen)
+
+
+def _repeat(model: GeneralizedMaxwell, bench: Bench, there: Elsewhere) -> PlannedRows:
+    """Rows of one repeat in (k_inf, k, ln tau, ln a, ln b[, of its rig and warming], g)."""
+    felt = model.shifted(there.a_t, there.b_t)
+    own, unseen = bench.rows(felt, several=True)
+    n = model.arms
+    stiff, slow, nuisances = own[:, : 1 + n], own[:, 1 + n : 1 + 2 * n], own[:, 1 + 2 * n :]
+    decades = np.log10(np.asarray(model.tau) / _MIDDLE)
+    moved = [
+        slow.sum(axis=1),
+        stiff @ np.array([felt.k_inf, *felt.k]),
+        *nuisances.T,
+        np.log(there.a_t) * slow @ decades,
+    ]
+    return PlannedRows(np.hstack((there.b_t * stiff, slow, np.column_stack(moved))), unseen)

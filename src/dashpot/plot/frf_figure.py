@@ -1,0 +1,510 @@
+"""Figures of the hammer half: the FRF, and the predicted against the measured one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.number_format import rounded, where
+from dashpot.base.units import in_unit
+from dashpot.datamodel.bounds import FRFBounds
+from dashpot.datamodel.frf import FRF, Kind
+from dashpot.plot.dynamic_stiffness_figure import FREQUENCY
+from dashpot.plot.frf_lines import half_power, phase_axis, smooth, unwrapped
+from dashpot.plot.picture import (
+    JOINT,
+    MEASURED,
+    PREDICTED,
+    REF,
+    REJECTED,
+    SIMPLER,
+    Area,
+    Dots,
+    Line,
+    Mark,
+    Panel,
+    Pen,
+    Picture,
+    Rule,
+    Scale,
+    Span,
+    Tag,
+    around,
+    joint_pen,
+)
+from dashpot.plot.provenance_stamp import of_frf
+from dashpot.plot.style import sequential
+from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.modal.peaks import find_peak
+
+PENS = (MEASURED, PREDICTED, JOINT, *SIMPLER)
+
+# what people read: the unit, and the factor from SI
+SHOWN = {
+    Kind.RECEPTANCE: ("mm/N", in_unit(1.0, "mm/N")),
+    Kind.MOBILITY: ("(mm/s)/N", in_unit(1.0, "mm/s")),
+    Kind.ACCELERANCE: ("1/kg", 1.0),
+    Kind.DYNAMIC_STIFFNESS: ("N/mm", in_unit(1.0, "N/mm")),
+    Kind.TRANSMISSIBILITY: ("m/m", 1.0),
+    Kind.RELATIVE_TRANSMISSIBILITY: ("m/m", 1.0),
+}
+INTERVAL, BOUND = "95 % interval of the parameters", "bound over unresolved arms"
+
+# a magnitude axis ends that far above the median line at most
+HIGHEST = 1e4
+
+# px: a joint solid shows on both sides of the measured line that it lies under
+UNDER = 7.0
+
+# about a peak, as factors of its frequency
+VIEW = (0.48, 2.3)
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """An FRF as it is drawn, and the frequency and height of its peak where that is named."""
+
+    frf: FRF
+    label: str
+    pen: Pen
+    peak: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """Between which limits a magnitude is predicted, shape (2, n): accelerance, 1/kg, or T."""
+
+    frequency: FloatArray
+    limits: FloatArray
+    label: str = INTERVAL
+    pen: Pen | None = None
+    """Of the curve that it is of; by default the one that is predicted."""
+
+    def of_kind(self, kind: Kind) -> FloatArray:
+        """The same limits for another kind of FRF; those over a base that moves are their own."""
+        omega = 2 * np.pi * self.frequency
+        if kind is Kind.ACCELERANCE or kind.over_base:
+            return self.limits
+        with np.errstate(divide="ignore"):
+            if kind is Kind.DYNAMIC_STIFFNESS:
+                return np.asarray(omega**2 / self.limits[::-1])
+        return self.limits / (omega if kind is Kind.MOBILITY else omega**2)
+
+
+def spreads(bounds: FRFBounds | None) -> tuple[Spread, ...]:
+    """What a prediction leaves open, the wider first."""
+    if bounds is None:
+        return ()
+    return (
+        Spread(bounds.frequency, bounds.unseen, BOUND),
+        Spread(bounds.frequency, bounds.parameter, INTERVAL),
+    )
+
+
+def frf(
+    measured: FRF,
+    *others: FRF,
+    labels: Sequence[str] = (),
+    band: FRFBounds | None = None,
+    interval: tuple[FloatArray, FloatArray] | None = None,
+    informed: tuple[float, float] | None = None,
+    ordered: bool = False,
+    intervals: Sequence[FloatArray | None] = (),
+    stamp: str = "",
+) -> Picture:
+    """One or several FRFs of one kind: magnitude, phase, and the coherence of the first.
+
+    The peak of the first one is named, unless it is the end of what is shown.
+
+    Parameters
+    ----------
+    measured : FRF
+        Sets the kind and the range of frequencies. One that no hits were averaged to is taken
+        for a prediction.
+    *others : FRF
+        Drawn over it, converted to its kind.
+    labels : sequence of str
+        One per FRF.
+    band : FRFBounds, optional
+        Between which limits a relaxation test predicts.
+    interval : (array, array), optional
+        Lines, Hz, and limits by standard errors alone, where no band is known: of the accelerance,
+        1/kg, or of a transmissibility where that is drawn.
+    informed : (float, float), optional
+        The frequencies that the test behind a prediction informs, Hz: shaded, or said where none
+        of them is in sight.
+    ordered : bool
+        The others rise, in level or temperature: from blue to red.
+    intervals : sequence of array, shape (2, n), or None
+        Such limits of each of the others, at its lines.
+    stamp : str
+        What the figure says of its origin; by default the files of the first FRF.
+    """
+    same = [measured, *(other.to(measured.quantity) for other in others)]
+    names = [*labels, *[""] * (len(same) - len(labels))]
+    pens = _pens(measured, len(others), ordered=ordered)
+    curves = [
+        Curve(one, name, pens[i % len(pens)])
+        for i, (one, name) in enumerate(zip(same, names, strict=True))
+    ]
+    curves[0] = replace(curves[0], peak=_peak_inside(measured))
+    known = () if interval is None else (Spread(*interval),)
+    leveled = tuple(
+        Spread(curve.frf.frequency, limits, "", curve.pen)
+        for curve, limits in zip(curves[1:], intervals, strict=False)
+        if limits is not None
+    )
+    caption = "Frequency response function: magnitude and phase."
+    upper, *others_below = _bode(curves, (*(spreads(band) or known), *leveled))
+    if informed is not None:
+        upper = _informed(upper, informed)
+    strip = (upper, *others_below)
+    return Picture("frf", caption, (strip,), 1, stamp or of_frf(measured))
+
+
+def _peak_inside(frf: FRF) -> tuple[float, float] | None:
+    """Frequency and height of the peak of an accelerance; None where an end is as high."""
+    if frf.quantity is not Kind.ACCELERANCE:
+        return None
+    top = int(np.argmax(np.abs(frf.value)))
+    if not 0 < top < len(frf.frequency) - 1:
+        return None
+    return _peak_of(frf)
+
+
+def _informed(panel: Panel, band: tuple[float, float]) -> Panel:
+    """The part of the axis that a test informs, shaded; where none is in sight, words say so."""
+    low, high = panel.x.limits
+    if not band[0] < band[1] or band[1] < low or band[0] > high:
+        said = f"informed {where(band)}: all of this is extrapolated"
+        return replace(panel, note=said)
+    shade = Span(max(band[0], low), min(band[1], high), "fit", "valid band", tint=0.07)
+    return replace(panel, marks=(shade, *panel.marks))
+
+
+def comparison(
+    comparison: Comparison,
+    *,
+    joint: Comparison | None = None,
+    failed: bool = False,
+    band: FRFBounds | None = None,
+    interval: tuple[FloatArray, FloatArray] | None = None,
+    stamp: str = "",
+) -> Picture:
+    """Predicted against measured accelerance, peaks named, coherence beneath (paper Fig. 6).
+
+    Parameters
+    ----------
+    comparison : Comparison
+        Prediction from the relaxation test against the measured FRF.
+    joint : Comparison, optional
+        The joint fit against the same FRF: what changes once the hammer is believed.
+    failed : bool
+        The joint fit is not to be used, even if it follows the FRF.
+    band, interval : optional
+        As in :func:`frf`.
+    stamp : str
+        What the figure says of its origin; by default the files of the measured FRF.
+    """
+    known = () if interval is None else (Spread(*interval),)
+    strip = _bode(curves_of(comparison, joint, failed=failed), spreads(band) or known)
+    caption = (
+        "Accelerance of the mass on its seals, measured and predicted, with phase and coherence."
+    )
+    return Picture("comparison", caption, (strip,), 1, stamp or of_frf(comparison.measured))
+
+
+def resonance(
+    comparison: Comparison | None,
+    predicted: FRF,
+    *,
+    joint: Comparison | None = None,
+    failed: bool = False,
+    band: FRFBounds | None = None,
+    rival: FRF | None = None,
+    height: float = 292.0,
+    stamp: str = "",
+) -> Picture:
+    """The peak alone: measured, predicted with its bound, joint; every peak in sight.
+
+    Parameters
+    ----------
+    comparison : Comparison or None
+        None where nothing was measured.
+    predicted : FRF
+        Over as wide a range as is at hand: its peak may lie beyond the measured lines.
+    joint, failed, band, stamp : optional
+        As in :func:`comparison`.
+    rival : FRF, optional
+        By another family of solids, which explains the relaxation test as well.
+    height : float
+        Of the plotted part, px.
+    """
+    curves = resonance_curves(comparison, predicted, joint=joint, failed=failed, rival=rival)
+    view = about_peaks(curves)
+    panel = magnitude_panel(curves, spreads(band)[:1], view=view, height=height, tagged=True)
+    caption = "Accelerance of the mass on its seals: measured, and as the solids predict it."
+    return Picture("resonance", caption, ((panel,),), 1, stamp)
+
+
+def nyquist(
+    measured: FRF,
+    *others: FRF,
+    labels: Sequence[str] = (),
+    failed: bool = False,
+    stamp: str = "",
+) -> Picture:
+    """Imaginary against real part on equal axes, half-power points of each ringed.
+
+    Parameters
+    ----------
+    measured, *others : FRF
+    labels : sequence of str
+        One per FRF.
+    failed : bool
+        The last of three is of a joint fit that is not to be used.
+    stamp : str
+        What the figure says of its origin; by default the files of the first FRF.
+    """
+    pens = (*PENS[:2], joint_pen(failed=failed)[0], *PENS[3:])
+    unit, scale = SHOWN[measured.quantity]
+    same = [measured, *(other.to(measured.quantity) for other in others)]
+    marks: list[Mark] = []
+    ranges = []
+    # the first one, which was measured, over all others
+    for one, pen, name in reversed(list(zip(same, pens, [*labels, *[""] * 5], strict=False))):
+        f, value = smooth(one)
+        value = scale * value
+        ends = half_power(value)
+        at = " and ".join(f"{f[i]:.2f}" for i in ends)
+        label = f"{name} (○ {at} Hz)" if name and at else name
+        ranges.append(value)
+        if one.averages > 0:
+            marks.append(Dots(value.real, value.imag, pen.colour, label, size=3))
+        else:
+            marks.append(Line(value.real, value.imag, pen, label))
+        marks.append(Dots(value[ends].real, value[ends].imag, pen.colour, size=8, hollow=True))
+    every = np.concatenate(ranges)
+    what = measured.quantity.value.replace("_", " ")
+    panel = Panel(
+        Scale(f"real part of {what}, {unit}", around(every.real, margin=0.08)),
+        Scale(f"imaginary part of {what}, {unit}", around(every.imag, margin=0.08)),
+        (Rule(0.0, REF, across=True), Rule(0.0, REF), *marks),
+        height=300,
+        square=True,
+    )
+    caption = "Nyquist plot: imaginary against real part; rings are the half-power points."
+    return Picture("nyquist", caption, ((panel,),), 1, stamp or of_frf(measured), width=420.0)
+
+
+# -- panels ---------------------------------------------------------------------------------------
+
+
+def resonance_curves(
+    comparison: Comparison | None,
+    predicted: FRF,
+    *,
+    joint: Comparison | None = None,
+    failed: bool = False,
+    rival: FRF | None = None,
+) -> list[Curve]:
+    """The curves of :func:`resonance`, each with its peak."""
+    if comparison is None:
+        curves = [Curve(predicted, "predicted", PREDICTED, _peak_of(predicted))]
+    else:
+        curves = curves_of(comparison, joint, failed=failed)
+        ends = comparison.measured.frequency[0], comparison.measured.frequency[-1]
+        at, top = _peak_of(predicted)
+        if not ends[0] < at < ends[1]:
+            curves[1] = replace(curves[1], frf=predicted, peak=(at, top))
+    if rival is not None:
+        curves.append(Curve(rival, "other family from relaxation", SIMPLER[0], _peak_of(rival)))
+    return curves
+
+
+def about_peaks(curves: Sequence[Curve]) -> tuple[float, float]:
+    """From where to where every peak is in sight, Hz, as far as there are lines."""
+    peaks = [one.peak[0] for one in curves if one.peak is not None]
+    first = min(one.frf.frequency[one.frf.frequency > 0][0] for one in curves)
+    last = max(one.frf.frequency[-1] for one in curves)
+    return (max(VIEW[0] * min(peaks), first), min(VIEW[1] * max(peaks), last))
+
+
+def curves_of(
+    comparison: Comparison, joint: Comparison | None, *, failed: bool = False
+) -> list[Curve]:
+    """The curves of a comparison with their peaks, measured first."""
+    c = comparison
+    curves = [
+        Curve(c.measured, "measured", MEASURED, (c.measured_hz, c.measured_peak)),
+        Curve(c.predicted, c.legend, PREDICTED,
+              (c.predicted_hz, c.predicted_peak)),
+    ]  # fmt: skip
+    if joint is not None:
+        # a solid of both tests that misses one of them does not look like an answer
+        pen, name = joint_pen(failed=failed or joint.verdict.use == "do not use")
+        curves.append(Curve(joint.predicted, name, pen, (joint.predicted_hz, joint.predicted_peak)))
+    return curves
+
+
+def _pens(first: FRF, others: int, *, ordered: bool) -> tuple[Pen, ...]:
+    """Of a measurement or a prediction, and of what stands over it."""
+    pens = PENS if first.averages else (PREDICTED, *PENS[2:], MEASURED)
+    return (pens[0], *(Pen(colour, 2.0) for colour in sequential(others))) if ordered else pens
+
+
+def magnitude_panel(
+    curves: Sequence[Curve],
+    spread: Sequence[Spread] = (),
+    *,
+    view: tuple[float, float] | None = None,
+    height: float = 240.0,
+    tagged: bool = False,
+) -> Panel:
+    """Magnitudes of FRFs of one kind, log-log, with what the prediction leaves open."""
+    kind = curves[0].frf.quantity
+    unit, scale = SHOWN[kind]
+    f = curves[0].frf.frequency
+    view = view or (max(float(f[0]), 1e-3 * float(f[-1])), float(f[-1]))
+    drawn = {id(one): smooth(one.frf) for one in curves}
+    predicted = next((one for one in curves if one.pen is PREDICTED), None)
+    sizes = [
+        scale * np.abs(value[(at >= view[0]) & (at <= view[1])]) for at, value in drawn.values()
+    ]
+    every = np.concatenate(sizes)
+    # neither a few vanishing lines nor a resonance without damping can stretch the axis
+    highest = min(float(every.max()), HIGHEST * float(np.median(every)))
+    limits = [0.6 * max(float(np.percentile(every, 1)), highest / HIGHEST), 1.9 * highest]
+    marks: list[Mark] = []
+    for limit in spread:
+        of = next((one for one in curves if one.pen is limit.pen), predicted)
+        area = _area(limit, kind, scale, None if of is None else drawn[id(of)])
+        inside = (area.x >= view[0]) & (area.x <= view[1])
+        top = float(np.max(area.high[inside], initial=0.0))
+        limits[1] = max(limits[1], min(1.3 * top, 12 * limits[1]))
+        # a resonance without damping has no highest magnitude
+        marks.append(replace(area, low=np.maximum(area.low, 0.1 * limits[0]),
+                             high=np.minimum(area.high, 10 * limits[1])))  # fmt: skip
+    for one in curves:
+        if one.frf.sd is not None:
+            marks.append(_scatter(one, scale))
+    for one in _layered(curves):
+        at, value = drawn[id(one)]
+        pen = replace(one.pen, width=UNDER) if one.pen is JOINT else one.pen
+        marks.append(Line(at, scale * np.abs(value), pen, one.label))
+    if tagged:
+        marks += [replace(one, y=min(one.y, limits[1])) for one in _peaks(curves, unit)]
+    label = f"{kind.value.replace('_', ' ')}, {unit}"
+    axes = (Scale(FREQUENCY, view, log=True), Scale(label, (limits[0], limits[1]), log=True))
+    return Panel(*axes, tuple(marks), height=height)
+
+
+def phase_panel(curves: Sequence[Curve], view: tuple[float, float]) -> Panel:
+    """Phases of FRFs, on the part of the circle that they use."""
+    lowest, ticks = phase_axis(np.concatenate([one.frf.value for one in curves]))
+    marks: list[Mark] = []
+    for one in _layered(curves):
+        f, value = smooth(one.frf)
+        x, y = unwrapped(f, value, lowest)
+        marks.append(Line(x, y, one.pen, one.label))
+    axes = (Scale(FREQUENCY, view, log=True),
+            Scale("phase, °", (ticks[0] - 15, ticks[-1] + 15), ticks=ticks))  # fmt: skip
+    return Panel(*axes, tuple(marks), height=90)
+
+
+def _layered(curves: Sequence[Curve]) -> list[Curve]:
+    """In the order of drawing: broad ones first, then what failed, what was measured over all."""
+    over = {JOINT: 0, REJECTED: 2, MEASURED: 3}
+    return sorted(curves, key=lambda one: over.get(one.pen, 1))
+
+
+def _bode(curves: Sequence[Curve], spread: Sequence[Spread]) -> tuple[Panel, ...]:
+    upper = magnitude_panel(curves, spread, tagged=True)
+    if len(curves) == 1:
+        upper = replace(upper, marks=(*upper.marks, *_half_power(curves[0])))
+    strip = [upper, phase_panel(curves, upper.x.limits)]
+    return (*strip, *coherence_panels(curves[0].frf, upper.x))
+
+
+def coherence_panels(measured: FRF, frequency: Scale) -> tuple[Panel, ...]:
+    """The coherence of a measured FRF over the same axis; none of what has none."""
+    if measured.coherence is None:
+        return ()
+    axes = (frequency, Scale("coherence, 1", (0.0, 1.08), ticks=(0.0, 0.5, 1.0)))
+    # 0.9 is what ISO 7626-5 asks for
+    marks = (Rule(0.9, REF, across=True),
+             Line(measured.frequency, measured.coherence, MEASURED))  # fmt: skip
+    return (Panel(*axes, marks, height=50),)
+
+
+def _area(
+    one: Spread, kind: Kind, scale: float, curve: tuple[FloatArray, ComplexArray] | None
+) -> Area:
+    """The area between limits; on the lines of its own curve too, and never narrower than that."""
+    f, (low, high) = one.frequency, scale * one.of_kind(kind)
+    if curve is not None:
+        at, value = curve
+        inside = (at >= f[0]) & (at <= f[-1])
+        lines = np.union1d(f, at[inside])
+        with np.errstate(divide="ignore"):
+            logs = [np.interp(lines, f, np.nan_to_num(np.log(edge), posinf=700, neginf=-700))
+                    for edge in (low, high)]  # fmt: skip
+        own = scale * np.abs(np.interp(lines, at, np.abs(value)))
+        own = np.where((lines >= at[0]) & (lines <= at[-1]), own, np.nan)
+        low, high = np.fmin(np.exp(logs[0]), own), np.fmax(np.exp(logs[1]), own)
+        f = lines
+    colour = "fit" if one.pen is None else one.pen.colour
+    return Area(f, low, high, colour, one.label, hatched=one.label == BOUND, tint=0.3)
+
+
+def _scatter(one: Curve, scale: float) -> Area:
+    """Two standard deviations on either side of the magnitude."""
+    assert one.frf.sd is not None  # noqa: S101
+    size, sd = scale * np.abs(one.frf.value), scale * one.frf.sd
+    # a magnitude has no negative side: the area is cut well below the curve
+    low = np.maximum(size - 2 * sd, 0.02 * size)
+    return Area(one.frf.frequency, low, size + 2 * sd, one.pen.colour, tint=0.18)
+
+
+def _peaks(curves: Sequence[Curve], unit: str) -> list[Tag]:
+    """The peaks with frequency and height: measured filled, predicted hollow, joint by its name.
+
+    A joint fit that failed has none: its key says so.
+    """
+    inks = {"joint": "joint-ink", "ref": "soft"}
+    dots: dict[Pen, Literal["filled", "hollow"]] = {MEASURED: "filled", PREDICTED: "hollow"}
+    tags = []
+    for one in sorted(curves, key=lambda one: one.pen is not MEASURED):
+        if one.peak is None or one.pen is REJECTED:
+            continue
+        hz, height = one.peak
+        text = f"{one.label.partition(' from')[0]} {rounded(hz, digits=4)} Hz, {rounded(height)}"
+        ink = inks.get(one.pen.colour, one.pen.colour)
+        tags.append(
+            Tag(hz, height, f"{text} {unit}", ink, dots.get(one.pen, ""),
+                bold=one.pen is MEASURED)
+        )  # fmt: skip
+    return tags
+
+
+def _half_power(one: Curve) -> list[Mark]:
+    """The width of a measured peak at -3 dB, drawn where it is."""
+    if one.pen is not MEASURED or one.peak is None or one.frf.quantity is not Kind.ACCELERANCE:
+        return []
+    peak = find_peak(one.frf)
+    width, height = 2 * peak.damping_ratio * peak.frequency, peak.height / math.sqrt(2)
+    ends = peak.frequency + np.array([-0.5, 0.5]) * width
+    # its damping is the mode's, which is fitted to all lines
+    said = f"{rounded(width, digits=2)} Hz wide at −3 dB"
+    return [Line(ends, np.full(2, height), Pen("fit", 2.0)),
+            Tag(float(ends[1]), height, said, "fit")]  # fmt: skip
+
+
+def _peak_of(one: FRF) -> tuple[float, float]:
+    peak = find_peak(one)
+    return peak.frequency, peak.height

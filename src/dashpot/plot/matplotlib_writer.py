@@ -1,0 +1,144 @@
+"""Pictures for paper: the same places, drawn by matplotlib as PNG or PDF."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.plot.layout import Fill, Frame, Markers, Polyline, Word, arranged
+from dashpot.plot.picture import Dots, Keyed, Line, Pen, Picture, Rule
+from dashpot.plot.style import LIGHT
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+INCH = 96.0
+"""px of an inch, as a page counts them; a point is 4/3 of a px."""
+
+PT = 0.75
+
+FONTS = ["Arial", "Liberation Sans", "Helvetica", "DejaVu Sans"]
+
+
+def to_figure(picture: Picture) -> Figure:
+    """The picture as a matplotlib figure of its own: no global state knows of it."""
+    from matplotlib.figure import Figure
+    from matplotlib.font_manager import fontManager
+
+    sheet = arranged(picture)
+    made = Figure(figsize=(picture.width / INCH, sheet.height / INCH), facecolor="white")
+    ax = made.add_axes((0, 0, 1, 1))
+    ax.set(xlim=(0, picture.width), ylim=(sheet.height, 0))
+    ax.set_axis_off()
+    known = set(fontManager.get_font_names())
+    canvas = _Canvas(ax, [name for name in FONTS if name in known])
+    for x, y, laid in sheet.strips:
+        for frame in laid.frames:
+            canvas.frame(frame, x, y)
+    for x, y, mark in sheet.key:
+        canvas.sample(mark, x, y - 4)
+    for word in sheet.words:
+        canvas.word(word, 0, 0)
+    return made
+
+
+class _Canvas:
+    """Axes whose units are px, downwards."""
+
+    def __init__(self, ax: Axes, fonts: list[str]) -> None:
+        from matplotlib.font_manager import findfont, get_font
+
+        self.ax, self.fonts = ax, fonts
+        self.letters = [get_font(findfont(name)) for name in fonts]
+
+    def frame(self, frame: Frame, x: float, y: float) -> None:
+        """Axes, then what is inside them, then words."""
+        from matplotlib.patches import Rectangle
+
+        box = frame.box
+        for hair in frame.hairs:
+            points = np.array([(hair.x0, hair.y0), (hair.x1, hair.y1)])
+            self.line(points + np.array((x, y)), Pen(hair.colour, hair.width), None)
+        corner = (x + box.x, y + box.y)
+        clip = Rectangle(corner, box.width, box.height, transform=self.ax.transData)
+        for one in frame.inner:
+            self.inner(one, np.array(corner), clip)
+        for word in (*frame.ticks, *frame.words):
+            self.word(word, x, y)
+
+    def inner(self, one: Polyline | Fill | Markers, corner: FloatArray, clip: Any) -> None:
+        """What is inside the axes, cut at them."""
+        if isinstance(one, Polyline):
+            for part in one.parts:
+                self.line(part + corner, one.pen, clip)
+        elif isinstance(one, Fill):
+            for part in one.parts:
+                self.fill(part + corner, one.colour, one.tint, clip, hatched=one.hatched)
+        else:
+            self.dots(one.centres + corner, one.size, one.colour, clip, hollow=one.hollow)
+
+    def line(self, points: FloatArray, pen: Pen, clip: Any) -> None:
+        """An unbroken curve."""
+        style: Any = "-" if not pen.dashes else (0, tuple(d / pen.width for d in pen.dashes))
+        (made,) = self.ax.plot(
+            *points.T, color=LIGHT[pen.colour], linewidth=PT * pen.width, linestyle=style,
+            solid_capstyle="butt", alpha=pen.opacity,
+        )  # fmt: skip
+        made.set_clip_path(clip)
+
+    def fill(
+        self, points: FloatArray, colour: str, tint: float, clip: Any, *, hatched: bool
+    ) -> None:
+        """A tinted area; a hatched one has lines over it."""
+        from matplotlib.patches import Polygon
+
+        away = colour == "away"
+        looks: list[dict[str, Any]] = [{"facecolor": (LIGHT[colour], tint)}]
+        if hatched:
+            ink = (LIGHT["ref" if away else colour], 0.55)
+            looks.append({"fill": False, "edgecolor": ink, "hatch": "\\\\" * 2 if away else "////"})
+        for look in looks:
+            made = self.ax.add_patch(Polygon(points, linewidth=0, **look))
+            made.set_clip_path(clip)
+
+    def dots(
+        self, points: FloatArray, size: float, colour: str, clip: Any, *, hollow: bool
+    ) -> None:
+        """Discs, or rings."""
+        (made,) = self.ax.plot(
+            *points.T, linestyle="none", marker="o", markersize=PT * size,
+            markerfacecolor="white" if hollow else LIGHT[colour], markeredgecolor=LIGHT[colour],
+            markeredgewidth=PT * 1.75 if hollow else 0,
+        )  # fmt: skip
+        made.set_clip_path(clip)
+
+    def word(self, word: Word, x: float, y: float) -> None:
+        """Letters as they stand: nothing in them is read as mathematics."""
+        from matplotlib.patheffects import withStroke
+
+        anchors = {"start": "left", "middle": "center", "end": "right"}
+        shown = "".join(c if self._has(c) else "□" for c in word.text)
+        self.ax.text(
+            x + word.x, y + word.y, shown, color=LIGHT[word.colour], fontsize=PT * word.size,
+            fontweight="bold" if word.bold else "normal", ha=anchors[word.anchor], va="baseline",
+            family=self.fonts, parse_math=False,
+            path_effects=[withStroke(linewidth=2.2, foreground="white")] if word.halo else None,
+        )  # fmt: skip
+
+    def _has(self, letter: str) -> bool:
+        code = ord(letter)
+        return letter.isprintable() and any(font.get_char_index(code) for font in self.letters)
+
+    def sample(self, mark: Keyed, x: float, y: float) -> None:
+        """A sample of a mark, 28 px wide, about the height y."""
+        if isinstance(mark, (Line, Rule)):
+            self.line(np.array([(x, y), (x + 28, y)]), mark.pen, None)
+        elif isinstance(mark, Dots):
+            at = np.array([(x + dx, y) for dx in (6, 14, 22)])
+            self.dots(at, mark.size, mark.colour, None, hollow=mark.hollow)
+        else:
+            corners = [(x, y - 5), (x + 28, y - 5), (x + 28, y + 5), (x, y + 5)]
+            self.fill(np.array(corners), mark.colour, mark.tint, None, hatched=mark.hatched)

@@ -1,0 +1,881 @@
+"""Each way in which a record can deceive, before any fit, as a criterion with a sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, kept, median, runs
+from dashpot.base.checks import Check, Finding, Remedy, criterion, worst
+from dashpot.base.errors import DataError
+from dashpot.base.number_format import rounded
+from dashpot.base.sentences import lowered
+from dashpot.base.status import Status
+from dashpot.base.units import celsius, written
+from dashpot.datamodel.relaxation import MAX_CREEP, SETTLING, RampHold, quantum
+from dashpot.datamodel.specimen import Specimen
+from dashpot.preprocessing.contact import MIN_BASELINE, Baseline, Touch
+from dashpot.preprocessing.denoising import CORNERS, LOST, bends, but_corners, true_motion
+from dashpot.preprocessing.history import EarlierLoadings
+from dashpot.signals.clock import BESIDE, leaps, ticks_evenly
+from dashpot.signals.frozen import BEFORE, FEWEST, frozen_runs
+from dashpot.signals.noise import median_of_three, spikes, usual_scatter
+from dashpot.signals.segments import MotionSegment, RampHoldCycle
+from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
+
+if TYPE_CHECKING:
+    from dashpot.extensions.curves.datamodel.creep import LoadHold
+
+LAW = "by law; a tenth for noise and drift"
+MIN_QUANTA = 20.0
+MAX_PRELOAD = 0.05
+LATE_START = 0.2
+# what a smaller one still relaxes is in the limits, and no law bends by so much of its depth
+LARGE_PRELOAD = 0.1
+MAX_OVERSHOOT = 0.05
+MIN_HOLD_OVER_RAMP = 10.0
+MIN_RAMP_SAMPLES = 10.0
+FLAT_SAMPLES = 5.0
+MAX_UNRESOLVED = 0.125
+# of the travel, before the load: k_inf is then about half as wrong
+MAX_STIR = 0.01
+# of a held load; a controller that hunts by more moves the part with it
+MAX_LOAD_CHANGE = 0.02
+# K that a temperature may be misread by, and that a chamber may drift over a record
+MAX_MISREAD, MAX_WARMED = 1.0, 1.0
+# a loss, in noises, that the weights of the ramp's rows may not count: behind plates that step by
+# 10 to 100 ms, limits held in 24 of 24 records of less, and in 15 of 16 of more
+GROSSLY = 2.0
+# of a hold: a channel that stood still, and a force that did so for too long
+MAX_FROZEN, GROSSLY_FROZEN = 0.005, 0.1
+# of the depth: a plate that moved; of the hold: in which it is braked
+MOVED, SOON = 1e-3, 0.05
+# bends of a motion that steps, at least
+TO_AND_FRO = 8
+# of the time from onset; of a leap of an even clock, which is then wrong by as much or lost it
+MAX_PAUSE, MAX_LEAP = 0.25, 1e-3
+# of the force of earlier loadings, and of the depth, that their memory may be off by
+MAX_PAST_MISFIT, MAX_FACE_OFF = 0.03, 0.01
+# of the depth, which the plate may have moved by between rows that are missing
+MAX_PAST_JUMP = 0.1
+JUMPED = "The clock jumped, or the record was interrupted. Later times and slow arms are not known"
+
+
+# -- what the file says of the temperature --------------------------------------------------------
+
+
+@criterion("K apart", "|x| <=", MAX_MISREAD, "simulated pairs: an error of 1 K moves nothing else")
+def temperature_as_stated(specimen: Specimen) -> Finding:
+    """The temperature that was given is the one that the file itself says."""
+    given, stated = specimen.temperature or 0.0, specimen.stated_temperature or 0.0
+    return Finding(
+        f"The file says {celsius(stated)}, and {celsius(given)} was given",
+        given - stated,
+        "Shifts and predictions use the one given",
+        Remedy("Check which is right.", "temperature"),
+    )
+
+
+@criterion("K over the record", "|x| <=", MAX_WARMED, "our choice: chambers hold 0.5 K")
+def temperature_held(specimen: Specimen) -> Finding:
+    """The recorded temperature stood still during the test."""
+    warmed = specimen.warmed or 0.0
+    return Finding(
+        f"The recorded temperature rose by {warmed:.2g} K over the record",
+        warmed,
+        "Stiffness and relaxation times changed with it",
+        "Let the seal soak longer.",
+    )
+
+
+def of_temperature(specimen: Specimen) -> list[Check]:
+    """What the file says of the temperature, as far as it says anything."""
+    answers = []
+    if specimen.stated_temperature is not None:
+        answers.append(temperature_as_stated(specimen))
+    if specimen.warmed is not None:
+        answers.append(temperature_held(specimen))
+    return answers
+
+
+# -- what preparation found -----------------------------------------------------------------------
+
+
+@criterion(
+    "samples", ">=", MIN_BASELINE, "our choice: the fewest that have a scatter", grade="note"
+)
+def baseline_recorded(before: Baseline) -> Finding:
+    """There is a baseline before contact to take the tare from."""
+    count = f"{before.samples} sample{'s' * (before.samples != 1)}"
+    return Finding(
+        f"{before.samples} samples ({before.duration:.3g} s) before contact give the tare to "
+        f"{written(before.noise / max(before.samples, 1) ** 0.5, 'mN', '.2g')}",
+        float(before.samples),
+        instead=f"The record has {count} before contact; at least {MIN_BASELINE:.0f} are needed. "
+        "The fitted offset alone sets the zero of the force",
+        remedy="Start the record a second before the ramp.",
+    )
+
+
+@criterion("its error / depth", "<=", 0.01, "our choice: every stiffness shares it")
+def contact_found(touch: Touch, depth: float, *, given: bool) -> Finding:
+    """First contact is known well enough."""
+    if given:
+        return Finding(
+            f"Contact was given, {written(touch.gap, 'mm', '.3g')} after the start of the motion"
+        )
+    if touch.gap == 0:
+        return Finding("The seal touches where the motion begins: there is no air gap")
+    doubt = touch.standard_error / depth
+    return Finding(
+        f"The depth is known to {100 * doubt:.2g} %. The plate crosses an air gap of "
+        f"{written(touch.gap, 'mm', '.3g')} (± {written(touch.standard_error, 'mm', '.1g')}) "
+        "before the force rises",
+        doubt,
+        "Every stiffness has the same uncertainty",
+        "Start in light contact.",
+    )
+
+
+@criterion(
+    "preload / rise of the force",
+    "<=",
+    MAX_PRELOAD,
+    grade="note",
+    otherwise=f"limit beyond {LARGE_PRELOAD}; stop beyond {LATE_START} of a plate that moves",
+)
+def preload_absent(carried: float, rise: float, *, moving: bool = False) -> Finding:
+    """The load cell reads zero, near enough, before the ramp."""
+    share = abs(carried) / rise
+    says = "There is no preload before the ramp"
+    if carried:
+        says = (
+            f"The load cell reads {carried:.3g} N as the ramp starts, "
+            f"{rounded(100 * share, digits=2)} % of the rise"
+        )
+    late = moving and share > LATE_START
+    return Finding(
+        says,
+        share,
+        "The plate moves already at the first sample. The record begins within its ramp, or the "
+        "load cell was not tared"
+        if late
+        else "If this is the cell's offset, the tare is right. If the seal was pressed, the "
+        "stiffnesses are those about that preload",
+        "Record from a second before the ramp." if late else "Tare in air, or start from rest.",
+        grade="stop" if late else "limit" if share > LARGE_PRELOAD else None,
+    )
+
+
+@criterion("its change in the hold / its rise in the ramp", "<=", 1.1, LAW, grade="stop")
+def ramp_recorded(rise: float, change: float) -> Finding:
+    """The record begins before its ramp: what the ramp raises is more than what relaxes."""
+    return Finding(
+        "The ramp raises the force that relaxes",
+        abs(change) / max(abs(rise), 1e-300),
+        instead=f"The record begins within its ramp, or after it. The force changes by "
+        f"{written(rise, 'mN', '.3g')} in the ramp and by {written(change, 'mN', '.3g')} in the "
+        "hold; no part relaxes more than it was loaded",
+        remedy="Start recording a second before the ramp.",
+    )
+
+
+def refuse_late_start(where: str, rise: float, change: float) -> None:
+    """Raise DataError if the record begins after its ramp: nothing in a fit of it would be true."""
+    answer = ramp_recorded(rise, change)
+    if answer.failed:
+        raise DataError(f"{where}: {lowered(answer.told)}")
+
+
+@criterion(
+    "loadings in the record", "<=", 1.0, "by definition; or `--part cycle=N` chooses", grade="note"
+)
+def single_loading(
+    index: int,
+    cycles: tuple[RampHoldCycle, ...],
+    *,
+    asked: bool,
+    before: Sequence[MotionSegment] = (),
+) -> Finding:
+    """The record leaves no choice of loadings that the user has not made.
+
+    Those `before` the one that is fitted are followed, with a hold or without.
+    """
+    cycle = cycles[index]
+    says, remedy = f"Used: {cycle.words()}", Remedy("Choose another.", "part", "cycle=N")
+    if len(cycles) > 1:
+        says = f"The record has {len(cycles)} loadings with a hold; cycle {index + 1} is fitted"
+        if not asked:
+            says += ", because its hold is the longest"
+    if before:
+        many = len(before)
+        says += (
+            f". {many} move{'s' * (many != 1)} towards the seal before it, from "
+            f"{before[0].start:.5g} to {before[-1].end:.5g} s, {'are' if many > 1 else 'is'} "
+            "followed from the first sample on as what the seal remembers, and not fitted"
+        )
+    if cycle.moves > 1:
+        says += (
+            f". It has {cycle.moves} ramps. The fit of ramp and hold follows them all; the fit of "
+            "the hold alone (eq. 5) does not apply"
+        )
+    return Finding(says, float(len(cycles)), remedy=remedy, excused=asked)
+
+
+@criterion(
+    "their misfit / their force", "<=", MAX_PAST_MISFIT, "simulation: conditioned seals that soften"
+)
+def history_explained(past: EarlierLoadings, *, broken: bool, pressed: bool = False) -> Finding:
+    """What came before the loading that is fitted is explained by the same solid."""
+    says = (
+        f"The solid of the last loading gives the force of the earlier ones to "
+        f"{100 * past.misfit:.2g} %"
+    )
+    if not past.converged:
+        says += ". How its face recovers was not found"
+    if broken:
+        says += ". Rows are missing while the plate moved"
+    if pressed:
+        says = "The record begins with the seal pressed, before the loading that is fitted"
+    return Finding(
+        says,
+        past.misfit,
+        "The seal softened, was set, or moved otherwise, so what it remembers is not known",
+        "Let it rest before the test, or condition it more often.",
+        faulted=broken or pressed or not past.converged,
+    )
+
+
+@criterion("face less its place / depth", "|x| <=", MAX_FACE_OFF, "simulation: a set that stays")
+def face_recovered(seen: float, expected: float, *, error: float, depth: float) -> Finding:
+    """The plate meets the seal again where its memory says that its face is.
+
+    Compressions there, m, with the standard error of the one that is seen.
+    """
+    off = max(abs(seen - expected) - 3 * error, 0.0)
+    return Finding(
+        f"The plate meets the seal again {written(seen, 'mm', '.3g')} from first contact, where "
+        f"its face is expected at {written(expected, 'mm', '.3g')}",
+        float(np.copysign(off, seen - expected)) / depth,
+        "The seal was set, or recovers otherwise than it relaxes",
+        "Let it rest before the test.",
+    )
+
+
+@criterion(
+    "of the depth, or of the force", "|x| <=", 0.005, "our choice: half of what a ramp shows"
+)
+def history_forgotten(left: float) -> Finding:
+    """What a loading remembers of those before it is too little to matter.
+
+    `left` is what the seal has not recovered when its ramp begins, of its depth or of its force.
+    """
+    return Finding(
+        f"When its ramp begins the seal has not recovered by {100 * left:.2g} %",
+        left,
+        "A law of the depth takes each loading of a record as one of a seal that has rested",
+        "Let it rest longer between two depths.",
+    )
+
+
+def history_checks(
+    record: RampHold, past: EarlierLoadings, met: Touch, *, pressed: bool
+) -> list[Check]:
+    """Return the checks of what came before the loading that is fitted."""
+    stop, corner = record.start, int(np.searchsorted(record.time, record.ramp_end))
+    pauses, moved = np.diff(record.time[: stop + 1]), np.diff(record.displacement[: stop + 1])
+    jumped = np.abs(moved) > MAX_PAST_JUMP * record.depth
+    broken = bool(np.any(jumped & (pauses > 5 * median(np.diff(record.time)))))
+    answers = [history_explained(past, broken=broken, pressed=pressed)]
+    plate, face = record.plate, record.displacement[stop:corner]
+    if plate is not None and met.gap > 0:
+        away = np.flatnonzero(plate[stop:corner] < face)
+        if away.size:
+            seen = float(np.interp(record.onset, record.time, plate))
+            expected = float(face[away[-1]])
+            error = met.standard_error
+            answers.append(face_recovered(seen, expected, error=error, depth=record.depth))
+    return answers
+
+
+@criterion("overshoot / depth", "<=", MAX_OVERSHOOT, grade="note")
+def overshoot_small(test: RampHold, *, moves: int) -> Finding:
+    """The plate stops where it is held."""
+    if moves > 1:
+        return Finding("With several ramps an overshoot is not judged")
+    highest = float(median_of_three(test.displacement).max()) - 3 * test.displacement_noise
+    share = max(highest / test.depth - 1, 0.0)
+    return Finding(
+        f"The plate overshoots the held depth by {100 * share:.2g} %",
+        share,
+        "The fit of ramp and hold follows it. The fit of the hold alone (eq. 5) does not, and a "
+        "seal pressed deeper is softer",
+        "Slow the last part of the ramp.",
+    )
+
+
+@criterion("longest pause / ramp", "<=", 0.2, "our choice; or 3 usual pauses")
+def samples_unbroken(test: RampHold) -> Finding:
+    """No samples are missing where the force changes fastest."""
+    early = (test.time >= test.onset) & (test.time <= test.ramp_end + test.ramp_time)
+    pauses = np.diff(test.time[early])
+    worst = float(pauses.max(initial=0.0))
+    share = worst / test.ramp_time
+    return Finding(
+        f"The longest pause between samples, up to one ramp time after the ramp, is {worst:.3g} s",
+        share,
+        f"It is {100 * share:.0f} % of the ramp. The motion in the pause is taken as straight",
+        "Restore the missing rows, or sample faster.",
+        excused=worst <= 3 * (median(pauses) if pauses.size else 0.0),
+    )
+
+
+@criterion(
+    "pause / time from onset",
+    "<=",
+    MAX_PAUSE,
+    "our choice; or 3 times the pauses beside it, or 5 % of the rest",
+    otherwise=f"at most {MAX_LEAP} for a leap of an even clock; stop if it is longer than all the "
+    "rest",
+)
+def clock_steady(test: RampHold | LoadHold, time: FloatArray | None = None) -> Finding:
+    """The clock runs on without a jump.
+
+    That is from onset to the end of the hold; for an even clock over the whole of `time`, by
+    default that of the record.
+    """
+    used = test.time[int(np.searchsorted(test.time, test.onset)) : test.hold.stop]
+    if len(used) <= BESIDE:
+        return Finding("The record is too short to judge its clock")
+    pauses = np.diff(used)
+    # a load that is a step has no ramp
+    least = test.ramp_time or BESIDE * median(pauses)
+    jump = _leap_of(test.time if time is None else time, test.onset, least)
+    if jump is not None:
+        return jump
+    since = np.maximum(used[:-1] - test.onset, least)
+    worst = int(np.argmax(pauses / since))
+    longest, rest = float(pauses[worst]), float(used[-1] - used[0] - pauses[worst])
+    near = np.delete(pauses[max(worst - BESIDE, 0) : worst + BESIDE + 1], min(worst, BESIDE))
+    return Finding(
+        f"The longest pause for its place is {longest:.3g} s, {since[worst]:.3g} s after onset",
+        float(longest / since[worst]),
+        JUMPED,
+        Remedy("Cut the record before the pause, or correct its clock.", "cuts", "hold-end=..."),
+        # two leaps side by side do not excuse each other
+        excused=longest <= 3 * float(np.sort(near)[-BESIDE // 2]) or longest <= 0.05 * rest,
+        grade="stop" if longest > rest else None,
+    )
+
+
+def _leap_of(time: FloatArray, onset: float, least: float) -> Finding | None:
+    """The leap of an even clock that is longest for its place, if any is long."""
+    found = leaps(time)
+    if not found or not ticks_evenly(time):
+        return None
+    shares = [one.step / max(abs(time[one.at] - onset), least) for one in found]
+    worst = int(np.argmax(shares))
+    if shares[worst] <= MAX_LEAP:
+        return None
+    one, since = found[worst], float(time[found[worst].at] - onset)
+    before = since < 0
+    return Finding(
+        f"The clock goes on by {one.step:.3g} s where its steps are {one.beside:.3g} s, "
+        f"{abs(since):.3g} s {'before' if before else 'after'} onset",
+        shares[worst],
+        "The clock jumped, or the record was interrupted" if before else JUMPED,
+        Remedy("Leave out the rows before it, or correct its clock.")
+        if before
+        else Remedy("Cut the record there, or correct its clock.", "cuts", "hold-end=..."),
+        limit=MAX_LEAP,
+        grade="stop" if not before and 2 * one.step > time[-1] - onset else None,
+    )
+
+
+@criterion("lone samples", "<=", 0.0, source="by definition")
+def spikes_absent(test: RampHold) -> Finding:
+    """No lone sample stands apart in either channel."""
+    force = np.flatnonzero(spikes(test.time, test.force))
+    plate = np.flatnonzero(spikes(test.time, test.displacement))
+    count = len(force) + len(plate)
+    if not count:
+        return Finding("No single sample differs from its neighbours", 0.0)
+    first = test.time[min(np.concatenate((force, plate)))]
+    return Finding(
+        f"{count} single samples differ from both neighbours, the first at t = {first:.6g} s. "
+        f"{len(force)} are of the force, {len(plate)} of the displacement",
+        float(count),
+        remedy=Remedy("Correct them in the file, or use a running median.", "filter", "median:3"),
+    )
+
+
+@criterion(
+    "part of the hold",
+    "<=",
+    MAX_FROZEN,
+    "our choice: a shorter stretch moves no stiffness",
+    otherwise=f"stop if the force stands for more than {GROSSLY_FROZEN}",
+)
+def readings_renewed(test: RampHold, force: FloatArray, displacement: FloatArray) -> Finding:
+    """Both channels are read anew from sample to sample of the hold.
+
+    Parameters
+    ----------
+    test : RampHold
+    force, displacement : array, shape (n,)
+        Of the same samples, as they stand in the file: a tare or a line of hum taken off would
+        leave no two readings equal bit for bit.
+    """
+    held, time = test.hold, test.time[test.hold]
+    f, x = force[held], displacement[held]
+    if len(f) < FEWEST:
+        return Finding("The hold has too few samples to show whether a channel stands still")
+    step = np.abs(x[BEFORE:] - x[:-BEFORE])
+    moves = step > max(MOVED * test.depth, 6 * test.displacement_noise)
+    resting = ~np.concatenate((moves, np.zeros(BEFORE, dtype=bool)))
+    resting[BEFORE:] &= ~moves
+    resting &= time > test.ramp_end + SETTLING * test.ramp_time
+    before, ramp = np.searchsorted(test.time, (test.onset, test.ramp_end)).tolist()
+    # a part that is pressed falls, on either side of zero; a plate that moves on loads it again
+    turn = 1.0 if (f - f.mean()) @ test.force[held] >= 0 else -1.0
+    since = time - test.ramp_end if not moves[resting.argmax() :].any() else None
+    besides = force[:before], force[before:ramp]
+    stuck = frozen_runs(turn * f, resting=resting, since=since, besides=besides)
+    still = frozen_runs(x, resting=np.zeros(len(x), dtype=bool))
+    # a plate that soon rests for good may well show no more noise
+    still = still[(still[:, 1] < len(x) - 1) | (still[:, 0] > SOON * len(x))]
+    of_force, of_plate = (float(np.sum(np.diff(one) + 1)) / len(f) for one in (stuck, still))
+    channel, runs_of_it = ("force", stuck) if of_force >= of_plate else ("displacement", still)
+    share = max(of_force, of_plate)
+    if not len(runs_of_it):
+        return Finding("No channel stands at one value while it should scatter or change", 0.0)
+    first, last = runs_of_it[np.argmax(np.diff(runs_of_it)[:, 0])]
+    count = len(runs_of_it)
+    others = f", and {count - 1} more times" if count > 1 else ""
+    return Finding(
+        f"The {channel} has one and the same value for {last - first + 1} samples, from "
+        f"{time[first]:.4g} to {time[last]:.4g} s{others}",
+        share,
+        f"Its other samples rule that out: the channel was not read for "
+        f"{100 * share:.2g} % of the hold",
+        Remedy("Cut the record before that, or repeat the test.", "cuts", "hold-end=..."),
+        grade="stop" if of_force > GROSSLY_FROZEN else None,
+    )
+
+
+@criterion(
+    "force lost / noise",
+    "<=",
+    MAX_UNRESOLVED,
+    "our choice: 1 noise SD over the samples of a step",
+    grade="note",
+    otherwise=f"limit beyond {GROSSLY:g}",
+)
+def motion_resolved(test: RampHold) -> Finding:
+    r"""The samples follow the motion between them.
+
+    Taken as straight, a motion is missed by :math:`h^2 \ddot x/8`, and the force by the largest
+    secant stiffness of the ramp times that. A few sharp corners may lie between samples. Limits
+    count the rows of the ramp for less by it.
+    """
+    ramp = test.held_until(test.ramp_end + test.ramp_time)
+    x, left = true_motion(ramp)
+    time, force = test.time[: len(x)], test.force[: len(x)]
+    if len(x) < 4 * CORNERS:
+        return Finding("The ramp has too few samples to show how its motion bends between them")
+    missed = bends(ramp, time, x, left)
+    pressed = x > 0.2 * test.depth
+    stiffness = float(((force[pressed] - test.preload) / x[pressed]).max(initial=0.0))
+    worst = but_corners(np.abs(missed)) * stiffness
+    value = worst / max(test.force_noise, 1e-3 * float(force.max()))
+    needed = np.sqrt(value / MAX_UNRESOLVED) / median(np.diff(time))
+    # a motor bends to and fro all along the ramp, a servo swings a few times
+    seen = missed[np.abs(missed) * stiffness * value > LOST * worst]
+    steps_on = value > LOST and np.count_nonzero(np.diff(np.sign(seen))) >= TO_AND_FRO
+    return Finding(
+        f"Between two samples the bend of the motion is worth {written(worst, 'mN', '.2g')}",
+        value,
+        f"That is {value:.2g} times the noise at many samples. Fast arms follow what is missed",
+        f"Sample at {rounded(needed, digits=2)} Hz or faster.",
+        faulted=bool(steps_on),
+        grade="limit" if value > GROSSLY else None,
+    )
+
+
+@criterion("readings that moved in the later half", ">", 0.0, "by definition")
+def motion_measured(test: RampHold) -> Finding:
+    """The displacement of the hold is a reading that would show a creeping crosshead."""
+    force, moved = test.force[test.hold], test.readings_moved
+    part, middle = max(len(force) // 20, 1), len(force) // 2
+    if moved:
+        return Finding("The displacement of the hold is measured, not commanded", float(moved))
+    fall = float(force[middle : middle + part].mean() - force[-part:].mean())
+    creep = 1e-3 * abs(float(force[-part:].mean()))
+    share = f" ({100 * creep / fall:.2g} % of its fall)" if fall > creep else ""
+    step = f", or its step of {written(test.encoder_step, 'um', '.3g')} hides the change"
+    return Finding(
+        "The displacement does not change in the hold: it is the commanded one"
+        f"{step if test.encoder_step else ''}. A crosshead that crept by 0.1 % of the depth would "
+        f"change the force by {written(creep, 'mN', '.2g')}{share} over the last half of the hold",
+        remedy="Measure the displacement at the seal.",
+    )
+
+
+@criterion(
+    "sinking / depth", "<=", 0.03, "our choice; or the force falls a tenth as much", grade="stop"
+)
+def columns_plausible(test: RampHold) -> Finding:
+    """It is the displacement that rests, and the force that decays."""
+    x, f = test.displacement[test.hold], test.force[test.hold]
+    tenth = max(len(x) // 10, 1)
+    sank = float(x[:tenth].mean() - x[-tenth:].mean()) / test.depth
+    eased = float(f[:tenth].mean() - f[-tenth:].mean()) / max(float(np.abs(f).max()), 1e-300)
+    return Finding(
+        "The displacement rests while the force decays",
+        sank,
+        instead=f"Force and displacement look swapped. In the hold the displacement sinks by "
+        f"{100 * sank:.2g} % while the force rests",
+        remedy=Remedy("Name the columns.", "column", "force=NAME"),
+        excused=abs(eased) >= 0.1 * sank,
+    )
+
+
+@criterion("peak / full scale", ">=", 0.05, grade="note")
+def range_used(peak: float, full_scale: float) -> Finding:
+    """The test uses the range of the load cell."""
+    share = peak / full_scale
+    return Finding(
+        f"The peak force is {100 * share:.2g} % of the load cell's {full_scale:g} N",
+        share,
+        "A smaller load cell would drift and scatter less",
+        "Use a smaller load cell.",
+    )
+
+
+# -- what a prepared record shows -----------------------------------------------------------------
+
+
+def of_records(
+    tests: Sequence[RampHold], *, method: str, solids: Sequence[GeneralizedMaxwell | None] = ()
+) -> tuple[Check, ...]:
+    """Return the checks of the records, each at its worst over `tests`.
+
+    `solids` are those that were fitted, one to a test: what such a solid explains is no fault.
+    """
+    still = [hold_is_still(test, method=method) for test in tests]
+    each = zip(tests, solids or [None] * len(tests), strict=True)
+    relaxes = [force_relaxes(test, solid) for test, solid in each]
+    before, after, last = zip(*map(_as_recorded, tests), strict=True)
+    columns = (
+        *zip(*before, strict=True), still, *zip(*after, strict=True), relaxes,
+        *zip(*last, strict=True),
+    )  # fmt: skip
+    return tuple(map(worst, columns))
+
+
+@kept
+def _as_recorded(
+    test: RampHold,
+) -> tuple[tuple[Check, ...], tuple[Check, ...], tuple[Check, ...]]:
+    """The checks of one record whatever is fitted: before its hold, behind it, and of its depth."""
+    last = test.last_loading
+    before = force_not_clipped(last), force_resolved(last.reading), depth_resolved(test)
+    after = hold_outlasts_ramp(test), ramp_sampled(test)
+    return before, after, (strain_small(test),)
+
+
+@criterion(
+    "samples at the peak",
+    "<",
+    FLAT_SAMPLES,
+    "our choice; or a rest or noise explains it",
+    grade="stop",
+)
+def force_not_clipped(test: RampHold) -> Finding:
+    """The peak is no ceiling at which the force stayed while the seal still moved."""
+    top, count, first, last = _flat_top(test.reading)
+    moved = float(np.ptp(test.displacement[first : last + 1]))
+    long = last - first >= FLAT_SAMPLES - 1
+    # of most records no more need be known
+    step = quantum(test.reading) if long else 0.0
+    # over so far the force climbs by three quanta even at half its mean rate
+    climb = 6 * step * test.depth / max(float(np.ptp(test.force)), 1e-300)
+    far = max(0.02 * test.depth, climb, 4 * test.displacement_noise)
+    too_even = last - first >= 9 and 0 < step < 2 * test.force_noise
+    return Finding(
+        f"The force peaks at {top:.4g} N without a flat top",
+        float(count),
+        instead=f"The force is clipped at {top:.4g} N. {count} samples have this value while the "
+        f"compression grows by {100 * moved / test.depth:.0f} % of the depth, so every stiffness "
+        "is too low",
+        remedy="Use a larger range of the sensor, or press less deep.",
+        excused=not (long and (moved > far or too_even)),
+    )
+
+
+@criterion("rise / step of the sensor", ">=", MIN_QUANTA, "our choice: a decay shows", grade="stop")
+def force_resolved(force: FloatArray, rise: float | None = None) -> Finding:
+    """The force is many times what the sensor can resolve."""
+    step = quantum(force)
+    if step == 0.0:
+        return Finding("The force shows no quantisation")
+    quanta = (float(np.ptp(force)) if rise is None else rise) / step
+    return Finding(
+        f"The peak force is {quanta:.0f} steps of the sensor's resolution "
+        f"({written(step, 'mN', '.3g')}); at least {MIN_QUANTA:.0f} are needed",
+        quanta,
+        "Fewer steps cannot show a decay",
+        "Press deeper, take a longer piece, or use a smaller sensor.",
+    )
+
+
+def refuse_unresolved(where: str, rise: float, force: FloatArray) -> None:
+    """Raise DataError if the force, as recorded, rises by a few steps of the sensor only."""
+    if force_resolved(force, rise).failed:
+        step = quantum(force)
+        raise DataError(
+            f"{where}: not fitted. The force rises by {written(rise, 'mN', '.3g')}, "
+            f"{rise / step:.0f} steps of the sensor's {written(step, 'mN', '.3g')}; at least "
+            f"{MIN_QUANTA:.0f} are needed. Press deeper, take a longer piece, or use a smaller "
+            "sensor."
+        )
+
+
+def refuse_saturated(where: str, test: RampHold) -> None:
+    """Raise DataError if the force has a flat top: a fit through it is wrong everywhere."""
+    test = test.last_loading
+    if not force_not_clipped(test).failed:
+        return
+    plausible = columns_plausible(test)
+    if plausible.failed:
+        raise DataError(f"{where}: {lowered(plausible.told)}")
+    top, _, first, last = _flat_top(test.force)
+    raise DataError(
+        f"{where}: not fitted. The force is clipped at {top:.4g} N above the tare from "
+        f"{test.time[first]:.3g} to {test.time[last]:.3g} s ({last - first + 1} samples). A fit "
+        "through it would be wrong. Choose a larger load-cell range or a smaller compression, and "
+        "repeat the test."
+    )
+
+
+def _flat_top(force: FloatArray) -> tuple[float, int, int, int]:
+    """Return the highest force, how often it is read, and its longest run: first and last."""
+    top = float(force.max())
+    at_top = force >= top - 1e-9 * abs(top)
+    found = runs(at_top)
+    first, last = found[np.argmax(found[:, 1] - found[:, 0])].tolist()
+    return top, int(np.count_nonzero(at_top)), first, last
+
+
+@criterion(
+    "its error / depth",
+    "<=",
+    0.0025,
+    "simulation: behind counts of 60 um, of 5 to 9 mm, one misses in 5",
+)
+def depth_resolved(test: RampHold) -> Finding:
+    """The depth is known well enough to divide a force by it, and the ramp to tell a fast arm."""
+    doubt = test.depth_doubt
+    return Finding(
+        f"The encoder gives the depth of {written(test.depth, 'mm')} to ±{100 * doubt:.2g} %. "
+        "Every stiffness shares this uncertainty, and its standard error includes it",
+        doubt,
+        "What lies between its counts on the ramp looks like a fast arm",
+        remedy="Use a finer encoder, or press deeper.",
+    )
+
+
+@criterion(
+    "motion in the hold / depth", "<=", MAX_CREEP, "our choice; the fit of ramp and hold follows it"
+)
+def hold_is_still(test: RampHold, *, method: str) -> Finding:
+    """The plate stands still during the hold, or the fit follows it."""
+    creep = test.hold_creep
+    full = method == "full"
+    says = f"The displacement changes by {100 * creep:.2g} % of the depth during the hold"
+    if full and not abs(creep) <= MAX_CREEP:
+        says += ". The fit uses the recorded motion, so the result is valid"
+    return Finding(
+        says,
+        abs(creep),
+        f"The fit of the hold alone (eq. 5) allows {100 * MAX_CREEP:.0f} %",
+        Remedy("Fit ramp and hold together.", "method", "full"),
+        excused=full,
+    )
+
+
+@criterion("hold / ramp", ">=", MIN_HOLD_OVER_RAMP, grade="note", otherwise="limit below 3.3")
+def hold_outlasts_ramp(test: RampHold) -> Finding:
+    """The hold is many times the ramp."""
+    ratio = test.hold_time / test.ramp_time
+    return Finding(
+        f"The hold lasts {ratio:.3g} ramp times; at least {MIN_HOLD_OVER_RAMP:.0f} are needed",
+        ratio,
+        "The ramp hides the fast decay",
+        "Hold longer, or ramp faster.",
+        # the recorded ramp is followed, so that hiding some of the decay costs precision alone
+        grade="limit" if ratio < MIN_HOLD_OVER_RAMP / 3 else None,
+    )
+
+
+@criterion("samples in the ramp", ">=", MIN_RAMP_SAMPLES)
+def ramp_sampled(test: RampHold) -> Finding:
+    """There are samples enough in the ramp to see a fast arm."""
+    inside = (test.time >= test.onset) & (test.time <= test.ramp_end)
+    count = int(np.count_nonzero(inside))
+    return Finding(
+        f"The ramp of {test.ramp_time:.3g} s has {count} samples; at least "
+        f"{MIN_RAMP_SAMPLES:.0f} are needed",
+        float(count),
+        "An arm as fast as the ramp cannot be seen",
+        "Sample faster.",
+    )
+
+
+@criterion(
+    "rise in the hold, N",
+    "<=",
+    source="7 SE of a tenth of it, or 0.5 % of the force",
+    grade="stop",
+    ends=Status.FORCE_RISES,
+)
+def force_relaxes(test: RampHold, solid: GeneralizedMaxwell | None = None) -> Finding:
+    """The force rises in the hold by no more than the solid explains.
+
+    Under a plate that stands still the force of a relaxing solid falls; after an unloading it
+    recovers. `solid` is the one fitted, if there is one.
+    """
+    rise, limit = force_rise(test)
+    if solid is not None and rise > limit:
+        unexplained = force_rise(test, solid)[0]
+        if unexplained <= limit:
+            return Finding(
+                f"The force rises by {written(rise, 'mN', '.3g')} after an unloading, as the "
+                "fitted model does",
+                unexplained,
+                limit=limit,
+            )
+    return Finding(
+        "The force does not rise during the hold",
+        rise,
+        instead=f"The force rises by {written(rise, 'mN', '.3g')} during the hold; noise explains "
+        f"{written(limit, 'mN', '.3g')}. No relaxing part does that",
+        remedy="Look for swelling, warming, a plate that creeps, or a sensor that drifts.",
+        limit=limit,
+    )
+
+
+@criterion("depth / height", "<=", 0.20, "our choice: beyond, secant is not tangent")
+def strain_small(test: RampHold) -> Finding:
+    """The compression is a small part of the height of the section."""
+    height = test.specimen.height
+    if height is None:
+        return Finding("The height of the section is not given, so its strain is not judged")
+    strain = test.depth / height
+    return Finding(
+        f"The section is compressed by {100 * strain:.0f} % of its height",
+        strain,
+        "At this depth k_inf is a secant stiffness; vibration about it has the tangent stiffness",
+        "Test several depths, and fit them together.",
+    )
+
+
+def force_rise(test: RampHold, solid: GeneralizedMaxwell | None = None) -> tuple[float, float]:
+    """Return how far the force climbs from its lowest tenth to the last tenth of the hold, N.
+
+    The second value is what noise, and a half per cent of the force, would explain. The part
+    that a creeping plate explains by the secant stiffness is taken off first, or with a `solid` its
+    whole answer to the recorded motion.
+    """
+    force, x = test.force[test.hold], test.displacement[test.hold]
+    if len(force) < 20:
+        return 0.0, np.inf
+    secant = max(float(force[-len(force) // 10 :].mean()), 0.0) / test.depth
+    answer = secant * (x - x.mean()) if solid is None else _answer_of(solid, test)[test.hold]
+    tenths = [part.mean() for part in np.array_split(force - answer, 10)]
+    rise = float(tenths[-1] - min(tenths))
+    noise = max(test.force_noise, usual_scatter(test.time, test.force))
+    scatter = noise / np.sqrt(len(force) / 10)
+    return rise, float(max(7.0 * scatter, 0.005 * np.abs(force).max()))
+
+
+def _answer_of(solid: GeneralizedMaxwell, test: RampHold) -> FloatArray:
+    """The force of a solid that follows the recorded motion, N, shape (n,)."""
+    x = test.displacement
+    arms = zip(solid.k, solid.tau, strict=True)
+    answers = [k * arm_response(test.time, x, tau) for k, tau in arms]
+    return np.asarray(solid.k_inf * x + np.sum(answers, axis=0))
+
+
+# -- a creep test ---------------------------------------------------------------------------------
+
+
+@criterion("samples", ">=", MIN_BASELINE, "our choice: the fewest that have a scatter")
+def load_begins_at_rest(test: LoadHold) -> Finding:
+    """The record shows the part at rest before the load: the zero of the displacement."""
+    before = int(np.searchsorted(test.time, test.onset))
+    count = f"{before} sample{'s' * (before != 1)}"
+    zero = f"{before} samples before the load give the zero of the displacement"
+    third = before // 3
+    # under a load that is on record the part may move
+    unloaded = before and float(np.ptp(test.load[:before])) < MAX_PRELOAD * test.level
+    if before >= MIN_BASELINE and unloaded:
+        first, last = test.displacement[:third], test.displacement[before - third : before]
+        travel = float(np.ptp(test.displacement))
+        moved = abs(median(last) - median(first)) / travel
+        chance = 4 * test.displacement_noise * np.sqrt(2 / third)
+        return Finding(
+            f"{zero}, and move by {100 * moved:.2g} % of the travel",
+            float(before),
+            "The part still moves under an earlier load",
+            "Let it rest, or record that load too.",
+            faulted=moved > max(MAX_STIR, chance / travel),
+        )
+    return Finding(
+        zero,
+        float(before),
+        instead=f"The record has {count} before the load; at least {MIN_BASELINE:.0f} are needed. "
+        "The file's own zero is taken for that of the unloaded part",
+        remedy="Start the record a second before the load.",
+    )
+
+
+@criterion("part of the hold", "<=", MAX_FROZEN, "our choice: a shorter stretch moves no stiffness")
+def travel_renewed(test: LoadHold, displacement: FloatArray) -> Finding:
+    """The displacement is read anew from sample to sample while the load is held.
+
+    Of a load that is held nothing else is expected than that it stands. `displacement` is of the
+    same samples as it stands in the file.
+    """
+    x, time = displacement[test.hold], test.time[test.hold]
+    turn = 1.0 if (x - x.mean()) @ test.displacement[test.hold] >= 0 else -1.0
+    # what creeps rises; it is turned, for what relaxes falls
+    found = frozen_runs(-turn * x, since=time - test.ramp_end)
+    if not len(found):
+        return Finding("The displacement stands at no value while it should scatter or change", 0.0)
+    first, last = found[np.argmax(np.diff(found)[:, 0])]
+    share = float(np.sum(np.diff(found) + 1)) / len(x)
+    return Finding(
+        f"The displacement has one and the same value for {last - first + 1} samples, from "
+        f"{time[first]:.4g} to {time[last]:.4g} s",
+        share,
+        f"Its other samples rule that out: it was not read for {100 * share:.2g} % of the hold",
+        "Repeat the test.",
+    )
+
+
+@criterion("change in the hold / load", "<=", MAX_LOAD_CHANGE, grade="note")
+def load_held(test: LoadHold) -> Finding:
+    """The load stays what it is held at, or the fit follows it."""
+    held = test.load[test.hold]
+    settled = held[len(held) // 10 :]
+    change = float(np.ptp(settled)) / test.level
+    return Finding(
+        f"The load changes by {100 * change:.2g} % while it is held",
+        change,
+        "The fit uses the recorded force, so the result is valid. A curve of displacement over "
+        "load is not",
+        "Hold the load more evenly.",
+    )

@@ -1,0 +1,264 @@
+"""The load cell before contact, its zero, noise and drift; and where the force first rises."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import Step
+from dashpot.base.units import in_unit, written
+from dashpot.numerics.inference.covariance import white
+
+# samples: fewer have no scatter to speak of
+MIN_BASELINE = 5.0
+# readings of which all trials are one array
+AT_ONCE = 1 << 12
+
+
+class Baseline(NamedTuple):
+    """What the load cell showed before the plate met the seal.
+
+    Attributes
+    ----------
+    samples : int
+    duration : float
+        s.
+    level, noise : float
+        Mean, and standard deviation about a straight line, N.
+    slope, slope_error : float
+        Of that line, N/s; the error is infinite where the baseline is too short.
+    middle : float
+        Its mean time, s.
+    """
+
+    samples: int
+    duration: float
+    level: float
+    noise: float
+    slope: float
+    slope_error: float
+    middle: float
+
+    @property
+    def long_enough(self) -> bool:
+        """Five samples make a mean worth subtracting."""
+        return self.samples >= MIN_BASELINE
+
+
+def baseline_of(time: FloatArray, force: FloatArray) -> Baseline:
+    """Describe the samples before contact; there is at least one."""
+    middle, level = float(time.mean()), float(force.mean())
+    t = time - middle
+    power = float(t @ t)
+    sloped = len(force) >= MIN_BASELINE and power > 0
+    slope = float(t @ force) / power if sloped else 0.0
+    free = len(force) - 2 * sloped
+    noise = float(np.sqrt(np.sum((force - level - slope * t) ** 2) / free))
+    error = noise / power**0.5 if sloped else np.inf
+    return Baseline(len(force), float(np.ptp(time)), level, noise, slope, error, middle)
+
+
+def zeroed(
+    time: FloatArray, force: FloatArray, found: Baseline, *, drift: float | str | None, where: str
+) -> tuple[FloatArray, Step]:
+    """Take off the tare, and the drift if it was asked for.
+
+    Raises
+    ------
+    DataError
+        If the drift of a baseline is asked for that is too short to show one.
+    """
+    if drift == "baseline" and not found.long_enough:
+        raise DataError(
+            f"{where}: drift='baseline' was asked for, but {found.samples} samples lie before "
+            f"contact; expected at least {MIN_BASELINE:.0f}: record a baseline, or give the drift "
+            "in N/s"
+        )
+    rate = found.slope if drift == "baseline" else float(drift or 0.0)
+    tare = found.level if found.long_enough else 0.0
+    says = (
+        f"tare of {written(tare, 'mN')} from {found.samples} samples before contact"
+        if found.long_enough
+        else "no tare: the record starts on the ramp"
+    )
+    if np.isfinite(found.slope_error):
+        says += (
+            f"; the baseline drifts by {in_unit(found.slope, 'mN/s'):.2g} +- "
+            f"{in_unit(found.slope_error, 'mN/s'):.1g} mN/s"
+        )
+    says += f"; {written(rate, 'mN/s', '.3g')} taken off" if rate else "; no drift taken off"
+    parameters = (("tare_n", repr(tare)), ("drift_n_per_s", repr(rate)))
+    return force - tare - rate * (time - found.middle), Step("tare", parameters, says)
+
+
+class Contact(NamedTuple):
+    """Where the plate met the seal.
+
+    Attributes
+    ----------
+    displacement : float
+        m, on the scale of the record.
+    standard_error : float
+        m.
+    sample : int
+        The first sample whose force stands 5 sigma above the baseline.
+    """
+
+    displacement: float
+    standard_error: float
+    sample: int
+
+
+def find_contact(displacement: FloatArray, force: FloatArray, *, noise: float) -> Contact | None:
+    r"""The displacement at which the force begins to rise.
+
+    The force must leave the baseline by 5 sigma and stay; then
+
+    .. math:: F = F_0 + a\,(x - x_c)_+ + b\,(x - x_c)_+^2
+
+    is fitted around that place, up to a tenth of the peak or 20 sigma: `a`, `b` and the tare
+    linearly, the contact :math:`x_c` by search. The square bends with a seal that relaxes or
+    stiffens, so that the straight line of a later force does not shift the contact.
+
+    Parameters
+    ----------
+    displacement, force : array, shape (n,)
+        From the start of the record to the peak, m and N; both rise.
+    noise : float
+        Standard deviation of the force before contact, N.
+
+    Returns
+    -------
+    Contact or None
+        None if the force already stands above its first values, or never rises.
+    """
+    x, f = displacement, force
+    peak = float(f.max())
+    quiet = np.flatnonzero(f <= 5 * noise)
+    if not quiet.size or quiet[-1] + 1 >= len(f) or peak <= 10 * noise:
+        return None
+    first = int(quiet[-1]) + 1
+    far = np.flatnonzero(f >= max(20 * noise, 0.1 * peak))
+    stop = int(far[0]) + 1 if far.size else len(f)
+    stop = min(max(stop, first + 4), len(f))
+    # as much air as contact: enough to hold the tare, not so much as to feel its waves
+    span = max(x[stop - 1] - x[first], 1e-300)
+    start = int(np.argmax(x > x[first] - 2 * span)) if x[0] <= x[first] - 2 * span else 0
+    start = min(start, max(first - 3, 0))
+    near_x, near_f = x[start:stop], f[start:stop]
+    if len(near_x) < 6:
+        return None
+    return _searched(near_x, near_f, first)
+
+
+def _searched(x: FloatArray, f: FloatArray, first: int) -> Contact:
+    # the samples of one reading are one row: while the plate rests, nearly all of them
+    reading, which, count = np.unique(x, return_inverse=True, return_counts=True)
+    mean = np.bincount(which, f) / count
+    within = float(np.square(f - mean[which]).sum())
+    low, high = float(reading[0]), float(reading[-1])
+    best = low
+    for _ in range(3):
+        trials = np.linspace(low, high, 41)
+        few = np.array_split(trials, min(1 + len(reading) // AT_ONCE, len(trials)))
+        sums = np.concatenate([_misfits(reading, mean, count, one, within) for one in few])
+        i = int(np.argmin(sums))
+        best = float(trials[i])
+        low, high = float(trials[max(i - 2, 0)]), float(trials[min(i + 2, 40)])
+    return Contact(best, _doubt(x, f, best), first)
+
+
+def _columns(x: FloatArray, contact: FloatArray) -> FloatArray:
+    """What is fitted to the force, shape (trials, n, 3)."""
+    pressed = np.maximum(x - contact[:, None], 0.0)
+    part = pressed / np.maximum(pressed.max(axis=1, keepdims=True), 1e-300)
+    return np.stack((np.ones_like(part), part, part**2), axis=2)
+
+
+def _misfits(
+    reading: FloatArray, mean: FloatArray, count: IndexArray, contact: FloatArray, within: float
+) -> FloatArray:
+    """Sum of squares for each trial contact; least squares by singular values, all at once."""
+    weight = np.sqrt(count)
+    columns, force = weight[:, None] * _columns(reading, contact), weight * mean
+    basis, size, turn = np.linalg.svd(columns, full_matrices=False)
+    shown = size > 1e-10 * size[:, :1]
+    along = np.where(shown, force @ basis, 0.0)
+    r = force - np.squeeze(basis @ along[:, :, None], axis=2)
+    straight = np.sum(along / np.where(shown, size, 1.0) * turn[:, :, 1], axis=1)
+    # a force that falls at first contact is no contact
+    return np.asarray((np.sum(r**2, axis=1) + within) * np.where(straight >= 0, 1.0, 4.0))
+
+
+def _doubt(x: FloatArray, f: FloatArray, contact: float) -> float:
+    """Standard error of the contact: in the Jacobian its column is the slope of the rise.
+
+    Where the force starts as a square, a straight part and a shift are one: the straight
+    part is then left out.
+    """
+    (columns,) = _columns(x, np.array([contact]))
+    solution = np.linalg.lstsq(columns, f, rcond=1e-10)[0]
+    r = f - columns @ solution
+    pressed = columns[:, 1]
+    slope = -(solution[1] + 2 * solution[2] * pressed) * (pressed > 0)
+    kept = columns if solution[1] > 0.2 * solution[1:].sum() else columns[:, [0, 2]]
+    jacobian = np.column_stack((kept, slope))
+    variance = float(r @ r) / max(len(x) - jacobian.shape[1], 1)
+    scale = float(np.maximum(x - contact, 0.0).max())
+    return scale * float(np.sqrt(white(jacobian, variance)[-1, -1]))
+
+
+class Touch(NamedTuple):
+    """What is taken for first contact.
+
+    Attributes
+    ----------
+    displacement : float
+        m, on the scale of the record.
+    gap : float
+        Its distance from where the plate rested, m; 0 if no air shows.
+    standard_error : float
+        m; 0 if contact was given or no air shows.
+    """
+
+    displacement: float
+    gap: float
+    standard_error: float = 0.0
+
+
+def touch_of(
+    displacement: FloatArray,
+    force: FloatArray,
+    *,
+    noise: float,
+    rest: float,
+    level: float,
+    least_gap: float,
+    rested: bool,
+) -> Touch:
+    """Decide whether the plate crossed air before it met the seal.
+
+    Parameters
+    ----------
+    displacement, force : array, shape (n,)
+        Up to the peak, m and N above the baseline.
+    noise : float
+        N.
+    rest, level : float
+        Where the plate stood before the ramp and where it is held, m.
+    least_gap : float
+        Below this, m, no gap is claimed.
+    rested : bool
+        False if the record starts on the ramp: then at least 20 quiet samples must show the air,
+        for there is no other baseline.
+    """
+    found = find_contact(displacement, force, noise=noise)
+    if found is None or (not rested and found.sample < 20):
+        return Touch(rest, 0.0)
+    gap = found.displacement - rest
+    if not max(least_gap, 3 * found.standard_error) < gap < 0.9 * (level - rest):
+        return Touch(rest, 0.0)
+    return Touch(found.displacement, gap, found.standard_error)

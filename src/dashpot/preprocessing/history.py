@@ -1,0 +1,163 @@
+r"""What a seal went through before the loading that is fitted: its face under a plate that left it.
+
+The hereditary integral begins with the first sample. Where the plate is away from a seal that has
+not recovered, the face follows from its own force, which is zero
+(:mod:`dashpot.solids.free_face`), and so from the solid that is sought: solid and face are found
+by turns, beginning with a face that goes straight from where the force ended to where it begins.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, runs
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.numerics.design_matrices.recorded_motion import recorded_block
+from dashpot.numerics.exponential_fit.variable_projection import solve_orders
+from dashpot.preprocessing.denoising import true_motion
+from dashpot.signals.noise import median_of_three
+from dashpot.solids.free_face import face_under_plate
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# arms of the solid that the face is followed by; fewer where so many leave more than the noise
+MOST_ARMS = (4, 3, 2, 1)
+# times the scatter of the force: what is left of the last loading is noise; of their force, what is
+# left of earlier ones
+AS_NOISE, EXPLAINED = 1.1, 5e-3
+# of the peak: less is no noise
+ROUNDING = 1e-4
+# times that solid and face are found, each with the other
+ROUNDS = 8
+# of the depth: a face that moves by less has been found
+SETTLED_FACE = 1e-4
+# times its scatter, and of its peak, by which a seal that is pressed shows a force
+PRESSED, PRESSED_PART = 5.0, 0.004
+# of the peak, and times the scatter, by which a bonded seal pulls at a plate that went back
+PULLED_PART, PULLED = 0.01, 8.0
+# of the depth: a plate as near to first contact has gone back
+BACK = 0.1
+
+
+class EarlierLoadings(NamedTuple):
+    """What was followed of the loadings before the one that is fitted.
+
+    Attributes
+    ----------
+    misfit : float
+        Largest root mean square of the force of one of them less what the solid of the last
+        loading gives, over that of its force.
+    arms : int
+        Of that solid.
+    converged : bool
+        Whether solid and face were found, each with the other.
+    """
+
+    misfit: float
+    arms: int
+    converged: bool
+
+
+def is_bonded(
+    force: FloatArray, compression: FloatArray, *, noise: float, peak: float, depth: float
+) -> bool:
+    """Whether a plate that goes back is pulled at: the seal is bonded to it.
+
+    Force and compression of the loadings before the last, N and m; the force is 0 in air.
+    """
+    least = max(PULLED_PART * peak, PULLED * noise)
+    return bool(np.any((median_of_three(force) < -least) & (compression < BACK * depth)))
+
+
+def follow_history(record: RampHold) -> tuple[RampHold, EarlierLoadings]:
+    """Return the record with the face of its seal, and how well its earlier loadings agree.
+
+    Parameters
+    ----------
+    record : RampHold
+        With earlier loadings. Where it has a `plate`, its displacement is not looked at.
+    """
+    plate = record.plate
+    if plate is None:
+        solid, _ = _solid_of(record, MOST_ARMS[0])
+        return record, EarlierLoadings(_misfit(record, solid), solid.arms, converged=True)
+    first = replace(record, displacement=_first_face(record, plate))
+    tried: list[tuple[float, RampHold, EarlierLoadings]] = []
+    for arms in MOST_ARMS:
+        # a fast arm can stand for a wrong face: fewer arms then leave less
+        left, found, past = _by_turns(first, plate, arms)
+        noise = max(record.force_noise, ROUNDING * float(record.force.max()))
+        beyond = max(left / noise - AS_NOISE, 0.0)
+        tried.append((beyond + past.misfit, found, past))
+        if tried[-1][0] <= EXPLAINED:
+            break
+    _, record, past = min(tried, key=lambda one: one[0])
+    return record, past
+
+
+def _by_turns(
+    record: RampHold, plate: FloatArray, arms: int
+) -> tuple[float, RampHold, EarlierLoadings]:
+    """Solid and face, each found with the other: what is left of the force, N, and the record."""
+    (solid, left), moved = _solid_of(record, arms), np.inf
+    for _ in range(ROUNDS):
+        face, _ = face_under_plate(solid, record.time, plate)
+        moved = float(np.abs(face - record.displacement)[: record.hold.stop].max()) / record.depth
+        record = replace(record, displacement=face)
+        solid, left = _solid_of(record, arms)
+        if moved < SETTLED_FACE:
+            break
+    converged = moved < 10 * SETTLED_FACE
+    return left, record, EarlierLoadings(_misfit(record, solid), solid.arms, converged=converged)
+
+
+def _first_face(record: RampHold, plate: FloatArray) -> FloatArray:
+    """Where the force tells that the plate presses, that of the plate; straight between, m."""
+    force, t = median_of_three(record.force), record.time
+    least = max(PRESSED * record.force_noise, PRESSED_PART * float(force.max()))
+    pressed = (force > least) & (plate > 0)
+    first = int(np.argmax(pressed))
+    face = np.interp(t, t[pressed], plate[pressed])
+    face[:first] = np.maximum(plate[:first], 0.0)
+    return np.maximum(face, plate)
+
+
+def _solid_of(record: RampHold, arms: int) -> tuple[GeneralizedMaxwell, float]:
+    """A solid that follows the last loading after the earlier ones, and what it leaves, N rms."""
+    used = slice(0, record.hold.stop)
+    x, _ = true_motion(record)
+    time = record.time[used] - record.time[0]
+    first = int(np.searchsorted(record.time, record.onset))
+    # the force is tared: an offset would take what slow arms do
+    block = recorded_block(time, x - x[0], record.force[used], window=slice(first, None))
+    found = solve_orders([block], arms, negligible=float(2 * np.log(block.samples)))[-1]
+    k = found.arms[0] if found.order else np.zeros(0)
+    stiff = k > 0
+    solid = GeneralizedMaxwell(
+        max(found.coefficient("k_inf"), 1e-9 * float(k.sum() + 1e-300)),
+        tuple(k[stiff].tolist()),
+        tuple(np.asarray(found.tau)[stiff].tolist()),
+    )
+    return solid, float(np.sqrt(found.sse / block.samples))
+
+
+def _misfit(record: RampHold, solid: GeneralizedMaxwell) -> float:
+    """By how much the earlier loadings differ from a solid, of their own force."""
+    stop = record.start
+    x = true_motion(record)[0][:stop]
+    time, force = record.time[:stop] - record.time[0], record.force[:stop]
+    if stop < 8:
+        return 0.0
+    answer = solid.force(time, x - x[0])
+    least = PRESSED_PART * float(record.force.max())
+    worst = 0.0
+    for a, b in runs(answer > max(least, PRESSED * record.force_noise)).tolist():
+        size = float(np.sqrt(np.mean(answer[a : b + 1] ** 2)))
+        if b - a < 4 or size < 0.05 * float(record.force.max()):
+            continue
+        # scatter is no misfit
+        left = float(np.mean((force[a : b + 1] - answer[a : b + 1]) ** 2)) - record.force_noise**2
+        worst = max(worst, float(np.sqrt(max(left, 0.0))) / size)
+    return worst

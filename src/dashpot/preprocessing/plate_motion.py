@@ -1,0 +1,368 @@
+"""What the recorded displacement says: rests, ramps and holds, and the ideal ramp in them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, kept, median
+from dashpot.base.errors import DataError
+from dashpot.datamodel.relaxation import RelaxationTest
+from dashpot.signals.load_history import (
+    at_one_speed,
+    began_late,
+    creeps,
+    held_by_plate,
+    relaxes,
+    turned,
+)
+from dashpot.signals.noise import median_of_three
+from dashpot.signals.segments import (
+    MotionSegment,
+    RampHoldCycle,
+    choose_cycle,
+    cycles_of,
+    find_segments,
+    nothing_held,
+    resolution_of,
+)
+
+# samples of a stand before given times
+_FEWEST_AT_REST = 5
+_BEGINS_LATE = (
+    "yet the force relaxes: the record begins after its ramp. Start recording a second before the "
+    "ramp, because its speed and the force before it are needed"
+)
+
+
+class IdealRamp(NamedTuple):
+    """A straight ramp: ``x = level + speed * (t - at)``.
+
+    Attributes
+    ----------
+    speed : float
+        m/s.
+    at, level : float
+        One point of it, s and m.
+    first, last : int
+        The samples it was fitted to.
+    """
+
+    speed: float
+    at: float
+    level: float
+    first: int
+    last: int
+
+    def time_of(self, displacement: float) -> float:
+        """When the line passes `displacement`, s."""
+        return self.at + (displacement - self.level) / self.speed
+
+
+def ideal_ramp(
+    time: FloatArray, displacement: FloatArray, ramp: MotionSegment, *, origin: float, level: float
+) -> IdealRamp:
+    """The straight line through the middle of a ramp, from `origin` to `level`, m.
+
+    A real axis starts late and rounds both corners; between 20 % and 80 % of the rise it runs
+    straight, and there a line is fitted. Extended to `origin` and to `level` it gives the
+    ramp of equal speed that eq. 5 asks for, with the lag of the axis taken out and the encoder's
+    count averaged away. With fewer than 3 samples there, the line joins the crossings of 20 %
+    and 80 %.
+    """
+    # one sample beyond the segment on either side holds the corners of a coarse record
+    start, stop = max(ramp.first - 1, 0), min(ramp.last + 2, len(time))
+    t, x = time[start:stop], displacement[start:stop]
+    low, high = origin + 0.2 * (level - origin), origin + 0.8 * (level - origin)
+    first = _last_below(x, low)
+    last = first + int(np.argmax(x[first:] >= high))
+    inside = slice(first + 1, last)
+    if last - first - 1 >= 3:
+        tm, xm = float(t[inside].mean()), float(x[inside].mean())
+        moved = t[inside] - tm
+        speed = float(moved @ (x[inside] - xm) / (moved @ moved))
+        return IdealRamp(speed, tm, xm, start + first + 1, start + last - 1)
+    t_low = _crossing(t, x, first, low)
+    t_high = max(_crossing(t, x, last - 1, high), np.nextafter(t_low, np.inf))
+    return IdealRamp((high - low) / (t_high - t_low), t_low, low, start + first, start + last)
+
+
+def _last_below(x: FloatArray, level: float) -> int:
+    """The last sample below `level` before the record first stands at its highest."""
+    top = int(np.argmax(x))
+    below = np.flatnonzero(x[:top] < level)
+    return int(below[-1]) if below.size else 0
+
+
+def _crossing(t: FloatArray, x: FloatArray, i: int, level: float) -> float:
+    """Where the straight line from sample `i` to the next passes `level`."""
+    rise = x[i + 1] - x[i]
+    part = (level - x[i]) / rise if rise > 0 else 0.0
+    return float(t[i] + min(max(part, 0.0), 1.0) * (t[i + 1] - t[i]))
+
+
+@dataclass(frozen=True)
+class PlateMotion:
+    """The motion of the plate, rising with compression.
+
+    Attributes
+    ----------
+    sign : int
+        -1 if the record counted compression downwards.
+    cycles : tuple of RampHoldCycle
+        Every loading found.
+    index : int
+        Which of them is used.
+    line : IdealRamp
+        The straight part of its first ramp.
+    rest, level : float
+        Displacement before the first ramp and where it is first held, m.
+    start, departure, stop : int
+        The first sample kept, the last one at rest, and the last one of the last hold.
+    segments : tuple of MotionSegment
+        Of the whole record; empty where the times were given.
+    """
+
+    sign: int
+    cycles: tuple[RampHoldCycle, ...]
+    index: int
+    line: IdealRamp
+    rest: float
+    level: float
+    start: int
+    departure: int
+    stop: int
+    segments: tuple[MotionSegment, ...] = ()
+
+    @property
+    def cycle(self) -> RampHoldCycle:
+        """The loading used."""
+        return self.cycles[self.index]
+
+
+def find_motion(
+    test: RelaxationTest,
+    *,
+    where: str,
+    sign: int | None,
+    number: int | None,
+) -> PlateMotion:
+    """Find the loadings in a record, and the samples of the one to be used.
+
+    Parameters
+    ----------
+    test : RelaxationTest
+        As recorded; the force only tells whether the columns are swapped.
+    where : str
+        Name of the record, for errors.
+    sign : {1, -1} or None
+        None turns the displacement so that the first ramp rises.
+    number : int or None
+        Which loading, from 1.
+
+    Raises
+    ------
+    DataError
+        If nothing is held.
+    """
+    if sign is None:
+        turn, segments = _turned(test)
+    else:
+        x = sign * test.displacement
+        turn, segments = sign, find_segments(test.time, x, _resolution(test))
+    time, x, force = test.time, turn * test.displacement, test.force
+    driven = began_late(x, force) or at_one_speed(time, x, segments)
+    if not driven and creeps(time, x, force, cycles_of(segments)):
+        raise DataError(
+            f"{where}: this is a creep test, because the force is held while the displacement goes "
+            "on. Use dashpot fit (Python: fit of a CreepTest)"
+        )
+    if not cycles_of(segments):
+        if began_late(x, force):
+            raise DataError(f"{where}: the displacement hardly moves, {_BEGINS_LATE}")
+        raise DataError(nothing_held(segments, where, _advice(time, x, force)))
+    index, cycles = choose_cycle(segments, number, where=where)
+    return replace(_of_cycle(test, turn, cycles, index), segments=segments)
+
+
+@kept
+def _turned(test: RelaxationTest) -> tuple[int, tuple[MotionSegment, ...]]:
+    return turned(test.time, test.displacement, _resolution(test))
+
+
+@kept
+def _resolution(test: RelaxationTest) -> float:
+    return resolution_of(test.time, test.displacement, test.displacement_quantum)
+
+
+def given_motion(
+    test: RelaxationTest, *, onset: float, ramp_end: float, hold_end: float, sign: int | None
+) -> PlateMotion:
+    """The motion between times that the user gave, s.
+
+    Raises
+    ------
+    DataError
+        If they are out of order or outside the record, or nothing moved between them.
+    """
+    time, displacement = test.time, test.displacement
+    if not time[0] <= onset < ramp_end < hold_end <= time[-1] + 1e-9:
+        raise DataError(
+            f"onset = {onset:g} s, ramp_end = {ramp_end:g} s, hold_end = {hold_end:g} s; expected "
+            f"them in this order within the record, {time[0]:g} to {time[-1]:g} s"
+        )
+    first, corner, last = np.searchsorted(time, [onset, ramp_end, hold_end])
+    first, last = max(int(first) - 1, 0), min(int(last), len(time) - 1)
+    corner = int(corner)
+    if corner - first < 1 or last - corner < 3:
+        raise DataError(
+            f"{corner - first} samples lie in the ramp and {last - corner} in the hold that were "
+            "given; expected at least 1 and 3"
+        )
+    rise = median(displacement[corner : last + 1]) - float(displacement[first])
+    turn = sign or (1 if rise > 0 else -1)
+    x = turn * displacement
+    if turn * rise <= 0:
+        raise DataError("the displacement does not rise between the onset and the hold given")
+    level = median(x[corner : last + 1])
+    rest, segments = None, find_segments(time, x, _resolution(test))
+    if first >= 1:
+        # where it stood last, if it was moved before
+        moved = [part.last for part in segments if part.kind != "hold" and part.last < first]
+        stood = moved[-1] if moved and first - moved[-1] >= _FEWEST_AT_REST else 0
+        before = median(x[stood : first + 1])
+        rest = MotionSegment(
+            "hold", stood, first, float(time[stood]), onset, before, before
+        )  # fmt: skip
+    ramp = MotionSegment("load", first, corner, onset, ramp_end, float(x[first]), level)
+    hold = MotionSegment("hold", corner, last, ramp_end, hold_end, level, level)
+    motion = _of_cycle(test, turn, (RampHoldCycle(rest, (ramp, hold)),), 0)
+    return replace(motion, stop=last, segments=segments)
+
+
+def from_contact(
+    test: RelaxationTest, motion: PlateMotion, contact: float, *, doubt: float
+) -> PlateMotion:
+    """The motion without the ramps that end in air, before `contact` less `doubt`, m."""
+    segments = motion.cycle.segments
+    flown = [
+        i
+        for i, segment in enumerate(segments[:-2])
+        if segment.kind == "load" and segment.level <= contact + doubt
+    ]
+    if not flown or segments[flown[-1] + 1].kind != "hold":
+        return motion
+    first = flown[-1] + 2
+    cycle = RampHoldCycle(segments[first - 1], segments[first:])
+    cycles = (*motion.cycles[: motion.index], cycle, *motion.cycles[motion.index + 1 :])
+    found = _of_cycle(test, motion.sign, cycles, motion.index)
+    return replace(found, stop=motion.stop, segments=motion.segments)
+
+
+def first_press(
+    test: RelaxationTest, motion: PlateMotion, force: FloatArray, *, least: float
+) -> PlateMotion | None:
+    """Return the motion of the first loading that raised the force, if it is before that used.
+
+    Parameters
+    ----------
+    test : RelaxationTest
+    motion : PlateMotion
+        Of the loading that is used.
+    force : array, shape (n,)
+        N, rising with compression.
+    least : float
+        A force that rises by less was of no seal, N.
+    """
+    before = [part for part in motion.segments if part.last <= motion.start]
+    for i, part in enumerate(before):
+        if part.kind != "load" or not _rises(force[part.first : part.last + 1], least):
+            continue
+        rest = before[i - 1] if i and before[i - 1].kind == "hold" else None
+        # it turns there: whatever follows is not asked about
+        top = MotionSegment(
+            "unload", part.last, part.last, part.end, part.end, part.level, part.level
+        )
+        return _of_cycle(test, motion.sign, (RampHoldCycle(rest, (part, top)),), 0)
+    return None
+
+
+def presses_before(motion: PlateMotion) -> tuple[MotionSegment, ...]:
+    """Return every move towards the seal before the loading that is used."""
+    return tuple(
+        part for part in motion.segments if part.last <= motion.start and part.kind == "load"
+    )
+
+
+def begins_with_release(motion: PlateMotion) -> bool:
+    """Whether the record begins with a plate that goes back: the seal was pressed before."""
+    moves = [part for part in motion.segments if part.kind != "hold"]
+    first = moves[0] if moves else None
+    return first is not None and first.kind == "unload" and first.last <= motion.start
+
+
+def _rises(force: FloatArray, least: float) -> bool:
+    smooth = median_of_three(force)
+    return bool(smooth.max() - smooth[: max(len(smooth) // 20, 1)].mean() > least)
+
+
+def _of_cycle(
+    test: RelaxationTest, turn: int, cycles: tuple[RampHoldCycle, ...], index: int
+) -> PlateMotion:
+    time, x = test.time, turn * test.displacement
+    cycle, resolution = cycles[index], _resolution(test)
+    ramp = cycle.ramp
+    rest = _resting(x, cycle.rest, ramp)
+    level = _held(time, x, cycle)
+    start = cycle.rest.first if cycle.rest is not None else ramp.first
+    line = ideal_ramp(time, x, ramp, origin=rest, level=level)
+    still = np.flatnonzero(np.abs(x[start : line.first] - rest) <= resolution)
+    departure = start + int(still[-1]) if cycle.rest is not None and still.size else ramp.first
+    return PlateMotion(
+        sign=turn, cycles=cycles, index=index, line=line, rest=rest, level=level, start=start,
+        departure=departure, stop=_last_held(x, cycle.hold, resolution),
+    )  # fmt: skip
+
+
+def _advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:
+    """What may be wrong with a displacement that is never held."""
+    moves = any(part.kind != "hold" for part in find_segments(time, x))
+    if cycles_of(find_segments(time, -x)):
+        return "with the other sign it would ramp and rest. Leave out sign, or give the other"
+    if not moves and relaxes(force):
+        return _BEGINS_LATE
+    if moves and any(held_by_plate(time, turn * force) for turn in (1, -1)):
+        return "the force column ramps and rests instead. Check whether the two are swapped"
+    return "expected a ramp and then a rest. Check the columns and the units"
+
+
+def _resting(x: FloatArray, rest: MotionSegment | None, ramp: MotionSegment) -> float:
+    if rest is None:
+        return float(x[ramp.first])
+    late = rest.first + (rest.last - rest.first) // 2
+    return median(x[late : rest.last + 1])
+
+
+def _held(time: FloatArray, x: FloatArray, cycle: RampHoldCycle) -> float:
+    """Where the plate is held after its first ramp, once it has settled and before it creeps."""
+    ramp, hold = cycle.segments[0], cycle.segments[1]
+    if hold.kind != "hold":
+        return ramp.level
+    since = time[hold.first : hold.last + 1] - ramp.end
+    late = max(0.6 * ramp.duration, 0.02 * hold.duration)
+    settled = (since >= 0.1 * ramp.duration) & (since <= late)
+    values = x[hold.first : hold.last + 1]
+    return median(values[settled] if np.count_nonzero(settled) >= 5 else values[1:7])
+
+
+def _last_held(x: FloatArray, hold: MotionSegment, resolution: float) -> int:
+    """The last sample before the plate leaves the hold."""
+    if hold.last == len(x) - 1:
+        return hold.last
+    late = x[hold.first + 3 * (hold.last - hold.first) // 4 : hold.last + 1]
+    level = median(late)
+    half = (hold.first + hold.last) // 2
+    still = np.abs(x[half : hold.last + 1] - level) <= max(resolution, 2e-3 * abs(np.ptp(x)))
+    return half + int(np.flatnonzero(still)[-1])

@@ -1,0 +1,610 @@
+"""What kind of record a table is: a test, a curve derived from one, or no test at all."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import chain
+from types import MappingProxyType
+from typing import Literal, NamedTuple, TypeAlias, cast
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base import units
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import ReadError
+from dashpot.extensions.materials.csr.table_rule import counterforce
+from dashpot.reading.columns import vocabulary
+from dashpot.reading.columns.amplitude_phase_pairs import two_signals
+from dashpot.reading.columns.response_units import ratio
+from dashpot.reading.columns.role_assignment import accelerations, find_column, option_of, suited
+from dashpot.reading.columns.vocabulary import Role
+from dashpot.reading.read_options import ReadOptions, flag
+from dashpot.reading.table import FileTable
+
+FileKind: TypeAlias = Literal[
+    "relaxation", "impact", "frf", "transmissibility", "dma", "master-curve", "strain-sweep",
+    "temperature-sweep", "one-frequency", "modulus", "creep", "indentation", "cld", "cyclic",
+    "stress-strain", "csr", "slam", "seal-line", "free-modes", "plug-in", "not-a-test", "unclear",
+]  # fmt: skip
+
+SWEEPS: tuple[FileKind, ...] = (
+    "dma", "master-curve", "strain-sweep", "temperature-sweep", "one-frequency",
+)  # fmt: skip
+"""The kinds of a table of storage and loss."""
+
+
+class KindOfFile(NamedTuple):
+    """What a file of a kind is called and is for, and what its columns play.
+
+    Attributes
+    ----------
+    what, use : str
+        Its name, and which command wants it or why none does.
+    roles : tuple of str
+        Of its columns; what a creep test or a sweep has, its reader finds.
+    accelerated : bool
+        Whether every acceleration beside them is of it, too.
+    by_hand : bool
+        Whether its rows are read by hand, at no rate.
+    """
+
+    what: str
+    use: str
+    roles: tuple[Role, ...] = ()
+    accelerated: bool = False
+    by_hand: bool = False
+
+
+RAMP: tuple[Role, ...] = ("time", "displacement", "force")
+_RESPONSE: tuple[Role, ...] = ("frequency", "real", "imaginary", "magnitude", "phase", "coherence")
+_SWEPT: tuple[Role, ...] = ("frequency", "storage", "loss", "temperature")
+_NO_TIMES = "it tells no relaxation times; sweep the frequency"
+RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
+    "relaxation": KindOfFile("a relaxation test", "use dashpot fit or dashpot report", RAMP),
+    "impact": KindOfFile("a hammer file", "use dashpot fit", ("time", "hammer"), True),
+    "frf": KindOfFile("an FRF", "use dashpot fit or dashpot compare", _RESPONSE),
+    "transmissibility": KindOfFile(
+        "a transmissibility", "use dashpot fit, with the mass for the solid, or compare", _RESPONSE
+    ),
+    "dma": KindOfFile("a dynamic (DMA) sweep", "use dashpot fit", _SWEPT),
+    "master-curve": KindOfFile("a master curve of storage and loss", "use dashpot fit", _SWEPT),
+    "strain-sweep": KindOfFile(
+        "an amplitude sweep at one frequency or a few", "use dashpot fit", _SWEPT
+    ),
+    "temperature-sweep": KindOfFile("a temperature sweep at one frequency", _NO_TIMES, _SWEPT),
+    "one-frequency": KindOfFile("a dynamic test at one frequency", _NO_TIMES, _SWEPT),
+    "modulus": KindOfFile(
+        "a relaxation modulus over time", "use dashpot fit", ("time", "modulus")
+    ),
+    "creep": KindOfFile("a creep test", "use dashpot fit"),
+    "cld": KindOfFile(
+        "a compression load deflection (CLD), pressed and released", "use dashpot fit", RAMP,
+    ),
+    "indentation": KindOfFile(
+        "a contact of an indenter", "use dashpot fit with its mass", ("time", "velocity"), True
+    ),
+    "slam": KindOfFile(
+        "a record of slams of a mass on a piece", "use dashpot fit with its mass",
+        ("time", "force"), True,
+    ),
+    "stress-strain": KindOfFile(
+        "stress over strain of a material",
+        "use dashpot fit; of a relaxation test multiply by area and height first",
+        ("time", "stretch", "strain", "stress"),
+    ),
+    "csr": KindOfFile(
+        "a record of compression stress relaxation (CSR)", "use dashpot fit", ("time", "force"),
+        by_hand=True,
+    ),
+    "cyclic": KindOfFile("a cyclic run without a hold", "use dashpot fit", RAMP),
+    "plug-in": KindOfFile(
+        "a test of a plug-in's kind", "use dashpot fit",
+        ("time", "displacement", "force", "stress", "strain", "temperature", "frequency"),
+        by_hand=True,
+    ),
+    "seal-line": KindOfFile(
+        "points of a seal line", "a door file names it: [seal] points, for dashpot predict"
+    ),
+    "free-modes": KindOfFile(
+        "modes of a structure at points", "a door file names it: [modes] file, for dashpot predict"
+    ),
+})  # fmt: skip
+"""Every kind that a file can be seen to be; what else is of a kind, ``dashpot.registry`` names."""
+
+_SLAM = {"slam", "slams", "slammed"}
+_SIGNALS = {"force", "displacement", "stress", "strain"}
+
+
+@dataclass(frozen=True, eq=False)
+class _NamedColumns:
+    """What the names and units of a table's columns say."""
+
+    table: FileTable
+    options: ReadOptions
+    known: dict[Role, float] = field(default_factory=dict)
+
+    @cached_property
+    def spoken(self) -> tuple[str, ...]:
+        """The names, once where they differ by a number alone: there may be thousands of them."""
+        return tuple(dict.fromkeys(vocabulary.unnumbered(c.name) for c in self.table.columns))
+
+    def _best(self, role: Role) -> float:
+        """How well the likeliest column suits a role."""
+        if role not in self.known:
+            scores = suited(self.table, role, self.options).values()
+            self.known[role] = max(scores, default=0.0)
+        return self.known[role]
+
+    def has(self, *roles: Role, least: float = 1.5) -> bool:
+        """Whether each role is named by the user, or suits a column that well."""
+        return all(self.names(option_of(role)) or self._best(role) >= least for role in roles)
+
+    def names(self, *fields: str) -> bool:
+        """Whether the user names a column that is here in one of these fields of the options."""
+        return any(self._here(getattr(self.options, one, None)) for one in fields)
+
+    def _here(self, named: str | None) -> bool:
+        try:
+            return bool(named) and find_column(self.table.columns, str(named), "") >= 0
+        except ReadError:  # it is of another file, or its reader says so
+            return False
+
+    def timed(self, least: float = 1.5) -> bool:
+        return self.has("time", least=least) or self.options.rate is not None
+
+    def ramped(self) -> bool:
+        """Whether there are the columns of a ramp and hold, be it by their units alone."""
+        return self.timed(least=1.0) and self.has("force", "displacement", least=1.0)
+
+    def accelerated(self) -> bool:
+        return bool(accelerations(self.table, (), self.options))
+
+    def response(self) -> bool:
+        if self.has("frequency", least=1.0) and self.has("real", "imaginary"):
+            return True  # over what is called the linear axis, in Hz
+        sized = self.has("magnitude", least=1.0)  # by its unit alone, such as a2/a1 [g/g]
+        return sized and self.has("frequency", "phase") and not self.moved()
+
+    def halved(self) -> bool:
+        """Whether there is one part of a complex value over frequency, and no time."""
+        parts: tuple[Role, ...] = ("magnitude", "phase", "real")
+        return not self.timed() and self.has("frequency") and any(self.has(one) for one in parts)
+
+    def moved(self) -> bool:
+        """Whether a dynamic stiffness is named, and what looks like a magnitude is the motion."""
+        columns, named = self.table.columns, self.options.magnitude
+        sizes = [columns[i] for i in self._likely("complex_modulus", 2.5)]
+        if named is not None:
+            return columns[find_column(columns, named, flag("magnitude"))] in sizes
+        words = [columns[i].unit for i in self._likely("magnitude", 1.5)]
+        return bool(sizes) and all(
+            word and any(units.find(word, one) for one in ("length", "strain", "force"))
+            for word in words
+        )
+
+    def _likely(self, role: Role, least: float) -> list[int]:
+        return [i for i, value in suited(self.table, role, self.options).items() if value >= least]
+
+    def swept(self) -> bool:
+        """Whether there is frequency, and a complex modulus in parts or by its size and angle.
+
+        A table that holds the record behind them, too, is a sweep, unless the user names what a
+        sweep has no use for, or its cells are empty.
+        """
+        if not self._named_sweep():
+            return False
+        if self.names("storage", "loss", "loss_factor") or not self.ramped():
+            return True
+        return not self.names("time", "force") and all(
+            bool(np.any(_numbers(self.table, role, self.options) > 0))
+            for role in _FILLED
+            if self.has(role)
+        )
+
+    def _named_sweep(self) -> bool:
+        return self.has("frequency") and self.dynamic()
+
+    def dynamic(self) -> bool:
+        """Whether there is a complex modulus in parts or by its size and angle, over whatever."""
+        ratio = self.has("loss_factor") or self.has("loss_angle")
+        parts = self.has("storage") and (ratio or self.has("loss"))
+        return parts or (ratio and self.has("complex_modulus") and not self.has("coherence"))
+
+    def paired(self, *, pushed: bool) -> bool:
+        """Whether there are two amplitudes with two phases, one of them a force or none."""
+        pair = two_signals(self.table, self.options)
+        return pair is not None and pushed == any(one.pushes for one in pair)
+
+    def of_motions(self) -> bool:
+        return of_motions(self.table)
+
+    def crept(self) -> bool:
+        header = " ".join(self.table.header).casefold()
+        names = map(str.casefold, self.spoken)
+        named = any("compliance" in name and "machine" not in name for name in names)
+        named = named or self.has("creep_compliance", least=2.5)  # J(t), in 1/Pa
+        said = "creep" in header and "relax" not in header
+        # what moves of columns that the user names is asked of the record
+        return named or (said and not self.names("displacement", "force"))
+
+    def indented(self) -> bool:
+        """Whether an indenter is named beside its motion, or a velocity stands alone."""
+        if not self.timed():
+            return False
+        names = " ".join((*self.table.header, *self.spoken)).casefold()
+        fast = self.has("velocity", least=2.5)
+        if "indent" in names and (fast or self.accelerated()):
+            return True
+        return fast and not (
+            self.accelerated() or any(self.has(one) for one in ("displacement", "force"))
+        )
+
+    def slammed(self) -> bool:
+        """Whether a slam is named beside a force or the motion of its mass."""
+        said = " ".join((*self.table.header, *self.spoken))
+        named = not _SLAM.isdisjoint(vocabulary.tokens(said))
+        return named and self.timed() and (self.has("force") or self.accelerated())
+
+    def placed(self, *more: str) -> bool:
+        """Whether the columns are named x, y and z, and so."""
+        return {"x", "y", "z", *more} <= self._folded
+
+    @cached_property
+    def _folded(self) -> frozenset[str]:
+        return frozenset(map(vocabulary.plain, self.spoken))
+
+    def spectral(self) -> bool:
+        return any(
+            "spectral density" in name or ("psd" in name and "psd" in vocabulary.tokens(name))
+            for name in map(str.casefold, self.spoken)
+        )
+
+
+_RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
+    (
+        "free-modes",
+        "it has mode, frequency, and x, y and z of points",
+        lambda s: s.placed("mode", "frequency"),
+    ),
+    (
+        "seal-line",
+        "it has x, y and z of points, and no clock",
+        lambda s: s.placed() and not s.timed(),
+    ),
+    (
+        "transmissibility",
+        "it has frequency, and a motion over a motion",
+        lambda s: s.response() and s.of_motions(),
+    ),
+    (
+        "transmissibility",
+        "it has frequency, and two motions, each with its phase",
+        lambda s: s.paired(pushed=False),
+    ),
+    (
+        "frf",
+        "it has frequency, and a force and a motion, each with its phase",
+        lambda s: s.paired(pushed=True),
+    ),
+    ("frf", "it has frequency, and a complex value", _NamedColumns.response),
+    (
+        "dma",
+        "it has frequency, storage and loss",
+        _NamedColumns.swept,
+    ),
+    ("not-a-test", "it is a power spectral density, which has no phase", _NamedColumns.spectral),
+    (
+        "indentation",
+        "it has time and the acceleration or velocity of an indenter",
+        _NamedColumns.indented,
+    ),
+    (
+        "slam",
+        "it has time and a force or an acceleration, and says slam",
+        _NamedColumns.slammed,
+    ),
+    (
+        "impact",
+        "it has time, and an acceleration is said to be that of the base",
+        lambda s: s.timed() and s.options.base_acceleration is not None,
+    ),
+    (
+        "impact",
+        "it has time and an acceleration",
+        lambda s: s.timed() and s.accelerated() and not s.has("displacement", least=2.5),
+    ),
+    (
+        "creep",
+        "it has a creep compliance, or its header says creep",
+        lambda s: s.timed() and s.crept(),
+    ),
+    (
+        "relaxation",
+        "it has time, displacement and force",
+        _NamedColumns.ramped,
+    ),
+    (
+        "csr",
+        "it has force over hours, and no displacement",
+        lambda s: counterforce(s.table, s.options) is not None,
+    ),
+    (
+        "modulus",
+        "it has time and a modulus, a curve derived from a test",
+        lambda s: s.has("modulus") and s.timed(),
+    ),
+    (
+        "not-a-test",
+        "it is a flow curve of a rheometer (viscosity, shear rate)",
+        lambda s: s.has("viscosity") or (s.has("shear_rate") and not s.timed()),
+    ),
+    (
+        "stress-strain",
+        "it has stress and strain, not force and displacement",
+        lambda s: s.has("stress", "strain") or s.has("stress", "stretch"),
+    ),
+    (
+        "cld",
+        "it has displacement and force, and no clock",
+        lambda s: not s.timed() and s.has("force", "displacement", least=2.5),
+    ),
+    ("frf", "it has frequency, and a part of a complex value", _NamedColumns.halved),
+    (
+        "not-a-test",
+        "it has storage and loss, and no frequency. Write a column 'frequency [Hz]' beside them",
+        lambda s: not s.timed() and s.dynamic(),
+    ),
+    ("unclear", "no set of columns that makes a test was recognised", lambda _: True),
+)
+"""The kinds, their reasons and what shows them; the first that holds is taken."""
+
+
+_FILLED: tuple[Role, ...] = ("frequency", "storage", "complex_modulus")
+"""What is empty, or 0, in a sweep's columns where a machine wrote another test into them."""
+
+_OF_ROLE: Mapping[str, tuple[FileKind, ...]] = MappingProxyType({
+    "modulus": ("modulus",), "creep_compliance": ("creep",), "base_acceleration": ("impact",),
+    "hammer": ("impact",), "velocity": ("indentation",), "stretch": ("stress-strain",),
+    "storage": ("dma",), "loss": ("dma",), "loss_factor": ("dma",),
+    "real": ("transmissibility", "frf"), "imaginary": ("transmissibility", "frf"),
+    "coherence": ("transmissibility", "frf"),
+})  # fmt: skip
+"""The kinds that alone have a role: who names its column says what the file is."""
+
+
+def kind_of(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
+    """Return the kind of record and why, from names and units, and of a sweep from its range.
+
+    What only a record's motion tells, `dashpot.reading.readers.detect_kind` adds.
+    """
+    if options.kind is not None:
+        return known_kind(options.kind)
+    named = _NamedColumns(table, options)
+    swept = named.swept()
+    meant = named.names("force", "displacement", "acceleration")
+    peaks = None if swept or meant or two_signals(table, options) else cycle_peaks(table)
+    if peaks:
+        return "not-a-test", peaks
+    said = {kind for role, kinds in _OF_ROLE.items() if named.names(role) for kind in kinds}
+    if named.names("stress", "strain") and not swept:  # of a sweep they are amplitudes
+        said.add("stress-strain")
+    rules = sorted(_RULES, key=lambda rule: rule[0] not in said)
+    kind, reason = next((kind, reason) for kind, reason, holds in rules if holds(named))
+    if kind == "dma":
+        kind, reason = _swept(table, options, reason)
+        if kind == "dma" and named.names("displacement") and named.ramped():
+            return "relaxation", "it has time, displacement and force, as named"
+    if kind == "modulus":
+        decades = _decades(table, "time", options)
+        return kind, reason + (f", over {decades:.0f} decades" if decades >= MASTER else "")
+    return kind, reason
+
+
+def known_kind(word: str) -> tuple[FileKind, str]:
+    """Return the kind that a user says a file is, by its word or by that of a plug-in, and why.
+
+    Raises
+    ------
+    ReadError
+        If there is none, with the nearest.
+    """
+    if word in RECOGNISED and word != "plug-in":
+        return cast("FileKind", word), "as was said"
+    from difflib import get_close_matches  # few need them, and they cost time to import
+
+    from dashpot.base.plugins import named, offered_too
+
+    plugged = named("kinds", word)
+    if plugged is not None:
+        return "plug-in", f"for {plugged.says}, as was said"
+    near = get_close_matches(word, RECOGNISED, 1)
+    raise ReadError(
+        f"'{word}' is no kind of file. "
+        + (f"Did you mean '{near[0]}'?" if near else f"Kinds are {', '.join(RECOGNISED)}.")
+        + offered_too("kinds")
+    )
+
+
+def of_motions(table: FileTable) -> bool:
+    """Whether a response is of a motion to another, as under base excitation."""
+    said = any("transmissib" in line.casefold() for line in table.header)
+    return said or any(
+        "transmissib" in column.name.casefold() or _over_motion(column.unit or "")
+        for column in table.columns
+    )
+
+
+def said_relative(table: FileTable) -> bool:
+    """Whether a name or the header says a relative transmissibility."""
+    said = (*table.header, *(column.name for column in table.columns))
+    return any("relative transmissib" in one.casefold().replace("_", " ") for one in said)
+
+
+MASTER = 7.0
+"""Decades of frequency or time that no machine sweeps in one test: they were shifted together."""
+ONE_FREQUENCY = 0.02
+"""Decades within which a sweep stays at one frequency."""
+
+
+def _over_motion(unit: str) -> bool:
+    """Whether a unit is that of a motion over a motion, such as g/g or mm/g."""
+    found = ratio(unit)
+    return found is not None and found.kind.over_base
+
+
+def _numbers(table: FileTable, role: Role, options: ReadOptions) -> FloatArray:
+    """The numbers of the column likeliest in a role; none if there is no such column."""
+    indexes = _columns(table, (role,), options)
+    values = table.load(indexes).values[:, 0] if indexes else np.empty(0)
+    return values[np.isfinite(values)]
+
+
+def _columns(table: FileTable, roles: Sequence[Role], options: ReadOptions) -> list[int]:
+    """The index of the column likeliest in each role; of a role without such a column none."""
+    found = []
+    for role in roles:
+        named = getattr(options, role, None)
+        if named is not None:
+            found.append(find_column(table.columns, named, flag(role)))
+            continue
+        scores = suited(table, role, options)
+        best = max(scores, key=lambda i: scores[i], default=None)
+        found += [best] if best is not None and scores[best] >= 1.0 else []
+    return found
+
+
+def _decades(table: FileTable, role: Role, options: ReadOptions) -> float:
+    """Over how many decades a column runs; NaN without three values above zero."""
+    values = _numbers(table, role, options)
+    values = values[values > 0]
+    return float(np.ptp(np.log10(values))) if len(values) > 2 else math.nan
+
+
+def _varies(table: FileTable, role: Role, options: ReadOptions) -> bool:
+    values = _numbers(table, role, options)
+    return bool(len(values) and np.ptp(values) > 0.05 * np.abs(values).max())
+
+
+def _swept(table: FileTable, options: ReadOptions, reason: str) -> tuple[FileKind, str]:
+    """What a table of storage and loss was swept over."""
+    decades = _decades(table, "frequency", options)
+    if decades >= MASTER:
+        return "master-curve", f"{reason}, over {decades:.0f} decades"
+    if not decades <= ONE_FREQUENCY:
+        if _crossed(table, amplitude_named(table, options)):
+            return "strain-sweep", reason + ", and each frequency recurs at several amplitudes"
+        return "dma", reason
+    reason += ", and the frequency never changes"
+    named = amplitude_named(table, options)
+    if any(_varies(table, role, named) for role in _AMPLITUDES):
+        return "strain-sweep", reason
+    warmed = _varies(table, "temperature", options)
+    return "temperature-sweep" if warmed else "one-frequency", reason
+
+
+_AMPLITUDES: tuple[Role, ...] = ("strain", "stress", "displacement", "force")
+_APART = 1.5
+"""Ratio of amplitudes that no drive drifts by at one frequency and temperature."""
+_SAME_WARMTH = 3.0
+"""K within which rows are of one temperature."""
+
+
+def amplitude_named(table: FileTable, options: ReadOptions) -> ReadOptions:
+    """The options, with a length that is called an amplitude and nothing else as displacement."""
+    if any(
+        getattr(options, role) or max(suited(table, role, options).values(), default=0.0) >= 1.0
+        for role in ("strain", "displacement")
+    ):
+        return options
+    for number, column in enumerate(table.columns, 1):
+        long = column.unit and units.find(column.unit, "length")
+        if long and "amplitude" in vocabulary.tokens(column.name):
+            return replace(options, displacement=str(number))
+    return options
+
+
+def groups(values: FloatArray, width: float) -> npt.NDArray[np.intp]:
+    """The group of each value: those that lie within a width of the smallest of their group."""
+    order = np.argsort(values)
+    found, first, group = np.zeros(len(values), dtype=np.intp), -math.inf, -1
+    for i in order.tolist():
+        if not values[i] - first <= width:
+            first, group = float(values[i]), group + 1
+        found[i] = group
+    return found
+
+
+def _crossed(table: FileTable, options: ReadOptions) -> bool:
+    """Whether most frequencies were met at several amplitudes at one temperature."""
+    amplitudes = _columns(table, ("strain", "displacement"), options)
+    if not amplitudes:
+        return False
+    frequency = _columns(table, ("frequency",), options)
+    temperature = _columns(table, ("temperature",), options)
+    loaded = table.load([*frequency, amplitudes[0], *temperature])
+    block = np.repeat(np.arange(len(loaded.starts)), np.diff((*loaded.starts, len(loaded.values))))
+    told = np.all(np.isfinite(loaded.values), axis=1) & np.all(loaded.values[:, :2] > 0, axis=1)
+    rows, block = loaded.values[told], block[told]
+    warmth = np.zeros(len(rows), dtype=np.intp)
+    if rows.shape[1] > 2:
+        warmth = groups(rows[:, 2], _SAME_WARMTH)
+    elif any("temp" in line.casefold() for line in chain(*loaded.above)):
+        warmth = block
+    cells = np.stack((groups(np.log10(rows[:, 0]), ONE_FREQUENCY), warmth))
+    _, cell = np.unique(cells, axis=1, return_inverse=True)
+    alike = [rows[cell.ravel() == one, 1] for one in range(int(cell.max(initial=-1)) + 1)]
+    apart = [float(X.max()) >= _APART * float(X.min()) for X in alike]
+    return 2 * sum(apart) >= max(len(apart), 1)
+
+
+def refuse_kind(
+    table: FileTable, options: ReadOptions, accepted: Sequence[FileKind], want: str
+) -> None:
+    """Refuse a table that is surely not what `want` says, with the command that takes it.
+
+    A user who names columns of what is wanted knows better: the caller does not ask then.
+
+    Raises
+    ------
+    ReadError
+    """
+    kind, reason = kind_of(table, options)
+    if kind in RECOGNISED and kind not in accepted:
+        raise ReadError(other_kind(kind, reason, want))
+
+
+def other_kind(kind: str, reason: str, want: str) -> str:
+    """Say what a file is, where another is wanted, and which command takes it."""
+    what, command, *_ = RECOGNISED[kind]
+    return f"this is {what} ({reason}), where {want} expected: {command}"
+
+
+def cycle_peaks(table: FileTable) -> str | None:
+    """Return why a table is one row per cycle (trends, peaks), or None."""
+    names = [column.name for column in table.columns]
+    extremes = list(filter(_is_extreme, names))
+    if len(extremes) < 2:
+        return None
+    recorded = any(_is_recorded(name) for name in names if name not in extremes)
+    counted = any("cycle" in vocabulary.matches(name) for name in names)
+    if recorded and not counted:
+        return None
+    listed = ", ".join(f"'{name}'" for name in extremes[:3])
+    return (
+        f"it is a summary with one row per cycle ({listed}), not the recorded signals; "
+        "export the raw time, displacement and force instead"
+    )
+
+
+def _is_extreme(name: str) -> bool:
+    signal = not _SIGNALS.isdisjoint(vocabulary.matches(name))
+    return signal and vocabulary.has_word(name, vocabulary.EXTREMES)
+
+
+def _is_recorded(name: str) -> bool:
+    pushed = vocabulary.matches(name).get("force", 0.0) >= 2.5
+    return pushed and not vocabulary.has_word(name, vocabulary.DERIVED)

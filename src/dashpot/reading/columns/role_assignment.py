@@ -1,0 +1,644 @@
+"""Which column plays which role, why, and what must be asked."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import chain
+from typing import get_args
+
+import numpy as np
+
+from dashpot.base import units
+from dashpot.base.arrays import kept
+from dashpot.base.errors import DataError, ReadError
+from dashpot.base.units import Dimension, Unit
+from dashpot.reading.columns import vocabulary
+from dashpot.reading.columns.response_units import ratio
+from dashpot.reading.columns.unit_factors import of_multiple, parted, times
+from dashpot.reading.columns.vocabulary import DIMENSION, OF_A_PART, Role
+from dashpot.reading.read_options import ReadOptions, flag
+from dashpot.reading.table import Column, Content, FileTable, Question
+
+EXAMPLE = {
+    "time": "s", "displacement": "mm", "force": "N", "acceleration": "m/s^2", "frequency": "Hz",
+    "storage": "MPa", "loss": "MPa", "temperature": "degC", "modulus": "MPa", "hammer": "N",
+    "phase": "deg", "velocity": "m/s", "creep_compliance": "1/MPa", "stress": "MPa", "strain": "%",
+    "stretch": "1", "complex_modulus": "MPa", "loss_angle": "deg",
+}  # fmt: skip
+"""What a role is measured in most often."""
+_LESS = (
+    (vocabulary.COMMANDED, 1.5, None),
+    (vocabulary.EXTREMES, 1.0, False),
+    (vocabulary.STATIC, 1.5, False),
+    (vocabulary.PARTIAL_TIME, 1.0, True),
+    (vocabulary.WHOLE_TIME, 0.5, True),
+)
+"""Words that speak against a column, by how much, and if they do so of time or of the rest."""
+_WEIGHTS = {"g": "gf", "kg": "kgf", "lb": "lbf"}
+_SENSITIVITY = re.compile(
+    r"\A(\d++\.?\d*+(?:e[+-]?\d{1,3})?|\.\d++)\s*+(m|u|µ)?V\s*+/\s*+\(?([^()]++)\)?\Z",
+    re.IGNORECASE,
+)
+_PLACE = {
+    "displacement": 1, "force": 2, "hammer": 1, "storage": 1, "loss": 2, "modulus": 1,
+}  # fmt: skip
+"""Where a role stands in a table that says nothing, counted from 0."""
+_ANGULAR = ("w", "omega", "ω", "angular", "kreisfrequenz")
+_ROLES: tuple[Role, ...] = get_args(Role)
+_SUITED = "_suited"
+_NOTHING_SAID = ReadOptions()
+_SAME = 0.25
+_LISTED = 12
+"""Columns that a message names."""
+_COPIES = 64
+"""Columns of which it is asked which is meant, whatever they hold: nobody writes one so often."""
+_ROUNDED = 1e-3
+"""Part of their range by which columns that are written to a few digits may differ."""
+
+
+@dataclass(frozen=True)
+class Assigned:
+    """A column in a role, and the reason why."""
+
+    role: Role
+    index: int
+    reason: str
+    rivals: tuple[int, ...] = ()
+
+
+def option_of(role: Role) -> str:
+    """The field of the options that names the column of a role."""
+    return {"complex_modulus": "magnitude", "loss_angle": "phase"}.get(role, role)
+
+
+def assign(table: FileTable, role: Role, options: ReadOptions) -> Assigned | Question:
+    """Return the column that plays a role, or the question to ask.
+
+    Raises
+    ------
+    ReadError
+        If the options name a column that is not there.
+    """
+    asked = "force" if role == "hammer" and not options.hammer else option_of(role)
+    named = getattr(options, asked, None)
+    if named:
+        index = find_column(table.columns, str(named), flag(asked))
+        return Assigned(role, index, f"named by {flag(asked)}")
+    suited = _suited(table, role, options)
+    if not suited:
+        return _nothing(table, role)
+    top, index = suited[0]
+    equals = [i for value, i in suited if value > top - _SAME]
+    reason = _reason(table.columns[index], role)
+    if len(equals) > 1:
+        names = _names(table)
+        named = [quoted(table.columns, i, names) for i in sorted(equals)[:_LISTED]]
+        more = len(equals) - len(named)
+        alike = listed([*named, f"{more} more"] if more else named)
+        if len(equals) > _COPIES or not _same_numbers(table, equals, role, options):
+            says = (
+                f"{alike} could each be the {_word(role)}; say which, for example "
+                f'{flag(asked)}="{handle(table.columns, index, names)}"'
+            )
+            return Question(says, f"{flag(asked)}=NAME", choices=len(equals))
+        reason = f"{alike} hold the same numbers"
+    rivals = tuple(i for _, i in suited[len(equals) :])
+    return Assigned(role, index, reason, rivals)
+
+
+def listed(words: Sequence[str], last: str = "and") -> str:
+    """Return words as a sentence lists them: "a, b and c"."""
+    return f" {last} ".join(filter(None, [", ".join(words[:-1]), words[-1]]))
+
+
+def _word(role: Role) -> str:
+    """A role as people say it."""
+    return {"hammer": "hammer force"}.get(role, role.replace("_", " "))
+
+
+def _same_numbers(
+    table: FileTable, indexes: Sequence[int], role: Role, options: ReadOptions
+) -> bool:
+    """Whether columns hold one signal, in SI: written twice, or in two units."""
+    dimension = DIMENSION.get(role)
+    columns = [table.columns[i] for i in indexes]
+    words = [unit_said(column, role, options) for column in columns]
+    found = [units.find(word, dimension) if word and dimension else None for word in words]
+    if any((unit is None) != (found[0] is None) for unit in found):
+        return False
+    values = table.load(indexes).values
+    for j, unit in enumerate(found):
+        if unit is not None:
+            values[:, j] = unit.factor * values[:, j] + unit.offset
+    whole = values[np.isfinite(values).all(axis=1)]
+    if not len(whole) or not len(whole) > 0.5 * len(values):
+        return False
+    apart = np.abs(whole - whole[:, :1]).max(axis=0)
+    return bool((apart <= _ROUNDED * np.ptp(whole[:, 0])).all())
+
+
+def _suited(table: FileTable, role: Role, options: ReadOptions) -> list[tuple[float, int]]:
+    """The columns that could play a role with their scores, the best first."""
+    scored = ((value, -i) for i, value in suited(table, role, options).items() if value >= 1.0)
+    return [(value, -i) for value, i in sorted(scored, reverse=True)]
+
+
+def accelerations(table: FileTable, taken: Sequence[int], options: ReadOptions) -> tuple[int, ...]:
+    """Return every acceleration column, as named or as found."""
+    if options.acceleration:
+        return tuple(
+            find_column(table.columns, n, "--column acceleration") for n in options.acceleration
+        )
+    columns = table.columns
+    return _likely_accelerations(
+        table, options, lambda i: i not in taken and not _is_force(columns[i])
+    )
+
+
+def _likely_accelerations(
+    table: FileTable, options: ReadOptions, free: Callable[[int], bool] = lambda _: True
+) -> tuple[int, ...]:
+    every = suited(table, "acceleration", options).items()
+    likely = {i: value for i, value in every if free(i)}
+    best = max(likely.values(), default=0.0)
+    if best < 1.0:  # named so, but in volts or the like: the question is the unit
+        named = (i for i, column in enumerate(table.columns) if _is_named_acceleration(column))
+        return tuple(filter(free, named))
+    return tuple(i for i, value in likely.items() if value >= _floor(best))
+
+
+def _floor(best: float) -> float:
+    """The least score beside the best: one unit-only column beside named ones is something else."""
+    if best < 2.0:
+        return 1.0
+    return max(1.5, best - 1.5) if best >= 3.5 else 1.5
+
+
+def _is_force(column: Column) -> bool:
+    return vocabulary.matches(column.name).get("force", 0.0) >= 1.5
+
+
+def _is_named_acceleration(column: Column) -> bool:
+    says = vocabulary.matches(column.name).get("acceleration", 0.0)
+    return column.content == "number" and says >= 2.5
+
+
+def suited(table: FileTable, role: Role, options: ReadOptions) -> Mapping[int, float]:
+    """How well the name and unit of each column suit a role, by index; none of what cannot play it.
+
+    A table keeps what was found, for there may be thousands of columns.
+    """
+    known: dict[object, dict[Role, dict[int, float]]] = vars(table).setdefault(_SUITED, {})
+    if options.units not in known:
+        by_role = known[options.units] = {one: {} for one in _ROLES}
+        for i, column in enumerate(table.columns):
+            for one, value in scores(column, options).items():
+                by_role[one][i] = value
+    return known[options.units][role]
+
+
+def score(column: Column, role: Role, options: ReadOptions) -> float:
+    """How well a column's name and unit suit a role; 0 if it cannot play it."""
+    return scores(column, options).get(role, 0.0)
+
+
+def scores(column: Column, options: ReadOptions) -> Mapping[Role, float]:
+    """How well a column's name and unit suit each of the roles that it can play."""
+    if options.units:
+        return _scores(column, options)
+    return _own_scores(vocabulary.telling(column.name), column.unit, column.content)
+
+
+@lru_cache(maxsize=1 << 16)
+def _own_scores(name: str, unit: str | None, content: Content) -> Mapping[Role, float]:
+    """What the file alone says of columns that differ by a number, or whose names say nothing."""
+    return _scores(Column(name, unit, content), _NOTHING_SAID)
+
+
+def _scores(column: Column, options: ReadOptions) -> Mapping[Role, float]:
+    words = {column.unit, _given(column, "time", options, by_role=False)} - {None, ""}
+    possible = {*vocabulary.matches(column.name), *chain(*map(_measured_by, words))}
+    found = {role: _score(column, role, options) for role in possible}
+    return {role: value for role, value in found.items() if value}
+
+
+@lru_cache(maxsize=1024)
+def _measured_by(word: str) -> tuple[Role, ...]:
+    """The roles that a unit word fits."""
+    return tuple(role for role in _ROLES if _fits(word, role))
+
+
+def _score(column: Column, role: Role, options: ReadOptions) -> float:
+    if column.content not in ({"number", "clock"} if role == "time" else {"number"}):
+        return 0.0
+    value = _named_score(column, role, options)
+    if value == 0.0:
+        return 0.0
+    if role != "velocity" and vocabulary.has_word(column.name, vocabulary.DERIVED):
+        return 0.5
+    if role == "strain" and vocabulary.has_word(column.name, vocabulary.SIDEWAYS):
+        return 0.5
+    for words, less, of_time in _LESS:
+        if of_time in {None, role == "time"} and vocabulary.has_word(column.name, words):
+            value -= less
+    return value
+
+
+def _named_score(column: Column, role: Role, options: ReadOptions) -> float:
+    """How well the name says a role, one more where the unit fits; 0 if the unit forbids it."""
+    says = vocabulary.matches(column.name)
+    value = says.get(role, 0.0)
+    word = _given(column, role, options, by_role=value >= 1.5) or column.unit
+    fits = word is not None and _fits(word, role)
+    if fits is None:
+        return 0.0
+    if value or not fits:
+        return value + fits
+    # "Force" in mm is no force; "x" in N may well be one
+    if role == "magnitude":
+        return float(max(says.values(), default=0.0) < 2.0)
+    same = (s for r, s in says.items() if DIMENSION.get(r) == DIMENSION[role])
+    return float(max(same, default=0.0) < 2.0)
+
+
+def _fits(word: str, role: Role) -> bool | None:
+    """Whether a unit word is one of a role: None where it measures something else."""
+    dimension = DIMENSION.get(role)
+    if role == "magnitude":
+        return ratio(word) is not None
+    if dimension is None:
+        return False
+    if units.find(word, dimension) or _of_a_part(word, role):
+        return True
+    return False if units.find(word) is None or _SENSITIVITY.match(word) else None
+
+
+def _of_a_part(word: str, role: Role) -> Unit | None:
+    """The unit of a part's stiffness or compliance, where the role may be one of a part."""
+    return units.find(word, OF_A_PART[role]) if role in OF_A_PART else None
+
+
+def _given(column: Column, role: Role, options: ReadOptions, *, by_role: bool) -> str | None:
+    if by_role:
+        return options.unit_of(role, column.name)
+    return options.by_name().get(column.name.strip().casefold()) if column.name else None
+
+
+def _reason(column: Column, role: Role) -> str:
+    says = vocabulary.matches(column.name).get(role, 0.0)
+    dimension = DIMENSION.get(role)
+    fits = column.unit is not None and units.find(column.unit, dimension) is not None
+    if role == "magnitude" and not says:
+        return f"the only column in a unit of a ratio ({column.unit})"
+    if says and fits:
+        return f"its name says {role}, its unit {column.unit} fits"
+    if says:
+        return f"its name says {role}"
+    return f"the only column in a unit of {dimension} ({column.unit})"
+
+
+def acceleration_question(table: FileTable) -> Question:
+    """Ask for the accelerations where no column shows itself as one."""
+    numbers = [i for i, c in enumerate(table.columns) if c.content == "number"]
+    named = [
+        f'--column acceleration="{handle(table.columns, i)}"' for i in numbers[2:4] or numbers[-1:]
+    ]
+    says = (
+        f"none of its columns ({_all_columns(table)}) looks like acceleration. Name each "
+        f"by its name or number: {' '.join(named)}"
+    )
+    return Question(
+        says, "--column acceleration=NAME", role="acceleration", example=" ".join(named)
+    )
+
+
+def _says(column: Column) -> bool:
+    """Whether a name surely says something."""
+    return max(vocabulary.matches(column.name).values(), default=0.0) >= 2.0
+
+
+def _nothing(table: FileTable, role: Role) -> Question:
+    """Ask for the column of a role that none was found for: a wrong label is worth naming."""
+    option = flag(option_of(role))
+    answer = f"{option}=NAME"
+    for column in _unlike(table):
+        if _is_mislabelled(column, role):
+            return Question(mislabelled(column, role), answer)
+        worded = column.content == "text" and column.unit
+        fits = worded and units.find(column.unit or "", DIMENSION.get(role))
+        if fits and role in vocabulary.matches(column.name):
+            says = (
+                f"column '{column.name}' ({_word(role)}) holds words where numbers are expected. "
+                f"Take them out of its cells, or name another column: {answer}"
+            )
+            return Question(says, answer)
+    kind = f" (a unit of {DIMENSION[role]} would show it)" if role in DIMENSION else ""
+    if role not in {"time", "acceleration"} and _all_say_something(table):
+        says = (
+            f"none of its columns ({_all_columns(table)}) looks like {_word(role)}. Export it "
+            f"beside them, or name the column whose name misleads: {answer}"
+        )
+        return Question(says, answer, role=_word(role), example=answer)
+    example = f'{option}="{_example(table, role)}"'
+    if role == "time":
+        guess = "Without a time column: --rate 1000Hz"
+        example += ". " + ". ".join(table.hints or [guess])
+    if role == "hammer" and len(_likely_accelerations(table, ReadOptions())) > 1:
+        example += ". Where a base was shaken, name its acceleration: "
+        example += f'{flag("base_acceleration")}="{_example(table, "acceleration")}"'
+    says = (
+        f"none of its columns ({_all_columns(table)}) looks like {_word(role)}{kind}. Name "
+        f"it by its name or number: {example}"
+    )
+    return Question(says, answer, role=_word(role), example=example)
+
+
+def ask(table: FileTable, questions: Sequence[Question]) -> str:
+    """All questions in one sentence each; what no column was found for, in one for all."""
+    lacking = [one for one in questions if one.role]
+    if len(lacking) < 2:
+        return ". ".join(one.says for one in questions)
+    examples = " ".join(one.example for one in reversed(lacking))
+    says = (
+        f"none of its columns ({_all_columns(table)}) looks like "
+        f"{listed([one.role for one in lacking], 'or')}. Name each by its name or number: "
+        f"{examples}"
+    )
+    return ". ".join([says, *(one.says for one in questions if not one.role)])
+
+
+def _is_mislabelled(column: Column, role: Role) -> bool:
+    """Whether the name says the role best, but the unit suits nothing that the name says."""
+    word = column.unit
+    if not word:
+        return False
+    says = vocabulary.matches(column.name)
+    if says.get(role, 0.0) < max([1.5, *says.values()]):
+        return False
+    fits = any(units.find(word, DIMENSION[r]) for r in says if r in DIMENSION)
+    return not fits and units.find(word) is not None
+
+
+def _all_say_something(table: FileTable) -> bool:
+    """Whether each column of numbers is named for something, and so none is free for another."""
+    told = [_says(one) for one in table.columns if one.content in {"number", "clock"}]
+    return bool(told) and all(told)
+
+
+def _example(table: FileTable, role: Role) -> str:
+    """A column that could be meant: one whose name says nothing else."""
+    numbers = [i for i, c in enumerate(table.columns) if c.content == "number"] or [0]
+    place = _PLACE.get(role, 0)
+    at = numbers[min(place, len(numbers) - 1)]
+    free = (i for i in (at, *numbers) if not _says(table.columns[i]))
+    return handle(table.columns, next(free, at), _names(table))
+
+
+def mislabelled(column: Column, role: Role) -> str:
+    """The sentence for a column whose label is no unit of its role."""
+    dimension = DIMENSION[role]
+    example = EXAMPLE.get(role, "")
+    sensed = "100mV/g" if role == "acceleration" else f"22.5mV/{example}"
+    word = column.unit or ""
+    found = units.dimensions(word)
+    kind = f"a unit of {' or '.join(found)}" if found else "no unit known"
+    mass = units.find(word, "mass")
+    weight = _WEIGHTS.get(mass.word, "") if mass is not None and role == "force" else ""
+    weighed = f'; if they are a weight, add --units "force={weight}"' if weight else ""
+    return (
+        f"column '{column.name}' is labelled '{column.unit}', {kind}, where a unit of {dimension} "
+        f"is expected: the label is wrong, or the signal was never calibrated; if its numbers are "
+        f'{example}, add --units "{role}={example}"{weighed}; if they are volts, give the '
+        f'sensitivity, for example --units "{role}={sensed}"'
+    )
+
+
+def find_column(columns: Sequence[Column], named: str, option: str) -> int:
+    """Return the index of a column given by its name, or by its number from 1.
+
+    Raises
+    ------
+    ReadError
+        If there is no such column, or the name stands twice.
+    """
+    wanted = named.strip().casefold()
+    for spell in (str.casefold, vocabulary.plain):
+        key = spell(named.strip())
+        hits = [i for i, c in enumerate(columns) if c.name and spell(c.name.strip()) == key]
+        if len(hits) == 1:
+            return hits[0]
+        if len(hits) > 1:
+            numbers = " and ".join(str(i + 1) for i in hits)
+            raise ReadError(
+                f"{option} {named}: columns {numbers} have that name; give the number instead"
+            )
+    if wanted.isdigit() and 1 <= int(wanted) <= len(columns):
+        return int(wanted) - 1
+    raise ReadError(
+        f"{option} {named}: there is no such column; the columns are {list_columns(columns)}"
+    )
+
+
+def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> Unit:
+    """Return the unit of a column in its role.
+
+    Raises
+    ------
+    ReadError
+        If no unit is given, or the one given is unknown or measures something else.
+    """
+    dimension = DIMENSION[role]
+    stated, word = options.unit_of(role, column.name), unit_said(column, role, options)
+    label, header = _label(column, number, role), _with_unit(column, role)
+    advice = f'add --units "{role}={_unit_like(column, role)}"'
+    if column.content == "clock" and role == "time":
+        return _clock_unit(label, stated)
+    if word is None:
+        besides = f" and, stated beside its numbers, {column.factor}" if column.factor else ""
+        raise ReadError(
+            f"{label} has no unit{besides}; {advice}, or write the unit into the header as "
+            f"'{header}'"
+        )
+    if stated is None:
+        _refuse_stated_factor(column, word, role, label)
+        _refuse_factor(word, dimension, role, label)
+        word = _of_an_angle(word, column, label) if role == "frequency" else word
+    try:
+        sensed = sensitivity(word, dimension, column.unit) or of_multiple(word, dimension)
+        return sensed or _of_a_part(word, role) or units.parse_unit(word, dimension)
+    except DataError as error:
+        wrong = stated is None and units.find(word) is not None
+        text = mislabelled(column, role) if wrong else f"{label}: {error}; {advice}"
+        if " or " in word:
+            text = f"{label} stands under two units, {word}: say which is right: {advice}"
+        raise ReadError(text) from None
+
+
+def _angular(column: Column) -> bool:
+    return vocabulary.has_word(column.name, _ANGULAR)
+
+
+def _of_an_angle(word: str, column: Column, label: str) -> str:
+    """The unit of a frequency: 1/s of what is called angular is rad/s, and Hz a contradiction."""
+    found = units.find(word, "frequency")
+    if found is None or found.word == "rad/s" or not _angular(column):
+        return word
+    if found.word == "Hz" and "z" not in word.casefold():
+        return "rad/s"
+    raise ReadError(
+        f"{label} is called an angular frequency and stands in {word}: say which is right with "
+        f'--units "frequency={found.word}" or --units "frequency=rad/s"'
+    )
+
+
+def _refuse_factor(word: str, dimension: Dimension, role: Role, label: str) -> None:
+    """Ask what a factor beside a unit does: nobody knows if it is applied to the numbers."""
+    found = parted(word)
+    unit = found and (units.find(found[1], dimension) or _of_a_part(found[1], role))
+    if not found or not unit or sensitivity(word, dimension, None):
+        return
+    factor, plain = found[0], unit.word
+    more, less = times(unit, factor), times(unit, 1 / factor)
+    raise ReadError(
+        f"{label} stands under '{word}', a factor and a unit: if its numbers are {plain} as they "
+        f'stand, add --units "{role}={plain}"; if {factor:g} times each is, --units '
+        f'"{role}={more}"; if they are {factor:g} times too large already, --units "{role}={less}"'
+    )
+
+
+def _refuse_stated_factor(column: Column, word: str, role: Role, label: str) -> None:
+    """Ask what a factor stated beside the numbers does: nobody knows if it is applied to them."""
+    if not column.factor:
+        return
+    raise ReadError(
+        f"{label} has the unit {word} and, stated beside its numbers, {column.factor}, which no "
+        f"rule of this format applies: if its numbers are {word} as they stand, add --units "
+        f'"{role}={word}"; if not, give the unit in which they stand, such as --units '
+        f'"{role}=10{word}", or apply it in the file'
+    )
+
+
+def unit_said(column: Column, role: Role, options: ReadOptions) -> str | None:
+    """Return what the user, or else the file, says is the unit of a column in its role, if any."""
+    pure = "1" if role == "stretch" else None  # a ratio of lengths
+    said = (options.unit_of(role, column.name), column.unit, pure)
+    return next((word for word in said if word is not None), None)
+
+
+def _label(column: Column, number: int, role: Role) -> str:
+    return f"'{column.name or f'column {number}'}' ({role})"
+
+
+def _with_unit(column: Column, role: Role) -> str:
+    """What may be written over a column that has no unit."""
+    return f"{column.name or role} [{_unit_like(column, role)}]"
+
+
+def _unit_like(column: Column, role: Role) -> str:
+    """The likeliest unit of a column in a role."""
+    if role == "frequency" and _angular(column):
+        return "rad/s"
+    return EXAMPLE.get(role, "UNIT")
+
+
+def _clock_unit(label: str, stated: str | None) -> Unit:
+    """Seconds, in which clock times are read whatever stands over them."""
+    if stated is None or stated == "s" or vocabulary.clock_order(stated):
+        return units.parse_unit("s", "time")
+    raise ReadError(
+        f"{label} holds clock times, which have no unit such as '{stated}'; leave that out, or say "
+        'how they are written, for example --units "time=mm:ss" or --units "time=d/m/y"'
+    )
+
+
+def no_units(table: FileTable, lacking: Sequence[Assigned]) -> str:
+    """Ask for the units of several columns that have none, in one sentence."""
+    columns = [table.columns[one.index] for one in lacking]
+    each = list(zip(columns, lacking, strict=True))
+    labels = [_label(column, one.index + 1, one.role) for column, one in each]
+    given = [f"{one.role}={_unit_like(column, one.role)}" for column, one in each]
+    return (
+        f"{labels[0]} has no unit, nor has {listed(labels[1:], 'or')}; add --units "
+        f'"{",".join(dict.fromkeys(given))}", or write them into the header, as '
+        f"'{_with_unit(columns[0], lacking[0].role)}'"
+    )
+
+
+def sensitivity(word: str, dimension: Dimension, column_unit: str | None) -> Unit | None:
+    """Return the unit behind a sensitivity such as ``22.5mV/N``: volts divided by it.
+
+    The column is taken to be in volts unless it says another unit of voltage.
+    """
+    match = _SENSITIVITY.match(word.strip())
+    if match is None:
+        return None
+    measured = units.find(match[3], dimension)
+    if measured is None or float(match[1]) <= 0:
+        return None
+    volt = units.parse_unit(f"{match[2] or ''}V", "voltage").factor
+    volts = units.find(column_unit, "voltage") if column_unit else None
+    factor = (volts.factor if volts else 1.0) * measured.factor / (float(match[1]) * volt)
+    return Unit(word, dimension, factor)
+
+
+def quoted(columns: Sequence[Column], index: int, names: Counter[str] | None = None) -> str:
+    """A column as the user sees it: its name and unit in quotes, or its number."""
+    column = columns[index]
+    unit = f" [{column.unit}]" if column.unit else ""
+    if handle(columns, index, names) == column.name:
+        return f"'{column.name}{unit}'"
+    named = f" '{column.name}'" if column.name else ""
+    return f"column {index + 1}{named}{unit}"
+
+
+def handle(columns: Sequence[Column], index: int, names: Counter[str] | None = None) -> str:
+    """What names one column and no other: its name, or its number where names repeat.
+
+    Who asks it of many columns counts their names once.
+    """
+    name = _folded(columns[index])
+    alone = (names or _counted(columns))[name] == 1
+    return columns[index].name if name and alone else str(index + 1)
+
+
+def _counted(columns: Sequence[Column]) -> Counter[str]:
+    return Counter(map(_folded, columns))
+
+
+def _folded(column: Column) -> str:
+    return column.name.strip().casefold()
+
+
+@kept
+def _names(table: FileTable) -> Counter[str]:
+    return _counted(table.columns)
+
+
+@kept
+def _unlike(table: FileTable) -> tuple[Column, ...]:
+    """The columns without those that differ from an earlier one by a number alone."""
+    found: dict[object, Column] = {}
+    for one in table.columns:
+        found.setdefault((vocabulary.unnumbered(one.name), one.unit, one.content), one)
+    return tuple(found.values())
+
+
+@kept
+def _all_columns(table: FileTable) -> str:
+    """What each question about a table lists: of thousands of columns it is put together once."""
+    return list_columns(table.columns)
+
+
+def list_columns(columns: Sequence[Column]) -> str:
+    """All columns with their numbers, for a message."""
+    filled, names = [i for i, c in enumerate(columns) if c.content != "blank"], _counted(columns)
+    shown = [
+        f"{i + 1} {quoted(columns, i, names) if columns[i].name else '(no name)'}"
+        for i in filled[:_LISTED]
+    ]
+    more = len(filled) - len(shown)
+    return ", ".join(shown) + (f" and {more} more" if more else "")

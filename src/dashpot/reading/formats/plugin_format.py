@@ -1,0 +1,91 @@
+"""A file whose format a plug-in reads: its bytes go in, plain columns come out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from dashpot.base import plugins
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import ReadError
+from dashpot.base.plugins import Plugin
+from dashpot.extensions.formats.sandbox.limits import within
+from dashpot.reading.columns.header_names import part_unit
+from dashpot.reading.raw_file import Raw
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.table import Column, FileTable, in_memory
+
+API = 1
+"""The version of the contract, which a format states as its ``API``."""
+_EXPECTED = (
+    "{'columns': [{'name': ..., 'unit': ..., 'values': [...]}, ...]}, of one length and of numbers"
+)
+
+
+def read(raw: Raw, options: ReadOptions) -> FileTable:
+    """Return the table that the plug-in ``options.format`` finds in a file.
+
+    Raises
+    ------
+    ReadError
+        If there is no such plug-in, it fails, or what it returns is not of the contract.
+    """
+    plugin = plugins.wanted("formats", options.format or "")
+    return table_of(plugin, plugin.load(), b"".join(raw.blocks()), raw.name)
+
+
+def table_of(plugin: Plugin, module: Any, content: bytes, name: str) -> FileTable:
+    """Return what the module of a format makes of a file's bytes, held to the contract.
+
+    Raises
+    ------
+    ReadError
+        If it fails, or returns something else.
+    """
+    version = getattr(module, "API", None)
+    if version != API:
+        raise ReadError(
+            f"{plugin.says} states API = {version!r}; this dashpot knows {API}. Ask who maintains "
+            f"{plugin.package}"
+        )
+    try:
+        found = module.read(content, name=name)
+    except Exception as error:  # noqa: BLE001  others' code may raise anything
+        plugin.failed(error)
+    if not isinstance(found, dict):
+        plugin.wrong(f"a {type(found).__name__}", _EXPECTED)
+    columns = plugins.items(plugin, found, "columns")
+    if not columns:
+        plugin.wrong("no columns", _EXPECTED)
+    values = [_values(plugin, one) for one in columns]
+    lengths = sorted({len(one) for one in values})
+    if len(lengths) > 1 or lengths[0] < 2:
+        plugin.wrong(f"columns of {', '.join(map(str, lengths))} values", _EXPECTED)
+    within(len(values) * lengths[0], "the file holds")
+    return FileTable(
+        format=plugin.called,
+        columns=tuple(_column(plugin, one) for one in columns),
+        load=in_memory(np.column_stack(values)),
+        header=plugins.texts(plugin, found, "header"),
+        notes=(f"read by {plugin.says}", *plugins.texts(plugin, found, "notes")),
+    )
+
+
+def _column(plugin: Plugin, item: Mapping[str, Any]) -> Column:
+    name = plugins.word(plugin, item, "name")
+    unit = item.get("unit")
+    return Column(name, plugins.word(plugin, item, "unit")) if unit else Column(*part_unit(name))
+
+
+def _values(plugin: Plugin, item: Mapping[str, Any]) -> FloatArray:
+    """The numbers of a column; None and nan are blank cells."""
+    name = plugins.word(plugin, item, "name")
+    try:
+        found = np.asarray(item.get("values"), dtype=float)
+    except (TypeError, ValueError):
+        plugin.wrong(f"column '{name}' whose values are not numbers", _EXPECTED)
+    if found.ndim != 1:
+        plugin.wrong(f"column '{name}' of {found.ndim} dimensions", _EXPECTED)
+    return found

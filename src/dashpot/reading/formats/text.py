@@ -1,0 +1,360 @@
+"""Delimited text of any lab, from what the text itself shows."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from itertools import islice, pairwise, takewhile
+from operator import eq
+
+from dashpot.base import units
+from dashpot.base.errors import ReadError
+from dashpot.base.provenance import Caution
+from dashpot.reading.columns.vocabulary import clock_order
+from dashpot.reading.raw_file import Raw
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.table import FileTable, Loaded, Question
+from dashpot.reading.text import cells
+from dashpot.reading.text.dialect import (
+    COLUMNS,
+    LONGEST,
+    Dialect,
+    decimals,
+    find_dialect,
+    is_overlong,
+    most_cells,
+)
+from dashpot.reading.text.encoding import decoded, find_encoding
+from dashpot.reading.text.header import Header, read_header
+from dashpot.reading.text.rows import Heading, load_rows, title
+
+_HEADS = (1 << 16, 1 << 20, 1 << 24)
+_LARGE = 1 << 28
+_IMAGINARY = re.compile(rb"\d\s?\*?[ijIJ]\b|[+-]\s?[ijIJ]\*?\d")
+"""What no table of complex cells is without."""
+_MOST_COMPLEX = 1 << 26
+"""Bytes of a file whose complex cells are parted: it is held as a whole."""
+_MARKUP = re.compile(
+    rb"\A(?:\xef\xbb\xbf)?\s{0,99}(<(?:!doctype\b|html\b|head\b|body\b|table\b|\?xml\b)|\{\\rtf)",
+    re.I,
+)
+"""How a web page, a document of XML or rich text begins."""
+_FEW = 6
+"""Rows, and parts of the numbers of each, that no table has."""
+_STEADY = 6
+"""Rows from the first on that show how all are printed."""
+_OF_A_FACTOR = 2
+"""Significant digits of a factor or a limit that stands above a column, at most."""
+_NAMES = {"\t": "tab", ";": "semicolon", ",": "comma", " ": "blanks", "|": "pipe", ":": "colon"}
+_MARKS = {".": "point", ",": "comma", ".,": "point and comma, mixed"}
+
+
+def read(raw: Raw, options: ReadOptions) -> FileTable:
+    """Return the table that a text file holds.
+
+    Raises
+    ------
+    ReadError
+        If the file is binary, holds no table of numbers, or its commas can be read two ways.
+    """
+    marked = _MARKUP.match(raw.head(_HEADS[0]))
+    if marked:
+        raise ReadError(
+            f"is a document ('{marked[1].decode()}'), not a table, as some programs save it under "
+            "the name of a workbook: open it in a spreadsheet program and save it as xlsx or csv"
+        )
+    encoding = options.encoding or find_encoding(raw.head(_HEADS[0]))
+    raw, encoding = _without_complex(raw, encoding)
+    for size in _HEADS:
+        lines, whole = _lines(raw, encoding, size, found=options.encoding is None)
+        if not whole and len(lines) < _STEADY and size < _HEADS[-1]:
+            continue  # too few to break here, whatever they are
+        lines = [*[""] * min(options.skip_rows, len(lines)), *lines[options.skip_rows :]]
+        dialect = find_dialect(lines, delimiter=options.delimiter, decimal=options.decimal)
+        if whole or (dialect is not None and len(lines) - dialect.first >= _STEADY):
+            break
+    if dialect is None:
+        raise ReadError(_no_table(lines, options))
+    if whole and _lies(lines[dialect.first :], dialect):
+        raise ReadError(
+            f"its channels stand in rows: line {dialect.first + 1} begins with "
+            f"'{lines[dialect.first].partition(dialect.delimiter)[0].strip()[:40]}' and holds "
+            f"{len(dialect.numbers)} numbers. Transpose the table: a column for each channel"
+        )
+    return _table(raw, encoding, lines, dialect, options)
+
+
+def _without_complex(raw: Raw, encoding: str) -> tuple[Raw, str]:
+    """The file with two cells for each complex one, and its encoding; as it is without any."""
+    if raw.size > _MOST_COMPLEX or not _IMAGINARY.search(raw.head(_HEADS[0])):
+        return raw, encoding
+    from dashpot.reading.text.complexes import holds_complex, parted_cells  # few need them
+
+    try:
+        if not holds_complex(raw.head(_HEADS[0]).decode(encoding, "replace")):
+            return raw, encoding
+        text = parted_cells(raw.head(raw.size).decode(encoding).replace("\r\n", "\n"))
+    except UnicodeDecodeError:
+        return raw, encoding
+    return (raw, encoding) if text is None else (Raw(raw.name, None, text.encode()), "utf-8")
+
+
+def _lines(raw: Raw, encoding: str, size: int, *, found: bool) -> tuple[list[str], bool]:
+    """The lines of the first bytes, and whether that is the whole file."""
+    head = raw.head(size)
+    whole = len(head) == raw.size
+    if b"\0" in head.rstrip(b"\0\r\n ") and not encoding.startswith(
+        ("utf-16", "utf-32", "utf_16", "utf_32")
+    ):
+        raise ReadError(
+            "not a text file (zero bytes), and no format that dashpot knows by its "
+            "content; export it as text (csv, txt)"
+        )
+    if not whole:  # an incremental decoder waits for the rest of a character cut in two
+        text = "".join(_partial(head, encoding, found=found))
+        return text.split("\n")[:-2], False  # the last line is cut
+    text = "".join(decoded([head], encoding, found=found))
+    return text.removesuffix("\n").split("\n"), True
+
+
+def _partial(head: bytes, encoding: str, *, found: bool) -> list[str]:
+    out = []
+    try:
+        for text in decoded([head], encoding, found=found):
+            out.append(text)
+    except ReadError:
+        # the last character is cut in two; anything else fails again when the rows are read
+        if not out:
+            raise
+    return out
+
+
+def _table(
+    raw: Raw, encoding: str, lines: list[str], dialect: Dialect, options: ReadOptions
+) -> FileTable:
+    above = lines[: dialect.first]
+    header = [line for line in above if line.strip()]
+    found = read_header(above, dialect)
+    notes = list(filter(None, (found.misfit, found.uneven)))
+    remarks, doubts = _rows_above(above, dialect)
+    notes += [
+        *remarks,
+        *_factors(header),
+        *_odd_first_row(lines[dialect.first :], dialect),
+    ]
+    if dialect.mark == ".,":
+        notes.append("decimal points and decimal commas are mixed; both are read as decimal marks")
+    if raw.size > _LARGE:
+        notes.append(
+            f"a file of {raw.size / 1e6:.0f} MB, read in blocks; if it is finer sampled than the "
+            "test needs, export it at a lower rate"
+        )
+    if encoding not in {"utf-8", "utf-8-sig"}:
+        notes.append(f"text decoded as {encoding}")
+
+    def load(indexes: Sequence[int]) -> Loaded:
+        return load_rows(
+            lambda: decoded(raw.blocks(), encoding, found=options.encoding is None),
+            dialect,
+            indexes,
+            Heading(found.columns, _clock_orders(found, options), title(header)),
+            sure=options.decimal is not None,
+            patience=raw.patience,
+        )
+
+    return FileTable(
+        format="text",
+        columns=found.columns,
+        load=load,
+        encoding=encoding,
+        delimiter=_NAMES.get(dialect.delimiter, dialect.delimiter),
+        decimal=_MARKS[dialect.mark],
+        header=tuple(header),
+        notes=tuple(notes),
+        simulated=any(
+            "simulated" in line.casefold() for line in header if re.match(r"\A\s*+[#%$!/*;]", line)
+        ),
+        doubts=tuple(doubts),
+        hints=(*filter(None, [found.misfit]), *_hints(header)),
+    )
+
+
+def _lies(lines: Sequence[str], dialect: Dialect) -> bool:
+    """Whether a few long rows, each behind its name, are what should be columns."""
+    filled = sum(1 for line in lines if line.strip())
+    words = dialect.contents[0] == "text" and dialect.contents.count("text") == 1
+    return words and filled < _FEW <= len(dialect.numbers) // _FEW
+
+
+def _factors(header: Sequence[str]) -> list[Caution]:
+    """Note a line of the header that states a factor: none is applied, and any may be meant."""
+    for line in header:
+        stated = _FACTOR.search(line[:500])
+        numbers = _NUMBER.findall(stated.string[stated.end() : 500]) if stated else []
+        if any(float(number.replace(",", ".")) != 1.0 for number in numbers):
+            told = line.strip().replace("\t", " ")[:60]
+            says = f"the header says '{told}'; no factor is applied to the numbers"
+            return [Caution(says)]
+    return []
+
+
+def _odd_first_row(lines: Sequence[str], dialect: Dialect) -> list[str]:
+    """Note a first row that is printed with other digits than all of the next."""
+
+    def printed(row: Sequence[str]) -> Iterator[int | None]:
+        return (decimals(row[i], dialect.mark) for i in dialect.numbers)
+
+    rows = islice((row for line in lines[:20] if (row := dialect.row(line))), _STEADY)
+    first, second = next(rows, None), next(rows, None)
+    if not (first and second) or any(map(eq, printed(first), printed(second))):
+        return []  # as it nearly always is: no more are read
+    if any(_significant(first[i]) > _OF_A_FACTOR for i in dialect.numbers):
+        return []  # what is printed with so many digits is measured
+    others, like = [list(printed(row)) for row in rows], list(printed(second))
+    if len(others) < _STEADY - 2 or any(row != like for row in others):
+        return []
+    says = f"line {dialect.first + 1}, the first row, is printed otherwise than those below it"
+    return [Caution(f"{says}: '{lines[0].strip()[:60]}'; if it is none, take it out")]
+
+
+def _significant(cell: str) -> int:
+    """How many significant digits a number is printed with; trailing zeros count for none."""
+    mantissa = cell.lower().partition("e")[0]
+    return len("".join(filter(str.isdigit, mantissa)).strip("0"))
+
+
+def _rows_above(above: Sequence[str], dialect: Dialect) -> tuple[list[str], list[Question]]:
+    """Note a row of numbers right above the table that is not like its rows; ask about several."""
+    filled = [(number, line) for number, line in enumerate(above, start=1) if line.strip()]
+    odd = list(takewhile(lambda one: dialect.resembles_row(one[1]), reversed(filled)))
+    if not odd:
+        return [], []
+    number, line = odd[-1]
+    if len(odd) == 1:  # it may well count the rows or columns
+        says = f"line {number} above the table is no row of it: '{line.strip()[:60]}'"
+        return [Caution(says) if _multiplies(line, dialect) else says], []
+    cells_above, width = len(cells.split(line, dialect.delimiter)), dialect.cells
+    says = (
+        f"line {number} has {cells_above} cells where the table has {width} from line "
+        f"{dialect.first + 1} on: '{line.strip()[:60]}'; split the file there, or read what stands "
+        f"below with --text skip={dialect.first}"
+    )
+    return [], [Question(says, "--text skip=N")]
+
+
+def _multiplies(line: str, dialect: Dialect) -> bool:
+    """Whether a row has a number for each column that counts neither columns nor rows."""
+    found = [cells.number(one, dialect.mark) for one in cells.split(line, dialect.delimiter)]
+    values = [one for one in found if one is not None]
+    if len(values) < len(dialect.numbers) or not all(values):
+        return False
+    steps = {round(after - before, 9) for before, after in pairwise(values)}
+    return steps != {1.0} and set(values) != {1.0}
+
+
+def _clock_orders(found: Header, options: ReadOptions) -> tuple[str, ...]:
+    """How the clock times of each column are written: as the user says, else as the header."""
+    return tuple(
+        (column.content == "clock" and clock_order(options.unit_of("time", column.name))) or said
+        for column, said in zip(found.columns, found.clocks, strict=True)
+    )
+
+
+_MEASURED = re.compile(r"\A[+-]?\d[\d.,]{0,40}\s?([^\W\d_]\S{0,9})\Z")
+_FACTOR = re.compile(
+    r"\b(?<!loss )(?<!shape )(?<!form )(?<!safety )(?<!quality )(?<!power )(?<!crest )"
+    r"(?:scal(?:e|ing)|gain|factor|\w{1,20}f[ae][ck]tor|faktor|skalierung|verstärkung|multiplier"
+    r"|slope|conversion|attenuat(?:ion|or)|divi(?:sor|der)|amplification)\b",
+    re.IGNORECASE,
+)
+_NUMBER = re.compile(r"\d{1,9}(?:[.,]\d{1,9})?")
+_RATE = re.compile(
+    r"(?:sampl\w{0,20}|abtast\w{0,20}|scan\w{0,20}|acquisition|messrate|data|częstotliwość|采样)"
+    r"\W{0,20}(?:rate|freq\w{0,20}|frequenz|频率|próbkowania)?"
+    r"[^\d\n]{0,12}?(\d{1,12}(?:[.,]\d{1,12})?)\W{0,3}(k?Hz|1/s)",
+    re.IGNORECASE,
+)
+
+
+_INTERVAL = re.compile(
+    r"(?:(?:sampl|abtast|scan|acquisition|recording|log|mess|data)\w{0,20}\W{0,5}"
+    r"(?:interval\w{0,4}|period\w{0,2}|time|step|zeit|schritt)|time\W{0,3}(?:step|increment)"
+    r"|zeitschritt|abtast(?:intervall|zeit)|delta\W?[xt]|(?<!\w)dt)(?!\w)"
+    r"[^\d\n]{0,12}?(\d{1,12}(?:[.,]\d{1,12})?(?:[eE][-+]?\d{1,2})?)\W{0,3}"
+    r"((?:[mµu]?s|sec(?:onds?)?|milliseconds?|min)?)(?!\w)",
+    re.IGNORECASE,
+)
+
+
+def _interval_hints(header: Sequence[str]) -> list[str]:
+    """What the header says about the time between two samples."""
+    for line in header:
+        match = _INTERVAL.search(line[:500])
+        unit = match and units.find(match[2] or "s", "time")
+        step = float(match[1].replace(",", ".")) * unit.factor if match and unit else 0.0
+        if step > 0:
+            says = f"the header says '{line.strip()[:60]}'; if that is the time between two rows"
+            return [f"{says}, add --rate {1 / step:.10g}Hz"]
+    return []
+
+
+def _hints(header: Sequence[str]) -> list[str]:
+    """What the header says about the sampling rate, for a table without time."""
+    found = []
+    for line in header:
+        match = _RATE.search(line[:500])
+        if match:
+            rate = float(match[1].replace(",", ".")) * (1e3 if match[2][:1] in "kK" else 1.0)
+            found.append(
+                f"the header says '{line.strip()[:60]}'; if that is the rate, add "
+                f"--rate {rate:.10g}Hz"
+            )
+    return found[:1] or _interval_hints(header)
+
+
+def _with_units(line: str) -> bool:
+    """Whether each of several cells holds a number and its unit."""
+    found = [_MEASURED.match(one.strip()) for one in re.split(r"[;\t|]|,\s", line)]
+    return len(found) > 1 and all(one and units.find(one[1]) for one in found)
+
+
+def _no_table(lines: Sequence[str], options: ReadOptions) -> str:
+    filled = [line for line in lines if line.strip()]
+    if not filled:
+        return "holds nothing but blank lines; export the test again"
+    tried = ""
+    if options.delimiter or options.decimal:
+        tried = " with the delimiter and decimal mark given (leave out --text)"
+    wide = [(number, line) for number, line in enumerate(lines, 1) if is_overlong(line)]
+    if 2 * len(wide) >= len(filled):
+        number, line = wide[-1]
+        return (
+            f"line {number} has {len(line)} characters and {most_cells(line)} cells, and at most "
+            f"{LONGEST} characters and {COLUMNS} cells of a line are read; export fewer channels, "
+            "or a row for each sample if each channel has its row"
+        )
+    first = filled[0].strip()[:60]
+    if _with_units(filled[-1]) and _with_units(filled[len(filled) // 2]):
+        return (
+            f"each number shares its cell with its unit, such as '{filled[-1].strip()[:40]}': "
+            "write the units into the header and take them out of the cells"
+        )
+    ends = ((line.strip()[0], line.strip()[-1], line.count('"')) for line in filled)
+    if all(end == ('"', '"', 2) for end in ends):
+        return (
+            f"every line stands in quotes as one cell, such as {first}: take the quotes out, or "
+            "export the table again with a cell for each number"
+        )
+    if all(
+        not any(cells.numeric(line.replace(",", " ").replace(";", " ").split(), "."))
+        for line in filled
+    ):
+        return (
+            f"no numbers under the header{tried}: {len(filled)} lines of text, "
+            f"the first is '{first}'; expected rows of numbers below the column names"
+        )
+    return (
+        f"no table of numbers found{tried} in {len(filled)} lines, the first is "
+        f"'{first}'; expected rows of equally many numbers, parted by one kind of delimiter "
+        "(--text delimiter=, decimal= or skip= says it)"
+    )

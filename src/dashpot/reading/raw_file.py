@@ -1,0 +1,223 @@
+"""The bytes of a file, or of stdin, and their hash."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import select
+import stat
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from importlib import import_module
+from io import BytesIO
+from itertools import islice
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from dashpot.base.errors import DataError, ReadError
+from dashpot.base.escaping import escaped
+from dashpot.reading.time_budget import Patience
+
+_BLOCK = 1 << 18
+"""Bytes read at once: their numbers fit in a processor's cache."""
+_BESIDE = 10_000
+"""Names of a folder among which that of a missing file is looked for."""
+_HELD = 1 << 24
+"""Bytes of the largest file that is kept in memory, and so opened once."""
+PIPED = 1 << 29
+"""Bytes that may come through a pipe: they are held in memory."""
+SILENCE = 30
+"""Seconds that a pipe may bring nothing."""
+
+
+@dataclass(frozen=True)
+class Raw:
+    """The bytes of a file: held in memory, or (`path` alone) too many for that."""
+
+    name: str
+    path: Path | None
+    held: bytes = b""
+
+    def open(self) -> BinaryIO:
+        """The bytes from the start."""
+        return BytesIO(self.held) if self.held or self.path is None else self.path.open("rb")
+
+    def head(self, size: int) -> bytes:
+        """The first `size` bytes, or fewer."""
+        with self.open() as stream:
+            return stream.read(size)
+
+    def blocks(self) -> Iterator[bytes]:
+        """All bytes, a block at a time."""
+        with self.open() as stream:
+            while block := stream.read(_BLOCK):
+                yield block
+
+    @cached_property
+    def size(self) -> int:
+        """Bytes in all."""
+        return len(self.held) if self.held or self.path is None else self.path.stat().st_size
+
+    @cached_property
+    def patience(self) -> Patience:
+        """What reading it may cost in this process."""
+        return Patience(self.size)
+
+    @cached_property
+    def sha256(self) -> str:
+        """Hash of the raw bytes."""
+        digest = hashlib.sha256(self.held)
+        for block in () if self.held else self.blocks():
+            digest.update(block)
+        return digest.hexdigest()
+
+    def on_disk(self) -> Path:
+        """The path, for readers that need one."""
+        if self.path is None:
+            raise ReadError(
+                "this format is read from a file, not through a pipe; save it and give its path"
+            )
+        return self.path
+
+
+@contextmanager
+def about(name: str) -> Iterator[None]:
+    """Put a file's name before what is wrong with it or with its numbers."""
+    try:
+        yield
+    except (ReadError, DataError) as error:
+        text = str(error)
+        mark = " " if text.startswith("is not a test") else ": "
+        raise ReadError(f"{name}{mark}{text}") from None
+
+
+def like_json(head: bytes) -> bool:
+    """Whether the first bytes of a file open a JSON object."""
+    return head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{")
+
+
+def open_raw(path: str | Path) -> Raw:
+    """Return the file at `path`, or stdin for ``-``.
+
+    Raises
+    ------
+    ReadError
+        If there is no such file, it cannot be read, it is empty, or it is a pipe without end.
+    """
+    if str(path) == "-" and sys.stdin is None:
+        raise ReadError("stdin is closed; give the path of a file")
+    try:
+        raw = Raw("stdin", None, _stdin(sys.stdin.buffer)) if str(path) == "-" else _at(Path(path))
+    except (FileNotFoundError, NotADirectoryError):
+        raise ReadError(missing(path)) from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise ReadError(f"{path}: cannot be read: {reason}") from None
+    if raw.size == 0:
+        raise ReadError(f"{raw.name} is empty (0 bytes); save it again")
+    return raw
+
+
+def missing(path: str | Path) -> str:
+    """Say that a file or folder is not there, and what is that may be meant."""
+    from difflib import get_close_matches  # few need it, and it costs time to import
+
+    place = Path(path)
+    above = next((one for one in reversed(place.parents) if not one.is_dir()), None)
+    if above is not None:
+        return f"{place}: there is no folder {above}. Check the path."
+    try:
+        with os.scandir(place.parent) as found:
+            beside = [one.name for one in islice(found, _BESIDE) if one.name[:1] != "."]
+    except OSError:
+        beside = []
+    folded = {name.casefold(): name for name in beside}
+    near = get_close_matches(place.name.casefold(), folded, 1)
+    meant = f"Did you mean {escaped(str(place.with_name(folded[near[0]])))}?" if near else ""
+    return f"{place}: there is no such file or folder. {meant or 'Give one that is there.'}"
+
+
+def _at(path: Path) -> Raw:
+    found, name = path.stat(), escaped(path.name)
+    mode = found.st_mode
+    if stat.S_ISFIFO(mode):  # it has no path to be opened again
+        return Raw(name, None, _fifo(path, (found.st_dev, found.st_ino)))
+    if not stat.S_ISREG(mode):
+        what = "folder" if stat.S_ISDIR(mode) else "socket" if stat.S_ISSOCK(mode) else "device"
+        raise ReadError(f"{path} is a {what}; give the file to read")
+    _keep_what_is_freed()
+    with path.open("rb") as stream:
+        return Raw(name, path, b"" if found.st_size >= _HELD else stream.read())
+
+
+@lru_cache(maxsize=1)
+def _keep_what_is_freed() -> None:
+    """Free one large piece of memory that nothing was written to.
+
+    From then on the C library of Linux keeps smaller ones for what is asked next. Given back and
+    taken anew for every record, their pages cost up to a third of reading it.
+    """
+    bytes(_HELD)
+
+
+@lru_cache(maxsize=1)
+def _stdin(stream: BinaryIO) -> bytes:
+    """What stdin holds; kept, for a pipe can be read only once and a file is looked at twice."""
+    return _drained(stream, "stdin")
+
+
+@lru_cache(maxsize=8)
+def _fifo(path: Path, _one: tuple[int, int]) -> bytes:
+    """What another pipe holds, kept as long as that one is there; its writer may never come."""
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    os.set_blocking(descriptor, True)
+    with os.fdopen(descriptor, "rb") as stream:
+        return _drained(stream, escaped(path.name))
+
+
+def _drained(stream: BinaryIO, name: str) -> bytes:
+    """All that a pipe brings, if it ends."""
+    parts, size = [], 0
+    while block := _next_block(stream, name):
+        parts.append(block)
+        size += len(block)
+        if size > PIPED:
+            raise ReadError(
+                f"{name} brings more than {PIPED >> 20} MiB through a pipe; save it as a file and "
+                "give its path"
+            )
+    return b"".join(parts)
+
+
+def _next_block(stream: BinaryIO, name: str) -> bytes:
+    """The next bytes of a pipe, waited for so long and no longer; of anything else at once."""
+    with suppress(OSError, AttributeError):  # no descriptor, as in a test; no poll, as on Windows
+        mode = os.fstat(stream.fileno()).st_mode
+        waiting = select.poll()
+        waiting.register(stream, select.POLLIN)
+        if (stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode)) and not waiting.poll(1000 * SILENCE):
+            raise ReadError(
+                f"{name} is a pipe into which nothing was written for {SILENCE} s; "
+                "save the test as a file and give its path"
+            )
+    block: bytes = stream.read1(_BLOCK)  # type: ignore[attr-defined]
+    return block
+
+
+def extra(module: str, package: str, what: str) -> Any:
+    """Return an optional package's module, imported when a file needs it.
+
+    Raises
+    ------
+    ReadError
+        If it is not installed, with the command that installs it.
+    """
+    try:
+        return import_module(module)
+    except ImportError:
+        raise ReadError(
+            f'{what} need the package {package}; install it with pip install "dashpot[io]"'
+        ) from None

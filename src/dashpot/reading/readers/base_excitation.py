@@ -1,0 +1,109 @@
+"""From one file or several to the record of a base that is shaken and the mass on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base.errors import ReadError
+from dashpot.datamodel.base_excitation import ShakenTest
+from dashpot.reading.columns.role_assignment import Assigned, accelerations, find_column, quoted
+from dashpot.reading.columns.vocabulary import Role
+from dashpot.reading.read_options import ReadOptions, flag
+from dashpot.reading.readers import channels
+from dashpot.reading.readers.channels import Channel, Opened
+from dashpot.reading.readers.impact import joined_starts, loaded_whole, refuse_same, starts_of
+
+_ORDERS: dict[Role, int] = {"displacement": 0, "velocity": 1, "acceleration": 2}
+_SLOWER: tuple[Role, ...] = ("velocity", "displacement")
+_SAME_RATE = 1e-3
+"""Part of a sampling rate by which the files of one set-up may differ."""
+
+
+def read_shaken(paths: Sequence[str | Path], options: ReadOptions) -> ShakenTest:
+    """Return the base's acceleration and the mass's motion in files of one set-up, in SI units.
+
+    The mass's may be an acceleration, a velocity or a displacement.
+
+    Segments, jumps of the clock, and further files each start a new continuous record.
+
+    Raises
+    ------
+    ReadError
+        If a column is not found or has no unit, or the files have other rates.
+    """
+    tests = [_one(path, options) for path in paths]
+    first = tests[0]
+    for path, test in zip(paths, tests, strict=True):
+        if abs(test.rate / first.rate - 1) > _SAME_RATE:
+            raise ReadError(
+                f"{path}: sampled at {test.rate:.6g} Hz, but {paths[0]} at {first.rate:.6g} Hz; "
+                "give files of one set-up"
+            )
+        if test.order != first.order:
+            raise ReadError(
+                f"{path}: another motion of the mass than in {paths[0]}; give files of one set-up"
+            )
+    return ShakenTest(
+        first.rate,
+        np.concatenate([test.base for test in tests]),
+        np.concatenate([test.mass for test in tests]),
+        joined_starts([(len(test.base), test.starts) for test in tests]),
+        tuple(source for test in tests for source in test.source),
+        first.order,
+    )
+
+
+def _one(path: str | Path, options: ReadOptions) -> ShakenTest:
+    with channels.opened(path, options) as file:
+        channels.refuse_summary(file)
+        chosen = _channels(file)
+        loaded, columns = loaded_whole(file, chosen)
+        base, mass = columns[-2:]
+        refuse_same(file, chosen, [base, mass])
+        starts, notes, rate = loaded.starts, [*file.table.notes, *loaded.notes], options.rate
+        if rate is None:
+            starts, remarks = starts_of(columns[0], loaded)
+            notes += remarks
+            first = columns[0][: (*starts, len(base))[1]]
+            if not np.ptp(first) > 0:
+                raise ReadError("the time stands still; give the rate, for example --rate 512Hz")
+            rate = (len(first) - 1) / float(first[-1] - first[0])
+        source = channels.source(file, [c.says for c in chosen], notes)
+        return ShakenTest(rate, base, mass, starts, (source,), _ORDERS[chosen[-1].role])
+
+
+def _channels(file: Opened) -> list[Channel]:
+    """Time unless a rate is given, the base, and the one other motion."""
+    columns, base_flag = file.table.columns, flag("base_acceleration")
+    base = find_column(columns, str(file.options.base_acceleration), base_flag)
+    ticks = channels.chosen(file, channels.timed(file))
+    taken = [base, *(one.index for one in ticks)]
+    found = of_mass(file, taken)
+    if len(found) != 1:
+        listed = f": {', '.join(quoted(columns, one.index) for one in found)}" if found else ""
+        raise ReadError(
+            f"{len(found)} motions beside that of the base, {quoted(columns, base)}{listed}; "
+            f"expected one, of the mass: name it with {flag('acceleration')}=NAME, "
+            f"{flag('velocity')}=NAME or {flag('displacement')}=NAME"
+        )
+    return channels.with_units(
+        file,
+        [*ticks, Assigned("acceleration", base, f"of the base, named by {base_flag}"), *found],
+    )
+
+
+def of_mass(file: Opened, taken: Sequence[int]) -> list[Assigned]:
+    """Return the motions beside the base's: those named, else accelerations, else the others."""
+    options = file.options
+    named = [role for role in _SLOWER if getattr(options, role)]
+    found: list[Assigned] = []
+    if options.acceleration or not named:
+        found = [
+            Assigned("acceleration", i, "of the mass")
+            for i in accelerations(file.table, taken, options)
+        ]
+    found += filter(None, map(file.one_column, named if named or found else _SLOWER))
+    return [one for one in found if one.index not in taken]

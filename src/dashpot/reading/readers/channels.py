@@ -1,0 +1,567 @@
+"""From the columns of a table to channels in SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+
+from dashpot.base import units
+from dashpot.base.arrays import BoolArray, FloatArray, median, slices
+from dashpot.base.checks import Check
+from dashpot.base.errors import ReadError
+from dashpot.base.provenance import Caution, Source, cautions_in
+from dashpot.base.units import Unit
+from dashpot.reading.columns.kind_detection import FileKind, cycle_peaks, kind_of, refuse_kind
+from dashpot.reading.columns.role_assignment import (
+    EXAMPLE,
+    Assigned,
+    ask,
+    assign,
+    handle,
+    list_columns,
+    no_units,
+    quoted,
+    unit_for,
+    unit_said,
+)
+from dashpot.reading.columns.vocabulary import Role
+from dashpot.reading.formats import read_table
+from dashpot.reading.raw_file import Raw, about, open_raw
+from dashpot.reading.read_options import ReadOptions, flag
+from dashpot.reading.table import Column, FileTable, Loaded, Question
+
+Judged: TypeAlias = Callable[
+    [Mapping[Role, float], Mapping[Role, str], AbstractSet[Role]],
+    Sequence[tuple[Role, Sequence[Check]]],
+]
+"""What is asked of the sizes of a test, had its units been said otherwise."""
+_OVERLOAD = 9.9e37
+"""What SCPI instruments send for an infinite or an invalid reading."""
+_NINES = 999.0
+"""The least number of nines alone that loggers write for no reading: 999, -9999, 999.99."""
+_EVEN = 0.01
+"""Part of a step by which the steps of an even clock, and a rate said of it, may differ from it."""
+_FAR = 5.0
+"""How far beyond all other numbers of its column it then stands."""
+
+
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """A file, the table found in it, and what the user says of it."""
+
+    raw: Raw
+    table: FileTable
+    options: ReadOptions
+    once: bool = False
+    """Whether the columns read last are kept."""
+
+    def column(self, role: Role) -> Assigned | None:
+        """The column that plays a role, if one alone does."""
+        answer = assign(self.table, role, self.options)
+        return answer if isinstance(answer, Assigned) else None
+
+    def one_column(self, role: Role) -> Assigned | None:
+        """As `column`, but where several could play the role it is asked which.
+
+        Raises
+        ------
+        ReadError
+        """
+        answer = assign(self.table, role, self.options)
+        if isinstance(answer, Assigned):
+            return answer
+        if answer.choices:
+            raise ReadError(answer.says)
+        return None
+
+    def unit(self, index: int, role: Role) -> Unit:
+        """The unit of a column in a role, as
+        :func:`~dashpot.reading.columns.role_assignment.unit_for`.
+        """
+        return unit_for(self.table.columns[index], index + 1, role, self.options)
+
+    def unit_word(self, index: int, role: Role) -> str | None:
+        """What the user, or else the file, says is the unit of a column, if either does."""
+        return unit_said(self.table.columns[index], role, self.options)
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A column chosen for a role, with its unit and a line that says so."""
+
+    role: Role
+    index: int
+    unit: Unit
+    says: str
+
+
+@contextmanager
+def opened(path: str | Path, options: ReadOptions | None, *, sure: bool = True) -> Iterator[Opened]:
+    """Open a file for a reader: whatever is wrong within is said with the file's name.
+
+    Raises
+    ------
+    ReadError
+        If it cannot be read, or, where it must be `sure`, its numbers can be read two ways.
+    """
+    options = (options or ReadOptions()).of(path)
+    file = left_open(path, options) or open_table(open_raw(path), options)
+    with about(file.raw.name):
+        if sure and file.table.doubts:
+            raise ReadError(file.table.doubts[0].says)
+        yield file
+
+
+def open_table(raw: Raw, options: ReadOptions) -> Opened:
+    """Return a file with the table found in it, without the questions that options answer."""
+    table = read_table(raw, options)
+    if options.window_decay is not None and table.doubts:
+        left = [one for one in table.doubts if not one.option.startswith(flag("window_decay"))]
+        table = replace(table, doubts=tuple(left))
+    return Opened(raw, table, options)
+
+
+_LEFT_OPEN: dict[object, Opened] = {}
+"""Files that were looked at and are about to be read."""
+_MOST = 16
+"""How many of them are kept."""
+
+
+def leave_open(path: str | Path, file: Opened) -> None:
+    """Leave an open file to who reads it next, with the same options: it is parsed once."""
+    key = _key(path, file.options)
+    if key is not None:
+        while len(_LEFT_OPEN) >= _MOST:
+            _LEFT_OPEN.pop(next(iter(_LEFT_OPEN)), None)
+        _LEFT_OPEN[key] = file
+
+
+def left_open(path: str | Path, options: ReadOptions) -> Opened | None:
+    """Return a file that was left open, which then is so no longer."""
+    return _LEFT_OPEN.pop(_key(path, options), None) if _LEFT_OPEN else None
+
+
+def _key(path: str | Path, options: ReadOptions) -> object:
+    """What one file with one set of options is known by, as long as it is not written to."""
+    try:
+        found = Path(path).stat()
+    except (OSError, ValueError):  # stdin, or no such file
+        return None
+    return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns, options
+
+
+def read_once(file: Opened) -> Opened:
+    """Return the file as one whose numbers are not read again where the same columns are."""
+    if file.once:
+        return file
+    known: dict[tuple[int, ...], Loaded] = {}
+
+    def load(indexes: Sequence[int]) -> Loaded:
+        asked = tuple(indexes)
+        if asked not in known:
+            known.clear()
+            known[asked] = file.table.load(indexes)
+        # who cleans them must not clean the next one's
+        return replace(known[asked], values=known[asked].values.copy(order="K"))
+
+    return replace(file, table=replace(file.table, load=load), once=True)
+
+
+def refuse_summary(file: Opened) -> None:
+    """Refuse a table of one row per cycle, unless the user names its columns."""
+    options = file.options
+    peaks = cycle_peaks(file.table)
+    if peaks and not (options.force or options.displacement or options.acceleration):
+        raise ReadError(f"is not a test: {peaks}")
+
+
+def expect(file: Opened, accepted: Sequence[FileKind], want: str, *, named: Sequence[str]) -> None:
+    """Refuse a file that is surely of another kind, with the command that takes it.
+
+    A user who has named a column of the roles `named` knows what the file is.
+
+    Raises
+    ------
+    ReadError
+    """
+    if not any(getattr(file.options, name) for name in named):
+        refuse_kind(file.table, file.options, accepted, want)
+
+
+def choose(file: Opened, roles: Sequence[Role]) -> list[Channel]:
+    """Return the columns that play the roles, with their units.
+
+    Raises
+    ------
+    ReadError
+        With every question that the file leaves open, in one sentence each.
+    """
+    return with_units(file, chosen(file, roles))
+
+
+def chosen(
+    file: Opened, roles: Sequence[Role], *, besides: Sequence[Question] = ()
+) -> list[Assigned]:
+    """Return the columns that play the roles; `besides` is asked with what they leave open.
+
+    Raises
+    ------
+    ReadError
+        With every question that the file leaves open, in one sentence each.
+    """
+    found = [*(assign(file.table, role, file.options) for role in roles), *besides]
+    if any(isinstance(answer, Question) for answer in found):
+        kind, reason = kind_of(file.table, file.options)
+        if kind == "not-a-test":
+            raise ReadError(f"is not a test: {reason}")
+    columns = answered(file, found)
+    roles_of: dict[int, Role] = {}
+    for one in columns:
+        other = roles_of.setdefault(one.index, one.role)
+        if other != one.role:
+            raise ReadError(both(file.table.columns, one.index, other, one.role))
+    return columns
+
+
+def both(columns: Sequence[Column], index: int, one: Role, other: Role) -> str:
+    """Say that a column would play two roles, and what to do."""
+    return (
+        f"{quoted(columns, index)} would be both {one} and {other}; name the columns with "
+        f"{flag(one)}=NAME and {flag(other)}=NAME; they are {list_columns(columns)}"
+    )
+
+
+def answered(file: Opened, found: Sequence[Assigned | Question], hint: str = "") -> list[Assigned]:
+    """Return the columns found, or raise every question in one sentence with the hint."""
+    asked = [answer for answer in found if isinstance(answer, Question)]
+    if asked:
+        raise ReadError(ask(file.table, asked) + hint)
+    return [answer for answer in found if isinstance(answer, Assigned)]
+
+
+def with_units(file: Opened, chosen: Sequence[Assigned]) -> list[Channel]:
+    """Return assigned columns with their units.
+
+    Raises
+    ------
+    ReadError
+        With every unit that is missing, unknown or wrong, and how to give it.
+    """
+    lacking = [one for one in chosen if file.unit_word(one.index, one.role) is None]
+    several = lacking if len(lacking) > 1 else []
+    found, asked = [], [no_units(file.table, several)] if several else []
+    for one in chosen:
+        if one in several:
+            continue
+        try:
+            unit = file.unit(one.index, one.role)
+        except ReadError as error:
+            asked.append(str(error))
+            continue
+        why = f" ({one.reason})" if one.reason else ""
+        label = file.table.columns[one.index].label(one.index + 1)
+        says = f"{one.role}: {label} [{unit.word}]{why}"
+        found.append(Channel(one.role, one.index, unit, says))
+    if asked:
+        raise ReadError("; ".join(asked))
+    return found
+
+
+def refuse_sizes(file: Opened, answers: Sequence[tuple[Channel, Sequence[Check]]]) -> list[str]:
+    """Ask for the first unit that makes an unbelievable size; return notes on unusual ones.
+
+    The user's own word for a unit is not doubted.
+
+    Raises
+    ------
+    ReadError
+    """
+    notes: list[str] = []
+    for one, checks in answers:
+        failed = [check for check in checks if check.failed and not is_stated(file, one)]
+        if asked := [check.typed for check in failed if check.grade == "stop"]:
+            raise ReadError(asked[0])
+        notes += [Caution(check.typed, check.told) for check in failed]
+    return notes
+
+
+def refuse_all_sizes(file: Opened, chosen: Sequence[Channel], judged: Judged) -> list[str]:
+    """Ask at once for every unit that is to be answered; return notes on unusual sizes.
+
+    Who obeys the first question may well have to be asked the next: each is taken to be obeyed
+    before the next is looked for. The user's own word for a unit is not doubted.
+
+    Parameters
+    ----------
+    judged : callable
+        From what every role is to be multiplied by, what its unit then is, and the roles whose
+        units are said, to the checks of each.
+
+    Raises
+    ------
+    ReadError
+    """
+    meant = {one.role: one.unit for one in chosen}
+    said = {one.role for one in chosen if is_stated(file, one)}
+    questions: list[str] = []
+    while True:
+        times = {one.role: meant[one.role].factor / one.unit.factor for one in chosen}
+        words = {role: unit.word for role, unit in meant.items()}
+        failed = [
+            (role, check)
+            for role, checks in judged(times, words, said)
+            if role not in said
+            for check in checks
+            if check.failed
+        ]
+        stops = [one for one in failed if one[1].grade == "stop"]
+        if not stops:
+            break
+        role, check = stops[0]
+        questions.append(check.typed)
+        said.add(role)
+        likelier = check.remedy.value.partition("=")[2] if check.remedy else ""
+        meant[role] = units.find(likelier, meant[role].dimension) or meant[role]
+    if questions:
+        raise ReadError(" ".join(questions))
+    return [Caution(check.typed, check.told) for _, check in failed]
+
+
+def is_stated(file: Opened, one: Channel) -> bool:
+    """Whether the user said the unit of a channel, or each of its cells does, as clock times."""
+    column = file.table.columns[one.index]
+    clocked = column.content == "clock"
+    return clocked or file.options.unit_of(one.role, column.name) is not None
+
+
+def refuse_other_rate(file: Opened) -> None:
+    """Refuse a rate that the file's own even clock contradicts.
+
+    A clock that is uneven, coarse or without a unit is none: the rate replaces it.
+
+    Raises
+    ------
+    ReadError
+    """
+    answer, rate = file.column("time"), file.options.rate
+    if rate is None or answer is None:
+        return
+    try:
+        unit = file.unit(answer.index, "time")
+    except ReadError:
+        return
+    ticks = load(file.table, [answer.index], file.options.segment, sure=False).values[:, 0]
+    steps = np.diff(si(ticks[np.isfinite(ticks)], unit))
+    step = median(steps) if len(steps) else 0.0
+    even = step > 0 and np.mean(np.abs(steps / step - 1) < _EVEN) > 1 - _EVEN
+    if even and abs(rate * step - 1) > _EVEN:
+        raise ReadError(
+            f"--rate {rate:g}Hz, but the clock in {quoted(file.table.columns, answer.index)} runs "
+            f"at {1 / step:.6g} Hz: leave --rate out, or, if its unit is another, say it instead: "
+            '--units "time=ms"; a clock that is wrong altogether is taken out of the file first'
+        )
+
+
+def named(file: Opened, columns: Sequence[tuple[Role, int]]) -> str:
+    """Return the options that give roles to columns, with the usual units, as they are typed."""
+    words = [f'{flag(role)}="{handle(file.table.columns, index)}"' for role, index in columns]
+    usual = dict.fromkeys(f"{role}={EXAMPLE[role]}" for role, _ in columns)
+    return f'{" ".join(words)} --units "{",".join(usual)}"'
+
+
+def rivals(file: Opened, chosen: Sequence[Channel]) -> list[str]:
+    """Say which other columns could have played a role, where one was clearly better."""
+    taken = {one.index for one in chosen}
+    columns = file.table.columns
+    notes = []
+    for one in chosen:
+        if one.role == "acceleration":  # there may be several
+            continue
+        answer = file.column(one.role)
+        others = [i for i in answer.rivals if i not in taken] if answer else []
+        if others:
+            listed = ", ".join(quoted(columns, i) for i in others[:3])
+            notes.append(
+                f"{one.role} is {quoted(columns, one.index)}; {listed} could be too: "
+                f"{flag(one.role)}=NAME chooses"
+            )
+    return notes
+
+
+def beside(file: Opened, role: Role) -> tuple[Assigned | None, list[str]]:
+    """Return the column of a role that a test may have beside its own, and notes.
+
+    Where several could play it none is taken, with a note.
+    """
+    answer = assign(file.table, role, file.options)
+    if isinstance(answer, Assigned):
+        return answer, []
+    return None, [f"no {role} is taken: {answer.says}"] if answer.choices else []
+
+
+def source(file: Opened, columns: Sequence[str], notes: Sequence[str]) -> Source:
+    """Return where the numbers came from."""
+    raw, table = file.raw, file.table
+    return Source(
+        raw.name, raw.sha256, table.format, tuple(columns), tuple(notes), table.simulated,
+        cautions_in(notes),
+    )  # fmt: skip
+
+
+def si(values: FloatArray, unit: Unit) -> FloatArray:
+    """Return values in SI, the same array scaled; 1000 mm is 1 m, so a factor 1/k divides."""
+    inverse = round(1 / unit.factor) if 0 < unit.factor < 1 else 0
+    if inverse > 1 and abs(unit.factor * inverse - 1) < 1e-15:
+        values /= inverse
+    elif unit.factor != 1.0:
+        values *= unit.factor
+    if unit.offset:
+        values += unit.offset
+    return values
+
+
+def by_role(values: FloatArray, chosen: Sequence[Channel]) -> dict[Role, FloatArray]:
+    """Return the columns of loaded values, in the order chosen, in SI units by their role."""
+    columns = ((one, np.ascontiguousarray(values[:, j])) for j, one in enumerate(chosen))
+    return {one.role: si(column, one.unit) for one, column in columns}
+
+
+def timed(file: Opened, *roles: Role) -> list[Role]:
+    """Return the roles after that of the time, which is not needed where a rate is given."""
+    return list(roles) if file.options.rate else ["time", *roles]
+
+
+def load(
+    table: FileTable, indexes: Sequence[int], segment: int | None, *, sure: bool = True
+) -> Loaded:
+    """Return the numbers of some columns: of the segment asked for, overload marks left out.
+
+    Raises
+    ------
+    ReadError
+        If there is no such segment, or, where it must be `sure`, its numbers leave a doubt.
+    """
+    loaded = part(table.load(indexes), segment)
+    if sure and loaded.doubts:
+        raise ReadError(loaded.doubts[0][1].says)
+    ends = (np.fmax.reduce(loaded.values, initial=0.0), -np.fmin.reduce(loaded.values, initial=0.0))
+    tops = np.fmax(*ends)
+    far = np.flatnonzero(tops >= _NINES)
+    marked = [j for j, top in zip(far.tolist(), tops[far].tolist(), strict=True) if _is_mark(top)]
+    notes = [note for j in marked for note in _without_marks(loaded.values[:, j], tops[j])]
+    return replace(loaded, notes=(*loaded.notes, *notes)) if notes else loaded
+
+
+def _is_mark(top: float) -> bool:
+    """Whether the largest size of a column may be a mark of no reading: by its digits alone."""
+    return top >= _OVERLOAD or not f"{top:.10g}".strip("9.")
+
+
+def _without_marks(column: FloatArray, top: float) -> list[str]:
+    """Take the marks of no reading, of the largest size, out of a column, with a note."""
+    size = np.abs(column)
+    if top >= _OVERLOAD:
+        marks = size >= _OVERLOAD
+        says = "values of 9.9e37 or more are an instrument's overload mark, not numbers"
+    else:
+        marks = size == top
+        rest = float(np.fmax.reduce(size[~marks], initial=0.0))
+        if not marks.any() or rest * _FAR > top:
+            return []
+        says = f"values of {column[marks][0]:.10g}, far beyond all others, are a mark of no reading"
+    column[marks] = np.nan
+    return [f"{marks.sum()} {says}"]
+
+
+def load_test(file: Opened, chosen: Sequence[Channel], least: int = 8) -> Loaded:
+    """Return the numbers of the chosen columns of a test, in the file's units.
+
+    Raises
+    ------
+    ReadError
+        If there are fewer than `least` rows.
+    """
+    loaded = load(file.table, [one.index for one in chosen], file.options.segment)
+    count = len(loaded.values)
+    if count < least:
+        plural = "s" * (count != 1)
+        raise ReadError(f"only {count} row{plural} of numbers; a test needs at least {least}")
+    return loaded
+
+
+def filled_down(loaded: Loaded, roles: Sequence[Role]) -> Loaded:
+    """Return the rows, a temperature that stands once for each block filled down, and a note.
+
+    So it is where it stands in less than half of the rows that lack nothing else.
+    """
+    if "temperature" not in roles:
+        return loaded
+    place = roles.index("temperature")
+    column = loaded.values[:, place]
+    whole: BoolArray = np.all(np.isfinite(np.delete(loaded.values, place, axis=1)), axis=1)
+    known = np.isfinite(column)
+    first = int(np.argmax(known))
+    stands = int(np.count_nonzero(known & whole))
+    late = not known.any() or whole[:first].any()
+    if late or 2 * stands >= np.count_nonzero(whole):
+        return loaded
+    values = loaded.values.copy()
+    values[:, place] = column[np.maximum.accumulate(np.where(known, np.arange(len(column)), first))]
+    note = (
+        f"the temperature stands in {stands} of {np.count_nonzero(whole)} rows, from "
+        f"{loaded.where(first)} on; each holds for the rows below it"
+    )
+    return replace(loaded, values=values, notes=(*loaded.notes, note))
+
+
+def whole_rows(loaded: Loaded) -> tuple[FloatArray, tuple[str, ...]]:
+    """Return the rows that lack no number, and notes: of loading, and how many are left out."""
+    whole = np.isfinite(loaded.values).all(axis=1)
+    missing = np.flatnonzero(~whole)
+    if not missing.size:
+        return loaded.values, loaded.notes
+    first = loaded.where(int(missing[0]))
+    note = f"{missing.size} rows lack a number and were left out, first {first}"
+    return loaded.values[whole], (*loaded.notes, note)
+
+
+def part(loaded: Loaded, segment: int | None) -> Loaded:
+    """Return the segment asked for, or everything.
+
+    Raises
+    ------
+    ReadError
+        If there is no such segment.
+    """
+    if segment is None:
+        return loaded
+    count = len(loaded.starts)
+    if segment > count:
+        plural = "s" * (count != 1)
+        raise ReadError(f"--part segment={segment}, but the file has {count} segment{plural}")
+    keep = np.zeros(len(loaded.values), dtype=bool)
+    keep[slices(loaded.starts, len(keep))[segment - 1]] = True
+    doubts = tuple(doubt for doubt in loaded.doubts if doubt[0] in {None, segment - 1})
+    return replace(rows(loaded, keep), doubts=doubts)
+
+
+def rows(loaded: Loaded, keep: BoolArray) -> Loaded:
+    """Return some of the rows as one segment; each still knows its line."""
+    if keep.all() and len(loaded.starts) == 1:
+        return loaded
+    kept = np.flatnonzero(keep)
+    lines: tuple[tuple[int, int], ...] = ()
+    if loaded.lines:
+        firsts = {first for first, _ in loaded.lines}
+        # a new run wherever a row is left out or the file itself breaks
+        runs = [
+            i for i, row in enumerate(kept) if i == 0 or kept[i - 1] != row - 1 or row in firsts
+        ]
+        lines = tuple((i, loaded.line(int(kept[i]))) for i in runs)
+    return Loaded(loaded.values[kept], (0,), ("",), lines, loaded.notes)

@@ -1,0 +1,309 @@
+"""Faults of a recorded clock and its samples: mended with a note where harmless, else refused."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, median
+from dashpot.base.errors import ReadError
+from dashpot.base.provenance import Caution
+from dashpot.base.units import Unit
+from dashpot.reading.table import Loaded
+from dashpot.signals.clock import BESIDE, LEAP, leaps
+
+_LAST = 5.0
+"""How much longer than all others the last step may be before it is worth a word."""
+_FULL = 0.98
+"""Part of the travel at which a ramp counts as over; what is left of it, as begun."""
+_LOUD = 0.1
+"""Part of its peak beyond which a signal is not at rest."""
+_TOLD = 3
+"""Leaps of a clock that are told one by one."""
+_MINUTE = 60.0
+_ROUND = (1.0, 2.0, 2.5, 4.0, 5.0, 8.0, 10.0)
+"""First digits of the steps of recorders, in the unit that they count by."""
+_NEARLY = 1e-3
+_ANEW = 0.02
+"""Part of the first record within which the clock of the next begins, where several follow."""
+_FEW = 1e-3
+"""Share of repeated time stamps that may be dropped."""
+
+
+def drop_missing(
+    loaded: Loaded, names: Sequence[str], *, protect: BoolArray
+) -> tuple[BoolArray, list[str]]:
+    """Return which rows are whole, and a note on those that are not.
+
+    Raises
+    ------
+    ReadError
+        If a number is missing where `protect` is true, or in more than half of the rows.
+    """
+    holes = ~np.isfinite(loaded.values)
+    keep = np.logical_not(np.any(holes, axis=1))
+    rows = np.flatnonzero(~keep)
+    if rows.size == 0:
+        return keep, []
+
+    def lacks(row: int) -> str:
+        return " and ".join(name for name, hole in zip(names, holes[row], strict=True) if hole)
+
+    places = ", ".join(f"{loaded.where(int(row))} ({lacks(row)})" for row in rows[:3])
+    more = f" and {rows.size - 3} more" if rows.size > 3 else ""
+    if rows.size > 0.5 * len(keep):
+        raise ReadError(
+            f"{rows.size} of {len(keep)} rows lack a number, first at {places}{more}; "
+            "the columns may be recorded at different rates: export them on one time base"
+        )
+    guarded = rows[protect[rows] & (rows < len(keep) - 1)]  # a last row may well be cut off
+    if guarded.size:
+        row = int(guarded[0])
+        plural = "s" * (rows.size > 1)
+        raise ReadError(
+            f"{loaded.where(row)} lacks {lacks(row)} within the ramp or the start of the "
+            f"hold, where every sample counts ({rows.size} such row{plural} in all); "
+            "repair or repeat the record there"
+        )
+    return keep, [
+        f"{rows.size} of {len(keep)} rows lack a number and were left out: {places}{more}"
+    ]
+
+
+def without_padding(loaded: Loaded) -> Loaded:
+    """Return the rows, time first, without those at the end that only fill a buffer.
+
+    That is the last row again and again, or rows of one number (0, -1, NaN) or all alike at which
+    the clock does not rise.
+    """
+    values = loaded.values
+    if len(values) < 3 or values[-1, 0] > values[-2, 0]:
+        return loaded
+    alike = np.all((values == values[-1]) | np.isnan(values) & np.isnan(values[-1]), axis=1)
+    first = int(np.flatnonzero(~alike)[-1]) + 1 if not alike.all() else 0
+    if not first:
+        return loaded
+    if values[first, 0] > values[first - 1, 0]:
+        first += 1  # the last sample, and its copies
+    elif len(values) - first == 1 and len(set(np.nan_to_num(values[-1]).tolist())) > 1:
+        return loaded  # one odd row is a fault of the clock
+    kept = [start < first for start in loaded.starts]
+    numbers = ", ".join(f"{value:.6g}" for value in values[-1])
+    count = len(values) - first
+    note = (
+        f"rows at the end that only fill the file were left out: {count}, from "
+        f"{loaded.where(first)} on ({numbers})"
+    )
+    return replace(
+        loaded,
+        values=values[:first],
+        starts=loaded.starts[: sum(kept)],
+        segments=loaded.segments[: sum(kept)],
+        notes=(*loaded.notes, note),
+    )
+
+
+def ramp_window(time: FloatArray, displacement: FloatArray) -> BoolArray:
+    """Where the loading and the first ten ramp times of the hold are, roughly.
+
+    The fastest relaxation that a ramp shows has about the time of the ramp, so ten ramp times
+    of hold are where the arms are told apart.
+    """
+    known = np.isfinite(time) & np.isfinite(displacement)
+    window = np.zeros(len(time), dtype=bool)
+    if known.sum() < 8:
+        return window
+    t, x = time[known], displacement[known]
+    low, high = float(np.min(x)), float(np.max(x))
+    if high <= low:
+        return window
+    moved = np.abs(x - x[0])
+    beyond = np.flatnonzero(moved > 0.02 * moved.max())
+    full = np.flatnonzero(moved > 0.98 * moved.max())
+    onset, end = t[max(int(beyond[0]) - 1, 0)], t[int(full[0])]
+    filled = np.interp(np.arange(len(time)), np.flatnonzero(known), t)
+    return np.asarray((filled >= onset) & (filled <= end + 10 * max(end - onset, 0.0)))
+
+
+def ramp_samples(displacement: FloatArray) -> tuple[int, int]:
+    """Return the first and the last sample of the first travel; equal where nothing moves."""
+    moved = np.abs(displacement - displacement[0])
+    far = float(moved.max())
+    full = int(np.argmax(moved > _FULL * far))
+    return full - int(np.argmax(moved[full::-1] <= (1 - _FULL) * far)), full
+
+
+def drop_repeats(time: FloatArray, loaded: Loaded) -> tuple[BoolArray, list[str]]:
+    """Return which samples to keep so that time rises, and a note on the repeats left out.
+
+    Raises
+    ------
+    ReadError
+        If the clock falls, or more than 0.1 % of the stamps are repeated.
+    """
+    keep = np.ones(len(time), dtype=bool)
+    steps = np.diff(time)
+    falls = np.flatnonzero(steps < 0)
+    if falls.size:
+        i = int(falls[0])
+        part = ", read one part with --part segment=N" if len(loaded.starts) > 1 else ""
+        if _begins_anew(time, loaded.values, falls + 1):
+            raise ReadError(
+                f"time falls from {time[i]:.9g} s to {time[i + 1]:.9g} s at "
+                f"{loaded.where(i + 1)}, where the clock begins anew ({falls.size} such "
+                f"place{'s' * (falls.size > 1)}): tests of several specimens, or repeats, stand "
+                f"below each other; split the file there, one file for each{part}"
+            )
+        forward = steps[steps > 0]
+        rate = f"--rate {1 / median(forward):.6g}Hz" if forward.size else "--rate 1000Hz"
+        raise ReadError(
+            f"time falls from {time[i]:.9g} s to {time[i + 1]:.9g} s at "
+            f"{loaded.where(i + 1)}: the clock was reset or rows are out of order "
+            f"({falls.size} such place{'s' * (falls.size > 1)}); split the file there{part}, or "
+            f"give {rate} if the rows are evenly sampled throughout"
+        )
+    repeats = np.flatnonzero(steps == 0) + 1
+    if repeats.size == 0:
+        return keep, []
+    first = loaded.where(int(repeats[0]))
+    if repeats.size > max(1.0, _FEW * len(time)):
+        raise ReadError(
+            f"{repeats.size} of {len(time)} time stamps repeat the one before, first "
+            f"t = {time[repeats[0]]:.9g} s at {first}; the clock has too few "
+            f"digits: export more, or give --rate {_mean_rate(time)}Hz if the rows are evenly "
+            "sampled, or the true one if that is another"
+        )
+    keep[repeats] = False
+    return keep, [
+        f"{repeats.size} repeated time stamp{'s' * (repeats.size > 1)} left out, first at {first}"
+    ]
+
+
+def _begins_anew(time: FloatArray, values: FloatArray, starts: IndexArray) -> bool:
+    """Whether clock and signals fall back to where they began, as where records follow another.
+
+    Where one test goes on, as under a counter that overflows, its signals do not.
+    """
+    firsts, lasts = time[starts], time[starts - 1]
+    if np.any(np.abs(firsts - time[0]) > _ANEW * (lasts[0] - time[0])):
+        return False
+    back, on = (np.abs(values[starts] - values[other]) for other in (0, starts - 1))
+    moved = np.nanmax(values, axis=0) - np.nanmin(values, axis=0)
+    leaps_back = (on > _ANEW * moved) & (back < on)
+    # the column of the clock is one of them
+    return bool(np.all(leaps_back | (on <= _ANEW * moved)) and np.all(leaps_back.sum(axis=1) > 1))
+
+
+def _mean_rate(time: FloatArray) -> str:
+    """The rate of rows whose clock has too few digits: between its first and its last tick."""
+    ticks = np.flatnonzero(np.diff(time) > 0) + 1
+    if len(ticks) < 2:
+        return "1000"
+    return f"{(ticks[-1] - ticks[0]) / (time[ticks[-1]] - time[ticks[0]]):.6g}"
+
+
+def clock_notes(time: FloatArray, *, stated: bool = False) -> list[str]:
+    """Say where the clock leaps, and if the unit of time may be wrong, so fast or slow it is.
+
+    A unit that is `stated` by the user, or by every cell, is not doubted.
+    """
+    steps = np.diff(time)
+    step = median(steps) if len(time) > 1 else 0.0
+    if step <= 0:
+        return []
+    rate, leaps = 1 / step, [*_late_start(steps), *_leaps(time)]
+    if len(steps) > 1 and steps[-1] / _LAST > steps[:-1].max():
+        says = (
+            f"the last row stands {steps[-1]:.6g} s behind the one before it, further than any "
+            f"other (up to {steps[:-1].max():.6g} s): does it belong to the record?"
+        )
+        return [*leaps, Caution(says)]
+    if leaps or 1 <= rate <= 1e6:
+        return leaps
+    read = "milliseconds or minutes read as seconds" if rate > 1e6 else "these milliseconds"
+    told = f"sampled at {rate:.3g} Hz, if the unit of time is right: are {read}?"
+    says = f'{told} Say it with --units "time=ms"'
+    return [says if stated else Caution(says, told)]
+
+
+def round_steps(time: FloatArray, unit: Unit) -> list[str]:
+    """Say if a clock in minutes or hours has steps that are round there, and no recorder's.
+
+    Parameters
+    ----------
+    time : array, shape (n,)
+        s.
+    unit : Unit
+        In which the file has it.
+    """
+    step = median(np.diff(time)) if len(time) > 1 else 0.0
+    if unit.factor < _MINUTE or not 0 < step <= 1:
+        return []
+    own = step / unit.factor
+    digits = own / 10.0 ** np.floor(np.log10(own) + 1e-9)
+    if min(abs(digits - one) for one in _ROUND) > _NEARLY:
+        return []
+    says = (
+        f"the clock's steps are {own:.3g} {unit.word}, round in {unit.word} and not in seconds "
+        f"({step:.3g} s): are these seconds?"
+    )
+    return [Caution(f'{says} Say it with --units "time=s"', says)]
+
+
+def _late_start(steps: FloatArray) -> list[str]:
+    """Say if the first row stands far before all others, which a jump may have parted from it."""
+    rest = steps[1:].max(initial=0.0)
+    if len(steps) < 2 * BESIDE or not steps[0] > LEAP * rest:
+        return []
+    says = (
+        f"the first row stands {steps[0]:.6g} s before the one after it, further than any other "
+        f"(up to {rest:.6g} s): does it belong to the record?"
+    )
+    return [Caution(says)]
+
+
+def _leaps(time: FloatArray) -> list[str]:
+    """Say where the clock goes on by far more than on either side: a jump, or an interruption."""
+    # of the first and the last row others tell
+    found = [one for one in leaps(time) if 0 < one.at < len(time) - 2]
+    notes = [
+        f"the clock goes on by {one.step:.6g} s at t = {time[one.at]:.6g} s, where its steps "
+        f"are {one.beside:.3g} s: it jumped, or the record was interrupted"
+        for one in found[:_TOLD]
+    ]
+    more = len(found) - len(notes)
+    return [*notes, f"the clock does so at {more} more places"] if more else notes
+
+
+def swapped(displacement: FloatArray, force: FloatArray) -> bool:
+    """Whether the 'force' is held and the 'displacement' relaxes; in a creep test it goes on."""
+    return _relaxes(displacement) > 0.08 and max(_relaxes(force), _creeps(force)) < 0.01
+
+
+def rings(signal: FloatArray) -> float:
+    """Return the part of a record in which a signal is beyond a tenth of its peak.
+
+    A hammer's pulses are over in a few samples, what it strikes rings on.
+    """
+    away = np.abs(signal - median(signal))
+    return float(np.mean(away > _LOUD * away.max()))
+
+
+def _relaxes(values: FloatArray) -> float:
+    """Share of its range that a signal falls back from its peak by the end of a long tail."""
+    away = np.abs(values - values[0])
+    peak = int(np.argmax(away))
+    if away[peak] <= 0 or peak > 0.5 * len(values):
+        return 0.0
+    tail = away[int(0.9 * len(away)) :]
+    return float((away[peak] - median(tail)) / away[peak])
+
+
+def _creeps(values: FloatArray) -> float:
+    """Share of its range by which a signal that peaks late still moves in its later half."""
+    away = np.abs(values - values[0])
+    if int(np.argmax(away)) <= 0.5 * len(values):
+        return 0.0
+    return float(np.ptp(away[int(0.5 * len(away)) :]) / away.max())

@@ -1,0 +1,317 @@
+"""From a file to an FRF."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from itertools import chain
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.errors import ReadError
+from dashpot.base.units import written
+from dashpot.datamodel.frf import FRF, Kind
+from dashpot.reading.columns.kind_detection import of_motions, said_relative
+from dashpot.reading.columns.response_units import Ratio, bare_ratio, ratio, undecibel
+from dashpot.reading.columns.role_assignment import Assigned, assign, list_columns
+from dashpot.reading.columns.vocabulary import Role, has_word
+from dashpot.reading.read_options import ReadOptions, flag
+from dashpot.reading.readers import channels
+from dashpot.reading.readers.amplitude_phase import as_a_ratio, refuse_angle
+from dashpot.reading.readers.channels import Opened
+from dashpot.reading.readers.stated_window import refuse_unknown_rate, window_rate
+from dashpot.reading.table import FileTable
+
+PAIRS: tuple[tuple[Role, Role], ...] = (("real", "imaginary"), ("magnitude", "phase"))
+"""The parts of a complex value."""
+_HIGHEST = 3e4
+"""Hz; no hammer on rubber goes higher."""
+_COHERENT = 1.01
+_STATED = re.compile(r"\A\W*+kind\s*+:\s*+(\w+)")
+
+
+def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
+    """Return the FRF in a UFF file, or in a text file as `write_frf` writes it.
+
+    A text file of another origin needs frequency with real and imaginary part, or with
+    magnitude and phase, and a unit such as ``(m/s^2)/N`` that tells the kind.
+
+    Raises
+    ------
+    ReadError
+        If there is no FRF in the file, or its kind or unit is left open.
+    """
+    with channels.opened(path, options) as file:
+        channels.expect(file, ["frf", "transmissibility"], "an FRF is", named=["real", "magnitude"])
+        whole = as_a_ratio(file)
+        return built(whole, settled(whole))
+
+
+def built(file: Opened, known: Settled) -> FRF:
+    """Return the FRF that stands in the columns that were settled.
+
+    Raises
+    ------
+    ReadError
+        If its numbers cannot be those of an FRF.
+    """
+    index, (kind, factor, order), hertz, radian = known
+    loaded = channels.load(file.table, range(len(file.table.columns)), None)
+    column = {role: loaded.values[:, i] for role, i in index.items()}
+    value: ComplexArray = np.asarray(
+        column["real"] + 1j * column["imaginary"]
+        if "real" in index
+        else _polar(file, index, column, radian)
+    )
+    if not value.any():
+        raise ReadError("the FRF is 0 at every line; export its values, or name their columns")
+    _refuse_high(file, index["frequency"], hertz * float(column["frequency"].max()))
+    sd, several = _deviation(file.table)
+    several += _lags(file.table, index)
+    stated = _comments(file.table.header)
+    shift, remarks = _shift(file, stated, hertz * column["frequency"])
+    several += remarks
+    scale = _differentiated(factor, order, hertz * column["frequency"], shift)
+    names = [c.name for c in file.table.columns]
+    return FRF(
+        column["frequency"] * hertz, scale * value, kind,
+        coherence=None
+        if "coherence" not in column
+        else _in_parts(file, index["coherence"], column["coherence"]),
+        sd=None if sd is None else loaded.values[:, sd] * np.abs(scale),
+        shift=shift, shift_sd=stated.get("shift sd", 0.0), record=stated.get("record"),
+        averages=int(stated.get("averages", 0)),
+        source=(channels.source(file, names, (*file.table.notes, *several, *loaded.notes)),),
+        units="SI",
+    )  # fmt: skip
+
+
+def _shift(
+    file: Opened, stated: Mapping[str, float], frequency: FloatArray
+) -> tuple[float, list[str]]:
+    """The decay of the exponential window that the values carry, 1/s, and notes.
+
+    Raises
+    ------
+    ReadError
+        If the file states a window, and neither it nor the user says how fast it decays.
+    """
+    if file.options.window_decay is None and "shift" in stated:
+        return stated["shift"], []
+    steps = np.diff(frequency)
+    step = float(np.median(steps)) if steps.size else 0.0
+    record = stated.get("record") or (1 / step if step > 0 else None)
+    decay, windowed, notes = window_rate(file.table.header, file.options, record)
+    if windowed and decay is None:
+        refuse_unknown_rate(notes[0])
+    return decay or 0.0, list(notes)
+
+
+def _lags(table: FileTable, index: Mapping[Role, int]) -> list[str]:
+    """Say how a phase is read whose name says a lag, which others count the other way."""
+    name = table.columns[index["phase"]].name if "phase" in index else ""
+    if not has_word(name, ("lag", "nacheilung", "retard")):
+        return []
+    return [f"'{name}' is read as a phase: it must be negative where the response is late"]
+
+
+def _deviation(table: FileTable) -> tuple[int | None, list[str]]:
+    """The column of standard deviations, if there is one; of several none is taken, with a note."""
+    found = [i for i, c in enumerate(table.columns) if c.name.casefold() == "sd"]
+    if len(found) < 2:
+        return next(iter(found), None), []
+    listed = " and ".join(str(i + 1) for i in found)
+    return None, [f"columns {listed} are called sd; none is taken"]
+
+
+class Settled(NamedTuple):
+    """Which columns an FRF stands in, what it relates, and the factors of its units to SI."""
+
+    columns: dict[Role, int]
+    ratio: Ratio
+    hertz: float
+    radian: float
+
+
+def settled(file: Opened) -> Settled:
+    """Return what must be known before the numbers of an FRF are read.
+
+    Raises
+    ------
+    ReadError
+        If a column, its unit or the kind of the FRF is left open.
+    """
+    index = _columns(file)
+    main: Role = "real" if "real" in index else "magnitude"
+    asked, factors = [], {"phase": 1.0}
+    found = None
+    try:
+        found = _kind(file, main, index[main])
+    except ReadError as error:
+        asked.append(str(error))
+    asked += _unlike_parts(file, index)
+    roles: tuple[Role, ...] = ("frequency", "phase")
+    for role in roles if main == "magnitude" else roles[:1]:
+        try:
+            factors[role] = file.unit(index[role], role).factor
+        except ReadError as error:
+            asked.append(str(error))
+    if found is None or asked:
+        raise ReadError("; ".join(asked))
+    return Settled(index, found, factors["frequency"], factors["phase"])
+
+
+def _columns(file: Opened) -> dict[Role, int]:
+    """The columns of frequency and of one complex value, Cartesian or else polar, and coherence."""
+    index: dict[Role, int] = {}
+    asked: dict[Role, str] = {}
+    for role in ("frequency", *chain(*PAIRS), "coherence"):
+        answer = assign(file.table, role, file.options)
+        if isinstance(answer, Assigned):
+            index[role] = answer.index
+        elif answer.choices:
+            asked[role] = answer.says
+    for pair in PAIRS:
+        if {"frequency", *pair} <= index.keys() and "coherence" not in asked:
+            return {r: i for r, i in index.items() if r in {"frequency", "coherence", *pair}}
+    raise ReadError("; ".join(asked.values()) or _lacking(file, index))
+
+
+def _lacking(file: Opened, index: Mapping[Role, int]) -> str:
+    """What to say of columns that make no FRF."""
+    listed = list_columns(file.table.columns)
+    parts = {"magnitude", "phase"} & index.keys()
+    if "frequency" in index and len(parts) == 1:
+        part, other = ("magnitude", "phase") if "magnitude" in parts else ("phase", "magnitude")
+        return (
+            f"there is a {part} and no {other}: an FRF is both, and only both tell stiffness "
+            f"and damping; export the {other} too, or name its column with {flag(other)}=NAME; the "
+            f"columns are {listed}"
+        )
+    return (
+        "no frequency response found; expected columns such as 'frequency [Hz], "
+        "real [(m/s^2)/N], imaginary [(m/s^2)/N]' (or magnitude and phase); the columns are "
+        f"{listed}"
+    )
+
+
+def _comments(header: tuple[str, ...]) -> dict[str, float]:
+    """Numbers such as ``# shift [1/s]: 0.5`` by their name."""
+    found = {}
+    for line in header:
+        match = re.match(
+            r"\A\W*+(shift sd|shift|record|averages)\s*+(?:\[[^\]]*+\])?\s*+:"
+            r"\s*+([-+.\deE]++)\s*+\Z",
+            line,
+        )
+        if match:
+            try:
+                found[match[1]] = float(match[2])
+            except ValueError:
+                continue
+    return found
+
+
+def _kind(file: Opened, role: Role, index: int) -> Ratio:
+    """What the FRF relates, from the unit, held against a ``kind:`` comment."""
+    column, word = file.table.columns[index], file.unit_word(index, role) or ""
+    found = ratio(word)
+    if found is None and of_motions(file.table):
+        found = bare_ratio(word)
+    if found is None:
+        unit = f"the unit '{word}', which" if word else "no unit, and so"
+        raise ReadError(
+            f"'{column.name}' has {unit} makes no FRF; "
+            "expected motion per force such as (m/s^2)/N, g/N, m/N, force per motion such as N/m, "
+            "or motion per motion such as g/g or mm/g (of a mass over a base that moves); add "
+            f'--units "{role}=(m/s^2)/N" or --units "{role}=g/g", or write it into the header'
+        )
+    stated = _stated(file.table, over_base=found.kind.over_base)
+    if stated is None or stated is found.kind:
+        return found
+    if stated.over_base and found.kind.over_base:
+        return found._replace(kind=stated)
+    raise ReadError(
+        f"the comment says {stated.value}, but the unit '{column.unit}' is that of "
+        f"{found.kind.value}; correct one of them"
+    )
+
+
+def _stated(table: FileTable, *, over_base: bool) -> Kind | None:
+    """The kind that a comment says; of a motion over a base a name may say that it is relative."""
+    words = [match[1] for line in table.header if (match := _STATED.match(line))]
+    said = next((Kind(word) for word in words if word in set(Kind)), None)
+    relative = said is None and over_base and said_relative(table)
+    return Kind.RELATIVE_TRANSMISSIBILITY if relative else said
+
+
+def _differentiated(
+    factor: float, order: int, frequency: FloatArray, shift: float
+) -> float | ComplexArray:
+    """What makes a motion over a motion one of the same derivative: a factor, and s to a power."""
+    if order == 0:
+        return factor
+    s = 2j * np.pi * frequency + shift
+    if order < 0 and not s.all():
+        raise ReadError(
+            "the line at 0 Hz is of no use in a motion over one of a lower derivative; leave it "
+            "out of the file"
+        )
+    return np.asarray(factor * s**order)
+
+
+def _unlike_parts(file: Opened, index: dict[Role, int]) -> list[str]:
+    """Say if real and imaginary part stand in different units."""
+    if "real" not in index:
+        return []
+    real, imaginary = (file.table.columns[index[role]] for role in ("real", "imaginary"))
+    if file.options.unit_of("real", real.name) or not (real.unit and imaginary.unit):
+        return []
+    if ratio(real.unit) == ratio(imaginary.unit):
+        return []
+    says = f"the real part is in '{real.unit}', the imaginary part in '{imaginary.unit}'"
+    advice = f'correct the header, or say it: --units "real={real.unit}"'
+    return [f"{says}; expected one unit: {advice}"]
+
+
+def _refuse_high(file: Opened, index: int, top: float) -> None:
+    """Ask for the unit of a frequency, Hz, at which no seal is struck, unless it was said."""
+    if top > _HIGHEST and not file.options.unit_of("frequency", file.table.columns[index].name):
+        raise ReadError(
+            f"the FRF goes to {written(top, 'kHz')}, where no seal is struck: is the unit of "
+            'frequency Hz? Then add --units "frequency=Hz"; if it is meant so, say it: '
+            '--units "frequency=kHz"'
+        )
+
+
+def _in_parts(file: Opened, index: int, coherence: FloatArray) -> FloatArray:
+    """Return a coherence from 0 to 1, whether it was written so or in per cent."""
+    if file.unit_word(index, "coherence") == "%":
+        return coherence / 100
+    highest = float(np.nanmax(coherence, initial=0.0))
+    if highest > _COHERENT:
+        raise ReadError(
+            f"the coherence reaches {highest:.4g}; expected 0 to 1: if it is in per cent, add "
+            '--units "coherence=%"'
+        )
+    return coherence
+
+
+def _polar(
+    file: Opened, index: dict[Role, int], column: dict[Role, FloatArray], radian: float
+) -> ComplexArray:
+    magnitude, named = column["magnitude"], file.table.columns[index["magnitude"]]
+    words = (named.unit, file.options.unit_of("magnitude", named.name))
+    if any(undecibel(word) for word in words if word):
+        magnitude = 10 ** (magnitude / 20)  # dB re 1 of the unit given by --units
+    elif np.nanmin(magnitude, initial=0.0) < 0:
+        raise ReadError(
+            "the magnitude falls below 0, as decibels do: if they are, add what they are of, "
+            '--units "magnitude=dB re (m/s^2)/N" or --units "magnitude=dB re g/g", or write it '
+            "into the header"
+        )
+    refuse_angle(file, index["phase"], column["phase"], radian)
+    return np.asarray(magnitude * np.exp(1j * column["phase"] * radian))

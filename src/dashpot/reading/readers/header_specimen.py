@@ -1,0 +1,198 @@
+"""What the header of a file states of the specimen."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from itertools import accumulate
+
+import numpy as np
+
+from dashpot.base import units
+from dashpot.base.arrays import FloatArray, median
+from dashpot.base.errors import DataError, ReadError
+from dashpot.base.units import written
+from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
+from dashpot.datamodel.specimen import Specimen
+from dashpot.reading.columns import vocabulary
+from dashpot.reading.columns.header_names import part_unit
+from dashpot.reading.readers import channels
+from dashpot.reading.readers.channels import Channel, Opened
+from dashpot.reading.table import Loaded
+
+_NUMBER = re.compile(r"[-+]?\d++(?:[.,]\d++)?+(?![.,]?\d)")
+_LONGEST = 120
+_BESIDES = {
+    "test", "testing", "specimen", "sample", "chamber", "oven", "ambient", "room", "air", "mean",
+    "prüf", "proben", "prüfraum", "kammer", "raum",
+}  # fmt: skip
+"""Words beside which a temperature is that of the test; a set-point or a limit has others."""
+_RESTS = {"rest", "rested", "resting", "ruhezeit", "ruhe", "repos", "recovery", "erholung"}
+_BEFORE = {"before", "prior", "vor", "avant"}
+"""Words of a line that says how long a specimen was left alone before its record."""
+_AT = (["at"], ["bei"], ["@"], ["à"])
+"""Words of a title before the temperature of the block under it."""
+
+
+def stated_specimen(
+    file: Opened, specimen: Specimen, test: Sequence[Channel] | None = None
+) -> tuple[Specimen, list[str]]:
+    """Return the specimen with the temperature that the file says, and notes.
+
+    A column of temperature beside those of a `test` says it by its middle, and how far it rose;
+    else a line of the header such as ``# temperature: 0 degC`` or ``Prüftemperatur [°C]; 23,0``,
+    which says nothing without a unit, with a range, or beside another that differs. What the user
+    gave stands.
+    """
+    recorded, several_columns = (None, []) if test is None else _recorded(file, test)
+    said_of, notes = _said(file, specimen, recorded)
+    return said_of, [*several_columns, *notes]
+
+
+def stated_rest(file: Opened, specimen: Specimen) -> tuple[Specimen, list[str]]:
+    """Return the specimen with the rest before its record that the header says, and notes.
+
+    A line such as ``# rest before test: 10 min`` or ``Ruhezeit vor Versuch [s]; 600``; two that
+    differ say nothing.
+    """
+    found = {
+        value: text
+        for value, text in _quantities(file.table.header, "time", _rest_before)
+        if value >= 0
+    }
+    if not found:
+        return specimen, []
+    said = f"the header says {' and '.join(repr(line) for line in list(found.values())[:2])}"
+    if len(found) > 1:
+        return specimen, [f"{said}; no rest before the record is taken from it"]
+    rest = next(iter(found))
+    return replace(specimen, rested=rest), [f"rest of {rest:g} s before the record: {said}"]
+
+
+def _rest_before(name: str) -> bool:
+    words = set(vocabulary.tokens(name))
+    return bool(words & _RESTS and words & _BEFORE)
+
+
+def _said(
+    file: Opened, specimen: Specimen, recorded: FloatArray | None
+) -> tuple[Specimen, list[str]]:
+    """The specimen with the temperature of a column, K, or else of the header, and notes."""
+    where = "the header"
+    found = {kelvin: f"'{line}'" for kelvin, line in _temperatures(file.table.header)}
+    if recorded is not None:
+        where = "the file"
+        middle = round(median(recorded), 2)
+        found = {middle: f"{written(middle, 'degC')} in its column of temperature"}
+        specimen = replace(specimen, warmed=_rise(recorded))
+    if not found:
+        return specimen, []
+    said = f"{where} says {' and '.join(list(found.values())[:2])}"
+    if specimen.temperature is not None:
+        others = [one for one in found if abs(one - specimen.temperature) >= SAME_TEMPERATURE]
+        if not others:
+            return specimen, []
+        given = written(specimen.temperature, "degC")
+        return (
+            replace(specimen, stated_temperature=others[0]),
+            [f"{said}; the temperature is {given}, as given"],
+        )
+    if len(found) > 1:
+        return specimen, [f"{said}; no temperature is taken from it"]
+    kelvin = next(iter(found))
+    try:
+        known = replace(specimen, temperature=kelvin)
+    except DataError as error:
+        return replace(specimen, warmed=None), [f"{said}, which is not taken: {error}"]
+    return known, [f"temperature {written(kelvin, 'degC')}: {said}"]
+
+
+def _recorded(file: Opened, taken: Sequence[Channel]) -> tuple[FloatArray | None, list[str]]:
+    """Return the column of temperature of a test, K, if there is one beside those taken, and notes.
+
+    One without a unit is left alone, unless it was named; of several none is taken, with a note.
+
+    Raises
+    ------
+    ReadError
+        If the column was named and has no unit.
+    """
+    found, notes = channels.beside(file, "temperature")
+    if found is None or found.index in {one.index for one in taken}:
+        return None, notes
+    try:
+        (channel,) = channels.with_units(file, [found])
+    except ReadError:
+        if file.options.temperature is not None:
+            raise
+        return None, notes
+    loaded = channels.load(file.table, [channel.index], file.options.segment, sure=False)
+    kelvin = channels.si(loaded.values[:, 0], channel.unit)
+    kelvin = kelvin[np.isfinite(kelvin)]
+    return kelvin if len(kelvin) else None, [*notes, *channels.rivals(file, [channel])]
+
+
+def _rise(kelvin: FloatArray) -> float:
+    """By how much a straight line through the readings rises from the first to the last."""
+    since = np.linspace(-0.5, 0.5, len(kelvin))
+    square = float(since @ since)
+    return float(since @ kelvin) / square if square > 0 else 0.0
+
+
+def temperatures_of_segments(file: Opened, loaded: Loaded) -> FloatArray | None:
+    """Return the temperature of each row, K, if the lines over its segments state several.
+
+    A segment over which nothing is stated is as warm as the one before it.
+    """
+    stated = [
+        {kelvin for kelvin, _ in _temperatures(lines, titles=True)}
+        for lines in (file.table.header, *loaded.above[1:])
+    ]
+    several = len(set().union(*stated)) > 1
+    if not several or not stated[0] or any(len(kelvin) > 1 for kelvin in stated):
+        return None
+    lengths = np.diff((*loaded.starts, len(loaded.values)))
+    each = accumulate((max(k, default=np.nan) for k in stated), _or_before)
+    return np.repeat(list(each), lengths)
+
+
+def _or_before(before: float, stated: float) -> float:
+    return before if np.isnan(stated) else stated
+
+
+def _temperatures(header: tuple[str, ...], *, titles: bool = False) -> Iterator[tuple[float, str]]:
+    """Each temperature of a line of its own or at the end of a title, K, and the line."""
+    return _quantities(header, "temperature", _of_the_test, titles=titles)
+
+
+def _quantities(
+    header: tuple[str, ...],
+    dimension: units.Dimension,
+    named: Callable[[str], bool],
+    *,
+    titles: bool = False,
+) -> Iterator[tuple[float, str]]:
+    """Each quantity so `named` in a line of its own or at the end of a title, SI, and the line."""
+    for line in header:
+        text = " ".join(line[:_LONGEST].replace('"', " ").strip(" \t#%$!/*;'").split())
+        number = _NUMBER.search(text)
+        if number is None:
+            continue
+        name, inner = part_unit(text[: number.start()].rstrip(" :=;,|"))
+        behind = text[number.end() :].lstrip(" ;,|[(").split()
+        word = inner or (behind[0].rstrip(";,|])") if behind else "")
+        unit = units.find(word, dimension)
+        titled = titles and len(behind) == 1 and name.split()[-1:] in _AT
+        if unit is not None and (titled or (named(name) and (not inner or not behind))):
+            yield float(number[0].replace(",", ".")) * unit.factor + unit.offset, text
+
+
+def _of_the_test(name: str) -> bool:
+    """Whether a name is a temperature and no more than that of the test."""
+    words = vocabulary.tokens(name)
+    heads = [word for word in words if word not in _BESIDES]
+    return len(heads) == 1 and any(
+        "temperature" in vocabulary.FIRST.get(spelling, ())
+        for spelling in (heads[0], *(heads[0].removeprefix(word) for word in _BESIDES))
+    )

@@ -1,0 +1,296 @@
+"""From one file or several to an impact test."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, median
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError, ReadError
+from dashpot.datamodel.impact import ImpactTest, same_rate
+from dashpot.reading.columns.role_assignment import (
+    Assigned,
+    acceleration_question,
+    accelerations,
+    quoted,
+)
+from dashpot.reading.columns.vocabulary import Role
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers import channels, cleaning, size_checks
+from dashpot.reading.readers.channels import Channel, Opened
+from dashpot.reading.readers.stated_window import window_rate
+from dashpot.reading.table import Loaded
+
+HITS = "hits, a hammer force and an acceleration, are"
+_RINGS_ON = 5.0
+"""How much longer than its hammer what is struck is in motion, at least."""
+_PULSES = 0.02
+"""Part of a record that a hammer's pulses hardly fill."""
+_PEAKS: dict[Role, tuple[Callable[[float, str], Check], ...]] = {
+    "hammer": (size_checks.hammer_felt, size_checks.hammer_not_heavy),
+    "acceleration": (size_checks.acceleration_not_large,),
+}
+
+
+def read_impact(
+    paths: str | Path | Sequence[str | Path], *, options: ReadOptions | None = None
+) -> ImpactTest:
+    """Return the impact test in one file or several, in SI units; ``-`` is stdin.
+
+    Segments of a file, jumps of its clock, and further files each start a new continuous
+    record (`starts`).
+
+    Raises
+    ------
+    ReadError
+        If a file cannot be read or leaves open which column is what or in which unit, or if the
+        files do not hold the same channels.
+    """
+    return hits_in(paths, options or ReadOptions(), HITS)
+
+
+def hits_in(
+    paths: str | Path | Sequence[str | Path], options: ReadOptions, want: str
+) -> ImpactTest:
+    """Return the impact test in files, refusing any other with what the command wants."""
+    tests = read_impacts(paths, options=options, want=want)
+    return tests[0] if len(tests) == 1 else _joined(tests)
+
+
+def read_impacts(
+    paths: str | Path | Sequence[str | Path],
+    *,
+    options: ReadOptions | None = None,
+    want: str = HITS,
+) -> list[ImpactTest]:
+    """Return the impact test in each of several files of one set-up, as `read_impact` reads them.
+
+    What is a hit is then judged by the hardest of its own file.
+    """
+    options = options or ReadOptions()
+    listed = [paths] if isinstance(paths, str | Path) else list(paths)
+    if not listed:
+        raise ReadError("no impact file given")
+    if options.cycle is not None:
+        raise ReadError(
+            f"{listed[0]}: cycle {options.cycle} is asked for, but a hammer file holds hits, no "
+            "loadings; leave the cycle out"
+        )
+    tests = [_one(path, options, want) for path in listed]
+    _refuse_copies(tests, listed)
+    names = tests[0].channels
+    for test, path in zip(tests, listed, strict=True):
+        if test.channels != names:
+            raise ReadError(
+                f"{path}: accelerations are {', '.join(test.channels)}, but {listed[0]} has "
+                f"{', '.join(names)}; give files of one set-up"
+            )
+        if not same_rate(tests[0].rate, test.rate, min(len(test.time), len(tests[0].time))):
+            raise ReadError(
+                f"{path} is sampled at {test.rate:.6g} Hz, but {listed[0]} at "
+                f"{tests[0].rate:.6g} Hz; give files of one rate together"
+            )
+    return tests
+
+
+def _refuse_copies(tests: Sequence[ImpactTest], listed: Sequence[str | Path]) -> None:
+    """One file given twice is not twice as many hits."""
+    hashes = [tuple(source.sha256 for source in test.source) for test in tests]
+    for i, one in enumerate(hashes):
+        if one in hashes[:i]:
+            raise ReadError(
+                f"{listed[i]} holds the same bytes as {listed[hashes.index(one)]}: its hits would "
+                "count twice; give each file once"
+            )
+
+
+def _joined(tests: Sequence[ImpactTest]) -> ImpactTest:
+    """Tests of one set-up, one after the other."""
+    return ImpactTest(
+        time=np.concatenate([test.time for test in tests]),
+        force=np.concatenate([test.force for test in tests]),
+        acceleration=np.concatenate([test.acceleration for test in tests], axis=1),
+        starts=joined_starts([(len(test.time), test.starts) for test in tests]),
+        channels=tests[0].channels,
+        source=tuple(source for test in tests for source in test.source),
+        window_rate=_joined_rate(tests),
+        units="SI",
+    )
+
+
+def _joined_rate(tests: Sequence[ImpactTest]) -> float | None:
+    """The window of tests of one set-up.
+
+    Raises
+    ------
+    ReadError
+        If their files state different ones.
+    """
+    rates = [test.window_rate for test in tests if test.window_rate is not None]
+    known = [rate for rate in rates if not math.isnan(rate)]
+    if known and max(known) > 1.01 * min(known):
+        raise ReadError(
+            f"the files state exponential windows of different decay, {min(known):.4g} and "
+            f"{max(known):.4g} 1/s; average them apart"
+        )
+    return known[0] if known else rates[0] if rates else None
+
+
+def _longest_record(time: FloatArray, starts: Sequence[int]) -> float:
+    """Length of the longest continuous record, s."""
+    ends = [*starts[1:], len(time)]
+    return max(float(time[end - 1] - time[start]) for start, end in zip(starts, ends, strict=True))
+
+
+def joined_starts(tests: Sequence[tuple[int, tuple[int, ...]]]) -> tuple[int, ...]:
+    """Return the first samples of the records of joined tests, of the length and starts of each."""
+    begins = np.cumsum([0, *(length for length, _ in tests[:-1])]).tolist()
+    each = zip(begins, tests, strict=True)
+    return tuple(begin + start for begin, (_, starts) in each for start in starts)
+
+
+def _one(path: str | Path, options: ReadOptions, want: str) -> ImpactTest:
+    with channels.opened(path, options) as file:
+        channels.refuse_summary(file)
+        channels.expect(file, ["impact"], want, named=["acceleration", "hammer"])
+        chosen, rate = _channels(file), file.options.rate
+        loaded, columns = loaded_whole(file, chosen)
+        notes = [*file.table.notes, *channels.rivals(file, chosen[:-1]), *loaded.notes]
+        if rate is None:
+            time, *signals = columns
+            starts, remarks = starts_of(time, loaded)
+        else:
+            time, signals = np.arange(len(loaded.values)) / rate, columns
+            starts, remarks = (
+                loaded.starts,
+                [f"time counted from the rows at {rate:g} Hz, as given"],
+            )
+        notes += remarks
+        decay, windowed, said = window_rate(
+            file.table.header, file.options, _longest_record(time, starts)
+        )
+        notes += said
+        source = channels.source(file, [c.says for c in chosen], notes)
+        try:
+            test = ImpactTest(
+                time, signals[0], np.array(signals[1:]), starts, _names(file, chosen),
+                source=(source,), window_rate=math.nan if windowed and decay is None else decay,
+                units="SI",
+            )  # fmt: skip
+        except DataError as error:
+            advice = "; if the rows are evenly sampled, give the rate, for example --rate 2048Hz"
+            more = advice if "even sampling" in str(error) and rate is None else ""
+            raise ReadError(f"{error}{more}") from None
+        refuse_same(file, chosen, signals)
+        _refuse_swapped(file, chosen, signals)
+        _refuse_sizes(file, chosen, time, signals)
+        return test
+
+
+def _names(file: Opened, chosen: Sequence[Channel]) -> tuple[str, ...]:
+    """What the accelerations are called."""
+    names = [file.table.columns[c.index].name for c in chosen if c.role == "acceleration"]
+    return tuple(name or f"acceleration {k}" for k, name in enumerate(names, start=1))
+
+
+def _channels(file: Opened) -> list[Channel]:
+    """Time unless a rate is given, the hammer, and every acceleration."""
+    shown = accelerations(file.table, (), file.options)
+    asked = [] if shown else [acceleration_question(file.table)]
+    chosen = channels.chosen(file, channels.timed(file, "hammer"), besides=asked)
+    found = accelerations(file.table, [c.index for c in chosen], file.options)
+    if not found:
+        raise ReadError(acceleration_question(file.table).says)
+    says = "named by --column acceleration" if file.options.acceleration else ""
+    responses = [Assigned("acceleration", i, says) for i in found]
+    return channels.with_units(file, [*chosen, *responses])
+
+
+def _refuse_sizes(
+    file: Opened,
+    chosen: Sequence[Channel],
+    time: FloatArray,
+    signals: Sequence[FloatArray],
+) -> None:
+    """Ask for the units again that make a size no hammer test has."""
+    of_signals = chosen[-len(signals) :]
+    asked: list[tuple[Channel, list[Check]]] = []
+    for one in chosen[: -len(signals)]:
+        step = median(np.diff(time))
+        rates = (size_checks.hammer_sampled, size_checks.hammer_not_oversampled) if step > 0 else ()
+        asked.append((one, [ask(1 / step, one.unit.word) for ask in rates]))
+    for one, signal in zip(of_signals, signals, strict=True):
+        peak = float(np.abs(signal - median(signal)).max())
+        asked.append((one, [ask(peak, one.unit.word) for ask in _PEAKS[one.role] if peak]))
+    channels.refuse_sizes(file, asked)
+
+
+def refuse_same(file: Opened, chosen: Sequence[Channel], signals: Sequence[FloatArray]) -> None:
+    """Refuse one channel exported twice: two do not measure the same to the last digit."""
+    named = [quoted(file.table.columns, one.index) for one in chosen[-len(signals) :]]
+    for j, signal in enumerate(signals):
+        for i in range(j):
+            if np.ptp(signal) > 0 and np.array_equal(signals[i], signal):
+                raise ReadError(
+                    f"{named[i]} and {named[j]} hold the same numbers: one channel stands there "
+                    "twice; name the columns with --column hammer=NAME and --column "
+                    "acceleration=NAME"
+                )
+
+
+def _refuse_swapped(file: Opened, chosen: Sequence[Channel], signals: Sequence[FloatArray]) -> None:
+    """Propose the swap where the 'hammer' rings and an 'acceleration' is short pulses."""
+    if file.options.hammer or file.options.force:
+        return
+    of_hammer, *others = zip(chosen[-len(signals) :], map(cleaning.rings, signals), strict=True)
+    pulses = [one for one in others if one[1] * _RINGS_ON < of_hammer[1] and one[1] > 0]
+    if of_hammer[1] < _PULSES or len(pulses) != 1:
+        return
+    hammer = pulses[0][0].index
+    swapped = {hammer: of_hammer[0].index}
+    raise ReadError(
+        "hammer and acceleration look swapped: the column read as hammer rings on while the one "
+        f"read as acceleration ({quoted(file.table.columns, hammer)}) is short pulses; if so, add "
+        + channels.named(
+            file,
+            [
+                ("hammer", hammer),
+                *(("acceleration", swapped.get(one.index, one.index)) for one, _ in others),
+            ],
+        )
+    )
+
+
+def loaded_whole(file: Opened, chosen: Sequence[Channel]) -> tuple[Loaded, list[FloatArray]]:
+    """Return the rows of some channels, and each in SI units; refuse one where a sample lacks."""
+    channels.refuse_other_rate(file)
+    loaded = channels.load_test(file, chosen)
+    if file.options.rate is None:
+        loaded = cleaning.without_padding(loaded)
+    holes = np.flatnonzero(~np.isfinite(loaded.values).all(axis=1))
+    if holes.size:
+        raise ReadError(
+            f"{loaded.where(int(holes[0]))} lacks a number ({holes.size} such "
+            f"row{'s' * (holes.size > 1)}); an impact record needs every sample: cut the record "
+            "there or export it again"
+        )
+    return loaded, [channels.si(loaded.values[:, j], c.unit) for j, c in enumerate(chosen)]
+
+
+def starts_of(time: FloatArray, loaded: Loaded) -> tuple[tuple[int, ...], list[str]]:
+    """First samples of the records: the segments, and wherever an even clock jumps."""
+    steps = np.diff(time)
+    step = float(np.median(steps)) if steps.size else 0.0
+    if step <= 0:
+        return loaded.starts, []
+    jumps = [int(i) + 1 for i in np.flatnonzero(np.abs(steps - step) > 0.5 * step)]
+    new = [jump for jump in jumps if jump not in loaded.starts]
+    if len(new) > 0.1 * len(time):  # an uneven clock, which the record itself refuses
+        return loaded.starts, []
+
+    notes = [f"the clock jumps at {loaded.where(b)}: a new record starts there" for b in new[:3]]
+    return tuple(sorted({*loaded.starts, *new})), notes

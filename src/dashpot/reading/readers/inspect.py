@@ -1,0 +1,416 @@
+"""What is in a file, before anything in it is trusted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import ReadError
+from dashpot.base.result_mixins import Pictured, Series
+from dashpot.extensions.curves.creep import read
+from dashpot.extensions.curves.dynamic.read import amplitude_column, sweep_columns, swept
+from dashpot.reading.columns.kind_detection import RAMP, RECOGNISED, SWEEPS
+from dashpot.reading.columns.role_assignment import Assigned, accelerations, assign, find_column
+from dashpot.reading.columns.vocabulary import Role
+from dashpot.reading.raw_file import about, open_raw
+from dashpot.reading.read_options import ReadOptions, flag
+from dashpot.reading.readers import channels, cleaning
+from dashpot.reading.readers.amplitude_phase import as_a_ratio
+from dashpot.reading.readers.base_excitation import of_mass
+from dashpot.reading.readers.channels import Opened
+from dashpot.reading.readers.detect_kind import Recognised, look, recognise_opened, used
+from dashpot.reading.readers.frf import settled
+from dashpot.reading.readers.rubber_limits import refuse_sizes_of_rubber
+from dashpot.reading.readers.time_columns import own_clocks, since_the_step
+from dashpot.reading.table import FileTable, Loaded, Question
+
+COURSE_ROWS = 400
+"""Rows that an inspection keeps for a picture."""
+
+_COURSE = "_course"
+_FIRST = 5
+"""Numbers that are shown of a column."""
+_First: TypeAlias = Mapping[int, tuple[float | None, ...]]
+_NO_ROLE = (None, "")
+_DOCUMENT = "json"
+_WELCOME = {
+    "velocity", "temperature", "real", "imaginary", "magnitude", "phase", "coherence", "stretch",
+    "strain",
+}  # fmt: skip
+"""Roles that are shown where they are found, and not asked for."""
+_CURVES: frozenset[Role] = frozenset({"modulus", "creep_compliance"})
+"""What is over the time since a step."""
+_UNCLOCKED = ("cld", "stress-strain")
+"""Kinds whose time is, too."""
+
+
+@dataclass(frozen=True)
+class InspectedColumn:
+    """One column: what it is called, its unit, the role it would play and why.
+
+    `first` holds the first few numbers as they stand, in the file's own unit; None
+    where there is none.
+    """
+
+    number: int
+    name: str
+    unit: str | None
+    role: str | None
+    reason: str
+    first: tuple[float | None, ...] = ()
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A run of rows: its name, number of rows, and first and last time, s, if known."""
+
+    name: str
+    rows: int
+    start: float | None = None
+    end: float | None = None
+
+
+@dataclass(frozen=True, repr=False)
+class Inspection(Pictured):
+    """What a file holds and what it leaves open.
+
+    Attributes
+    ----------
+    file, sha256, format, encoding, delimiter, decimal : str
+    kind : str
+        What the file is (:func:`~dashpot.reading.readers.detect_kind.recognise`), and `reason` why.
+    header : tuple of str
+        The lines above the table.
+    columns : tuple of InspectedColumn
+    rows : int
+    rate : float or None
+        Median sampling rate, Hz; None without a usable clock.
+    even : bool
+        Whether the sampling is even.
+    duration : float or None
+        s.
+    segments : tuple of Segment
+    warnings : tuple of str
+    questions : tuple of Question
+        What must be answered before the file can be read, and the option that answers it.
+    simulated : bool
+    """
+
+    file: str
+    sha256: str
+    format: str
+    kind: str
+    reason: str
+    encoding: str = ""
+    delimiter: str = ""
+    decimal: str = ""
+    header: tuple[str, ...] = ()
+    columns: tuple[InspectedColumn, ...] = ()
+    rows: int = 0
+    rate: float | None = None
+    even: bool = True
+    duration: float | None = None
+    segments: tuple[Segment, ...] = ()
+    warnings: tuple[str, ...] = ()
+    questions: tuple[Question, ...] = ()
+    simulated: bool = False
+
+    @property
+    def series(self) -> Series:
+        """A row for each column of the file."""
+        columns = self.columns
+        return {
+            "number": ([one.number for one in columns], ""),
+            "name": ([one.name for one in columns], ""),
+            "unit": ([one.unit or "" for one in columns], ""),
+            "role": ([one.role or "" for one in columns], ""),
+            "because": ([one.reason for one in columns], ""),
+        }
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """What the file is, its columns, and what is to be answered."""
+        return (
+            f"{self.file}: {self.kind} ({self.reason}), {self.rows} rows",
+            *(
+                f"  {one.number}  {one.name or '(no name)'} [{one.unit or '?'}]  {one.role or '-'}"
+                for one in self.columns
+            ),
+            *(f"  ASK {question.says}" for question in self.questions),
+        )
+
+    @property
+    def course(self) -> FloatArray | None:
+        """A few hundred rows of every column, in the file's units; None if they were not kept.
+
+        Shape (rows, columns), NaN where there is no number. For a picture: it is no part of the
+        inspection's value, nor of its document.
+        """
+        kept: FloatArray | None = vars(self).get(_COURSE)
+        return kept
+
+    @property
+    def use(self) -> str:
+        """Which command wants such a file, or why none does; empty where that is not known."""
+        return used(self.kind)
+
+
+def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Inspection:
+    """Return what is in a file: columns with roles and reasons, sampling, open questions.
+
+    Raises
+    ------
+    ReadError
+        If the file cannot be opened, or holds no table and nothing that dashpot knows.
+    """
+    file = look(path, options)
+    if isinstance(file, Recognised):
+        return inspected(path, file)
+    with about(file.raw.name):
+        return inspect_opened(file)
+
+
+def inspected(path: str | Path, own: Recognised) -> Inspection:
+    """Return what is told of what is no table."""
+    place = Path(path)
+    if place.is_dir():
+        return Inspection(place.name, "", "folder", own.kind, own.reason)
+    raw = open_raw(path)
+    form = _DOCUMENT if own.stored else "toml"
+    return Inspection(raw.name, raw.sha256, form, own.kind, own.reason)
+
+
+def inspect_opened(file: Opened) -> Inspection:
+    """Return what is in a file that is open."""
+    raw, table, options = file.raw, file.table, file.options
+    kind, reason = recognise_opened(file)
+    roles, questions = _proposal(file, kind)
+    numbers = [i for i, c in enumerate(table.columns) if c.content in {"number", "clock"}]
+    loaded = channels.load(table, numbers, options.segment, sure=False)
+    by_index = {i: loaded.values[:, j] for j, i in enumerate(numbers)}
+    time = _time(file, by_index, roles, len(loaded.values))
+    rate, even, duration = _sampling(time, loaded.starts)
+    warnings = [*table.notes, *loaded.notes]
+    by_hand = kind in RECOGNISED and RECOGNISED[kind].by_hand
+    if time is not None and not loaded.doubts and not by_hand:
+        warnings += cleaning.clock_notes(time[np.isfinite(time)])
+    doubts = [question for _, question in loaded.doubts]
+    if kind == "relaxation" and not questions and _look_swapped(by_index, roles):
+        warnings.append("displacement and force look swapped")
+    if kind == "stress-strain" and not questions:
+        questions = _asks(lambda: _as_of_rubber(file, by_index, roles), "strain")
+    inspection = Inspection(
+        file=raw.name, sha256=raw.sha256, format=table.format, kind=kind, reason=reason,
+        encoding=table.encoding, delimiter=table.delimiter, decimal=table.decimal,
+        header=table.header, rows=len(loaded.values),
+        columns=_columns(table, _first(numbers, loaded.values), roles),
+        rate=rate, even=even, duration=duration, segments=_segments(loaded, time),
+        warnings=tuple(warnings), questions=(*table.doubts, *doubts, *questions),
+        simulated=table.simulated,
+    )  # fmt: skip
+    vars(inspection)[_COURSE] = _course(len(table.columns), numbers, loaded.values)
+    return inspection
+
+
+def _look_swapped(by_index: dict[int, FloatArray], roles: dict[int, tuple[Role, str]]) -> bool:
+    found = {role: by_index.get(i) for i, (role, _) in roles.items()}
+    moved, pushed = found["displacement"], found["force"]
+    if moved is None or pushed is None:
+        return False
+    whole = np.isfinite(moved) & np.isfinite(pushed)
+    return bool(whole.any()) and cleaning.swapped(moved[whole], pushed[whole])
+
+
+def _as_of_rubber(
+    file: Opened, by_index: dict[int, FloatArray], roles: dict[int, tuple[Role, str]]
+) -> None:
+    """Ask what who reads stress over strain asks of its sizes."""
+    played = {role for role, _ in roles.values()}
+    elongated: Role = "strain" if "strain" in played else "stretch"
+    if not {elongated, "stress"} <= played:
+        return
+    stretched, stressed = channels.choose(file, [elongated, "stress"])
+    strain, stress = (one.unit.factor * by_index[one.index] for one in (stretched, stressed))
+    whole = np.isfinite(strain) & np.isfinite(stress)
+    strain, stress = strain[whole] - (elongated == "stretch"), stress[whole]
+    if len(stress):
+        refuse_sizes_of_rubber(file, stretched, stressed, strain, stress)
+
+
+def _course(columns: int, numbers: Sequence[int], values: FloatArray) -> FloatArray:
+    """Return rows spread evenly over the record, of every column."""
+    rows = len(values) if numbers else 0
+    at = np.unique(np.linspace(0, rows - 1, min(rows, COURSE_ROWS)).astype(int))
+    course = np.full((len(at), columns), np.nan)
+    course[:, numbers] = values[at]
+    return course
+
+
+def _columns(
+    table: FileTable, first: _First, roles: dict[int, tuple[Role, str]]
+) -> tuple[InspectedColumn, ...]:
+    columns = []
+    for i, column in enumerate(table.columns):
+        role, why = roles.get(i, _NO_ROLE)
+        cells = first.get(i, ())
+        columns.append(InspectedColumn(i + 1, column.name, column.unit, role, why, cells))
+    return tuple(columns)
+
+
+def _first(numbers: Sequence[int], values: FloatArray) -> _First:
+    """The first few numbers of each column of numbers: None where there is none."""
+    rows = values[:_FIRST]
+    cells = rows.astype(object)
+    cells[np.isnan(rows)] = None
+    return dict(zip(numbers, map(tuple, cells.T.tolist()), strict=True))
+
+
+def _proposal(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], list[Question]]:
+    """Role and reason by column, and the questions left: of the roles, and of the kind besides."""
+    roles, questions = _of_roles(file, kind)
+    if kind in {"frf", "transmissibility"}:
+        questions = _asks(lambda: settled(as_a_ratio(file)), "ROLE")
+    if kind in SWEEPS and not questions:
+        questions = _asks(lambda: swept(file), "ROLE")
+    if kind == "strain-sweep":
+        questions += _asks(lambda: amplitude_column(file), "strain")
+    if kind == "modulus":
+        questions += _asks(lambda: file.one_column("temperature"), "temperature")
+    if kind in RECOGNISED and RECOGNISED[kind].accelerated:
+        for found in _moved(file, list(roles)):
+            roles[found.index] = (found.role, found.reason)
+            questions += _asked(file, found.role, found)
+    return roles, questions
+
+
+def _of_roles(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], list[Question]]:
+    """Those of the roles that the kind has."""
+    table, options = file.table, file.options
+    clocks = own_clocks(table, options) if "displacement" in _usual(kind) else ()
+    roles = {clock.index: (clock.role, clock.reason) for clock in clocks}
+    questions: list[Question] = []
+    wanted = _roles_of(file, kind, clocked=bool(clocks))
+    curve = not _CURVES.isdisjoint(wanted)
+    for role in wanted:
+        since = curve and role == "time"
+        answer = since_the_step(table, options) if since else assign(table, role, options)
+        if isinstance(answer, Assigned):
+            played, _ = roles.get(answer.index, (role, ""))
+            if played != role and {played, role} <= set(RAMP):  # who reads it asks this, too
+                says = channels.both(table.columns, answer.index, played, role)
+                questions.append(Question(says, f"{flag(role)}=NAME"))
+                continue
+            roles[answer.index] = (role, answer.reason)
+        welcome = role in _WELCOME or (role == "time" and kind in _UNCLOCKED and _none(answer))
+        questions += [] if welcome else _asked(file, role, answer)
+    return roles, questions
+
+
+def _none(answer: Assigned | Question) -> bool:
+    """Whether no two columns could play a role."""
+    return isinstance(answer, Assigned) or not answer.choices
+
+
+def _moved(file: Opened, taken: list[int]) -> list[Assigned]:
+    """The accelerations, or those of a shaken base and its mass, whose motion may be another."""
+    named, columns = file.options.base_acceleration, file.table.columns
+    if named is not None:
+        base = find_column(columns, named, flag("base_acceleration"))
+        of_base = Assigned("acceleration", base, "named as that of the base")
+        return [of_base, *of_mass(file, [base, *taken])]
+    says = "its name or unit says acceleration"
+    return [
+        Assigned("acceleration", i, says) for i in accelerations(file.table, taken, file.options)
+    ]
+
+
+def _usual(kind: str) -> tuple[Role, ...]:
+    """The roles of a kind; of a table that shows none, those of a ramp and hold are asked for."""
+    if kind == "unclear":
+        return RAMP
+    return RECOGNISED[kind].roles if kind in RECOGNISED else ()
+
+
+def _roles_of(file: Opened, kind: str, *, clocked: bool) -> list[Role]:
+    """The roles that a file of a kind should fill, without a time or a hammer it does not need."""
+    wanted = read.roles(file) if kind == "creep" else _usual(kind)
+    if kind in SWEEPS:
+        with suppress(ReadError):  # what is lacking is asked of the caller
+            wanted = tuple(one.role for one in sweep_columns(file)[0])
+    options = file.options
+    needless = {"time": clocked or options.rate, "hammer": options.base_acceleration}
+    return [role for role in wanted if not needless.get(role)]
+
+
+def _asked(file: Opened, role: Role, answer: Assigned | Question) -> list[Question]:
+    """What a role leaves open: its column, or the unit of that."""
+    if isinstance(answer, Assigned):
+        return _asks(lambda: file.unit(answer.index, role), role)
+    needless = role == "loss" and file.column("loss_factor")
+    return [] if needless else [answer]
+
+
+def _asks(settle: Callable[[], object], role: str) -> list[Question]:
+    """What is asked for by what cannot be settled."""
+    try:
+        settle()
+    except ReadError as error:
+        return [Question(str(error), f'--units "{role}=UNIT"')]
+    return []
+
+
+def _time(
+    file: Opened,
+    by_index: dict[int, FloatArray],
+    roles: dict[int, tuple[Role, str]],
+    rows: int,
+) -> FloatArray | None:
+    """Time of every row, s, if the file or the options tell it."""
+    if file.options.rate is not None:
+        return np.arange(rows) / file.options.rate
+    index = next((i for i, (role, _) in roles.items() if role == "time"), None)
+    if index is None or index not in by_index:  # the column that is named may be empty
+        return None
+    try:
+        unit = file.unit(index, "time")
+    except ReadError:
+        return None
+    return channels.si(by_index[index].copy(), unit)
+
+
+def _sampling(
+    time: FloatArray | None, starts: tuple[int, ...]
+) -> tuple[float | None, bool, float | None]:
+    """Median rate, whether each segment is evenly sampled, and duration."""
+    if time is None:
+        return None, True, None
+    steps = np.diff(time)
+    steps[[start - 1 for start in starts[1:]]] = np.nan
+    steps = steps[np.isfinite(steps)]
+    forward = steps[steps > 0]
+    if forward.size == 0:
+        return None, True, None
+    step = float(np.median(forward))
+    even = bool(np.abs(steps - step).max() <= 0.2 * step)
+    return 1 / step, even, float(np.nanmax(time) - np.nanmin(time))
+
+
+def _segments(loaded: Loaded, time: FloatArray | None) -> tuple[Segment, ...]:
+    stops = (*loaded.starts[1:], len(loaded.values))
+    segments = []
+    for name, start, stop in zip(loaded.segments, loaded.starts, stops, strict=True):
+        ends: tuple[float | None, ...] = (None, None)
+        if time is not None and stop > start:
+            ends = tuple(
+                None if math.isnan(end) else end
+                for end in (time[start].item(), time[stop - 1].item())
+            )
+        segments.append(Segment(name, stop - start, *ends))
+    return tuple(segments)

@@ -1,0 +1,95 @@
+"""The power spectral density of a base's acceleration: from a file, or from a word."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from dashpot.base import units
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import DataError, ReadError
+from dashpot.base.provenance import Source
+from dashpot.reading.columns.role_assignment import assign, list_columns
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers import channels
+
+_WORDS = "g^2/Hz or (m/s^2)^2/Hz"
+_CUBED = {"m2/s3": 1.0, "m^2/s^3": 1.0, "m²/s³": 1.0, "m**2/s**3": 1.0}
+_POWERS = ("**2", "^2", "²", "2")
+_TYPED = re.compile(r"\A\s*([-+]?[\d.]+(?:e[-+]?\d+)?)\s*(\D.*)\Z", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class BasePSD:
+    """One-sided density of a base's acceleration, (m/s^2)^2/Hz.
+
+    Attributes
+    ----------
+    density : array, shape (n,), or float
+        A number is white noise.
+    frequency : array, shape (n,), or None
+        Hz.
+    source : tuple of Source
+    """
+
+    density: FloatArray | float
+    frequency: FloatArray | None = None
+    source: tuple[Source, ...] = ()
+
+
+def read_psd(said: str | Path, *, options: ReadOptions | None = None) -> BasePSD:
+    """Return the density in a file of frequency and density, or that of a word as ``0.01g^2/Hz``.
+
+    Raises
+    ------
+    ReadError
+        If neither a file nor a density is meant, a column is not found, or its unit is none of a
+        squared acceleration per Hz.
+    """
+    typed = _TYPED.match(str(said))
+    if typed and not Path(said).is_file():
+        return BasePSD(float(typed[1]) * _factor(typed[2], f"'{said}'"))
+    with channels.opened(said, options) as file:
+        (lines,) = channels.answered(file, [assign(file.table, "frequency", file.options)])
+        others = [
+            i
+            for i, column in enumerate(file.table.columns)
+            if column.content == "number" and i != lines.index
+        ]
+        if len(others) != 1:
+            raise ReadError(
+                f"{len(others)} columns beside the frequency; expected one, the density of the "
+                f"base's acceleration in {_WORDS}; the columns are "
+                f"{list_columns(file.table.columns)}"
+            )
+        column = file.table.columns[others[0]]
+        factor = _factor(column.unit or "", f"'{column.label(others[0] + 1)}'")
+        hertz = file.unit(lines.index, "frequency")
+        loaded = channels.load(file.table, [lines.index, others[0]], file.options.segment)
+        rows, notes = channels.whole_rows(loaded)
+        if (rows[:, 1] < 0).any():
+            raise ReadError("a density falls below 0; expected one that is not in dB")
+        names = [file.table.columns[lines.index].name, column.name]
+        return BasePSD(
+            rows[:, 1] * factor,
+            rows[:, 0] * hertz.factor,
+            (channels.source(file, names, (*file.table.notes, *notes)),),
+        )
+
+
+def _factor(word: str, what: str) -> float:
+    """What one of a unit is in (m/s^2)^2/Hz."""
+    plain = word.strip()
+    if plain in _CUBED:
+        return _CUBED[plain]
+    squared, _, per = plain.rpartition("/")
+    power = next((one for one in _POWERS if squared.rstrip().endswith(one)), None)
+    known = None
+    if power and per.strip().lower() == "hz":
+        root = squared.rstrip().removesuffix(power).rstrip()
+        known = units.find(root.removeprefix("(").removesuffix(")"), "acceleration")
+    if known is None:
+        given = f"the unit '{plain}'" if plain else "no unit"
+        raise DataError(f"{what} has {given}; expected a density in {_WORDS}")
+    return known.factor**2

@@ -1,0 +1,272 @@
+"""From a file to a relaxation test."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import ReadError
+from dashpot.datamodel.relaxation import RelaxationTest
+from dashpot.datamodel.specimen import Specimen
+from dashpot.reading.columns.kind_detection import SWEEPS, FileKind
+from dashpot.reading.columns.vocabulary import Role
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers import channels, cleaning, size_checks
+from dashpot.reading.readers.channels import Channel, Opened
+from dashpot.reading.readers.header_specimen import stated_rest, stated_specimen
+from dashpot.reading.readers.time_columns import on_one_clock, own_clocks
+from dashpot.reading.table import Loaded
+from dashpot.signals.clock import Leap, lasting_change
+
+
+def read_relaxation(
+    path: str | Path, *, options: ReadOptions | None = None, specimen: Specimen | None = None
+) -> RelaxationTest:
+    """Return the relaxation test in a file, in SI units; ``-`` is stdin.
+
+    Parameters
+    ----------
+    path : path
+        A text file of any lab, or an instrument's own format.
+    options : ReadOptions
+        Answers to what the file leaves open.
+    specimen : Specimen or None
+        What was tested, kept with the record.
+
+    Raises
+    ------
+    ReadError
+        If the file cannot be read, or leaves open which column is what or in which unit; the
+        sentence says which option answers it.
+    """
+    with channels.opened(path, options) as file:
+        return relaxation_in(file, specimen or Specimen())
+
+
+def roles(file: Opened) -> list[Role]:
+    """The columns that a relaxation test needs: no clock where a rate is given."""
+    return channels.timed(file, "displacement", "force")
+
+
+def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
+    """Return the relaxation test in an opened file."""
+    channels.refuse_summary(file)
+    _expected(file, SWEEPS)
+    try:
+        chosen, clocks = moving_columns(file)
+    except ReadError:
+        _expected(file)
+        raise
+    values, notes = recorded(file, chosen, clocks)
+    time, moved, force = (values[role] for role in ("time", "displacement", "force"))
+    _refuse_swapped(file, chosen, moved, force)
+    notes += _refuse_sizes(file, chosen, time, moved, force)
+    specimen, said = stated_specimen(file, specimen, chosen)
+    specimen, rested = stated_rest(file, specimen)
+    source = channels.source(file, [c.says for c in chosen], [*notes, *said, *rested])
+    return RelaxationTest(time, moved, force, specimen, source, units="SI")
+
+
+def recorded(
+    file: Opened, chosen: Sequence[Channel], clocks: Sequence[Channel] = ()
+) -> tuple[dict[Role, FloatArray], list[str]]:
+    """Return the signals of a test by role, in SI units on one rising clock, and notes.
+
+    Parameters
+    ----------
+    file : Opened
+    chosen : sequence of Channel
+        The time unless a rate is given, what moves, what pushes.
+    clocks : sequence of Channel
+        The clock of what moves, where it has its own.
+
+    Raises
+    ------
+    ReadError
+        If rows are missing where they matter, or a clock falls.
+    """
+    channels.refuse_other_rate(file)
+    moving = chosen[-2].role
+    loaded = channels.load_test(file, [*chosen, *clocks])
+    if clocks:
+        loaded = on_one_clock(loaded, clocks[0].unit.factor / chosen[0].unit.factor)
+    elif not file.options.rate:
+        loaded = cleaning.without_padding(loaded)
+    values = channels.by_role(loaded.values, chosen)
+    notes = [*file.table.notes, *channels.rivals(file, chosen), *loaded.notes]
+    rate = file.options.rate
+    if rate is not None:
+        values["time"] = np.arange(len(loaded.values)) / rate
+        notes.append(f"time counted from the rows at {rate:g} Hz, as given")
+    if len(loaded.starts) > 1:
+        notes.append(joined(values["time"], loaded))
+    if not np.isfinite(loaded.values).all():
+        window = cleaning.ramp_window(values["time"], values[moving])
+        keep, dropped = cleaning.drop_missing(loaded, [c.role for c in chosen], protect=window)
+        notes += dropped
+        values = {role: column[keep] for role, column in values.items()}
+        loaded = channels.rows(loaded, keep)
+    keep, dropped = cleaning.drop_repeats(values["time"], loaded)
+    notes += dropped
+    if not keep.all():
+        values = {role: column[keep] for role, column in values.items()}
+    stated = rate is not None or channels.is_stated(file, chosen[0])
+    clock = cleaning.clock_notes(values["time"], stated=stated)
+    if not (stated or clock):
+        clock = cleaning.round_steps(values["time"], chosen[0].unit)
+    return values, [*notes, *clock]
+
+
+def signals(
+    file: Opened, *roles: Role, least: int = 8, clock_matters: bool = True
+) -> tuple[list[Channel], dict[Role, FloatArray], list[str]]:
+    """Return two signals in SI units by role, as :func:`recorded`, or row by row without a clock.
+
+    With their columns, and that of the time unless there is none or a rate is given, and notes. A
+    clock that does not matter may be broken, or lack its unit: it is left out with a note.
+
+    Raises
+    ------
+    ReadError
+        With what the file leaves open, such as which of two clocks is that of the test.
+    """
+    left_out = []
+    if file.options.rate or file.one_column("time"):
+        try:
+            chosen = channels.choose(file, channels.timed(file, *roles))
+            return chosen, *recorded(file, chosen)
+        except ReadError as error:
+            if clock_matters:
+                raise
+            left_out.append(f"the clock is left out: {error}")
+    chosen = channels.choose(file, roles)
+    rows, gaps = channels.whole_rows(channels.load_test(file, chosen, least))
+    notes = [*file.table.notes, *channels.rivals(file, chosen), *gaps, *left_out]
+    return chosen, channels.by_role(rows, chosen), notes
+
+
+_SHOWN = 5
+"""Steps between samples that show a ramp; a commanded step has one."""
+
+
+def _refuse_sizes(
+    file: Opened,
+    chosen: Sequence[Channel],
+    time: FloatArray,
+    moved: FloatArray,
+    force: FloatArray,
+) -> list[str]:
+    """Ask for the units again that make a size no test of a seal has; notes on unusual ones."""
+    travel, rise = float(np.ptp(moved)), float(np.ptp(force))
+    begun, full = cleaning.ramp_samples(moved)
+    away = np.abs(force - force[begun])
+    # a record that begins in its hold shows neither
+    pressed = bool(away[full] > 0.5 * rise and away[full] >= away[-1])
+    shown = pressed and full - begun >= _SHOWN
+    took = float(time[full] - time[begun]) if shown else 0.0
+    lasted = float(np.ptp(time))
+    change = lasting_change(time)
+
+    def one_unit(steps: Leap, ticks: str) -> Check:
+        return size_checks.steps_of_one_unit(steps.beside, steps.step, float(time[steps.at]), ticks)
+
+    def judged(
+        times: Mapping[Role, float], unit: Mapping[Role, str], said: AbstractSet[Role]
+    ) -> list[tuple[Role, list[Check]]]:
+        far, push = travel * times["displacement"], rise * times["force"]
+        clock = times.get("time", 1.0)
+        ramp = 0.0 if "displacement" in said else took * clock
+        # a speed is made of both: of an unusual travel that is too fast the travel is asked first
+        fast = bool(ramp) and size_checks.ramp_not_fast(far / ramp, "s").failed
+        moves, pushes, ticks = unit["displacement"], unit["force"], unit.get("time", "s")
+        of_seal = replace(
+            size_checks.travel_of_a_seal(far, moves), grade="stop" if fast else "note"
+        )
+        answers: dict[Role, list[Check]] = {
+            "force": [
+                size_checks.size_possible("force", push, pushes, role="force"),
+                size_checks.force_of_a_seal(push, pushes),
+                size_checks.force_of_a_bench(push, pushes, travel=far),
+                size_checks.stiffness_of_a_seal(push, pushes, travel=far, moves=moves),
+            ],
+            "displacement": [
+                size_checks.size_possible("travel", far, moves, role="displacement"),
+                of_seal,
+                *([size_checks.travel_of_a_bench(far, moves, force=push)] if pressed else []),
+            ],
+            "time": [
+                size_checks.time_of_a_test(lasted * clock, ticks),
+                size_checks.size_possible("record", lasted * clock, ticks, role="time"),
+                size_checks.size_possible("ramp", ramp, ticks, role="time"),
+                size_checks.ramp_not_slow(ramp, ticks),
+                *([] if change is None else [one_unit(change, ticks)]),
+                *([size_checks.ramp_not_fast(far / ramp, ticks)] if ramp else []),
+            ],
+        }
+        return [(role, answers[role]) for role in answers if role in unit]
+
+    return channels.refuse_all_sizes(file, chosen, judged)
+
+
+def _refuse_swapped(
+    file: Opened, chosen: Sequence[Channel], moved: FloatArray, force: FloatArray
+) -> None:
+    """Propose the swap where the 'displacement' relaxes, unless the user named the columns."""
+    if file.options.force or file.options.displacement or not cleaning.swapped(moved, force):
+        return
+    index = {one.role: one.index for one in chosen}
+    raise ReadError(
+        "displacement and force look swapped: the column read as force is held while the one read "
+        "as displacement relaxes; if so, add "
+        + channels.named(file, [("displacement", index["force"]), ("force", index["displacement"])])
+    )
+
+
+def _expected(file: Opened, besides: Sequence[FileKind] = ()) -> None:
+    """Refuse another kind of file; a sweep may hold the columns of a relaxation test too.
+
+    What lacks a clock alone is asked for its rate.
+    """
+    channels.expect(
+        file,
+        ["relaxation", "cld", *besides],
+        "a ramp and a hold is",
+        named=["displacement", "force"],
+    )
+
+
+def moving_columns(
+    file: Opened, moving: Role = "displacement", pushing: Role = "force"
+) -> tuple[list[Channel], list[Channel]]:
+    """Return the columns of a record's roles, and the clock of what moves where it has its own.
+
+    Raises
+    ------
+    ReadError
+        With every question that the file leaves open.
+    """
+    clocks = own_clocks(file.table, file.options) if moving == "displacement" else ()
+    if not clocks:
+        return channels.choose(file, channels.timed(file, moving, pushing)), []
+    of_displacement, of_force = channels.with_units(file, clocks)
+    signals = channels.choose(file, [moving, pushing])
+    return [of_force, *signals], [of_displacement]
+
+
+def joined(time: FloatArray, loaded: Loaded) -> str:
+    """Say that segments were joined; refuse it where their clocks start again."""
+    names = [f"{i + 1} {name}".strip() for i, name in enumerate(loaded.segments)]
+    listed = ", ".join(names[:8]) + (" ..." if len(names) > 8 else "")
+    for start in loaded.starts[1:]:
+        if time[start] < time[start - 1]:
+            raise ReadError(
+                f"{len(names)} segments ({listed}), and the clock starts again at "
+                f"{loaded.where(start)}; choose one, for example --part segment=1"
+            )
+    return f"{len(names)} segments joined into one record: {listed}"

@@ -1,0 +1,94 @@
+"""Signals that each have a clock of their own: columns in pairs, time and signal, side by side."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from dashpot.base.errors import ReadError
+from dashpot.reading.columns.role_assignment import Assigned, assign, score
+from dashpot.reading.columns.vocabulary import STEP_TIME, Role, has_word
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers import channels
+from dashpot.reading.table import FileTable, Loaded, Question
+
+
+def own_clocks(table: FileTable, options: ReadOptions) -> tuple[Assigned, ...]:
+    """Return the clock of the displacement and that of the force, if each has its own; else none.
+
+    A signal's own clock is the column of time right before it, where no one column is the time.
+    """
+    if options.time or options.rate or not isinstance(assign(table, "time", options), Question):
+        return ()
+    clocks = []
+    signals: tuple[Role, ...] = ("displacement", "force")
+    for role in signals:
+        signal = assign(table, role, options)
+        before = signal.index - 1 if isinstance(signal, Assigned) else -1
+        if before < 0 or score(table.columns[before], "time", options) < 1.5:
+            return ()
+        clocks.append(Assigned("time", before, f"it stands before the {role}"))
+    return tuple(clocks) if clocks[0].index != clocks[1].index else ()
+
+
+def since_the_step(table: FileTable, options: ReadOptions) -> Assigned | Question:
+    """Return the clock of a curve over the time since a step: that of the step, beside a whole one.
+
+    A rheometer writes both, and the whole one began before the step.
+    """
+    found = assign(table, "time", options)
+    if options.time or isinstance(found, Question):
+        return found
+    own = [
+        i
+        for i in found.rivals
+        if score(table.columns[i], "time", options) >= 1.5
+        and has_word(table.columns[i].name, STEP_TIME)
+    ]
+    return Assigned("time", own[0], "it runs since the step") if len(own) == 1 else found
+
+
+def on_one_clock(loaded: Loaded, ratio: float = 1.0) -> Loaded:
+    """Return time, displacement and force at the instants of the force.
+
+    Parameters
+    ----------
+    loaded : Loaded
+        Time of the force, displacement, force, time of the displacement.
+    ratio : float
+        The unit of the displacement's time in that of the force's.
+
+    Raises
+    ------
+    ReadError
+        If the displacement's clock falls, or the two share no time.
+    """
+    time, moved, force, ticks = loaded.values.T
+    ticks = ratio * ticks
+    known = np.isfinite(ticks) & np.isfinite(moved)
+    falls = np.flatnonzero(np.diff(ticks[known]) <= 0)
+    if falls.size:
+        row = int(np.flatnonzero(known)[falls[0] + 1])
+        raise ReadError(
+            f"the clock of the displacement does not rise at {loaded.where(row)}; name one clock "
+            "for both with --column time=NAME"
+        )
+    begin, end = (
+        np.min(ticks, where=known, initial=np.inf),
+        np.max(ticks, where=known, initial=-np.inf),
+    )
+    both = np.isfinite(time) & np.isfinite(force) & (time >= begin) & (time <= end)
+    if not both.any():
+        raise ReadError(
+            "the clocks of displacement and force share no time; name one clock for both "
+            "with --column time=NAME"
+        )
+    shared = channels.rows(loaded, both)
+    at_forces = np.interp(time[both], ticks[known], moved[known])
+    note = (
+        f"displacement and force have clocks of their own: {both.sum()} of {len(time)} rows of "
+        "force lie within both, and the displacement was interpolated to their instants"
+    )
+    values = np.column_stack([time[both], at_forces, force[both]])
+    return replace(shared, values=values, notes=(*shared.notes, note))

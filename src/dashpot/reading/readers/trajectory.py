@@ -1,0 +1,33 @@
+"""From a file to a motion: the columns of time and displacement, whatever else it holds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.datamodel.trajectory import Trajectory
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers import channels
+
+
+def read_trajectory(path: str | Path, *, options: ReadOptions | None = None) -> Trajectory:
+    """Return the motion in a record or in a list of set-points; ``-`` is stdin.
+
+    Rows without a number are left out, and said in the notes of its source.
+
+    Raises
+    ------
+    ReadError
+        If the file cannot be read, or leaves open which column is what or in which unit.
+    """
+    with channels.opened(path, options) as file:
+        channels.refuse_other_rate(file)
+        rate = file.options.rate
+        chosen = channels.choose(file, channels.timed(file, "displacement"))
+        rows, said = channels.whole_rows(channels.load_test(file, chosen, 2))
+        values = channels.by_role(rows, chosen)
+        time = np.arange(len(rows)) / rate if rate else values["time"]
+        notes = [*file.table.notes, *said]
+        source = channels.source(file, [c.says for c in chosen], notes)
+        return Trajectory(time, values["displacement"], source=source)

@@ -1,0 +1,448 @@
+"""Where the table of numbers is in a text, and how its cells are parted."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import chain, islice, product, zip_longest
+
+from dashpot.reading.table import Content
+from dashpot.reading.text import cells as cell
+from dashpot.reading.text.cells import Mark
+from dashpot.reading.text.timestamps import instant, moment
+
+_DELIMITERS = ("\t", ";", ",", "|", " ", ":")
+_MARKS: tuple[Mark, ...] = (".", ",", ".,")
+_SAMPLE = 60
+LONGEST = 1 << 21
+"""Characters in a row or a heading; a longer line is neither."""
+COLUMNS = 100_000
+"""Cells of a line by which a table is looked for."""
+_SAMPLED = 1 << 18
+"""Characters of a window of lines, which are fewer where they are long."""
+_ALIGNED = 1 << 13
+"""Characters of a row of fixed width; nobody aligns a longer one."""
+_DIGITS = set("0123456789+-.,:eE")
+_STEADY = 5
+"""Rows that show how many digits all are printed with."""
+_PARTS = re.compile(r"[\t;,| ]+")
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """How the rows of a table are written.
+
+    Attributes
+    ----------
+    delimiter : str
+        One character; ``" "`` is any run of blanks; ``"fixed:9,18"`` a fixed width.
+    mark : str
+        Decimal mark.
+    contents : tuple of str
+        What each column holds.
+    first : int
+        Line of the first row, counted from 0.
+    cells : int
+        Cells in most rows, blank ones at the end counted; 0 if that is not known.
+    """
+
+    delimiter: str
+    mark: Mark
+    contents: tuple[Content, ...]
+    first: int = 0
+    cells: int = 0
+
+    @cached_property
+    def numbers(self) -> tuple[int, ...]:
+        """The columns that hold numbers or clock times."""
+        return tuple(i for i, held in enumerate(self.contents) if held in {"number", "clock"})
+
+    @cached_property
+    def _clocked(self) -> bool:
+        return "clock" in self.contents
+
+    def row(self, line: str, like: str = "") -> list[str] | None:
+        """The cells of a line, one per column, if it is a row of the table; else None.
+
+        Where blanks part the cells, a row `like` it that lacks none shows which are blank.
+        """
+        if len(line) > LONGEST:
+            return None
+        found = cell.split(line, self.delimiter, trim=False)
+        if self.delimiter == " " and len(found) < self.cells:
+            found = cell.placed(line, like)
+        whole, width = len(found) == self.cells, len(self.contents)
+        if not cell.trimmed(found) or not (whole or self._ends_well(found)):
+            return None
+        if self.contents[0] == "blank" and found[0] and not cell.is_number(found[0], self.mark):
+            return None  # a word where every row is blank: a key of the header
+        found = found[:width] + [""] * (width - len(found))
+        return found if self._is_plain(found) or self._has_numbers(found) else None
+
+    def _ends_well(self, found: Sequence[str]) -> bool:
+        """Whether a row of another width has all its numbers, and no number behind them."""
+        behind = found[len(self.contents) :]
+        reaches = not self.numbers or len(found) > self.numbers[-1]
+        return reaches and not any(cell.is_number(c, self.mark) for c in behind)
+
+    def _is_plain(self, found: Sequence[str]) -> bool:
+        """Whether there is a plain number wherever one is expected."""
+        return not self._clocked and cell.are_plain([found[i] for i in self.numbers], self.mark)
+
+    def _has_numbers(self, found: Sequence[str]) -> bool:
+        """Whether there are numbers enough, and more than words, where numbers are expected."""
+        filled = blank = words = said = 0
+        for i in self.numbers:
+            if self._is_value(found[i], i):
+                filled += 1
+                if 2 * filled > len(self.numbers):  # whatever the others hold
+                    return True
+            elif cell.is_missing(found[i]):
+                blank += 1
+                said += any(map(str.isalpha, found[i]))
+            elif i == self.numbers[0]:
+                return False  # "Mean;1.2;3.4"
+            else:
+                words += 1
+        if said and said == len(self.numbers):  # NaN in every place
+            return True
+        # a heading that holds a number or two has more words than numbers
+        return filled > words and 2 * (filled + blank) > len(self.numbers)
+
+    def resembles_row(self, line: str) -> bool:
+        """Whether a line that is no row begins or is filled with numbers, however parted."""
+        parts = Counter(part.strip('"') for part in _PARTS.split(line[:LONGEST].strip()))
+        numbers = sum(count for part, count in parts.items() if like_number(part))
+        words = sum(count for part, count in parts.items() if not cell.is_missing(part)) - numbers
+        if numbers > words and (numbers >= len(self.numbers) or words == 0 < numbers - 1):
+            return True
+        cells = cell.split(line, self.delimiter)
+        return self.delimiter != " " and len(cells) > 1 and like_number(cells[0])
+
+    def is_cut_off(self, lines: Sequence[str]) -> bool:
+        """Whether the last line is a row whose last number alone has too few decimals.
+
+        Too few are fewer than all rows before it have, at least four.
+        """
+        rows = [line for line in lines if line.strip()]
+        if len(rows) < _STEADY:
+            return False
+        before, last = (self._decimals(line) for line in rows[-2:])
+        if not (before and last) or last[:-1] != before[:-1]:
+            return False
+        printed, shorter = before[-1], last[-1]
+        if printed is None or shorter is None or shorter >= printed:
+            return False
+        return all(self._decimals(line)[-1:] == [printed] for line in rows[:-2])
+
+    def _decimals(self, line: str) -> list[int | None]:
+        return [decimals(text, self.mark) for text in cell.split(line, self.delimiter)]
+
+    def _is_value(self, text: str, column: int) -> bool:
+        """Whether :meth:`value` finds one."""
+        if self.contents[column] == "clock":
+            return instant(text) is not None
+        return cell.is_number(text, self.mark)
+
+    def value(self, text: str, column: int) -> float | None:
+        """The number in a cell of a column, or None."""
+        if self.contents[column] == "clock":
+            found = instant(text)
+            return None if found is None else found.seconds
+        return cell.number(text, self.mark)
+
+
+def find_dialect(
+    lines: Sequence[str], *, delimiter: str | None = None, decimal: str | None = None
+) -> Dialect | None:
+    """Return the dialect of the longest table in the lines, or None if there is no table.
+
+    Every delimiter and decimal mark is tried on lines from the start, the middle and the end;
+    the pair under which most cells of equally wide neighbouring lines are numbers is taken.
+    """
+    windows = list(_windows(lines))
+    marks = [mark for mark in _MARKS if decimal in {None, mark}]
+    signs = _delimiters(windows, delimiter)
+    plain = [_plainly(window, signs, marks) for window in windows]
+    full = [
+        len(window) * one.cells if one else 0 for one, window in zip(plain, windows, strict=True)
+    ]
+    best = plain[full.index(max(full))] if full else None
+    highest: float = max(full, default=0)
+    rest = [window for one, window in zip(plain, windows, strict=True) if one is None]
+    most = {sign: [_most_numbers(sign, window) for window in rest] for sign in signs}
+    for sign, mark, (i, window) in product(signs, marks, enumerate(rest)):
+        if most[sign][i] > highest:
+            score, found = _best_run(window, sign, mark, above=highest)
+            if found is not None:
+                highest, best = score, found
+    found = None if best is None else _from_the_top(lines, best)
+    if found is not None and (found.mark, decimal) == (".", None) and found.delimiter != ",":
+        found = _by_the_rows_above(lines, found)
+    return None if found is None else _filled_elsewhere(lines, found)
+
+
+def is_overlong(line: str) -> bool:
+    """Whether a line has more characters or cells than are looked at."""
+    return len(line) > LONGEST or (len(line) > COLUMNS and most_cells(line) > COLUMNS)
+
+
+def most_cells(line: str) -> int:
+    """The cells of a line by the delimiter that makes the most."""
+    return 1 + max(map(line.count, _DELIMITERS))
+
+
+def _filled_elsewhere(lines: Sequence[str], found: Dialect) -> Dialect:
+    """The dialect, with the columns that were blank where it was found and hold numbers elsewhere.
+
+    Such is a temperature that is written once for each block.
+    """
+    none: tuple[Content, ...] = ("blank",)
+    contents = (*found.contents, *none * (found.cells - len(found.contents)))
+    blank = [i for i, held in enumerate(contents) if held == "blank"]
+    if not blank or found.delimiter == " ":
+        return found
+    texts: dict[int, list[str]] = {i: [] for i in blank}
+    for line in lines[found.first :]:
+        row = cell.split(line, found.delimiter, trim=False)
+        if len(row) == len(contents):
+            for i in blank:
+                texts[i] += filter(None, [row[i]])
+    held = {i: _content(texts[i], found.mark) for i in blank if texts[i]}
+    filled = {i: one for i, one in held.items() if one in {"number", "clock"}}
+    if not filled:
+        return found
+    width = max(len(found.contents), max(filled) + 1)
+    whole = tuple(filled.get(i, one) for i, one in enumerate(contents[:width]))
+    return replace(found, contents=whole)
+
+
+def _by_the_rows_above(lines: Sequence[str], found: Dialect) -> Dialect:
+    """The dialect with a decimal comma, if more rows have it: 0,000 above 1,234 shows which."""
+    other = replace(found, mark=",")
+    if not any(other.row(line) for line in lines[: found.first]):
+        return found
+    other = _from_the_top(lines, other) or found
+    return other if other.first < found.first else found
+
+
+def _delimiters(windows: Sequence[Sequence[str]], given: str | None) -> tuple[str, ...]:
+    """What to try: the one given, else all, and a fixed width for cells that may be blank."""
+    if given == "fixed":
+        return tuple(dict.fromkeys(map(_fixed, windows)))
+    if given is not None:
+        return (given,)
+    if any(map(_has_groups, windows)):
+        return tuple(sign for sign in _DELIMITERS if sign != " ")
+    aligned = [window for window in windows if any(" " in line for line in window)]
+    return tuple(dict.fromkeys((*_DELIMITERS, *(_fixed(_digits(window)) for window in aligned))))
+
+
+def _has_groups(window: Sequence[str]) -> bool:
+    """Whether blanks between the numbers in cells that tabs part group thousands, all of them."""
+    lines = (line for line in window if "\t" in line and len(line.split()) > 1 + line.count("\t"))
+    texts = chain.from_iterable(cell.split(line, "\t") for line in lines)
+    several = [text for text in texts if len(text.split()) > 1]
+    numbers = [text for text in several if all(map(like_number, text.split()))]
+    return bool(numbers) and all(
+        cell.is_number(text, ".") or cell.is_number(text, ",") for text in numbers
+    )
+
+
+def _plainly(window: Sequence[str], signs: Sequence[str], marks: Sequence[Mark]) -> Dialect | None:
+    """The dialect by which every cell of a window is a plain number, None if there is none.
+
+    No other makes more of it: in plain numbers stands no delimiter but their comma.
+    """
+    for sign in signs if window else ():
+        if sign == " " or sign.startswith("fixed:") or not all(sign in line for line in window):
+            continue
+        rows = [cell.split(line, sign, trim=False) for line in window]
+        width = len(rows[0])
+        if any(len(row) != width for row in rows):
+            continue
+        cells = [*chain.from_iterable(rows)]
+        for mark in marks:
+            # under a point 1,234 may be a thousand
+            if cell.are_plain(cells, mark) and (
+                mark == "." or not all(all(cell.numeric(row, ".")) for row in rows)
+            ):
+                held: list[Content] = ["number"] * width
+                return Dialect(sign, mark, tuple(held), cells=width)
+    return None
+
+
+def _most_numbers(sign: str, window: Sequence[str]) -> int:
+    """The numbers of a window if every cell were one; none where the delimiter does not stand."""
+    if sign == " " or sign.startswith("fixed:"):
+        widest = max((len(line.split()) + line.count('"') for line in window), default=0)
+        return len(window) * max(widest, 1 + sign.count(",") + (sign != " "))
+    widest = max((line.count(sign) for line in window), default=0)
+    return len(window) * (1 + widest) if widest else 0
+
+
+def _windows(lines: Sequence[str]) -> Iterator[list[str]]:
+    first = [*islice(filter(_is_looked_at, lines), 3 * _SAMPLE + 1)]
+    if len(first) <= 3 * _SAMPLE:
+        yield _sampled(first)
+        return
+    for part in (0.3, 0.6, 1.0):
+        before = reversed(lines[: int(part * len(lines))])
+        window = [*islice(filter(_is_looked_at, before), _SAMPLE)][::-1]
+        yield _sampled(window if len(window) == _SAMPLE else first[:_SAMPLE])
+
+
+def _is_looked_at(line: str) -> bool:
+    return bool(line.strip()) and (len(line) <= COLUMNS or not is_overlong(line))
+
+
+def _sampled(window: list[str]) -> list[str]:
+    """The lines of a window: of thousands of columns the last few are enough."""
+    size, count = 0, 0
+    while count < len(window) and (count < _STEADY or size < _SAMPLED):
+        count += 1
+        size += len(window[-count])
+    return window[len(window) - count :]
+
+
+def _best_run(
+    lines: Sequence[str], sign: str, mark: Mark, *, above: float
+) -> tuple[float, Dialect | None]:
+    """Score and dialect of the best run of lines of one width, if it scores above `above`."""
+    rows = [cell.split(line, sign, trim=False) for line in lines]
+    best: tuple[float, Dialect | None] = (above, None)
+    for run in _runs(rows, mark):
+        score, found = _scored(run, sign, mark, above=best[0])
+        if found.numbers and score > best[0]:
+            best = score, found
+    return best
+
+
+def _scored(
+    run: Sequence[list[str]], sign: str, mark: Mark, *, above: float
+) -> tuple[float, Dialect]:
+    """How much like a table a run of lines is, exactly if it is more than `above`; its dialect."""
+    cells = Counter(map(len, run)).most_common(1)[0][0]
+    columns = [[*filter(None, column)] for column in list(zip_longest(*run))[:cells]]
+    contents = [_content(column, mark) for column in columns]
+    while contents and contents[-1] == "blank":
+        contents.pop()
+    found = Dialect(sign, mark, tuple(contents), cells=cells)
+    if len(run) * len(found.numbers) <= above:  # even without a word
+        return above, found
+    texts = (columns[i] for i, held in enumerate(contents) if held == "text")
+    words = sum(2.0 if _hides_numbers(column) else 0.5 for column in texts)
+    # a lone number on each of a few lines is a header more often than a table
+    lone = 0.5 if len(found.numbers) == 1 else 0.0
+    return len(run) * (len(found.numbers) - words - lone), found
+
+
+def decimals(text: str, mark: Mark) -> int | None:
+    """Characters behind the decimal mark of a number, None if the cell is none."""
+    if not cell.is_number(text, mark):
+        return None
+    place = max(map(text.rfind, mark))
+    return len(text) - place - 1 if place >= 0 else 0
+
+
+def like_number(text: str) -> bool:
+    """Whether a cell is made of digits and their marks: a number, a time, two glued numbers."""
+    return not text.isalpha() and set(text) <= _DIGITS and any(map(str.isdigit, text))
+
+
+def _hides_numbers(cells: Sequence[str]) -> bool:
+    """Whether most words of a column are numbers that another delimiter would part."""
+    parts = [[part for part in _PARTS.split(text) if part] for text in cells]
+    glued = sum(len(part) > 1 and all(map(like_number, part)) for part in parts)
+    return 2 * glued > len(cells)
+
+
+def _runs(rows: Sequence[list[str]], mark: Mark) -> Iterator[list[list[str]]]:
+    """Runs of neighbouring rows that could belong to one table."""
+    run: list[list[str]] = []
+    mask: list[bool] = []
+    for row in rows:
+        is_number = cell.numeric(row, mark)
+        if not all(is_number):
+            is_number = [
+                now or moment(c) is not None for now, c in zip(is_number, row, strict=True)
+            ]
+        if run and any(is_number) and _alike(mask, is_number, row):
+            run.append(row)
+            mask += is_number[len(mask) :]
+            continue
+        if run:
+            yield run
+        run, mask = ([row], is_number) if any(is_number) else ([], [])
+    if run:
+        yield run
+
+
+def _alike(mask: list[bool], is_number: list[bool], row: list[str]) -> bool:
+    """Whether a row fits under those before it: numbers or blanks where numbers were."""
+    if abs(len(mask) - len(is_number)) > max(1, len(mask) // 2):
+        return False
+    fits = hits = 0
+    for was, now, text in zip(mask, is_number, row, strict=False):
+        fits += was == now or cell.is_missing(text)
+        hits += was and now
+    shared = min(len(mask), len(row))
+    return hits > 0 and fits >= shared - (shared > 2)
+
+
+def _content(cells: Sequence[str], mark: Mark) -> Content:
+    """What the filled cells of a column hold, most of them."""
+    if cell.are_plain(cells, mark):
+        return "number"
+    others = [text for text in cells if not cell.is_number(text, mark)]
+    numbers = len(cells) - len(others)
+    missing = sum(map(cell.is_missing, others))
+    clocks = sum(moment(text) is not None for text in others)
+    if missing == len(cells):
+        return "blank"
+    if clocks > numbers and clocks + missing >= 0.6 * len(cells):
+        return "clock"
+    return "number" if numbers + missing >= 0.6 * len(cells) else "text"
+
+
+def _from_the_top(lines: Sequence[str], dialect: Dialect) -> Dialect | None:
+    """The same dialect with the first line of its first steady run of rows."""
+    needed, first, steady = 3, -1, 0
+    fallback = -1
+    for i, line in enumerate(lines):
+        if not line.strip():
+            continue
+        row = dialect.row(line)
+        if row is None or (not steady and row == [str(i + 1) for i in range(len(row))]):
+            first, steady = -1, 0  # 1;2;3 numbers the columns
+            continue
+        if steady == 0:
+            first = i
+            fallback = i if fallback < 0 else fallback
+        steady += 1
+        if steady == needed:
+            return replace(dialect, first=first)
+    return replace(dialect, first=fallback) if fallback >= 0 else None
+
+
+def _digits(lines: Sequence[str]) -> list[str]:
+    """The lines that hold digits and hardly a word."""
+    return [
+        line
+        for line in lines
+        if "\t" not in line and sum(map(str.isdigit, line)) > 2 * sum(map(str.isalpha, line))
+    ]
+
+
+def _fixed(lines: Sequence[str]) -> str:
+    """Column breaks where every line is blank and the next character is not."""
+    width = max((len(line) for line in lines), default=0)
+    if width > _ALIGNED:
+        return " "
+    blank = [all(i >= len(line) or line[i] == " " for line in lines) for i in range(width)]
+    begin = blank.index(False) if False in blank else width
+    breaks = [i for i in range(begin + 1, width) if blank[i - 1] and not blank[i]]
+    return "fixed:" + ",".join(map(str, breaks)) if breaks else " "

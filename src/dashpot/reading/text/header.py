@@ -1,0 +1,428 @@
+"""Names and units from the lines above a table."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import zip_longest
+
+from dashpot.base import units
+from dashpot.base.provenance import Caution
+from dashpot.reading.columns import vocabulary
+from dashpot.reading.columns.header_names import is_unit_of, part_unit, scaled
+from dashpot.reading.table import Column, Content
+from dashpot.reading.text import cells as cell
+from dashpot.reading.text.dialect import LONGEST, Dialect
+
+_COMMENT = re.compile(r"\A\s*+(?:#++|%++|//++|\$++|!++|\*++|'++|--++|>++|@++)\s*+")
+_CLOSED = re.compile(r"(?<=[\])])")
+_REACH = 6
+_COUNTERS = {"index", "no", "nr", "n", "number", "point", "reading", "row", "nummer", "messpunkt"}
+"""Names of a first column that counts the rows, and has no unit."""
+_SIGNAL = re.compile(r"\ASig(\d{1,3})[\t ,;:=]\s*+(.{1,200})\Z")
+_MARKS = ("\t", ";", ",", "|")
+_TINY = 1e-9
+
+
+def uncomment(line: str, delimiter: str) -> str:
+    """Drop a comment mark from the start of a line."""
+    text = _COMMENT.sub("", line, count=1)
+    if delimiter != ";" and text.lstrip().startswith(";"):
+        text = text.lstrip()[1:]
+    return text
+
+
+@dataclass(frozen=True)
+class Header:
+    """What the lines above a table say: its columns, and how their clock times are written.
+
+    `misfit` says of a row of names that is not as wide as the table; none of it is taken. `uneven`
+    says of a row of units that is not, which of them are.
+    """
+
+    columns: tuple[Column, ...]
+    clocks: tuple[str, ...]
+    misfit: str = ""
+    uneven: str = ""
+
+
+def read_header(lines: Sequence[str], dialect: Dialect) -> Header:
+    """Return the names and units found in the lines above the table."""
+    # a row of numbers alone counts columns or rows, and names none
+    spoken = list(filter(re.compile(r"[^\W\d]|%|\"|°").search, _whole(lines)))
+    rows = [_cells(line, dialect) for line in spoken[-_REACH:]]
+    names, words, odd = _pick(rows, dialect)
+    names = _labelled(lines, dialect, "name") or names
+    words = _labelled(lines, dialect, "unit") or words
+    width = len(dialect.contents)
+    names, words = _one_a_line(lines, width) or _signals(lines, width) or (names, words)
+    misfit = "" if names else _misfit(rows[:-3:-1], dialect)
+    uneven = ""
+    if odd and names and not words:
+        words, uneven = _from_the_left(odd, names, dialect)
+    each = zip_longest(names[:width], words[:width], dialect.contents)
+    padded = [(name or "", word, content) for name, word, content in each]
+    return Header(
+        tuple(_column(name, word, content) for name, word, content in padded),
+        tuple(_clock(name, word) if content == "clock" else "" for name, word, content in padded),
+        misfit,
+        uneven,
+    )
+
+
+def _from_the_left(
+    odd: Sequence[str], names: Sequence[str], dialect: Dialect
+) -> tuple[list[str], str]:
+    """The units of a row that is not as wide as the table, and what to say of it.
+
+    They stand under the names from the left, unless one contradicts its name: then a cell is
+    missing or added further left, nobody knows where, and none is taken.
+    """
+    width = len(dialect.contents)
+    if len(odd) == width - 1 and odd[0] and vocabulary.plain(names[0]) in _COUNTERS:
+        return ["", *odd], ""
+    says = f"the row of units has {len(odd)} cells for {width} columns ('{odd[0]}' ... '{odd[-1]}')"
+    pairs = list(zip(names[:width], map(_strip, odd), strict=False))
+    if any(_denies(part_unit(name)[0], word) for name, word in pairs):
+        return [], f"{says}; none was taken, for under the names from the left they do not fit"
+    taken = f"{says}; they were taken for those of the columns from the left"
+    return list(odd[:width]), Caution(taken)
+
+
+def _denies(name: str, word: str) -> bool:
+    """Whether a unit is one of something else than what a name surely says."""
+    if units.find(word) is None:
+        return False
+    said = [role for role, value in vocabulary.matches(name).items() if value >= 2.0]
+    measured = [
+        of[role]
+        for role in said
+        for of in (vocabulary.DIMENSION, vocabulary.OF_A_PART)
+        if role in of
+    ]
+    return bool(measured) and not any(units.find(word, one) for one in measured)
+
+
+def _clock(name: str, word: str | None) -> str:
+    """How the clock times of a column are written, "" if its unit does not say."""
+    return vocabulary.clock_order(word or part_unit(name)[1] or "")
+
+
+def _misfit(rows: Sequence[list[str]], dialect: Dialect) -> str:
+    """What to say of a row of names that is not as wide as the table; nothing without one."""
+    wrong = next((row for row in rows if _misfits(row, dialect)), [])
+    if not wrong:
+        return ""
+    cells = dialect.cells or len(dialect.contents)
+    says = (
+        f"the header holds {len(wrong)} names for {cells} columns ('{wrong[0][:20]}' ... "
+        f"'{wrong[-1][:20]}'), so that none was taken"
+    )
+    if cells == 2 * len(wrong) and dialect.delimiter == ",":
+        says += (
+            "; two columns for each name look like numbers cut in two at their decimal "
+            "comma: export the file with ';' between the columns, or with decimal points"
+        )
+    return says
+
+
+def _whole(lines: Sequence[str]) -> list[str]:
+    """The lines without the overlong, each quoted cell that runs over line ends in one."""
+    whole: list[str] = []
+    for line in lines:
+        if whole and _is_open(whole[-1]) and len(whole[-1]) + len(line) < LONGEST:
+            whole[-1] += " " + line
+        elif len(line) <= LONGEST:
+            whole.append(line)
+    return whole
+
+
+def _is_open(line: str) -> bool:
+    """Whether a quoted cell begins in a line and does not end in it."""
+    before = line.rpartition('"')[0].rstrip(" ")
+    return line.count('"') % 2 == 1 and (not before or before[-1] in "\t;,|")
+
+
+def _column(name: str, word: str | None, content: Content) -> Column:
+    if content == "clock":  # read as seconds, whatever "hh:mm:ss" stands over it
+        return Column(part_unit(name)[0], "s", content)
+    named, unit = _parted(name, word)
+    return Column(named, scaled(named, unit), content)
+
+
+def _parted(name: str, word: str | None) -> tuple[str, str | None]:
+    """The name and the unit of a column, of which its name and the row of units may hold one."""
+    stem, inner = part_unit(name)
+    if word is None or not word.strip(" -[]()<>{}"):
+        return stem, inner
+    unit = _strip(word)
+    if inner is None or units.same(inner, unit):
+        return name if inner is None else stem, unit
+    shared = set(units.dimensions(inner)) & set(units.dimensions(unit))
+    if units.find(unit) is not None and (shared or is_unit_of(stem, inner)):
+        return stem, _either(inner, unit)
+    return name, unit
+
+
+def _either(first: str, second: str) -> str:
+    """Two units for one column: no unit that anyone knows, so that it is asked for."""
+    return f"{first} or {second}"
+
+
+def _strip(word: str) -> str:
+    """A unit without the brackets around it, or lost at one end; (m/s^2)/N keeps its own."""
+    bare = word.strip().strip("\"'").strip()
+    inner = bare.lstrip("[({<").rstrip("])}>").strip()
+    if inner.count("(") == inner.count(")"):
+        return inner
+    return bare[1:-1].strip() if bare[0] in "[{<" and bare[-1] in "]}>" else bare
+
+
+def _cells(line: str, dialect: Dialect) -> list[str]:
+    """A header line cut into cells: by the table's delimiter, or by one that fits better."""
+    text, width = uncomment(line, dialect.delimiter), len(dialect.contents)
+    if dialect.delimiter in _MARKS and line.partition(dialect.delimiter)[0].strip() == "%":
+        text = line  # the unit of the first column
+    found = cell.split(text, dialect.delimiter)
+    if len(found) == width + 1 and (found[0] in {"", "%"} or found[0].endswith(":")):
+        return found[1:]  # a label stands before the row: "Interval data:"
+    if len(found) == width - 1 and text.rstrip(" \r\n").endswith(dialect.delimiter):
+        found.append("")  # the last has no unit
+    fixed = dialect.delimiter.startswith("fixed")  # headings need not keep to the columns
+    if len(found) > 1 and not fixed and _fits(found, dialect):
+        return found
+    cuts = _other_cuts(text, dialect.delimiter)
+    return next((again for again in cuts if len(again) == width), found)
+
+
+def _other_cuts(text: str, delimiter: str) -> Iterator[list[str]]:
+    """The cells of a header line by what else may part them."""
+    for other in _MARKS:
+        if other in text and other != delimiter:
+            yield cell.split(text, other)
+    closed = (part.strip(" \t,;|") for part in _CLOSED.split(text))
+    yield [part for part in closed if part[-1:] in {"]", ")"} and re.search(r"[\[(]", part)]
+    yield [part.strip() for part in re.split(r"\s{2,}|\t", text.strip())]
+    yield re.findall(r'"([^"]*)"', text)
+    words = [] if any(other in text for other in "\t;,|") else text.split()
+    meant = sum(bool(vocabulary.matches(word)) or units.find(word) is not None for word in words)
+    yield words if 2 * meant >= len(words) else []  # else a sentence
+
+
+_LABELS = {
+    "name": re.compile(
+        r"\A(?:columns?|column[ _]names?|names?|fields?|channels?|variables?)\s*[:=]\s*", re.I
+    ),
+    "unit": re.compile(r"\A(?:column[ _])?units?\s*[:=]\s*", re.I),
+}
+
+
+def _labelled(lines: Sequence[str], dialect: Dialect, what: str) -> list[str]:
+    """The cells of a line such as ``# columns: a b c``, if it has one for each column."""
+    for line in lines:
+        text = uncomment(line, dialect.delimiter)
+        match = _LABELS[what].match(text)
+        if match:
+            found = _cells(text[match.end() :], dialect)
+            if len(found) == len(dialect.contents):
+                return found
+    return []
+
+
+_NUMBERED = re.compile(
+    r"\A(?:(?:col(?:umn)?|field|channel|spalte|kanal)\.?\s*)?(\d{1,4})\s*[:=.)]\s*", re.I
+)
+
+
+def _one_a_line(lines: Sequence[str], width: int) -> tuple[list[str], list[str]] | None:
+    """The names and units of ``# time: s`` or ``# column 1: time [s]``, if so end the lines above.
+
+    There is one comment for each column, and one before them that is none of them.
+    """
+    run: list[tuple[str, str]] = []
+    for line in [line for line in lines if line.strip()][-width - 1 :]:
+        text = _COMMENT.sub("", line, count=1).strip()
+        number = _NUMBERED.match(text)
+        told = _told(text[number.end() :] if number else text) if text != line.strip() else None
+        if not told or (number and int(number[1]) != len(run) + 1):
+            run = []
+        else:
+            run.append(told)
+    return ([name for name, _ in run], [word for _, word in run]) if len(run) == width else None
+
+
+def _signals(lines: Sequence[str], width: int) -> tuple[list[str], list[str]] | None:
+    """The names and units of ``Sig1  Time (min)``, if there is one for each column, in order."""
+    found = list(filter(None, map(_SIGNAL.match, lines)))
+    if [int(one[1]) for one in found] != list(range(1, width + 1)):
+        return None
+    told = [part_unit(one[2].strip()) for one in found]
+    return [name for name, _ in told], [unit or "" for _, unit in told]
+
+
+def _told(text: str) -> tuple[str, str] | None:
+    """The name of a column and its unit, as ``time: s`` or ``time [s]``."""
+    name, sign, word = text.partition(":")
+    if sign and units.find(_strip(word) if word.strip() else "") is not None:
+        return name.strip(), word.strip()
+    stem, unit = part_unit(text)
+    return (stem, unit) if unit and units.find(unit) is not None else None
+
+
+def _pick(rows: Sequence[list[str]], dialect: Dialect) -> tuple[list[str], list[str], list[str]]:
+    """The row of names and the row of units among the last lines above the table.
+
+    Behind them a row of units that is not as wide as the table, if one stands there.
+    """
+    width = len(dialect.contents)
+    words: list[str] = []
+    odd: list[str] = []
+    for i in range(len(rows) - 1, -1, -1):
+        row, above = rows[i], rows[i - 1] if i else []
+        if _is_units(row, dialect):
+            words = _both(row, words) if words else row
+        elif _is_names(row, dialect):
+            beside = not words and len(above) == len(row) and _is_units(above, dialect)
+            words, upper = (above, rows[i - 2] if i > 1 else []) if beside else (words, above)
+            return _under(row, upper, words), words, odd
+        elif not words and not odd and len(row) > 1 and _holds_units(row):
+            odd = row
+        elif any(row) and (words or len(row) >= max(2, width - 1)):
+            break
+    return [], words, odd
+
+
+def _under(row: Sequence[str], above: Sequence[str], words: Sequence[str]) -> list[str]:
+    """The names, and where one is blank the one above it that is a name with its unit.
+
+    So stands a cell that runs over both rows of names of a sheet: its text is in the upper one.
+    """
+    found = list(row)
+    for i, (name, upper) in enumerate(zip(row, above, strict=False)):
+        word = words[i] if i < len(words) else part_unit(upper)[1]
+        known = word is not None and units.find(_strip(word) if word.strip() else "") is not None
+        if not name and known and vocabulary.matches(part_unit(upper)[0]):
+            found[i] = upper
+    return found
+
+
+def _both(above: Sequence[str], below: Sequence[str]) -> list[str]:
+    """Two rows of units as one: where they differ, what both say."""
+    merged = []
+    for i in range(max(len(above), len(below))):
+        upper, lower = (_strip(row[i]) if i < len(row) else "" for row in (above, below))
+        same = not upper or not lower or units.same(upper, lower)
+        merged.append((lower or upper) if same else _either(upper, lower))
+    return merged
+
+
+def _fits(row: Sequence[str], dialect: Dialect) -> bool:
+    """Whether a row has a cell for each column, but for words at the end."""
+    count = len(row)
+    while count and not row[count - 1].strip(" -[]()"):
+        count -= 1
+    least = dialect.numbers[-1] + 1 if dialect.numbers else len(dialect.contents)
+    return count <= max(dialect.cells, len(dialect.contents)) and len(row) >= least
+
+
+def _is_units(row: Sequence[str], dialect: Dialect) -> bool:
+    """Whether a row as wide as the table holds units."""
+    return _fits(row, dialect) and _holds_units(row)
+
+
+def _holds_units(row: Sequence[str]) -> bool:
+    """Whether most filled cells of a row are unit words."""
+    texts = [text for text in row if text.strip(" -[]()")]
+    filled = Counter(vocabulary.unnumbered(_strip(text)) for text in texts)
+    if not filled or not (all(map(_is_bracketed, texts)) or _most_are_units(filled)):
+        return False
+    words = map(vocabulary.plain, filled)
+    named = any(word in vocabulary.FIRST and word not in vocabulary.COUNTED for word in words)
+    return not named and not all(map(_is_name_over_unit, filled))
+
+
+def _most_are_units(words: Counter[str]) -> bool:
+    """Whether most words are units, or built like one: no more are judged than decide it."""
+    left = 0.4 * words.total()
+    for word, count in words.items():
+        left -= count * (not _says_unit(word))
+        if left < -_TINY:
+            return False
+    return True
+
+
+def _says_unit(word: str) -> bool:
+    known = units.find(word) is not None or vocabulary.plain(word) in vocabulary.COUNTED
+    return known or _unit_shape(word)
+
+
+def _is_name_over_unit(word: str) -> bool:
+    """Whether a word is a symbol over its unit, as ``t/ms``, and no quotient of two units."""
+    stem, sign, unit = word.partition("/")
+    return bool(sign) and is_unit_of(stem, unit)
+
+
+def _is_bracketed(text: str) -> bool:
+    bare = text.strip()
+    return len(bare) > 1 and bare[0] in "[(" and bare[-1] in "])"
+
+
+def _unit_shape(word: str) -> bool:
+    """Whether an unknown word is built like a unit: ``1/MPa``, ``Pa.s``, ``g²/Hz``."""
+    if " in " in word:  # "t in s" is a name with its unit: no tonne-inch-seconds
+        return False
+    parts = [part for part in re.split(r"[/*·.^²³()\d\s-]+", word) if part]
+    return bool(parts) and len(parts) > 1 and all(units.find(part) for part in parts)
+
+
+def _is_names(row: Sequence[str], dialect: Dialect) -> bool:
+    """Whether a row as wide as the table holds words."""
+    filled = [text for text in row if text]
+    letters = sum(re.search(r"[^\W\d_]", text) is not None for text in filled)
+    many = letters >= 0.6 * len(filled) and len(filled) >= 0.5 * len(dialect.contents)
+    return bool(filled) and many and _fits(row, dialect)
+
+
+def _misfits(row: Sequence[str], dialect: Dialect) -> bool:
+    """Whether a row would name columns if it were as wide as the table."""
+    named = [text for text in row if vocabulary.matches(part_unit(text)[0])]
+    return len(named) > 1 and not _fits(row, dialect)
+
+
+def changed(
+    lines: Sequence[str], dialect: Dialect, columns: Sequence[Column], indexes: Sequence[int]
+) -> str | None:
+    """Return what a header inside the table says otherwise than the first, None if it is none."""
+    again = read_header(lines, dialect)
+    if again.misfit:
+        return again.misfit
+    if not _says_columns(again.columns):
+        return None  # a sentence, not a row of names
+    pairs = ((columns[i], again.columns[i]) for i in indexes)
+    return next(
+        (
+            f"{_written(new)} where the first says {_written(old)}"
+            for old, new in pairs
+            if _contradicts(old, new)
+        ),
+        "",
+    )
+
+
+def _says_columns(columns: Sequence[Column]) -> bool:
+    """Whether at least half of what stands there is a name or a unit that is known."""
+    known = sum(bool(vocabulary.matches(c.name) or units.find(c.unit or "")) for c in columns)
+    return known > 0 and 2 * known >= sum(bool(c.name or c.unit) for c in columns)
+
+
+def _contradicts(old: Column, new: Column) -> bool:
+    """Whether both have a name, or a unit, and not the same."""
+    named = old.name and new.name and vocabulary.plain(old.name) != vocabulary.plain(new.name)
+    rated = old.unit and new.unit and not units.same(old.unit, new.unit)
+    return bool(named or rated)
+
+
+def _written(column: Column) -> str:
+    return f"'{column.name}" + (f" [{column.unit}]'" if column.unit else "'")

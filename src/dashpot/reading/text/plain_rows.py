@@ -1,0 +1,252 @@
+"""Blocks of plain rows, which NumPy reads: of one width, with nothing but numbers and times wanted.
+
+Columns of even decimals are read by their digits, and where all cells are numbers as JSON writes
+them, msgspec reads them in half the time. Both round as NumPy and Python do, to the nearest double;
+what they are not sure to read alike they never get.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import struct
+import sys
+import warnings
+from collections.abc import Callable, Mapping
+from functools import cache
+from typing import ClassVar
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.reading.text import cells as cell
+from dashpot.reading.text.dialect import Dialect
+from dashpot.reading.text.fixed_decimals import parted
+from dashpot.reading.text.timestamps import ClockColumn
+
+_PAYS = 1 << 19
+"""Characters of tables, of all that a process reads, over which msgspec is worth its import."""
+_NEGATIVE_ZERO = re.compile(rb"-0(?=[\s,])")
+"""JSON has no negative integer zero: msgspec would read 0."""
+
+
+class PlainRows:
+    """Reads whole blocks for one dialect and one choice of columns, or says that it cannot."""
+
+    met: ClassVar[int] = 0
+
+    def __init__(
+        self,
+        dialect: Dialect,
+        indexes: tuple[int, ...],
+        clocks: Mapping[int, ClockColumn] | None = None,
+    ) -> None:
+        self.dialect = dialect
+        self.indexes = indexes
+        self.clocks = clocks or {}
+        sign = dialect.delimiter
+        self.blanks = sign == " "
+        self.swaps_comma = dialect.mark != "."
+        self.possible = (
+            sign.isascii()
+            and not sign.startswith("fixed")
+            and not (self.blanks and self.clocks)
+            and not (self.swaps_comma and sign == ",")
+        )
+        if self.possible and not self.blanks:
+            s = re.escape(sign)
+            # a blank cell becomes nan, whether alone, quoted or padded
+            self.blank = re.compile(rf"(?:(?<={s})|(?<=\n)|\A)[ ]*(?={s}|\n)")
+            self.beside_blank = (" ", sign * 2, f"{sign}\n", f"\n{sign}", "\n\n")
+            # a comma that parts no cells must not come to part them
+            commas = "." if self.swaps_comma else "!"
+            self.as_json = bytes.maketrans(f",{sign}\n".encode(), f"{commas},,".encode())
+            self.groups = _grouped_between(s, dialect.mark)
+        self.even = True
+        """Whether all numbers so far have the decimals of their column's first."""
+        self.commas: set[int] = set()
+        """Places whose thousands commas part."""
+
+    def read(self, text: str) -> FloatArray | None:
+        """Return the numbers of whole lines, None if one of them is not surely a plain row."""
+        unquoted = self._unquoted(text)
+        if unquoted is None or not self.clocks:
+            return None if unquoted is None else self._numbers_even_grouped(unquoted)
+        bare, cells = self._without_clocks(unquoted)
+        found = {place: self.clocks[place].many(texts) for place, texts in cells.items()}
+        if not found or None in found.values():
+            return None
+        values = self._numbers_even_grouped(bare)
+        if values is not None:
+            for place, moments in found.items():
+                values[:, place] = self.clocks[place].add(moments or ())
+        return values
+
+    def _without_clocks(self, text: str) -> tuple[str, dict[int, list[str]]]:
+        """The text with zeros for clock times, and those by place; none where lines differ."""
+        sign = self.dialect.delimiter
+        rows = [line.split(sign) for line in text.split("\n")[:-1]]
+        if len(set(map(len, rows))) != 1:
+            return text, {}
+        columns = {place: self.indexes[place] for place in self.clocks}
+        if len(rows[0]) <= max(columns.values()):
+            return text, {}
+        cells = {place: [row[i].strip() for row in rows] for place, i in columns.items()}
+        for row in rows:
+            for i in columns.values():
+                row[i] = "0"
+        return "\n".join(map(sign.join, rows)) + "\n", cells
+
+    def _numbers_even_grouped(self, unquoted: str) -> FloatArray | None:
+        values = self._numbers(unquoted)
+        if values is not None or self.blanks or self.groups is None:
+            return values
+        found = list(self.groups.finditer(unquoted))
+        values = self._numbers(self.groups.sub(_joined, unquoted)) if found else None
+        if values is not None and self.dialect.mark == ".":
+            codes = _codes(unquoted)
+            ends = np.flatnonzero((codes == ord(self.dialect.delimiter)) | (codes == 10))
+            # a comma in quotes that parts no cells is a blank by now
+            at = [one.end() for one in found if "," in one[2] or " " in one[2]]
+            width = int(np.searchsorted(ends, unquoted.find("\n"))) + 1
+            columns = set((np.searchsorted(ends, at) % width).tolist())
+            self.commas |= {place for place, i in enumerate(self.indexes) if i in columns}
+        return values
+
+    def _numbers(self, unquoted: str) -> FloatArray | None:
+        # beside decimal commas points group the thousands
+        if self.dialect.mark == "," and "." in unquoted:
+            return None
+        raw = _latin(unquoted)
+        found, width = None, len(self.dialect.contents)
+        if self.even or not self.blanks:
+            found = parted(raw, ord(self.dialect.delimiter))
+        if found is not None and (len(found.ends) < width or found.lengths[width:].any()):
+            found = None
+        if found is not None and self.even:
+            # between blanks a line with a word is no row, whatever column is wanted
+            read = range(width) if self.blanks else self.indexes
+            values = found.numbers(read, self.dialect.mark.encode())
+            if values is not None:
+                return values[:, self.indexes] if self.blanks else values
+            self.even = False
+        if self.blanks:
+            return self._parse(unquoted)
+        if found is None:
+            return None
+        values = self._from_json(raw, len(found.ends) - width)
+        if values is None:
+            values = self._parse(unquoted)
+        if values is None and self._has_blanks(unquoted):
+            values = self._with_blanks(unquoted)
+        return values
+
+    def _has_blanks(self, text: str) -> bool:
+        """Whether a cell is blank; first by its neighbours, for the pattern tries every place."""
+        near = any(one in text for one in self.beside_blank)
+        return (near or text[:1] in {self.dialect.delimiter, "\n"}) and bool(
+            self.blank.search(text)
+        )
+
+    def _with_blanks(self, text: str) -> FloatArray | None:
+        """The numbers of lines with blank cells, None if one of the lines is blank, perhaps."""
+        values = self._parse(self.blank.sub("nan", text))
+        blank = values is not None and np.isnan(values).all(axis=1).any()
+        return None if blank else values
+
+    def _unquoted(self, text: str) -> str | None:
+        """The text without quotes, a blank for each delimiter in them; None if a line ends there.
+
+        None, too, where blanks part the cells. Only numbers are read of it: what is no Latin letter
+        may be lost.
+        """
+        if '"' not in text:
+            return text
+        if self.blanks:
+            return None
+        sign = self.dialect.delimiter
+        codes = _codes(text)
+        quotes = np.flatnonzero(codes == ord('"'))
+        signs = np.flatnonzero((codes == ord(sign)) | (codes == 10))
+        if len(quotes) != 2 * len(signs):  # else all are quoted
+            inside = signs[np.searchsorted(quotes, signs) % 2 == 1]
+            if (codes[inside] == 10).any():
+                return None
+            if inside.size:
+                codes = codes.copy()
+                codes[inside] = 32
+                text = codes.tobytes().decode("latin-1")
+        return text.replace('"', "")
+
+    def _from_json(self, raw: bytes, more: int) -> FloatArray | None:
+        """The numbers of lines of one width, None unless each is written as JSON has it."""
+        PlainRows.met += len(raw)
+        if PlainRows.met < _PAYS and "msgspec" not in sys.modules:
+            return None
+        sign = self.dialect.delimiter.encode()
+        if more > 1:
+            raw = raw.replace(sign * more + b"\n", sign + b"\n")
+        text = _NEGATIVE_ZERO.sub(b"-0.0", raw.translate(self.as_json, b"\n" if more else b""))
+        import msgspec  # not before it pays
+
+        try:
+            found = _decode()(b"[%b]" % text[:-1])
+        except (ValueError, msgspec.MsgspecError):
+            return None
+        if not found:  # blank lines
+            return None
+        values = np.frombuffer(struct.pack(f"{len(found)}d", *found))
+        return values.reshape(-1, len(self.dialect.contents))[:, self.indexes]
+
+    def _parse(self, text: str) -> FloatArray | None:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # "no data": a block of blank lines
+            try:
+                values = np.loadtxt(
+                    io.StringIO(text.replace(",", ".") if self.swaps_comma else text),
+                    delimiter=None if self.blanks else self.dialect.delimiter,
+                    comments=None,
+                    ndmin=2,
+                    usecols=None if self.blanks else self.indexes,
+                )
+            except (ValueError, IndexError, OverflowError):
+                return None
+        if len(values) != line_count(text):  # blank lines: the line numbers would be wrong
+            return None
+        if self.blanks:
+            if values.shape[1] != len(self.dialect.contents):
+                return None
+            values = values[:, list(self.indexes)]
+        return values
+
+
+def _grouped_between(sign: str, mark: cell.Mark) -> re.Pattern[str] | None:
+    """Finds cells with grouped thousands; none where both marks are decimal."""
+    if mark not in cell.GROUPS:
+        return None
+    digits, rest = r"[ ]*+[+-]?[1-9]\d{0,2}", rf"(?:{re.escape(mark)}\d*+)?[ ]*+"
+    return re.compile(rf"((?:(?<=[{sign}\n])|\A){digits})({cell.GROUPS[mark]})(?={rest}[{sign}\n])")
+
+
+def _joined(found: re.Match[str]) -> str:
+    return found[1] + "".join(filter(str.isdigit, found[2]))
+
+
+@cache
+def _decode() -> Callable[[bytes], list[float]]:
+    import msgspec  # what a single file of usual size need not wait for
+
+    return msgspec.json.Decoder(list[float]).decode
+
+
+def line_count(text: str) -> int:
+    """Return how many lines end in a text."""
+    return int(np.count_nonzero(_codes(text) == 10))
+
+
+def _codes(text: str) -> np.ndarray:
+    return np.frombuffer(_latin(text), dtype=np.uint8)
+
+
+def _latin(text: str) -> bytes:
+    return text.encode("latin-1", "replace")

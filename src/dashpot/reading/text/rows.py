@@ -1,0 +1,436 @@
+"""The numbers of a text table, block by block: fast where rows are plain, patient where not."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import ReadError
+from dashpot.base.provenance import Caution
+from dashpot.reading.table import Column, Loaded, Question
+from dashpot.reading.text import cells as cell
+from dashpot.reading.text import decimal_marks
+from dashpot.reading.text.dialect import LONGEST, Dialect, like_number
+from dashpot.reading.text.header import changed
+from dashpot.reading.text.plain_rows import PlainRows, line_count
+from dashpot.reading.text.timestamps import ClockColumn
+from dashpot.reading.time_budget import Patience
+
+_PATIENT = 64
+_MENTIONED = 50
+_HEADING = 2000
+_WIDE, _NARROW = 16, 1 << 15
+"""Lines of a heading that are kept whole, and characters of the others."""
+_TAIL = 4096
+_DATED = 4
+"""Digits that a date has and a label has not."""
+
+
+@dataclass(frozen=True)
+class Heading:
+    """What stands over the first segment: the columns, how their clock times are written."""
+
+    columns: tuple[Column, ...] = ()
+    clocks: tuple[str, ...] = ()
+    title: str = ""
+
+
+@dataclass
+class _Gathered:
+    """What has been read so far."""
+
+    parts: list[FloatArray] = field(default_factory=list)
+    rows: int = 0
+    starts: list[int] = field(default_factory=lambda: [0])
+    segments: list[str] = field(default_factory=lambda: [""])
+    lines: list[tuple[int, int]] = field(default_factory=list)
+    words: dict[str, list[int]] = field(default_factory=dict)
+    between: list[tuple[int, str]] = field(default_factory=list)
+    remarks: list[tuple[int, str]] = field(default_factory=list)
+    doubts: list[tuple[int | None, Question]] = field(default_factory=list)
+    above: list[tuple[str, ...]] = field(default_factory=lambda: [()])
+
+    def note(self, word: str, line: int) -> None:
+        """Count a word in the place of a number; a few are enough to tell."""
+        if word not in self.words and len(self.words) >= _MENTIONED:
+            return
+        places = self.words.setdefault(word, [0])
+        places[0] += 1
+        if len(places) <= 3:
+            places.append(line)
+
+    def add(self, values: FloatArray, line: int) -> None:
+        """Add rows that stand on one line after the other, from this line on."""
+        known = self.lines[-1] if self.lines else (0, line)
+        if not self.lines or known[1] + self.rows - known[0] != line:
+            self.lines.append((self.rows, line))
+        self.parts.append(values)
+        self.rows += len(values)
+
+    def part(self, odd: str | None) -> None:
+        """End a segment where lines stand between the rows, unless they are but one remark.
+
+        `odd` is what is wrong with a header there, None if there is none.
+        """
+        texts = [text for _, text in self.between]
+        if odd or not _remark(texts):
+            self.starts.append(self.rows)
+            self.segments.append(title(texts))
+            self.above.append(tuple(texts))
+        if odd is None:
+            self.remarks.append(self.between[-1])
+        self.between.clear()
+
+    def notes(self) -> list[str]:
+        """What was passed over, and where."""
+        notes = []
+        for token, (count, *places) in self.words.items():
+            at = ", ".join(f"line {line}" for line in places)
+            many = f" and {count - len(places)} more" if count > len(places) else ""
+            says = f"'{token}' stands for a missing number at {at}{many}"
+            misread = any(map(str.isdigit, token)) and not cell.is_missing(token)
+            notes.append(Caution(says) if misread else says)
+        if self.remarks:
+            number, words = self.remarks[0]
+            more = f" ({len(self.remarks)} such lines)" if len(self.remarks) > 1 else ""
+            notes.append(f"line {number} is a remark between rows{more}: '{words.strip()[:60]}'")
+        if self.between and self.rows:
+            number, words = self.between[0]
+            notes.append(
+                f"what follows the table is no row and was passed over ({len(self.between)} "
+                f"lines) from line {number}: '{words.strip()[:40]}'"
+            )
+        return notes
+
+
+def _remark(lines: Sequence[str]) -> bool:
+    """Whether lines between two rows are but one comment: no new segment."""
+    comment = len(lines) == 1 and re.match(r"\A\s*+[#%$!]", lines[0]) is not None
+    return comment and not title(lines)
+
+
+def load_rows(
+    blocks: Callable[[], Iterator[str]],
+    dialect: Dialect,
+    indexes: Sequence[int],
+    heading: Heading | None = None,
+    *,
+    sure: bool = True,
+    patience: Patience | None = None,
+) -> Loaded:
+    """Return the columns `indexes` of the table, from blocks of whole lines.
+
+    Unless the decimal mark is `sure`, what can be read two ways is left as a doubt. Reading may
+    cost what `patience` is left.
+
+    Raises
+    ------
+    ReadError
+        If a line between the rows holds numbers as they do, but more or fewer; or if it takes too
+        long.
+    """
+    patience = patience or Patience(None)
+    with patience.counted():
+        return _loaded(blocks, dialect, indexes, heading or Heading(), patience, sure=sure)
+
+
+def _loaded(
+    blocks: Callable[[], Iterator[str]],
+    dialect: Dialect,
+    indexes: Sequence[int],
+    heading: Heading,
+    patience: Patience,
+    *,
+    sure: bool,
+) -> Loaded:
+    got = _Gathered(segments=[heading.title])
+    reader = _Reader(dialect, tuple(indexes), heading, got, patience)
+    first = tail = ""
+    line = dialect.first + 1
+    for text in _below(blocks(), dialect.first):
+        line += reader.read(text, line)
+        first = first or text.partition("\n")[0]
+        tail = (tail + text[-_TAIL:])[-_TAIL:]
+    values = _assembled(got, len(indexes))
+    notes = [*got.notes(), *reader.finish(values)]
+    last = tail.rstrip().split("\n")[1:]
+    if not got.between:
+        notes += _labels(first, "".join(last[-1:]), dialect, heading)
+    complete = got.between or got.rows - got.starts[-1] < 2
+    if not complete and dialect.is_cut_off(last):
+        values = values[:-1]
+        notes.append("the last row is cut off within its last number and was left out")
+    if not sure:
+        points = decimal_marks.open_columns(values)
+        below = _patient(_below(blocks(), dialect.first), patience, dialect.first + 1)
+        commas = reader.grouped | reader.plain.commas
+        asked = decimal_marks.ambiguous(below, dialect, indexes, commas, points)
+        got.doubts += [(None, question) for question in asked]
+    starts, names = tuple(got.starts), tuple(got.segments)
+    return Loaded(
+        values, starts, names, tuple(got.lines), tuple(notes), tuple(got.doubts), tuple(got.above)
+    )
+
+
+def _labels(first: str, last: str, dialect: Dialect, heading: Heading) -> list[str]:
+    """Note columns of labels that end otherwise than they begin: other runs, or no row at all."""
+    notes: list[str] = []
+    top, bottom = dialect.row(first), dialect.row(last)
+    if top is None or bottom is None:
+        return notes
+    for i, (held, begin, end) in enumerate(zip(dialect.contents, top, bottom, strict=True)):
+        digits = max(sum(map(str.isdigit, text)) for text in (begin, end))
+        if held == "text" and "" not in {begin, end} and begin != end and digits < _DATED:
+            name = heading.columns[i].label(i + 1) if heading.columns else str(i + 1)
+            notes.append(f"column '{name}' begins with '{begin[:20]}' and ends with '{end[:20]}'")
+    return notes[:2]
+
+
+def _assembled(got: _Gathered, width: int) -> FloatArray:
+    """The parts as one array, each column in one piece; a part is let go once it is copied."""
+    values = np.empty((got.rows, width), order="F")
+    row = got.rows
+    while got.parts:
+        part = got.parts.pop()
+        values[row - len(part) : row] = part
+        row -= len(part)
+    return values
+
+
+def _below(blocks: Iterator[str], first: int) -> Iterator[str]:
+    """The text below the first lines, block by block."""
+    for block in blocks:
+        cut = _after_lines(block, first)
+        first -= block.count("\n", 0, cut)
+        text = block[cut:]
+        if text:
+            yield text
+
+
+def _patient(blocks: Iterator[str], patience: Patience, line: int) -> Iterator[str]:
+    for text in blocks:
+        patience.asked(line)
+        yield text
+        line += line_count(text)
+
+
+def _after_lines(text: str, count: int) -> int:
+    position = 0
+    for _ in range(count):
+        position = text.find("\n", position) + 1
+        if position == 0:
+            return len(text)
+    return position
+
+
+_TITLE = re.compile(
+    r"\A\W{0,80}(?:segment|step|schritt|stage|test|run|block|record|interval)"
+    r"(?:\s{0,9}(?:name|no|nr))?\W{0,80}?[:=\t]\s*+(.+)",
+    re.IGNORECASE,
+)
+
+
+def title(lines: Sequence[str]) -> str:
+    """A segment's name from the lines above it: ``# segment: pause`` is "pause"."""
+    named = [match[1] for line in lines if (match := _TITLE.match(line))]
+    return named[-1].strip(' \t",;')[:60] if named else ""
+
+
+class _Reader:
+    """Reads blocks of lines for one dialect and one choice of columns into what is gathered."""
+
+    def __init__(
+        self,
+        dialect: Dialect,
+        indexes: tuple[int, ...],
+        heading: Heading,
+        got: _Gathered,
+        patience: Patience,
+    ) -> None:
+        self.patience = patience
+        self.dialect = dialect
+        self.indexes = indexes
+        self.heading = heading
+        self.got = got
+        self.clocks = {
+            place: ClockColumn(heading.clocks[i] if heading.clocks else "")
+            for place, i in enumerate(indexes)
+            if dialect.contents[i] == "clock"
+        }
+        self.plain = PlainRows(dialect, indexes, self.clocks)
+        self.grouped: set[int] = set()
+        self.like = ""
+        self.changed = ""
+        self.headers: dict[tuple[str, ...], str | None] = {}
+        self.odd: dict[str, bool] = {}
+        self.no_rows: set[str] = set()
+
+    def read(self, text: str, line: int) -> int:
+        """Read whole lines and return how many they are.
+
+        A block that is not plain is halved until the odd lines are alone.
+        """
+        values = self.plain.read(text) if self.plain.possible else None
+        if values is not None:
+            self._add(values, line)
+            return len(values)
+        self.patience.asked(line)
+        count = line_count(text)
+        if self.plain.possible and count > _PATIENT:
+            cut = _after_lines(text, count // 2)
+            self.read(text[:cut], line)
+            self.read(text[cut:], line + count // 2)
+            return count
+        run: list[list[float]] = []
+        lines = text.split("\n")[:-1]
+        self._find_like(lines)
+        for number, text_line in enumerate(lines, start=line):
+            if number % _PATIENT == 0:
+                self.patience.asked(number)
+            row = self._row(text_line, begun=bool(run)) if text_line not in self.no_rows else None
+            if row is not None:
+                run.append(self._numbers(row, number))
+                continue
+            if run:
+                self._add(np.array(run), number - len(run))
+                run = []
+            self._between(text_line, number)
+        if run:
+            self._add(np.array(run), line + len(lines) - len(run))
+        return count
+
+    def finish(self, values: FloatArray) -> list[str]:
+        """Judge the end of the file and the clocks; return notes."""
+        between = self.got.between
+        if self.got.rows and between and self._odd(between[0]):
+            number, text = between[0]
+            found = cell.split(text, self.dialect.delimiter)
+            cut_off = len(between) == 1 and len(found) < len(self.dialect.contents)
+            if not found[0][:1].isalpha() and not cut_off:  # else a summary, or a cut-off row
+                self._refuse(number, text)
+        notes = []
+        for place, clock in self.clocks.items():
+            nights, asked = clock.settled(values[:, place])
+            self.got.doubts += [(None, question) for question in asked]
+            notes += [f"the clock passes midnight at row {row + 1}" for row in nights[:3]]
+        return notes
+
+    def _add(self, values: FloatArray, line: int) -> None:
+        """Add rows, once what stands before them is judged."""
+        got = self.got
+        if got.rows and got.between:
+            alone = len(got.between) == 1
+            for one in (got.between[0], got.between[-1]):
+                if self._odd(one) or (alone and like_number(one[1].strip())):
+                    self._refuse(*one)
+            found = self._changed()
+            self.changed = self.changed if found is None else found  # it holds until the next
+            before = len(got.starts)
+            got.part(found)
+            if self.changed and len(got.starts) > before:
+                advice = f"read what stands before it with --part segment={before}"
+                says = f"{self.changed}; split the file there, or {advice}"
+                got.doubts.append((before, Question(says, "--part segment=N")))
+        got.between.clear()
+        got.add(values, line)
+
+    def _changed(self) -> str | None:
+        """What a second header says otherwise than the first; None if there is no header."""
+        if not self.heading.columns:
+            return ""
+        texts = tuple(text for _, text in self.got.between)
+        if texts not in self.headers and len(self.headers) < _MENTIONED:
+            self.headers[texts] = self._odd_header(texts)
+        odd = self.headers[texts] if texts in self.headers else self._odd_header(texts)
+        number = self.got.between[-1][0]
+        return odd and f"line {number} ends a second header, {odd}"
+
+    def _odd_header(self, texts: Sequence[str]) -> str | None:
+        return changed(texts, self.dialect, self.heading.columns, self.indexes)
+
+    def _find_like(self, lines: Sequence[str]) -> None:
+        """A row that lacks nothing, from which the places of blank cells can be told."""
+        if self.dialect.delimiter == " ":
+            full = (line for line in lines if len(line.split()) == self.dialect.cells)
+            self.like = next(full, self.like)
+
+    def _row(self, line: str, *, begun: bool) -> list[str] | None:
+        """The cells of a line, None if it is no row; `begun` if the line before was one."""
+        row = self.dialect.row(line, self.like)
+        if row is None and len(self.no_rows) < _MENTIONED and self.dialect.delimiter != " ":
+            self.no_rows.add(line)  # a header may stand above every few rows
+        below = self.got.rows and self.got.between and not begun
+        if row is None or (below and not self._full(row)):  # "Maximum;8.0;1.9" below the table
+            return None
+        return row
+
+    def _numbers(self, row: Sequence[str], number: int) -> list[float]:
+        """The numbers wanted of a row."""
+        values = []
+        for place, i in enumerate(self.indexes):
+            clock = self.clocks.get(place)
+            value = clock.seconds(row[i]) if clock else self.dialect.value(row[i], i)
+            values.append(np.nan if value is None else value)
+            if value is None and row[i]:
+                self.got.note(row[i][:20], number)
+            if self.dialect.mark == "." and "," in row[i] and value is not None and not clock:
+                self.grouped.add(place)
+        return values
+
+    def _between(self, line: str, number: int) -> None:
+        """Keep a line that is no row: a heading of the next segment, or what ends the file."""
+        between = self.got.between
+        if re.search(r"\w", line):
+            if len(between) >= _HEADING:
+                between.pop()
+            between.append((number, line[: LONGEST if len(between) < _WIDE else _NARROW]))
+
+    def _full(self, row: Sequence[str]) -> bool:
+        """Whether no word stands where a number is expected."""
+        return all(
+            cell.is_missing(row[i]) or self.dialect.value(row[i], i) is not None
+            for i in self.dialect.numbers
+        )
+
+    def _odd(self, one: tuple[int, str]) -> bool:
+        """Whether a line beside rows holds numbers as they do, and is none."""
+        text = one[1]
+        if text not in self.odd:
+            comment = re.match(r"\A\s*+[#%$!]", text) is not None
+            odd = not comment and self.dialect.resembles_row(text)
+            if len(self.odd) >= _MENTIONED:
+                return odd
+            self.odd[text] = odd
+        return self.odd[text]
+
+    def _refuse(self, number: int, line: str) -> None:
+        found = cell.split(line, self.dialect.delimiter)
+        width = self.dialect.cells or len(self.dialect.contents)
+        shown = f"'{line.strip()[:60]}'"
+        if len(found) in {width, len(self.dialect.contents)}:
+            odd = self._odd_cell(found)
+            raise ReadError(
+                f"line {number} has the {len(found)} cells of the table, but {odd}: {shown}; "
+                "correct that line or take it out, or split the file there"
+            )
+        raise ReadError(
+            f"line {number} has {len(found)} cell{'s' * (len(found) != 1)} where the table has "
+            f"{width}: {shown}; which one is missing, added or not parted cannot be known: "
+            "correct that line or take it out, or split the file there"
+        )
+
+    def _odd_cell(self, found: Sequence[str]) -> str:
+        """What is odd of a line that has the cells of a row and is none."""
+        contents = self.dialect.contents
+        for i in self.dialect.numbers:
+            text = found[i] if i < len(found) else ""
+            if not cell.is_missing(text) and self.dialect.value(text, i) is None:
+                held = "a time" if contents[i] == "clock" else "a number"
+                return f"'{text[:20]}' in column {i + 1}, where {held} is expected"
+        if contents[0] == "blank" and found and found[0]:
+            return f"'{found[0][:20]}' in column 1, which is blank in every row"
+        return "too few of them are numbers"

@@ -1,0 +1,161 @@
+"""Tables of a TOML file: quantities with their units, and no key that nobody knows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from dashpot.base.errors import DataError, ReadError
+from dashpot.base.parsing import parsed_toml
+from dashpot.base.units import Dimension, parse_quantity
+from dashpot.reading.raw_file import Raw, open_raw
+
+Vector: TypeAlias = tuple[float, float, float]
+
+_LARGEST = 1 << 24
+"""Bytes: nobody writes more by hand."""
+
+
+def tables_of(path: str | Path) -> tuple[Raw, dict[str, Any]]:
+    """Return a TOML file and its tables.
+
+    Raises
+    ------
+    ReadError
+        If it cannot be read, or is not TOML in UTF-8.
+    """
+    raw = open_raw(path)
+    try:
+        return raw, parsed_toml(raw.head(_LARGEST))
+    except ReadError as error:
+        raise ReadError(f"{path}: {error}") from None
+
+
+@dataclass(frozen=True)
+class Section:
+    """One table of a file.
+
+    Attributes
+    ----------
+    where : str
+        How to speak of it: ``"door.toml, [seal]"``.
+    entries : mapping
+    known : tuple of str
+        The keys that may stand there; any other is refused.
+    """
+
+    where: str
+    entries: Mapping[str, Any]
+    known: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.entries, Mapping):
+            raise ReadError(
+                f"{self.where} is {self.entries!r}; expected a table of keys, such as "
+                f"{self.known[0]} = ..."
+            )
+        for name in self.entries:
+            if name not in self.known:
+                listed = ", ".join(self.known)
+                raise ReadError(f"{self.where}: '{name}' is unknown; known are {listed}")
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.entries
+
+    def needs(self, *names: str) -> None:
+        """Raise a :class:`ReadError` for the first of the keys that is missing."""
+        for name in names:
+            if name not in self.entries:
+                raise ReadError(f"{self.where}: {name} is missing")
+
+    def one_of(self, *names: str) -> str:
+        """Return the one of these keys that stands there, "" if none does."""
+        found = [name for name in names if name in self.entries]
+        if len(found) > 1:
+            raise ReadError(f"{self.where}: {' and '.join(found)} say the same; keep one")
+        return found[0] if found else ""
+
+    def quantity(self, name: str, dimension: Dimension) -> float | None:
+        """Return a quantity in SI units, such as ``"25kg"``; None if it is not there."""
+        value = self.entries.get(name)
+        return None if value is None else self._quantity(name, value, dimension)
+
+    def quantities(self, name: str, dimension: Dimension) -> tuple[float, ...] | None:
+        """Return quantities: ``["5mm", "6mm"]``, or ``"5, 6, 7 mm"`` with one unit for all."""
+        value = self.entries.get(name)
+        if value is None:
+            return None
+        if isinstance(value, str):
+            *first, last = value.split(",")
+            unit = last.lstrip("+-0123456789.eE ")
+            value = [one if one.lstrip("+-0123456789.eE ") else one + unit for one in first]
+            value.append(last)
+        if not isinstance(value, list):
+            value = [value]
+        return tuple(self._quantity(name, one, dimension) for one in value)
+
+    def vector(self, name: str, dimension: Dimension) -> Vector | None:
+        """Return three quantities, along x, y and z: ``"0, 300, 0 mm"``."""
+        found = self.quantities(name, dimension)
+        if found is None:
+            return None
+        if len(found) != 3:
+            raise ReadError(
+                f"{self.where}: {name} has {len(found)} numbers; expected three, of x, y and z"
+            )
+        return found[0], found[1], found[2]
+
+    def direction(self, name: str) -> Vector | None:
+        """Return three plain numbers: ``[0, 0, 1]``."""
+        value = self.entries.get(name)
+        if value is None:
+            return None
+        plain = isinstance(value, list) and len(value) == 3
+        if not plain or not all(_is_number(one) for one in value) or not any(value):
+            raise ReadError(
+                f"{self.where}: {name} = {value!r}; expected a direction, three numbers such as "
+                "[0, 0, 1]"
+            )
+        return float(value[0]), float(value[1]), float(value[2])
+
+    def number(self, name: str) -> float | None:
+        """Return a plain number."""
+        value = self.entries.get(name)
+        if value is not None and not _is_number(value):
+            raise ReadError(f"{self.where}: {name} = {value!r}; expected a number")
+        return None if value is None else float(value)
+
+    def word(self, name: str) -> str | None:
+        """Return a text."""
+        value = self.entries.get(name)
+        if value is not None and not (isinstance(value, str) and value):
+            raise ReadError(f"{self.where}: {name} = {value!r}; expected a text")
+        return value
+
+    def words(self, name: str) -> tuple[str, ...] | None:
+        """Return texts."""
+        value = self.entries.get(name)
+        if value is not None and not (
+            isinstance(value, list) and all(isinstance(one, str) for one in value)
+        ):
+            raise ReadError(f"{self.where}: {name} = {value!r}; expected a list of texts")
+        return None if value is None else tuple(value)
+
+    def flag(self, name: str) -> bool:
+        """Return true or false; false if it is not there."""
+        value = self.entries.get(name, False)
+        if not isinstance(value, bool):
+            raise ReadError(f"{self.where}: {name} = {value!r}; expected true or false")
+        return value
+
+    def _quantity(self, name: str, value: object, dimension: Dimension) -> float:
+        try:
+            return parse_quantity(str(value), dimension)
+        except DataError as error:
+            raise ReadError(f"{self.where}: {name} = {error}") from None
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e15

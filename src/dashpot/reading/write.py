@@ -1,0 +1,252 @@
+"""Records to files that every reader here takes back: text, as for any spreadsheet, and UFF."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.atomic import write_whole
+from dashpot.base.errors import DataError
+from dashpot.base.escaping import neutral, remark
+from dashpot.base.provenance import Source
+from dashpot.base.units import in_unit, written
+from dashpot.base.version import byline
+from dashpot.datamodel.frf import FRF, Kind
+from dashpot.datamodel.impact import ImpactTest
+from dashpot.datamodel.relaxation import RelaxationTest
+from dashpot.datamodel.shift_factors import TemperatureShifts
+from dashpot.datamodel.specimen import Specimen
+from dashpot.datamodel.trajectory import Trajectory
+from dashpot.extensions.curves.datamodel.creep import CreepTest
+from dashpot.extensions.formats.uff import COHERENCE, FRF_
+from dashpot.reading.raw_file import extra
+
+_NUMERATOR = {
+    Kind.RECEPTANCE: (8, "m"),
+    Kind.MOBILITY: (11, "m/s"),
+    Kind.ACCELERANCE: (12, "m/s^2"),
+}
+_ID = 80
+
+
+def write_relaxation(
+    test: RelaxationTest | CreepTest,
+    path: str | Path | None = None,
+    *,
+    comments: Sequence[str] = (),
+) -> str:
+    """Return a relaxation or a creep test of a part as text, and write it to `path` if given.
+
+    The columns are ``time [s], displacement [mm], force [N]``. Every number has
+    all its digits. Each comment stands on a line of its own, after ``#``, and so does the
+    temperature of the specimen, if it is known.
+    """
+    head = ["time [s]", "displacement [mm]", "force [N]"]
+    columns = [test.time, in_unit(test.displacement, "mm"), test.force]
+    source = () if test.source is None else (test.source,)
+    above = [*_stamped(source, comments), *_stated(test.specimen)]
+    return _written(_text(above, head, columns), path)
+
+
+def write_gauges(
+    test: RelaxationTest,
+    volts: FloatArray,
+    path: str | Path | None = None,
+    *,
+    comments: Sequence[str] = (),
+) -> str:
+    """Return a test with gauge voltages in the place of its force, and write it to `path`.
+
+    The columns are ``time [s], displacement [mm], G0 [V], ..., G5 [V]``, from which
+    `ReadOptions(calibration=)` makes the force.
+    """
+    head = ["time [s]", "displacement [mm]", *(f"G{i} [V]" for i in range(len(volts)))]
+    columns = [test.time, in_unit(test.displacement, "mm"), *volts]
+    return _written(_text([*comments, *_stated(test.specimen)], head, columns), path)
+
+
+def write_trajectory(
+    motion: Trajectory, path: str | Path | None = None, *, comments: Sequence[str] = ()
+) -> str:
+    """Return a motion as text that `read_trajectory` takes back, and write it to `path` if given.
+
+    The columns are ``time [s], displacement [mm]`` and, where it is known in space,
+    ``x [mm], y [mm], z [mm]``, to the picometre.
+    """
+    head, columns = ["time [s]", "displacement [mm]"], [motion.displacement]
+    if motion.position is not None:
+        head += ["x [mm]", "y [mm]", "z [mm]"]
+        columns += list(motion.position.T)
+    moved = [np.round(in_unit(column, "mm"), 9) + 0.0 for column in columns]  # no zero is negative
+    return _written(_text(comments, head, [motion.time, *moved]), path)
+
+
+def temperature_line(kelvin: float) -> str:
+    """What the header of a file says of the temperature of its test, K.
+
+    >>> temperature_line(273.15)
+    'temperature: 0 degC'
+    """
+    return f"temperature: {round(in_unit(kelvin, 'degC'), 9):.12g} degC"
+
+
+def write_shifts(
+    shifts: TemperatureShifts, path: str | Path | None = None, *, comments: Sequence[str] = ()
+) -> str:
+    """Return shift factors as text that `read_shifts` takes back, and write it to `path` if given.
+
+    The columns are ``temperature [degC], log10_a_t [1], se [1], b_t [1]``; `se` is of log10_a_t.
+    """
+    each = shifts.shifts
+    head = ["temperature [degC]", "log10_a_t [1]", "se [1]", "b_t [1]"]
+    columns = [
+        np.array([round(in_unit(one.temperature, "degC"), 9) for one in each]),
+        np.array([one.log10_a_t for one in each]),
+        np.array([one.se for one in each]),
+        np.array([one.b_t for one in each]),
+    ]
+    reference = f"reference {written(shifts.reference, 'degC', '.9g')}"
+    above = [byline("shift factors"), *comments, f"{reference}, law {shifts.law.kind}"]
+    return _written(_text(above, head, columns), path)
+
+
+def write_impact(
+    test: ImpactTest, path: str | Path | None = None, *, comments: Sequence[str] = ()
+) -> str:
+    """Return an impact test as text, and write it to `path` if one is given.
+
+    The columns are ``time [s], hammer [N], acceleration 1 [m/s^2], ...``, or the channels' own
+    names where they have them. The records follow one another; a line with the names stands
+    again before each further one.
+    """
+    head = ["time [s]", "hammer [N]", *(f"{_named(name)} [m/s^2]" for name in test.channels)]
+    parts = []
+    for number, record in enumerate(test.records()):
+        above = [f"record: {number + 1}"] if number else _stamped(test.source, comments)
+        columns = [test.time[record], test.force[record], *test.acceleration[:, record]]
+        parts.append(_text(above, head, columns))
+    return _written("".join(parts), path)
+
+
+def write_frf(frf: FRF, path: str | Path | None = None, *, comments: Sequence[str] = ()) -> str:
+    """Return an FRF as text that `read_frf` takes back whole, and write it to `path`.
+
+    Comment lines hold the kind, the window's shift, the record length and the number of
+    averages; the columns are frequency, real and imaginary part, magnitude, phase, and the
+    coherence and standard deviation where the FRF has them.
+    """
+    above = [
+        byline("frequency response function"),
+        *_stamped(frf.source, comments),
+        f"kind: {frf.quantity.value}",
+        f"shift [1/s]: {float(frf.shift)!r}",
+        *([f"shift sd [1/s]: {float(frf.shift_sd)!r}"] if frf.shift_sd else []),
+        *([] if frf.record is None else [f"record [s]: {float(frf.record)!r}"]),
+        f"averages: {frf.averages}",
+    ]
+    unit = frf.unit
+    named: list[tuple[str, FloatArray]] = [
+        ("frequency [Hz]", frf.frequency),
+        (f"real [{unit}]", frf.value.real),
+        (f"imaginary [{unit}]", frf.value.imag),
+        (f"magnitude [{unit}]", np.abs(frf.value)),
+        ("phase [deg]", np.degrees(np.angle(frf.value))),
+    ]
+    if frf.coherence is not None:
+        named.append(("coherence [1]", frf.coherence))
+    if frf.sd is not None:
+        named.append((f"sd [{unit}]", frf.sd))
+    text = _text(above, [name for name, _ in named], [values for _, values in named])
+    return _written(text, path)
+
+
+def frf_uff(frf: FRF, *, title: str = "dashpot FRF") -> bytes:
+    """Return an FRF as UFF: 151 (header), 164 (SI units), 58 (function type 4).
+
+    A dynamic stiffness is written as its inverse, the receptance; the coherence follows as a
+    second dataset 58 (function type 6). The window's shift, the record and the number of averages
+    stand in the identification lines.
+    """
+    if frf.quantity.over_base:
+        raise DataError(
+            "UFF 58 is written of a motion and a force; write a transmissibility as text"
+        )
+    pyuff = extra("pyuff", "pyuff", "UFF files")
+    motion = frf.to(Kind.RECEPTANCE) if frf.quantity is Kind.DYNAMIC_STIFFNESS else frf
+    stamp = "simulated" if any(source.simulated for source in frf.source) else "NONE"
+    number, unit = _NUMERATOR[motion.quantity]
+    identification = {
+        "id1": title[:_ID],
+        "id2": stamp,
+        "id3": f"shift: {float(motion.shift)!r}"[:_ID],
+        "id4": "NONE" if motion.record is None else f"record: {float(motion.record)!r}"[:_ID],
+        "id5": f"averages: {motion.averages}",
+    }
+    steps = np.diff(motion.frequency)
+    even = bool(len(steps)) and bool(np.allclose(steps, steps[0], rtol=1e-9))
+    common = {
+        "type": 58, "binary": 0, **identification, "rsp_node": 1, "rsp_dir": 3, "ref_node": 1,
+        "ref_dir": 3, "x": motion.frequency, "num_pts": len(motion.frequency),
+        "abscissa_spacing": int(even), "abscissa_min": float(motion.frequency[0]),
+        "abscissa_inc": float(steps[0]) if even else 0.0,
+        "orddenom_spec_data_type": 0, "orddenom_axis_lab": "NONE",
+        "orddenom_axis_units_lab": "NONE", "ordinate_spec_data_type": 0,
+        "z_axis_spec_data_type": 0, "z_axis_axis_lab": "NONE", "z_axis_axis_units_lab": "NONE",
+        "abscissa_spec_data_type": 18, "abscissa_axis_lab": "Frequency",
+        "abscissa_axis_units_lab": "Hz",
+    }  # fmt: skip
+    sets = [
+        pyuff.prepare_151(model_name="dashpot", description=byline(title)[:_ID], db_app="dashpot",
+                          program="dashpot"),
+        pyuff.prepare_164(units_code=1, units_description="SI: m, N, K", temp_mode=1, length=1.0,
+                          force=1.0, temp=1.0, temp_offset=0.0),
+        {**common, "func_type": FRF_, "ord_data_type": 6, "data": motion.value,
+         "ordinate_spec_data_type": number, "ordinate_axis_lab": motion.quantity.value,
+         "ordinate_axis_units_lab": unit, "orddenom_spec_data_type": 13,
+         "orddenom_axis_lab": "force", "orddenom_axis_units_lab": "N"},
+    ]  # fmt: skip
+    if motion.coherence is not None:
+        sets.append(
+            {**common, "func_type": COHERENCE, "ord_data_type": 4, "data": motion.coherence,
+             "ordinate_axis_lab": "coherence", "ordinate_axis_units_lab": "NONE"}
+        )  # fmt: skip
+    with TemporaryDirectory() as folder:  # pyuff writes to a path only
+        path = Path(folder, "frf.uff")
+        pyuff.UFF(str(path)).write_sets(sets, mode="overwrite")
+        return path.read_bytes()
+
+
+def _named(name: str) -> str:
+    """A channel's name as a header cell: no delimiter, no bracket, no formula."""
+    return neutral(name.translate(str.maketrans(',;\t"[]()', "        "))) or "acceleration"
+
+
+def _stamped(sources: Iterable[Source], comments: Sequence[str]) -> list[str]:
+    """The comments, under the stamp of what was simulated unless one carries it already."""
+    stamp = "simulated" if any(source.simulated for source in sources) else ""
+    said = any(stamp in comment.casefold() for comment in comments)
+    return [*([] if said or not stamp else [stamp]), *comments]
+
+
+def _stated(specimen: Specimen) -> list[str]:
+    """The line of the temperature of a test, if it is known."""
+    return [] if specimen.temperature is None else [temperature_line(specimen.temperature)]
+
+
+def _text(above: Sequence[str], head: Sequence[str], columns: Sequence[FloatArray]) -> str:
+    lines = [f"# {remark(line)}" for line in above]
+    lines.append(",".join(head))
+    # repr is the shortest text that reads back as the same number
+    cells = [map(repr, np.asarray(column, dtype=float).tolist()) for column in columns]
+    lines.extend(map(",".join, zip(*cells, strict=True)))
+    return "\n".join(lines) + "\n"
+
+
+def _written(text: str, path: str | Path | None) -> str:
+    if path is not None:
+        write_whole(path, text.encode())
+    return text

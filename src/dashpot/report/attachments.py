@@ -1,0 +1,172 @@
+"""Files that a page holds: documents, tables, and decks with the command that writes the same."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+from typing import Any, NamedTuple, TypeAlias
+
+from dashpot.base.errors import DashpotError, ExportError
+from dashpot.base.number_format import where
+from dashpot.base.units import in_unit
+from dashpot.datamodel.fit import Fit
+from dashpot.export import SUFFIXES, DeckText, deck_for, reads
+from dashpot.extensions.amplitude.level_results import LevelFit
+from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
+from dashpot.report.page_frame import held
+from dashpot.workflow.json_archive import from_json
+
+Exported: TypeAlias = Fit | LevelFit | HyperelasticFit
+"""What ``dashpot export`` writes a deck of."""
+
+_SYSTEM = "mm-t-s"
+_SOLVERS = {"nastran": "Nastran", "abaqus": "Abaqus"}
+"""Of the decks that a page holds, and how a link calls them."""
+_UNSTATED = {"temperature": "temperature", "length": "contact length"}
+"""What a deck should say of its specimen, and does without, marked."""
+
+
+class Attachment(NamedTuple):
+    """A file inside the page.
+
+    Attributes
+    ----------
+    name : str
+        What it is saved as.
+    label : str
+        What its link says.
+    about : str
+        What is in it.
+    link : str
+        Its bytes as a data URI: no server, a link that holds its file.
+    """
+
+    name: str
+    label: str
+    about: str
+    link: str
+
+
+def attachment(name: str, label: str, about: str, kind: str, text: str) -> Attachment:
+    """A text as a file inside the page."""
+    return Attachment(name, label, about, held(kind, text))
+
+
+class AttachedDeck(NamedTuple):
+    """A deck as the page holds it, and the words that make the same of the result's document.
+
+    Attributes
+    ----------
+    target : str
+    text : DeckText
+    options : tuple of str
+        Of ``dashpot export FILE``.
+    """
+
+    target: str
+    text: DeckText
+    options: tuple[str, ...]
+
+
+def exported(document: str) -> Exported | None:
+    """What ``dashpot export`` reads from a result's document; None where it reads nothing."""
+    try:
+        found = from_json(document)
+    except DashpotError:
+        return None
+    return found if isinstance(found, Exported) else None
+
+
+def decks(found: Exported, compression: float | None = None) -> tuple[AttachedDeck, ...]:
+    """Decks of one seal, or cards of a material, over the band of its tests and no further.
+
+    What is not known of the specimen is allowed by name, so each deck marks it in its header. None
+    is made of what may not be used, of what is not identified, or where a number is missing.
+
+    Parameters
+    ----------
+    found : Fit, LevelFit or HyperelasticFit
+    compression : float, optional
+        About which the deck is of small vibration, m.
+    """
+    if found.verdict.use == "do not use":
+        return ()
+    said: dict[str, Any] = {}
+    options = ["--unit-system", _SYSTEM]
+    if compression is not None:
+        depth = f"{round(in_unit(compression, 'mm'), 4)}mm"
+        said["compression"] = depth
+        options += ["--compression", depth]
+    if isinstance(found, Fit) and found.unit == "Pa":
+        said["form"] = "prony"
+        options += ["--form", "prony"]
+    of_band: dict[str, Any] = {}
+    if not said.get("form") and not isinstance(found, HyperelasticFit):
+        of_band["frequency_range"] = _inside(found.band)
+    unknown = tuple(_missing(found))
+    options += [word for name in unknown for word in ("--allow", name)]
+    made = []
+    for target in _SOLVERS:
+        band = of_band if reads(target, "frequency_range") else {}
+        try:
+            text = deck_for(target, found, units=_SYSTEM, allow=unknown, **said, **band)
+        except ExportError:
+            continue
+        ends = [word for low, high in band.values() for word in ("--band", f"{low!r}:{high!r}Hz")]
+        made.append(AttachedDeck(target, text, ("--to", target, *options, *ends)))
+    return tuple(made)
+
+
+def about(found: Exported, made: Sequence[AttachedDeck]) -> str:
+    """Where the decks hold, and what they miss; why there is none."""
+    if found.verdict.use == "do not use":
+        return ""
+    if not made:
+        volume = isinstance(found, HyperelasticFit) and found.law.bulk_modulus is None
+        why = (
+            "the change of volume was not tested. Give a bulk modulus when you export it"
+            if volume
+            else "the tests do not determine every parameter"
+        )
+        return f"No deck is here, because {why}."
+    unknown = " and ".join(words for name, words in _UNSTATED.items() if name in made[0].options)
+    asked = f" Before you use one, state {unknown}." if unknown else ""
+    if isinstance(found, HyperelasticFit):
+        return asked.strip()
+    return f"Decks are valid {where(found.band)}.{asked}"
+
+
+def attached(made: Sequence[AttachedDeck], document: str) -> list[Attachment]:
+    """Decks as files inside the page, each with its command of the result's document."""
+    files = []
+    for i, (target, text, options) in enumerate(made):
+        command = shlex.join(("dashpot", "export", document, *options))
+        files.append(
+            attachment(
+                f"solid.{SUFFIXES[target]}",
+                "Deck: " * (i == 0) + _SOLVERS[target],
+                f"deck, {_SYSTEM}; the same as {command}",
+                "text/plain",
+                text,
+            )
+        )
+    return files
+
+
+def _missing(found: Exported) -> list[str]:
+    """What of the specimen a deck says, and nobody stated."""
+    if isinstance(found, HyperelasticFit):
+        return [] if found.temperature is not None else ["temperature"]
+    material = isinstance(found, Fit) and found.unit == "Pa"
+    wanted = ["temperature"] if material else list(_UNSTATED)
+    return [name for name in wanted if getattr(found.specimen, name) is None]
+
+
+def _inside(band: tuple[float, float]) -> tuple[float, float]:
+    """The band to four digits, no wider than it is."""
+    low, high = (
+        float(Decimal(end).normalize(Context(prec=4, rounding=way)))
+        for end, way in zip(band, (ROUND_CEILING, ROUND_FLOOR), strict=True)
+    )
+    return low, high

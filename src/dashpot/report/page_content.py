@@ -1,0 +1,199 @@
+"""What the page of a result holds: facts, verdict with lights, a figure, a table, checks, folds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby
+from typing import Any, NamedTuple
+
+from dashpot.base.checks import Check
+from dashpot.base.checks import tally as how_many
+from dashpot.base.number_format import rounded
+from dashpot.base.provenance import Source
+from dashpot.base.reported_values import UNKNOWN, Fact
+from dashpot.base.result_mixins import Judged
+from dashpot.base.units import written
+from dashpot.datamodel.specimen import Specimen
+from dashpot.plot.picture import Picture
+from dashpot.registry import page_of
+from dashpot.report.first_screen import NOT_GIVEN, Light, Row, tally
+from dashpot.report.tables import TextTable
+
+
+class Topic(NamedTuple):
+    """A part of what was asked: the checks behind its light, and what that says.
+
+    `says` stands where nothing of weight failed, `fails` where something did; by default how many
+    passed.
+    """
+
+    name: str
+    checks: Collection[str] = ()
+    says: str = ""
+    fails: str = ""
+
+
+class Group(NamedTuple):
+    """Rows of the table under one heading."""
+
+    title: str
+    rows: tuple[Row, ...]
+
+
+class Fold(NamedTuple):
+    """Something that is opened: a table, a picture, or both."""
+
+    title: str
+    line: str
+    table: TextTable | None = None
+    picture: Picture | None = None
+
+
+@dataclass(frozen=True)
+class KindPage:
+    """What the page of one result holds beside what every page does.
+
+    Attributes
+    ----------
+    about : str
+        What was tested, beside the files' names.
+    strip : tuple of (str, str)
+        The line of facts.
+    lights : tuple of Light
+        None is worse than the verdict; together they are as bad.
+    answers : str
+        What the figure shows.
+    picture : Picture
+    told : str
+        What the table is of.
+    groups : tuple of Group
+    note : str
+        What "from" and "to" are, and what an empty cell means.
+    sources : tuple of Source
+    folds : tuple of Fold
+    name : str
+        Of the document, without its ending; by default as its schema is called.
+    """
+
+    about: str
+    strip: tuple[tuple[str, str], ...]
+    lights: tuple[Light, ...]
+    answers: str
+    picture: Picture
+    told: str
+    groups: tuple[Group, ...]
+    sources: tuple[Source, ...]
+    note: str = "From and to are the 95 % interval; an empty cell was not computed."
+    folds: tuple[Fold, ...] = ()
+    name: str = ""
+
+
+def lights(checks: Iterable[Check], first: Topic, *others: Topic) -> tuple[Light, ...]:
+    """One light for each part of what was asked, as bad as the worst of its checks.
+
+    What no part names stands behind the first, which is left out beside others where nothing of
+    it was judged.
+    """
+    every = tuple(dict.fromkeys(checks))
+    elsewhere = {name for one in others for name in one.checks}
+    own = [one for one in every if one.name not in elsewhere]
+    behind = [own, *([one for one in every if one.name in part.checks] for part in others)]
+    lit = tuple(map(_light, (first, *others), behind))
+    return lit[1:] if others and all(one.passed is None for one in own) else lit
+
+
+def _light(part: Topic, behind: Sequence[Check]) -> Light:
+    mark, count = tally(behind, behind)
+    said = part.says if mark in {"good", "note"} else part.fails
+    return Light(part.name, mark, said or how_many(behind).rstrip(".") or count)
+
+
+def row(fact: Fact, name: str = "") -> Row:
+    """A number as the table has it: value, from, to, unit."""
+    known = fact.bounded and fact.error != 0
+    cells = fact.cells
+    value, low, high = fact.ends if known else (cells.value, "", "")
+    low = UNKNOWN if not fact.bounded and cells.error == UNKNOWN else low
+    if math.isnan(fact.value):
+        value = "" if fact.bound_alone else value
+    return Row(name or fact.symbol, value, low, high, fact.word, "", bound=False)
+
+
+def group(title: str, facts: Iterable[Fact]) -> Group:
+    """Facts under one heading."""
+    return Group(title, tuple(map(row, facts)))
+
+
+def by_place(facts: Iterable[Fact]) -> Iterable[Group]:
+    """Facts of the whole, then those of each record, whose names begin with it."""
+    for place, each in groupby(facts, lambda one: one.symbol.rpartition(": ")[0]):
+        yield Group(place, tuple(row(one, one.symbol.rpartition(": ")[2]) for one in each))
+
+
+def who(specimen: Specimen | None) -> tuple[tuple[str, str], ...]:
+    """What is said of the specimen: the first four facts of the line."""
+    one = specimen or Specimen()
+    length = "" if one.length is None else f"{written(one.length, 'mm', '.4g')} long"
+    told = (
+        ("Specimen", ", ".join(filter(None, (one.name, length)))),
+        ("Lot", one.lot),
+        ("Operator", one.operator),
+        ("Temperature", "" if one.temperature is None else written(one.temperature, "°C", ".1f")),
+    )
+    return tuple((name, said or NOT_GIVEN) for name, said in told)
+
+
+def sources_behind(found: Any) -> tuple[Source, ...]:
+    """The files behind a result, wherever its noun keeps them."""
+    given = getattr(found, "sources", None)
+    given = getattr(found, "source", None) if given is None else given
+    if given is None:
+        return ()
+    return (given,) if isinstance(given, Source) else tuple(dict.fromkeys(given))
+
+
+def tried(orders: Sequence[tuple[str, float]]) -> Fold:
+    """Every law that was tried, best first."""
+    least = min(score for _, score in orders)
+    rows = tuple(
+        (name, rounded(score - least)) for name, score in sorted(orders, key=lambda o: o[1])
+    )
+    return Fold(
+        "Laws tried", "BIC above the least", TextTable(("law", "BIC above the least"), rows)
+    )
+
+
+def kind_page(found: Any) -> KindPage:
+    """Return what the page of a result holds; of one without a page of its own, its facts.
+
+    Raises
+    ------
+    TypeError
+        If it is no result that was judged, or tells no number.
+    """
+    own = page_of(found)
+    if own is not None:
+        page: KindPage = own(found)
+        return page if page.name else replace(page, name=_called(found.schema))
+    facts = found.facts if isinstance(found, Judged) else ()
+    if not facts:
+        raise TypeError(f"a {type(found).__name__} has no page")
+    picture = found.plot()
+    return KindPage(
+        about=picture.name.replace("-", " "),
+        strip=who(getattr(found, "specimen", None)),
+        lights=lights(found.checks, Topic("Checks")),
+        answers="Measured and fitted",
+        picture=picture,
+        told="What was found",
+        groups=tuple(by_place(facts)),
+        sources=sources_behind(found),
+        name=picture.name,
+    )
+
+
+def _called(schema: str) -> str:
+    """A schema without its house and its number."""
+    return schema.partition("/")[2].partition("@")[0]

@@ -1,0 +1,155 @@
+"""The pages of what a mass does on its seals: measured, predicted, and both compared."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from dashpot.base.number_format import counted, hertz, rounded, seals, shown
+from dashpot.base.reported_values import Fact
+from dashpot.base.units import in_unit
+from dashpot.extensions.modes.mass_series_files import ModesByMass
+from dashpot.report.first_screen import NBSP, Row
+from dashpot.report.page_content import Fold, Group, KindPage, Topic, lights, row, who
+from dashpot.report.tables import TextTable
+from dashpot.workflow.response.frf_prediction import Prediction
+from dashpot.workflow.vibration.impact_tests import Agreement
+from dashpot.workflow.vibration.modes import Modes
+
+_PEAK = frozenset({"prediction_informed", "seal_mass_negligible", "mass_of_a_block"})
+_RESONANCE = frozenset({
+    "resonance", "record_long_enough", "lines_in_half_power_band", "amplitude_linear",
+})  # fmt: skip
+
+
+def mode_rows(mode: Any) -> Iterator[Row]:
+    """The numbers of one mode."""
+    frequency, ratio, _ = mode.facts
+    yield row(frequency, "Natural frequency")
+    yield row(ratio, "Damping ratio")
+
+
+def modes_page(found: Modes) -> KindPage:
+    """What the page of hits or FRFs holds."""
+    frf, first = found.frf, next(iter(found), None)
+    used = f"{frf.averages} of {len(frf.hits)} used" if frf.hits else counted(1, "FRF")
+    top = f"to {rounded(float(frf.frequency[-1]), digits=3)}{NBSP}Hz"
+    asked = (
+        Topic("Hits" if frf.hits else "FRF", says=used),
+        Topic("Resonance", _RESONANCE,
+             "" if first is None else f"{rounded(first.frequency, digits=4)}{NBSP}Hz"),
+        Topic("Band", {"coherence", "hammer_excites", "mass_line", "scatter_known"}, top),
+    )  # fmt: skip
+    hits = tuple(
+        (one.name, f"{one.time:.3f}", rounded(one.peak, digits=3),
+         rounded(in_unit(one.duration, "ms"), digits=3),
+         "accepted" if one.accepted else f"rejected: {'; '.join(one.reasons)}")
+        for one in frf.hits
+    )  # fmt: skip
+    marks = tuple("" if one.accepted else "bad" for one in frf.hits)
+    head = ("hit", "time, s", "peak, N", "pulse, ms", "verdict")
+    fold = Fold("Every hit", used, TextTable(head, hits, marks))
+    return KindPage(
+        about="hammer test" if frf.hits else "measured FRF",
+        strip=(("Hits", used), ("Averages", str(frf.averages)),
+               ("Lines", str(len(frf.frequency))),
+               ("Resolution", f"{frf.frequency[1] - frf.frequency[0]:.3g} Hz"),
+               ("Quantity", frf.quantity.value.replace("_", " "))),
+        lights=lights(found.checks, *asked),
+        answers="Measured response",
+        picture=found.plot(),
+        told=counted(len(found), "mode").capitalize(),
+        groups=tuple(Group(f"Mode {i}", tuple(mode_rows(one)))
+                     for i, one in enumerate(list(found)[:4], start=1)),
+        sources=tuple(dict.fromkeys(frf.source)),
+        folds=(fold,) if hits else (),
+        name="modes",
+    )  # fmt: skip
+
+
+def prediction_page(found: Prediction) -> KindPage:
+    """What the page of a prediction holds."""
+    hz, height = found.peak
+    weight = (
+        f"{shown(found.mass, 'g', digits=4)} on {counted(int(found.seals), 'seal')}"
+        if found.seals == int(found.seals)
+        else shown(found.mass, "g", digits=4)
+    )
+    peak: list[Row] = []
+    bounds = found.limits
+    for name, value, ends, unit in (
+        ("Largest at" if found.at_edge else "Peak frequency", hz,
+         None if bounds is None else bounds.peak_frequency, "Hz"),
+        ("Height", height, None if bounds is None else bounds.peak_height, ""),
+    ):  # fmt: skip
+        low, high = ends or (math.nan, math.nan)
+        told = row(Fact(name, value, low, high, unit))
+        peak.append(told._replace(unit=told.unit or found.frf.read, bound=ends is not None))
+    return KindPage(
+        about=f"prediction of {weight}",
+        strip=(*who(found.fit.specimen), ("Mass", weight),
+               ("Valid band", hertz(found.fit.band)), ("Fit", found.fit.identity[:8])),
+        lights=lights(found.checks, Topic("Test"),
+                      Topic("Peak", _PEAK, f"{rounded(hz, digits=4)}{NBSP}Hz"),
+                      Topic("Rest", {"compression_tested"}, "within the depth tested")),
+        answers="Predicted response",
+        picture=found.plot(),
+        told=f"{weight[:1].upper()}{weight[1:]}",
+        groups=(Group("Peak", tuple(peak)),
+                *(Group(f"At {one.level:.4g} {one.unit}", tuple(row(fact) for fact in one.facts))
+                  for one in found.preloaded),
+                *(Group(f"Mode {i}", tuple(mode_rows(one)))
+                  for i, one in enumerate(found.modes[:3], start=1))),
+        note=("Hatched: what the relaxation test does not exclude." if bounds is not None else
+              "No bound is known without the record behind the fit.")
+        if found.limits is not None or found.interval is None else KindPage.note,
+        sources=tuple(dict.fromkeys(found.fit.source)),
+        name="prediction",
+    )  # fmt: skip
+
+
+def agreement_page(found: Agreement) -> KindPage:
+    """What the page of a prediction against a hammer holds."""
+    c = found.comparison
+    rows = tuple(Row(name, predicted, "", "", "", measured, bound=False)
+                 for name, predicted, measured, _ in c.rows)  # fmt: skip
+    differ = tuple((name, predicted, measured, off) for name, predicted, measured, off in c.rows)
+    weight = f"{shown(found.mass, 'g', digits=4)} on {seals(found.seals)}"
+    return KindPage(
+        about=f"prediction against the hammer, {weight}",
+        strip=(("Mass", weight), ("Lines", str(len(c.measured.frequency))),
+               ("Mass was", "found from the FRF" if found.mass_inferred else "given")),
+        lights=lights(found.checks, Topic("FRF"),
+                      Topic("Stiffness", {"stiffness_agrees"}, "agrees"),
+                      Topic("Damping", {"peak_agrees", "damping_agrees"}, "agrees")),
+        answers="Measured against predicted",
+        picture=found.plot(),
+        told="Predicted",
+        groups=(Group("", tuple(one._replace(unit=one.measured, measured="") for one in rows)),),
+        note="The last column is what the hammer measured.",
+        sources=tuple(dict.fromkeys(c.measured.source)),
+        folds=(Fold("How far apart", c.lines,
+                    TextTable(("", "predicted", "measured", "difference"), differ)),),
+        name="comparison",
+    )  # fmt: skip
+
+
+def masses_page(found: ModesByMass) -> KindPage:
+    """What the page of one solid under several masses holds."""
+    of = found.together
+    facts = tuple(
+        Group(shown(mass, "g", digits=4), tuple(mode_rows(mode)))
+        for mass, mode in zip(of.masses, of.modes, strict=True)
+    )
+    return KindPage(
+        about=f"one solid under {counted(len(of.masses), 'mass').replace('masss', 'masses')}",
+        strip=(("Masses", ", ".join(shown(one, "g", digits=4) for one in of.masses)),),
+        lights=lights(found.checks, Topic("FRFs"), Topic("One solid", {"one_solid"})),
+        answers="The response under each mass",
+        picture=found.plot(),
+        told="Resonance under each mass",
+        groups=facts,
+        sources=tuple(dict.fromkeys(s for one in found.tests for s in one.frf.source)),
+        name="masses",
+    )

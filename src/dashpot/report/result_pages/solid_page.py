@@ -1,0 +1,264 @@
+"""The page of a solid: stiffness and loss over frequency, its arms one by one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from dashpot import plot
+from dashpot.base.number_format import counted, duration, hertz, rounded
+from dashpot.base.reported_values import NORMAL, Fact
+from dashpot.base.units import in_unit, read_in, written
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
+from dashpot.plot.picture import Span
+from dashpot.report.figures import LEAD
+from dashpot.report.first_screen import NBSP, Row
+from dashpot.report.page_content import Fold, Group, KindPage, Topic, group, lights, row, who
+from dashpot.report.result_pages.frf_pages import mode_rows
+from dashpot.report.tables import TextTable
+from dashpot.workflow.vibration.impact_tests import Identified
+
+_LINES, _BEYOND, _BOUNDED = 41, 4.0, 3
+"""Lines of a bound, how far beyond the band it is drawn, and of how many tests at most."""
+
+_FEW_ARMS = 6
+"""Of more the single arms stand in a fold: they mean little, and the screen is full."""
+
+OF_REST = frozenset({
+    "k_inf_known", "k_inf_positive", "k_inf_believable", "plateau_told", "end_level",
+    "strain_small", "hold_long_enough", "tangent_told", "stiffness_of_one_seal", "flow_told",
+    "creep_finished",
+})  # fmt: skip
+OF_LOSS = frozenset({
+    "fast_arm_visible", "frequencies_informed", "loss_positive", "kramers_kronig", "arms_distinct",
+    "arms_supported", "tau_inside_window", "arms_where_force_relaxes", "arms_identified",
+    "dashpot_not_missed", "few_arms_suffice",
+})  # fmt: skip
+_SHIFTS = frozenset({
+    "shifts_determined", "shift_monotone", "law_follows_shifts", "temperatures_in_line",
+    "glass_below_tests", "shifts_told_apart",
+})  # fmt: skip
+_CURVE = frozenset({
+    "overlap", "thermorheologically_simple", "vertical_shift_known", "vertical_rule_holds",
+})  # fmt: skip
+
+
+def page(found: Fit) -> KindPage:
+    """What the page of a fitted solid holds."""
+    return _solid(found, found)
+
+
+def identified_page(found: Identified) -> KindPage:
+    """And of one that was fitted to both tests."""
+    page = _solid(found, found.fit)
+    both = "relaxation" in found.fit.method or len(page.sources) > 1
+    modes = Group(
+        "Measured", tuple(r for one in found.vibration.modes for r in mode_rows(one.mode))
+    ) if found.vibration else None  # fmt: skip
+    return replace(
+        page,
+        about="one solid of both tests" if both else "the solid under a hammer",
+        groups=(*page.groups, *((modes,) if modes else ())),
+        sources=tuple(dict.fromkeys((*page.sources, *found.direct.of.source)))
+        if hasattr(found.direct.of, "source") else page.sources,
+        name="joint" if both else "fit",
+    )  # fmt: skip
+
+
+def _solid(found: Fit | Identified, fit: Fit) -> KindPage:
+    """A page of a solid: stiffness and loss over frequency, its arms one by one."""
+    material, moved = fit.unit == "Pa", fit.temperatures
+    name = "The material" if material else "One seal"
+    high = rounded(fit.band[1], digits=2)
+    at_end = fit.end_of_hold
+    known = at_end.fact(fit.model, fit.unit) if at_end else next(iter(fit.facts), None)
+    stiff = "" if known is None else f"{known.cells.value} {known.word}"
+    if moved is None:
+        asked = [Topic("Stiffness", OF_REST, stiff),
+                 Topic("Damping", OF_LOSS, f"known to {high}{NBSP}Hz")]  # fmt: skip
+    else:
+        asked = [Topic("Superposition", _CURVE, "one curve"),
+                 Topic("Shifts", _SHIFTS, _law_of(fit)),
+                 Topic("Arms", OF_LOSS | OF_REST, counted(fit.model.arms, "arm"))]  # fmt: skip
+    strip = [*who(fit.specimen), *_pressed(fit), ("Valid band", hertz(fit.band)),
+             ("Fit", fit.identity[:8])]  # fmt: skip
+    return KindPage(
+        about="master curve" if moved is not None and material else _tested(fit),
+        strip=tuple(strip),
+        lights=lights(found.checks, Topic("Test"), *asked),
+        answers=f"What {name.lower()} does at each frequency",
+        picture=over_frequency(fit),
+        told=f"{name}, {_called(fit)}",
+        groups=tuple(of_solid(fit)),
+        note="From and to are the 95 % interval; at the end of the test and at rest they are the "
+        "bound that it leaves." if at_end else KindPage.note,
+        sources=tuple(dict.fromkeys(fit.source)),
+        folds=tuple(_moreof_solid(fit)),
+        name="fit",
+    )  # fmt: skip
+
+
+def over_frequency(fit: Fit, records: Sequence[Any] = ()) -> plot.Picture:
+    """Storage and loss factor over frequency, one above the other, and what is known of them.
+
+    Parameters
+    ----------
+    fit : Fit
+    records : sequence
+        Behind it: of ramps and holds the bound over unresolved arms is drawn too.
+    """
+    low, high = fit.band
+    lines = np.geomspace(max(low, 1e-9) / _BEYOND, high * (_BEYOND * 10), _LINES)
+    held = [one for one in records if isinstance(one, RampHold)]
+    unseen = None
+    if held and len(held) == len(records) <= _BOUNDED:
+        unseen = unseen_arm_band(fit, held, lines)
+    known = parameter_band(fit, lines) if fit.parameters else None
+    drawn = plot.stiffness(fit, parameters=known, unseen=unseen)
+    (storage,), _, (loss,) = drawn.strips
+    low_end = (float(lines[0]), float(lines[-1]))
+    stacked = tuple(
+        replace(panel, x=replace(panel.x, limits=low_end), height=height,
+                marks=(Span(low, high, "fit", "valid band", tint=0.06), *panel.marks))
+        for panel, height in ((storage, 150.0), (loss, 170.0))
+    )  # fmt: skip
+    return replace(drawn, strips=(stacked,), columns=1, width=LEAD)
+
+
+def _law_of(fit: Fit) -> str:
+    law = "" if fit.temperatures is None else fit.temperatures.law.kind
+    return {"wlf": "WLF holds", "arrhenius": "Arrhenius holds"}.get(law, "each its own")
+
+
+def _tested(fit: Fit) -> str:
+    made = {"dynamic": "dynamic sweep", "creep": "creep test"}.get(fit.method, "relaxation test")
+    several = len(fit.source)
+    return made if several < 2 else f"{several} files, {made}s"
+
+
+def _called(fit: Fit) -> str:
+    return "fractional solid" if fit.family == "fractional" else counted(fit.model.arms, "arm")
+
+
+def _pressed(fit: Fit) -> Iterator[tuple[str, str]]:
+    """Facts of a fit beside its specimen: the hold, the temperatures."""
+    if fit.end_of_hold is not None and not fit.end_of_hold.in_frequency:
+        yield "Held", duration(fit.end_of_hold.time)
+    if fit.temperatures is not None:
+        every = [one.temperature for one in fit.temperatures.shifts]
+        ends = " to ".join(
+            rounded(in_unit(one, "°C"), digits=3) for one in (min(every), max(every))
+        )
+        yield "Reference", written(fit.temperatures.reference, "°C", ".4g")
+        yield "Temperatures", f"{len(every)}, {ends} °C"
+
+
+def of_solid(fit: Fit) -> Iterator[Group]:
+    """Stiffness at the end and at rest, stiffness and loss within the band, arms, shifts."""
+    known = {one.name: one for one in fit.known}
+    first: list[Row] = []
+    if fit.end_of_hold is not None:
+        fact = fit.end_of_hold.fact(fit.model, fit.unit)
+        seconds = duration(fit.end_of_hold.time).replace(".0 ", NBSP)
+        first.append(row(fact, f"After {seconds}") if fit.residual.unit == "N" else row(fact))
+        known.pop(fact.name, None)
+    if "k_inf" in known:
+        rest = known.pop("k_inf")
+        first.append(row(rest, "Below the band" if rest.words else "At rest, k∞"))
+    yield Group("Stiffness" if fit.unit != "Pa" else "Modulus", tuple(first))
+    yield Group("Inside the valid band", tuple(_in_band(fit)))
+    others = [one for name, one in known.items() if not name.startswith("b_")]
+    if fit.model.arms <= _FEW_ARMS or fit.family == "fractional":
+        yield group("Arms: k, τ", others) if others else Group("", ())
+    elif not fit.parameters:
+        yield group("Spectrum", others)
+    if fit.temperatures is not None:
+        yield from _of_temperatures(fit)
+
+
+def _in_band(fit: Fit) -> Iterator[Row]:
+    """Storage and loss factor at the middle of the band, with what the parameters leave open."""
+    low, high = fit.band
+    if not (0 < low < high):
+        return
+    at = float(f"{math.sqrt(low * high):.1g}")
+    band = parameter_band(fit, [at]) if fit.parameters else None
+    letter = "E" if fit.unit == "Pa" else "K"
+    for words, name, unit in (
+        (f"{letter}′", "storage", fit.unit),
+        ("Loss factor", "loss_factor", ""),
+    ):
+        value = float(getattr(fit.solid, name)(frequency=at))
+        least, most = (math.nan,) * 2 if band is None else getattr(band, name)[:, 0].tolist()
+        yield row(Fact(f"{words} at {at:g}{NBSP}Hz", value, least, most, unit))
+
+
+def _of_temperatures(fit: Fit) -> Iterator[Group]:
+    moved = fit.temperatures
+    assert moved is not None  # noqa: S101
+    # an error of the noise alone is no interval, and says so
+    alone = "" if fit.estimate.of_noise is None else f" ({fit.error_beside})"
+    if moved.constants:
+        law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(moved.law.kind, "law")
+        yield Group(
+            f"{law} about {written(moved.reference, '°C', '.4g')}{alone}",
+            tuple(_by_error(one, alone=bool(alone)) for one in moved.constants),
+        )
+    every = moved.shifts
+    ends = every if len(every) <= _FEW_ARMS // 2 else (every[0], every[len(every) // 2], every[-1])
+    yield Group(
+        f"Shift, log₁₀ a_T{alone}",
+        tuple(
+            _by_error(one.facts[0], f"At {written(one.temperature, '°C', '.4g')}",
+                      alone=bool(alone))
+            for one in ends
+        ),
+    )  # fmt: skip
+
+
+def _by_error(fact: Fact, name: str = "", *, alone: bool) -> Row:
+    """A number with its standard error: as its 95 % interval, or beside it where that is more."""
+    error = fact.error or 0.0
+    if alone or not 0 < error < math.inf:
+        return row(fact, name)._replace(value=fact.cells.with_error)
+    half = NORMAL * error
+    return row(replace(fact, low=fact.value - half, high=fact.value + half), name)
+
+
+def _moreof_solid(fit: Fit) -> Iterator[Fold]:
+    if fit.parameters:
+        yield Fold(
+            "Every parameter",
+            f"{_called(fit)}, each with its standard error; residual "
+            f"{rounded(fit.residual.rms * (1e3 if fit.residual.unit == 'N' else 1), digits=3)} "
+            f"{'mN' if fit.residual.unit == 'N' else fit.residual.unit}",
+            _fact_table(fit.known),
+        )
+    else:
+        arms = tuple(
+            (str(j), rounded(in_unit(k, read_in(fit.unit))), f"{tau:.4g}")
+            for j, (k, tau) in enumerate(zip(fit.model.k, fit.model.tau, strict=True), start=1)
+        )
+        head = ("arm", f"k, {read_in(fit.unit)}", "τ, s")
+        yield Fold(
+            "Every arm", "none has a meaning of its own: use the table", TextTable(head, arms)
+        )
+    if fit.temperatures is not None:
+        shifts = tuple(
+            (written(one.temperature, "°C", ".4g"), along.cells.value, along.cells.error,
+             across.cells.value)
+            for one in fit.temperatures.shifts for along, across in (one.facts,)
+        )  # fmt: skip
+        names = ("temperature", "log₁₀ a_T", fit.error_beside, "b_T")
+        yield Fold("Every temperature", f"{len(shifts)} shifts", TextTable(names, shifts))
+
+
+def _fact_table(facts: Sequence[Fact]) -> TextTable:
+    rows = tuple((one.symbol, *one.cells[1:]) for one in facts)
+    return TextTable(("", "value", "± SE", "95 % interval", "unit"), rows)

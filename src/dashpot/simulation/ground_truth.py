@@ -1,0 +1,58 @@
+"""What a simulated file says of itself, and the truth that lies beside it."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import fields, is_dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from dashpot.base.version import byline
+from dashpot.extensions.curves.creep.simulation import CreepTruth
+from dashpot.simulation.impact import ImpactTruth
+from dashpot.simulation.motion import MotionTruth
+from dashpot.simulation.relaxation import RelaxationTruth
+from dashpot.simulation.transducer import Instrument
+
+Truth: TypeAlias = RelaxationTruth | CreepTruth | ImpactTruth | MotionTruth
+_KINDS = {
+    RelaxationTruth: "relaxation", CreepTruth: "creep", ImpactTruth: "impact",
+    MotionTruth: "motion",
+}  # fmt: skip
+
+
+def stamp(truth: Truth) -> tuple[str, ...]:
+    """Comment lines for the head of a simulated file, without a comment character."""
+    rig = "virtual hammer" if isinstance(truth, ImpactTruth) else "virtual indentation rig"
+    return (
+        f"simulated by {byline(f'a {rig}, not a measurement')}",
+        f"seed {truth.seed}; the truth lies beside this file, in JSON",
+    )
+
+
+def truth_json(truth: Truth, *, instrument: Instrument | None = None) -> str:
+    """Everything that the record hides, as JSON in SI units; sampled truths are left out.
+
+    The same truth, written twice, is the same text. Complex numbers are ``[re, im]``; what
+    is unlimited is null. The `instrument` is that of a record in gauge voltages.
+    """
+    kind = _KINDS[type(truth)]
+    body = {"schema": "dashpot/truth@1", "simulated": True, "kind": kind, **_plain(truth)}
+    if instrument is not None:
+        body["instrument"] = _plain(instrument)
+    return json.dumps(body, indent=2, allow_nan=False)
+
+
+def _plain(value: Any) -> Any:
+    if is_dataclass(value):
+        named = {field.name: getattr(value, field.name) for field in fields(value)}
+        return {k: _plain(v) for k, v in named.items() if not isinstance(v, np.ndarray)}
+    if isinstance(value, tuple | list):
+        return [_plain(item) for item in value]
+    if isinstance(value, complex):
+        return [value.real, value.imag]
+    if isinstance(value, float) and math.isinf(value):
+        return None
+    return value

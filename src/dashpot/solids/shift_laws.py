@@ -1,0 +1,246 @@
+r"""How temperature moves a solid: time-temperature superposition.
+
+.. math:: K^*(\omega; T) = b_T K^*(a_T\,\omega; T_r), \qquad
+          k_j \to b_T k_j, \quad \tau_j \to a_T \tau_j
+
+A solid for which one :math:`a_T` moves every arm is *thermorheologically simple*. Source: J. D.
+Ferry, *Viscoelastic Properties of Polymers*, ch. 11.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from math import log
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import FloatArray, increasing, same_length, samples
+from dashpot.base.errors import DataError
+from dashpot.base.serialisation import Documented
+from dashpot.base.validators import positive
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+GAS = 8.314462618
+"""Molar gas constant R, J/(mol K)."""
+_LN10 = log(10.0)
+# C_1 and C_2, K, of many polymers at their glass transition
+_UNIVERSAL = 17.44, 51.6
+
+
+class TemperatureLaw(ABC, Documented):
+    """Shift factor against temperature: 1 at the reference.
+
+    Attributes
+    ----------
+    reference : float
+        T_r, K.
+    """
+
+    reference: float
+
+    @property
+    @abstractmethod
+    def kind(self) -> str:
+        """``"wlf"``, ``"arrhenius"`` or ``"free"``."""
+
+    @abstractmethod
+    def log10_a_t(self, temperature: npt.ArrayLike) -> FloatArray:
+        """Decadic logarithm of the shift factor at temperatures, K."""
+
+    @abstractmethod
+    def activation_energy(self, temperature: npt.ArrayLike) -> FloatArray:
+        r"""Apparent activation energy :math:`E_a = R\,d\ln a_T/d(1/T)`, J/mol, at T in K."""
+
+    def a_t(self, temperature: npt.ArrayLike) -> FloatArray:
+        """Shift factor: relaxation times at T over those at the reference."""
+        return np.asarray(10.0 ** self.log10_a_t(temperature))
+
+
+def at_temperature(
+    solid: GeneralizedMaxwell, temperature: float, law: TemperatureLaw
+) -> GeneralizedMaxwell:
+    r"""The solid of the law's reference at T, K, its stiffness that of an ideal rubber.
+
+    .. math:: \tau_j \to a_T \tau_j, \qquad k_j \to b_T k_j, \quad b_T = T / T_r
+    """
+    return solid.shifted(float(law.a_t(temperature)), temperature / law.reference)
+
+
+@dataclass(frozen=True)
+class WLF(TemperatureLaw):
+    r"""Williams, Landel and Ferry: free volume, above the glass transition.
+
+    .. math:: \log_{10} a_T = -\frac{C_1 (T - T_r)}{C_2 + T - T_r}, \qquad
+              E_a = \ln 10\,R\,\frac{C_1 C_2 T^2}{(C_2 + T - T_r)^2}
+
+    Attributes
+    ----------
+    c1 : float
+        > 0.
+    c2 : float
+        K, > 0; the law diverges at T_r - C_2.
+    reference : float
+        T_r, K.
+
+    >>> WLF.universal(glass=218.15, reference=296.15).log10_a_t(273.15).round(6)
+    np.float64(1.498172)
+    """
+
+    keys = ("kind", "c1", "c2")
+
+    c1: float
+    c2: float
+    reference: float
+
+    def __post_init__(self) -> None:
+        positive("WLF ", c1=self.c1, c2=self.c2, reference=self.reference)
+
+    @classmethod
+    def universal(cls, *, glass: float, reference: float) -> WLF:
+        """The law of many polymers, C_1 = 17.44 and C_2 = 51.6 K at the glass transition, K."""
+        return cls(*_UNIVERSAL, glass).referred(reference)
+
+    @property
+    def glass(self) -> float:
+        """Where the glass transition lies, K, if C_2 there is that of many polymers."""
+        return self.reference - self.c2 + _UNIVERSAL[1]
+
+    @property
+    def kind(self) -> str:
+        """``"wlf"``."""
+        return "wlf"
+
+    def referred(self, reference: float) -> WLF:
+        r"""The same law at another T_r: :math:`C_2' = C_2 + T_r' - T_r`, :math:`C_1' = C_1 C_2/C_2'`.
+
+        Raises
+        ------
+        DataError
+            If that is below T_r - C_2.
+        """  # noqa: E501
+        c2 = self.c2 + reference - self.reference
+        if c2 <= 0:
+            raise DataError(
+                f"reference = {reference:g} K; this WLF law holds above "
+                f"{self.reference - self.c2:.4g} K"
+            )
+        return WLF(self.c1 * self.c2 / c2, c2, reference)
+
+    def log10_a_t(self, temperature: npt.ArrayLike) -> FloatArray:
+        """Decadic logarithm of the shift factor at temperatures, K."""
+        above = np.asarray(temperature, dtype=float) - self.reference
+        if (self.c2 + above <= 0).any():
+            raise DataError(
+                f"{float(np.min(above)) + self.reference:.5g} K is at or below "
+                f"{self.reference - self.c2:.5g} K, where this WLF law diverges"
+            )
+        return np.asarray(-self.c1 * above / (self.c2 + above))
+
+    def activation_energy(self, temperature: npt.ArrayLike) -> FloatArray:
+        """Apparent activation energy, J/mol, at temperatures, K."""
+        t = np.asarray(temperature, dtype=float)
+        return np.asarray(
+            _LN10 * GAS * self.c1 * self.c2 * t**2 / (self.c2 + t - self.reference) ** 2
+        )
+
+
+@dataclass(frozen=True)
+class Arrhenius(TemperatureLaw):
+    r"""One activated process, below the glass transition or far above it.
+
+    .. math:: \log_{10} a_T = \frac{E_a}{R \ln 10} \Bigl(\frac1T - \frac1{T_r}\Bigr)
+
+    Attributes
+    ----------
+    energy : float
+        E_a, J/mol.
+    reference : float
+        T_r, K.
+    """
+
+    keys = ("kind", "energy")
+
+    energy: float
+    reference: float
+
+    def __post_init__(self) -> None:
+        positive("Arrhenius ", energy=self.energy, reference=self.reference)
+
+    @property
+    def kind(self) -> str:
+        """``"arrhenius"``."""
+        return "arrhenius"
+
+    def log10_a_t(self, temperature: npt.ArrayLike) -> FloatArray:
+        """Decadic logarithm of the shift factor at temperatures, K."""
+        t = np.asarray(temperature, dtype=float)
+        return np.asarray(self.energy / (GAS * _LN10) * (1 / t - 1 / self.reference))
+
+    def activation_energy(self, temperature: npt.ArrayLike) -> FloatArray:
+        """E_a, J/mol, whatever the temperature."""
+        return np.full_like(np.asarray(temperature, dtype=float), self.energy)
+
+
+@dataclass(frozen=True)
+class FreeShifts(TemperatureLaw):
+    """Shifts at the tested temperatures, straight in 1/T between them; no law beyond.
+
+    Attributes
+    ----------
+    temperatures : tuple of float
+        K, rising; the reference is among them.
+    log10_shifts : tuple of float
+        Decadic logarithm of the shift factor at each, 0 at the reference.
+    reference : float
+        T_r, K.
+    """
+
+    keys = ("kind", "temperatures", "log10_shifts")
+
+    temperatures: tuple[float, ...]
+    log10_shifts: tuple[float, ...]
+    reference: float
+
+    def __post_init__(self) -> None:
+        temperatures = increasing("temperatures", samples("temperatures", self.temperatures))
+        shifts = samples("log10_shifts", self.log10_shifts)
+        same_length(temperatures=temperatures, log10_shifts=shifts)
+        at = np.flatnonzero(temperatures == self.reference)
+        if temperatures[0] <= 0 or not len(at) or shifts[at[0]] != 0:
+            raise DataError(
+                f"free shifts need temperatures > 0 K with the reference of {self.reference:g} K "
+                f"among them and no shift there; found {self.temperatures}"
+            )
+        object.__setattr__(self, "temperatures", tuple(temperatures.tolist()))
+        object.__setattr__(self, "log10_shifts", tuple(shifts.tolist()))
+
+    @property
+    def kind(self) -> str:
+        """``"free"``."""
+        return "free"
+
+    def log10_a_t(self, temperature: npt.ArrayLike) -> FloatArray:
+        """Decadic logarithm of the shift factor at temperatures, K, between the tested ones."""
+        t = np.asarray(temperature, dtype=float)
+        low, high = self.temperatures[0], self.temperatures[-1]
+        outside = t[(t < low) | (t > high)]
+        if outside.size:
+            raise DataError(
+                f"{float(outside.flat[0]):.5g} K is outside the tested {low:.5g} to {high:.5g} K, "
+                "and shifts without a law reach no further: test at a third temperature"
+            )
+        inverse = 1 / np.array(self.temperatures[::-1])
+        return np.asarray(np.interp(1 / t, inverse, self.log10_shifts[::-1]))
+
+    def activation_energy(self, temperature: npt.ArrayLike) -> FloatArray:
+        """Apparent activation energy between neighbouring tested temperatures, J/mol."""
+        if len(self.temperatures) < 2:
+            raise DataError("one temperature has no activation energy: test at a second one")
+        t = np.asarray(temperature, dtype=float)
+        self.log10_a_t(t)  # refuses what is outside
+        inverse, shift = 1 / np.array(self.temperatures), np.array(self.log10_shifts)
+        slope = np.diff(shift) / np.diff(inverse)
+        at = np.clip(np.searchsorted(self.temperatures, t, side="right") - 1, 0, len(slope) - 1)
+        return np.asarray(_LN10 * GAS * slope[at])

@@ -1,0 +1,596 @@
+"""Results as text for people: N/mm, mm, Hz, and no more digits than are known."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+from dashpot.base import number_format
+from dashpot.base.number_format import ascii_only
+from dashpot.base.reported_values import UNKNOWN, Fact
+from dashpot.base.units import celsius, in_unit, read_in, written
+from dashpot.text_output.layout import Text, facts, table
+
+if TYPE_CHECKING:
+    from dashpot import Comparison
+    from dashpot.base.provenance import Source
+    from dashpot.datamodel.fit import Fit
+    from dashpot.datamodel.fit_diagnostics import Explanation
+    from dashpot.datamodel.frf import Hit, Mode
+    from dashpot.datamodel.parameter_estimate import Residual
+    from dashpot.datamodel.shift_factors import TemperatureShifts
+    from dashpot.extensions.amplitude.datamodel import AmplitudeFit
+    from dashpot.extensions.amplitude.fit_files import Levels
+    from dashpot.extensions.amplitude.preloaded_response import PreloadedLevel
+    from dashpot.extensions.materials.indentation.datamodel import IndentationFit
+    from dashpot.solids.elastic import ElasticLaw
+    from dashpot.workflow.response.frf_prediction import Prediction, ShakenMass
+    from dashpot.workflow.study import Study
+    from dashpot.workflow.vibration.impact_tests import Agreement, ImpactResult
+
+
+def rounded(value: float, error: float | None = None, *, digits: int = 4) -> str:
+    """Return `value` with no more digits than its error supports, as every terminal shows it."""
+    return ascii_only(number_format.rounded(value, error, digits=digits))
+
+
+def cell(value: float | None, unit: str, *, digits: int = 4) -> str:
+    """Return a value, SI, in a column of a unit, so too; empty where there is none."""
+    return ascii_only(number_format.cell(value, unit, digits=digits))
+
+
+def with_error(value: float, error: float | None, unit: str = "") -> str:
+    """Return a value of a unit of SI and its error as people read both; None is not known."""
+    return Fact.known("", value, error, unit=unit).cells.ascii.with_error
+
+
+def hertz(band: tuple[float, float]) -> str:
+    """Return a band of frequencies, so too."""
+    return ascii_only(number_format.hertz(band))
+
+
+_RESIDUAL = {"N": "mN", "m": "um", "1": "%"}
+"""In which unit people read what is left of a fit."""
+
+
+def fit(found: Fit, *, asked: int | str = "auto") -> Text:
+    """Return a fit as the paper's Table 1 with intervals, and what it must not be asked.
+
+    `asked` is the number of arms that was wanted.
+    """
+    residual = found.residual
+    lines = [
+        _fitted(found, asked),
+        *_solid(found),
+        f"  residual    {_size(residual)}; {_samples(residual)}",
+        f"  valid band  {hertz(found.band)}",
+    ]
+    for section in (
+        _creep, _bent, _left_open, _beside, _temperatures, _by_depth, _explained,
+    ):  # fmt: skip
+        lines += section(found)
+    of = " of the one solid of all depths, at the deepest" if found.by_depth else ""
+    every = [f"every parameter{of}", *facts(found.known)] if found.parameters else []
+    details = [*every, *_moved(found), f"  optimiser   {found.status.value}"]
+    if found.certificate:
+        details.append(f"  optimality  {found.certificate.says}")
+    (details if residual.unit == "N" else lines).extend(_nuisance(found))
+    return Text(lines, [*details, *_read(found.source), *_orders(found)])
+
+
+def _fitted(found: Fit, asked: int | str) -> str:
+    """What was fitted to which files, and whether it is less than was asked for."""
+    files = ", ".join(source.file for source in found.source) or "arrays in memory"
+    arms = f"{found.model.arms} Maxwell arm{'s' * (found.model.arms != 1)}"
+    if found.family == "fractional":
+        arms = f"fractional Zener model ({arms} stand for it)"
+    elif found.unplaced:
+        of = ", ".join(f"{tau:.3g} s" for tau in found.unplaced)
+        arms += f", relaxation time {of} not determined"
+    short = asked not in ("auto", found.model.arms) and found.family == "maxwell"
+    kept = f", not the {asked} asked for: {found.status.value}" if short else ""
+    return f"{files}: {arms}, method {found.method}{kept}"
+
+
+def _size(residual: Residual) -> str:
+    """What is left of a fit, in its unit or as times the noise."""
+    if residual.unit == "sd":
+        return f"{residual.rms:.3g} times the noise"
+    return f"{written(residual.rms, _RESIDUAL.get(residual.unit, residual.unit), '.3g')} rms"
+
+
+def _solid(found: Fit) -> list[str]:
+    """What is told of the solid: an arm a row, and apart what has an interval and no error."""
+    known = {one.name: one for one in found.known}
+    # stiffnesses that each depth has of its own stand there, and nowhere else
+    of = ("tau",) if found.by_depth else ("k", "tau", "b")
+    arms = [
+        [known.pop(name) for name in names]
+        for j in range(1, found.model.arms + 1)
+        if known.keys() >= set(names := [f"{one}_{j}" for one in of])
+    ]
+    if not arms:
+        return facts(found.known)
+    rows = [["arm"]]
+    for one, fact in zip(of, arms[0], strict=True):
+        rows[0] += [f"{one}, {fact.cells.ascii.unit}", "±"]
+    rest = known.get("k_inf")
+    if found.by_depth:
+        known.clear()
+    elif rest is not None and rest.cells.error:
+        rows.append([known.pop("k_inf").called, *_both(rest), *[""] * 4])
+    for arm in arms:
+        number = arm[0].name.partition("_")[2]
+        rows.append([number, *(cell for fact in arm for cell in _both(fact))])
+    return [*(facts([*known.values()]) if known else ()), *table(rows)]
+
+
+def _both(fact: Fact) -> tuple[str, str]:
+    """Value and standard error; that it is not known, or the limit that alone is, in its place."""
+    cells = fact.cells.ascii
+    if not cells.value:
+        return cells.interval, ""
+    return cells.value, UNKNOWN if cells.interval == UNKNOWN else cells.error
+
+
+def _samples(residual: Residual) -> str:
+    """How many samples were fitted, and how many independent ones they are equal to."""
+    count, worth = residual.n, residual.n / residual.kappa
+    independent = float(f"{worth:.3g}")
+    if abs(independent / count - 1) < 0.005:
+        return f"{count:,} independent samples"
+    return f"{count:,} samples, equal to {independent:,.0f} independent ones"
+
+
+def _bent(found: Fit) -> list[str]:
+    """The elastic law, where it is no straight line."""
+    law = found.elastic_law
+    if law is None or law.kind == "linear":
+        return []
+    secant = f"secant {written(law.stiffness, 'N/mm')} at {written(law.depth, 'mm', '.3g')}; "
+    noise = "" if found.estimate.of_noise is None else f" ({found.error_beside})"
+    return [f"  elastic     {'' if found.by_depth else secant}tangent{noise} {_law(law)}"]
+
+
+def _left_open(found: Fit) -> list[str]:
+    end = found.end_of_hold
+    return [f"  not known   {ascii_only(end.says(found.unit))}"] if end else []
+
+
+def _beside(found: Fit) -> list[str]:
+    """The other family of solids, unless the verdict has named it."""
+    other = found.alternative
+    return (
+        [f"  beside it   {other.says}"]
+        if other and other.says.partition(".")[0] not in found.verdict.says
+        else []
+    )
+
+
+def _nuisance(found: Fit) -> list[str]:
+    each = (item.fact for item in found.also_fitted)
+    listed = ascii_only(", ".join(f"{one.called} {one.cells.with_unit}" for one in each))
+    return [f"  fitted too  {listed}"] if listed else []
+
+
+def _read(sources: Sequence[Source]) -> list[str]:
+    """What the readers noticed."""
+    return [
+        f"  read        {ascii_only(f'{source.file}: {note}')}"
+        for source in sources
+        for note in source.notes
+    ]
+
+
+def _creep(found: Fit) -> list[str]:
+    """The compliances that were fitted to creep, and their times."""
+    creep = found.creep
+    if creep is None:
+        return []
+    known = creep.facts("m/N" if found.unit == "N/m" else "1/Pa")
+    told = {one.name: one.cells.ascii.with_unit for one in known}
+    parts = [f"at once {told['glass']}"]
+    parts += [
+        f"{told[f'd_{j}']} in {told[f'lam_{j}']}" for j in range(1, len(creep.spectrum.d) + 1)
+    ]
+    if "flow" in told:
+        parts.append(f"flow {told['flow']}, without end")
+    return [f"  creep       {'; '.join(parts)}"]
+
+
+def _temperatures(found: Fit) -> list[str]:
+    """Return the law of temperature and the shifts, where several were fitted."""
+    moved = found.temperatures
+    if moved is None:
+        return []
+    rows = [["", "log10 a_T", found.error_beside, "b_T"]]
+    for one in moved.shifts:
+        along, across = (fact.cells.ascii for fact in one.facts)
+        rows.append([celsius(one.temperature), along.value, along.error, across.value])
+    return [
+        f"  reference   {celsius(moved.reference)}, of {len(moved.shifts)} temperatures; b_T "
+        + ("free" if moved.vertical == "free" else f"= {moved.vertical}"),
+        f"  law         {_shift_law(found, moved)}",
+        *table(rows),
+        *(
+            f"  advice      {check.told}"
+            for check in found.checks
+            if check.name == "shifts_told_apart" and check.failed
+        ),
+    ]
+
+
+def _shift_law(found: Fit, moved: TemperatureShifts) -> str:
+    """The law of the shifts with its constants, where it has any."""
+    constants = ", ".join(f"{one.called} {one.cells.with_unit}" for one in moved.constants)
+    if constants and found.estimate.of_noise is not None:
+        constants += f" ({found.error_beside})"
+    law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(moved.law.kind, "none, the shifts alone")
+    return ascii_only(": ".join(filter(None, (law, constants))))
+
+
+def _by_depth(found: Fit) -> list[str]:
+    """Return the stiffnesses of each depth, where each has its own."""
+    if not found.by_depth:
+        return []
+    each = [one.facts(found.unit) for one in found.by_depth]
+    rows = [["  depth", *(one.called for one in each[0])]]
+    for at, known in zip(found.by_depth, each, strict=True):
+        cells = (one.cells.ascii.with_limit for one in known)
+        rows.append([f"  {written(at.depth, 'mm')}", *cells])
+    return [f"    by depth, {each[0][0].word}, ± SE", *table(rows)]
+
+
+def _moved(found: Fit) -> list[str]:
+    """Return what a further test changed, one parameter a row."""
+    if not found.moved:
+        return []
+    rows = [["  moved", "before, ± noise", "after, ± noise", "by, in SE before"]]
+    for item in found.moved:
+        before = "-" if item.was is None else _with_limit(item.was)
+        by = "new" if item.was is None else ascii_only(number_format.signed(item.shift))
+        rows.append([f"  {item.name}", before, _with_limit(item.now), by])
+    return table(rows)
+
+
+def _with_limit(fact: Fact) -> str:
+    """Value, error or upper limit, and unit."""
+    cells = fact.cells.ascii
+    return f"{cells.with_limit} {cells.unit}".rstrip()
+
+
+def _match(one: Explanation) -> str:
+    if one.explains:
+        return "a match"
+    return "closer, but no match" if one.fall > 0 else "no match"
+
+
+def _explained(found: Fit) -> list[str]:
+    """Return what would explain two tests that disagree, the best first."""
+    return [
+        ascii_only(
+            f"  tried       {one.says} ({_match(one)}; chi-square "
+            f"{'falls' if one.fall > 0 else 'rises'} by {abs(one.fall):.4g})"
+        )
+        for one in found.explanations
+    ]
+
+
+def _orders(found: Fit) -> list[str]:
+    if len(found.orders) < 2:
+        return []
+    best = min(order.bic for order in found.orders)
+    rows = [["  arms", "SSE", "BIC - best", "all arms significant"]]
+    rows += [
+        [
+            f"  {order.arms}{' <' if order.arms == found.model.arms else ''}",
+            f"{order.sse:.6g}",
+            f"{order.bic - best:.1f}",
+            "yes" if order.significant else "no",
+        ]
+        for order in found.orders
+    ]
+    return table(rows)
+
+
+def impact(found: ImpactResult) -> Text:
+    """Return the modes, the hits with their verdicts, and why a hit was left out."""
+    frf = found.frf
+    lines = []
+    for mode in found.modes:
+        frequency, ratio, _ = (fact.cells.ascii.with_unit for fact in mode.mode.facts)
+        lines.append(f"  mode  {frequency}, damping ratio {ratio} ({mode.method})")
+    used = f"{frf.averages} of {len(frf.hits)} hit{'s' * (len(frf.hits) != 1)} used"
+    spacing = frf.frequency[1] - frf.frequency[0]
+    if frf.quantity.over_base:
+        used = f"base shaken, equal to {frf.averages} averages"
+    lines.append(f"{used}; {found.estimator}; frequency resolution {spacing:.3g} Hz")
+    return Text([*lines, *(_hits(frf.hits) if frf.hits else ())])
+
+
+def _hits(hits: Sequence[Hit]) -> list[str]:
+    """Each hit with its verdict, and why one was left out."""
+    # hits of records that each begin at 0 strike at the same time
+    restarts = len({round(hit.time, 3) for hit in hits}) < len(hits)
+    rows = [
+        ["hit", "s in its record" if restarts else "time, s", "peak, N", "pulse, ms", "verdict"]
+    ]
+    rows += [
+        [
+            hit.name,
+            f"{hit.time:.3f}",
+            f"{hit.peak:.3g}",
+            f"{in_unit(hit.duration, 'ms'):.3g}",
+            "accepted" if hit.accepted else "REJECTED",
+        ]
+        for hit in hits
+    ]
+    left_out = (f"    {hit.name}: {reason}" for hit in hits for reason in hit.reasons)
+    return [*table(rows), *left_out]
+
+
+def levels(found: Levels) -> Text:
+    """Return what moves with amplitude, and the resonance at each level that was asked for."""
+    lines = [f"  {line}" for line in found.fit.described[1:]]
+    if found.loss_per_lag is not None:
+        lines.append(
+            f"  A delay of 1 ms between the channels would add {1e-3 * found.loss_per_lag:.2g} to "
+            f"the loss factor at {found.loss_per_lag / 2 / math.pi:.4g} Hz. Loops at one frequency "
+            "cannot show such a delay."
+        )
+        lines += _loops(found.fit)  # type: ignore[arg-type]  # a lag is of loops alone
+    rows = [["level, N", "peak, Hz", "95 %", "motion, mm/N", "95 %", "seal, mm"]]
+    for one in found.at:
+        peak, motion = (fact.cells.ascii for fact in one.facts)
+        of_peak, of_motion = (peak.value, peak.interval), (motion.value, motion.interval)
+        seal = f"{in_unit(one.amplitude, 'mm'):.3g}"
+        rows.append([f"{one.level:.4g}", *of_peak, *of_motion, seal])
+    return Text([*lines, *(table(rows) if found.at else ()), *_read(found.source)])
+
+
+def _loops(found: AmplitudeFit) -> list[str]:
+    """Storage and loss of small loops, and the delay of the force that their errors include."""
+    read = read_in(found.unit)
+    listed = (
+        f"at {one.frequency_hz:.4g} Hz stiffness "
+        f"{with_error(one.storage, one.storage_se, found.unit)}, loss "
+        f"{with_error(one.loss, one.loss_se, found.unit)} {read}"
+        for one in found.lines
+    )
+    known = written(found.delay_sd, "ms", ".3g")
+    return [
+        f"  A small loop {ascii_only('; '.join(listed))}",
+        f"  These errors include a delay of 0 ± {known} (dashpot fit --machine sync=0.1ms)",
+    ]
+
+
+def indentation(found: IndentationFit) -> Text:
+    """Return the law of a contact, its numbers with their intervals, and the laws tried."""
+    return Text([f"  law: {found.law}", *facts(found.found), tried(found.orders)])
+
+
+def tried(orders: Sequence[tuple[str, float]]) -> str:
+    """Return how far each law that was tried is above the best."""
+    least = min(score for _, score in orders)
+    return "  BIC above the least: " + ", ".join(f"{name} {at - least:.1f}" for name, at in orders)
+
+
+def amplitude(found: Any) -> Text:
+    """Return what moves with amplitude, of a fit alone."""
+    from dashpot.extensions.amplitude.fit_files import Levels
+
+    return levels(Levels(found, (), found.checks, ()))
+
+
+def agreement(found: Agreement) -> Text:
+    """Return predicted against measured, where the mass rests, and whether it was inferred."""
+    lines = comparison(found.comparison)
+    if str(found.at_rest):
+        lines.append(str(found.at_rest))
+    if found.mass_inferred:
+        lines.append(
+            f"  mass        {written(found.mass, 'g', '.5g')}, inferred from the measured FRF: the "
+            "agreement in frequency then proves nothing; give the mass to test it"
+        )
+    return Text(lines, [f"  {arm}" for arm in found.comparison.arms])
+
+
+def comparison(found: Comparison, joint: Comparison | None = None) -> list[str]:
+    """Return predicted against measured, and what both tests together make of it."""
+    rows = [["", "predicted", "measured", "difference"], *(list(row) for row in found.rows)]
+    if joint is not None:
+        rows[0] += ["both tests", "difference"]
+        for row, (_, fitted, _, difference) in zip(rows[1:], joint.rows, strict=True):
+            row += [fitted, difference]
+    return [*table(rows), f"  {(joint or found).lines}"]
+
+
+def study(found: Study) -> Text:
+    """Return the seal under the mass and its solid; the fits behind it for who asks."""
+    lines, details = [], []
+    if found.mass is not None and found.comparison is not None:
+        inferred = " (found from the FRF)" if found.mass_inferred else ""
+        lines.append(
+            f"{written(found.mass, 'g', '.6g')}{inferred} on {number_format.seals(found.seals)}"
+        )
+        lines += comparison(found.comparison, found.joint_comparison)
+        details += ["", "prediction from the relaxation test alone", str(found.comparison)]
+    if found.at_rest is not None and str(found.at_rest):
+        lines.append(str(found.at_rest))
+    solid = fit(found.fit if found.joint is None else found.joint)
+    if found.joint is not None:
+        alone = fit(found.fit)
+        details += ["", "relaxation test alone", *alone.lines, *alone.details]
+    return Text([*lines, *solid.lines], [*solid.details, *details])
+
+
+def prediction(found: Prediction) -> Text:
+    """Return a prediction's peak, modes and limits."""
+    (hz, height), seals = found.peak, found.seals
+    on = f"{written(found.mass, 'g', '.6g')} on {number_format.seals(seals)}"
+    does = "largest value" if found.at_edge else "peak"
+    kind = found.frf.quantity.replace("_", " ")
+    lines = [f"{on}: {does} of the {kind} {height:.5g} {found.frf.read} at {hz:.5g} Hz"]
+    if found.height_between is not None:
+        between = number_format.interval(*found.height_between)
+        lines.append(f"  by the errors of the fit {between} {found.frf.read} there")
+    if found.isolation is not None:
+        lines.append(f"  the mass moves less than its base above {found.isolation:.5g} Hz")
+    if found.shaken is not None:
+        lines += _shaken(found.shaken)
+    if found.at_edge:
+        lines.append(f"  This is the end of the band, not a peak.{_wider(found.modes)}")
+    lines += _at_levels(found)
+    for mode in found.modes:
+        ratio = f"{100 * mode.damping_ratio:.4g} %"
+        lines.append(f"  mode  {mode.frequency:.6g} Hz, damping ratio {ratio}")
+    if str(found.at_rest):
+        lines.append(str(found.at_rest))
+    if found.limits is not None:
+        lines.append(f"  {ascii_only(found.limits.peak_says)}")
+    return Text(lines)
+
+
+def _at_levels(found: Prediction) -> list[str]:
+    """The resonance at each level, and what the first and the last make of it."""
+    if found.preloaded:
+        return _on_bending_seals(found.preloaded, found.frf.read)
+    if found.swept is None or not found.levels:
+        return []
+    of = found.levels[0]
+    rows = [[f"level, {of.unit}", "peak, Hz", "between", found.frf.read, "between", "moved"]]
+    for one in found.levels:
+        moved = written(one.amplitude, "mm", ".3g")
+        if one.strain is not None:
+            moved += f", {written(one.strain, '%', '.3g')}"
+        rows.append(
+            [
+                f"{one.level:.4g}",
+                f"{one.frequency:.5g}",
+                "{:.5g} to {:.5g}".format(*one.frequency_between),
+                f"{one.value:.4g}",
+                "{:.4g} to {:.4g}".format(*one.value_between),
+                moved,
+            ]
+        )
+    listed = " or ".join(f"{one:.3g}" for one in found.swept.factors)
+    says = f"  {' or '.join(found.swept.names)} law of the sweep"
+    if of.strain is not None:
+        says += f", its strain {listed} of X/height"
+    last = found.levels[-1]
+    if last is not of:
+        change = 100 * (last.frequency / of.frequency - 1)
+        says += f"; the peak moves by {change:+.3g} % from first to last"
+    return [*table(rows), says]
+
+
+_HARMONIC = 1e-4
+"""Part of the first harmonic below which none is told."""
+
+
+def _on_bending_seals(found: Sequence[PreloadedLevel], unit: str) -> list[str]:
+    """The resonance and harmonics at each level, by the elastic law, and what the seal does."""
+    head = [f"level, {found[0].unit}", "peak, Hz", unit, "1st, mm", "2nd, mm",
+            "3rd, mm", "mean shift, mm", "apart", "floquet"]  # fmt: skip
+    rows: list[list[str]] = [head]
+    says: list[str] = []
+    for one in found:
+        at = one.orbit
+        # what is less is rounding
+        least = _HARMONIC * one.amplitude
+        rows.append(
+            [
+                f"{one.level:.4g}",
+                f"{one.frequency:.5g}",
+                f"{one.value:.4g}",
+                *(
+                    f"{in_unit(each, 'mm') * (abs(each) > least):.3g}"
+                    for each in (*at.amplitudes[1:4].tolist(), at.shift)
+                ),
+                f"{100 * at.lost:.3g} %",
+                f"{at.growth:.3g}",
+            ]
+        )
+        if one.interval is not None:
+            rows.append(_within(one, least))
+        says += _of_level(one, least)
+    return [*table(rows), *says]
+
+
+def _of_level(one: PreloadedLevel, least: float) -> Iterator[str]:
+    """What else is to be known of the response at one level."""
+    name, shift = f"at {one.level:.4g} {one.unit}", one.orbit.shift
+    if one.interval is not None and one.interval.value is None:
+        jumps = one.interval.harmonics is None
+        why = "a sweep jumps down from it" if jumps else "its error is as large as itself"
+        yield f"  ! {name} the height of the peak is not identified: {why}"
+    if abs(shift) <= least:
+        return
+    does, second = "opens" if shift < 0 else "closes", one.second_harmonic
+    yield (
+        f"  {name} the seal {does} by {written(abs(shift), 'mm', '.2g')} when shaken; the "
+        f"second harmonic is largest at {second['frequency_hz']:.4g} Hz, "
+        f"{100 * second['amplitude'] / second['first']:.3g} % of the first"
+    )
+    for low, high in one.unsteady:
+        yield f"  ! {name} no answer at the drive's period lasts from {low:.4g} to {high:.4g} Hz"
+    for hz in one.jumps_hz:
+        yield (
+            f"  ! {name} two answers last below {hz:.5g} Hz. This is a rising frequency's; a "
+            "falling one keeps the other"
+        )
+
+
+def _within(one: PreloadedLevel, least: float) -> list[str]:
+    """The row of 95 % intervals under a level's, as far as they are known."""
+    hz, height, shift, *harmonics = one.facts
+    cells = ["  95 %"]
+    for fact in (hz, height, *harmonics, shift):
+        told = fact.bounded and (fact.unit != "m" or abs(fact.value) > least)
+        half = in_unit(0.5 * (fact.high - fact.low), fact.read or "1")
+        cells.append(f"± {half:.2g}" if told else "")
+    return [*cells, "", ""]
+
+
+def _shaken(found: ShakenMass) -> list[str]:
+    """What a base that shakes at random does, and at most."""
+    band, response = found.band, found.response
+    reach = "" if band is None else f" ({band[0]:.4g} to {band[1]:.4g} Hz)"
+    does = (
+        f"  shaken by {found.of}{reach}, the mass has {response.acceleration:.4g} m/s^2 rms and "
+        f"the seals move {written(response.stretch, 'mm')} rms, {response.crossings:.4g} times a "
+        "second"
+    )
+    lines = [does]
+    if (limits := found.limits) is not None:
+        felt, moved = _reach(limits.acceleration), _reach(limits.stretch, "mm")
+        low, high = limits.band_hz
+        part = "" if band is not None else f", to the noise from {low:.4g} to {high:.4g} Hz"
+        lines.append(f"  the relaxation test limits these to {felt} m/s^2 and {moved} mm rms{part}")
+    return lines
+
+
+def _reach(ends: tuple[float, float], unit: str = "1") -> str:
+    """Between which limits something lies; from the lower one on where nothing else limits it."""
+    low, high = (in_unit(end, unit) for end in ends)
+    return f"{low:.4g} to {f'{high:.4g}' if math.isfinite(high) else 'unlimited'}"
+
+
+def _wider(modes: Iterable[Mode]) -> str:
+    """The band in which the lowest mode shows its peak."""
+    lowest = min((mode.frequency for mode in modes), default=0.0)
+    if not lowest > 0:
+        return ""
+    low, high = (rounded(end, digits=2) for end in (lowest / 4, 4 * lowest))
+    return f" Add --band {low}:{high}Hz for the mode at {lowest:.4g} Hz."
+
+
+def _law(law: ElasticLaw) -> str:
+    """The tangent of an elastic law at a few compressions."""
+    step = max(1, (len(law.knots) - 1) // 4)
+    shown = law.knots[::step]
+    each = zip(shown, law.tangent(shown), law.stiffness * law.factor_se(shown), strict=True)
+    return ", ".join(
+        f"{with_error(k, se or None, 'N/m')} at {written(x, 'mm', '.3g')}" for x, k, se in each
+    )

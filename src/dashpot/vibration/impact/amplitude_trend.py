@@ -1,0 +1,210 @@
+"""Hits of different height as levels: the resonance of each, and how it changes with amplitude."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.serialisation import Documented
+from dashpot.base.student_t import t_quantile
+from dashpot.datamodel.frf import FRF, Hit, Mode
+from dashpot.vibration.impact.estimators import Spectra
+
+FEWEST = 3
+"""Hits that show no trend: a line through them leaves too little to judge it by."""
+WIDE = 4.0  # bandwidths to either side of a resonance tell it
+AROUND = 5.0  # lines on either side of a resonance from which a single hit tells it
+SURE = 0.99  # of records without a trend show less than is called one
+EQUAL = 0.2  # of a doubling: hits so alike show no trend
+KNOWN, POWER = 0.95, 0.6  # two-sided: a change is found at 5 %, by four of five tests
+_OF_MEDIAN = 1.25  # its standard error over that of a mean
+DECAYED = 0.55
+"""One frequency of a whole decay is that of this part of its first amplitude (friction, Iwan's)."""
+
+
+@dataclass(frozen=True)
+class RegressionLine(Documented):
+    """A straight line over the binary logarithm of an amplitude.
+
+    Attributes
+    ----------
+    slope : float
+        Per doubling.
+    sure : float
+        What chance exceeds in one of a hundred records without any slope.
+    found : float
+        What slope four of five such records find, at 5 %.
+    middle, value : float
+        Mean of the logarithms, and of the quantity.
+    se, spread : float
+        Standard error of the slope, and root of the sum of squares of the logarithms.
+    dof : int
+    """
+
+    keys = ("change=slope", "se", "found")
+
+    slope: float
+    sure: float
+    found: float
+    middle: float
+    value: float
+    se: float
+    spread: float
+    dof: int
+
+    def at(self, x: float) -> tuple[float, float]:
+        """The line at x, and half its 95 % interval."""
+        count = self.dof + 2
+        error = self.se * float(np.hypot(self.spread / np.sqrt(count), x - self.middle))
+        return self.value + self.slope * (x - self.middle), t_quantile(KNOWN, self.dof) * error
+
+
+@dataclass(frozen=True)
+class Trend:
+    """How the resonance of single hits changes as the motion after them grows.
+
+    Attributes
+    ----------
+    stiffness_line, damping_line : RegressionLine
+        Of the logarithms of the squared frequency and of the damping ratio.
+    mass, mass_se : float
+        Modal mass, kg: the median over the hits, and the standard error of its logarithm.
+    amplitudes : (float, float)
+        Of the motion that their resonances are of: `DECAYED` times that after the hit, m.
+    range : float
+        Highest over lowest.
+    """
+
+    stiffness_line: RegressionLine
+    damping_line: RegressionLine
+    mass: float
+    mass_se: float
+    amplitudes: tuple[float, float]
+    range: float
+
+    @property
+    def stiffness(self) -> float:
+        """Relative change of the stiffness for twice the motion."""
+        return self.stiffness_line.slope
+
+    @property
+    def stiffness_sure(self) -> float:
+        """What chance exceeds in one of a hundred tests without a change."""
+        return self.stiffness_line.sure
+
+    @property
+    def stiffness_found(self) -> float:
+        """Change that four of five such tests find."""
+        return self.stiffness_line.found
+
+    @property
+    def damping(self) -> float:
+        """Relative change of the damping ratio for twice the motion."""
+        return self.damping_line.slope
+
+    @property
+    def damping_sure(self) -> float:
+        """As `stiffness_sure`."""
+        return self.damping_line.sure
+
+    @property
+    def damping_found(self) -> float:
+        """As `stiffness_found`."""
+        return self.damping_line.found
+
+
+def with_resonances(frf: FRF, spectra: Spectra, main: Mode) -> tuple[Hit, ...]:
+    r"""Return the hits, each accepted one with the resonance of its own FRF and its amplitude.
+
+    A hit of spectrum F sets a mode moving by :math:`|F(f_n)| / (m \omega_d)`. The modal mass m
+    does not change with the height: the median over the hits, for hits whose frequencies differ
+    have an average that is not of one mode.
+    """
+    step = float(np.median(np.diff(frf.frequency)))
+    reach = max(WIDE * (main.bandwidth + frf.shift / np.pi), AROUND * step)
+    near = np.abs(frf.frequency - main.frequency) <= reach
+    ends = float(frf.frequency[near][0]), float(frf.frequency[near][-1])
+    at = int(np.argmin(np.abs(frf.frequency - main.frequency)))
+    modes: list[Mode | None] = []
+    for value in (spectra.response / spectra.force)[:, near]:
+        own = FRF(
+            frf.frequency[near],
+            value,
+            frf.quantity,
+            shift=frf.shift,
+            record=frf.record,
+            pulse=frf.pulse,
+            units="SI",
+        )
+        found = own.modes(band=ends, count=1)
+        modes.append(found[0] if found and found[0].damping_ratio > 0 else None)
+    masses = [_modal_mass(one) for one in modes if one is not None]
+    if not masses:
+        return frf.hits
+    rows = iter(zip(modes, np.abs(spectra.force[:, at]).tolist(), strict=True))
+    hits = []
+    for hit in frf.hits:
+        mode, size = next(rows) if hit.accepted else (None, 0.0)
+        if mode is None:
+            hits.append(hit)
+            continue
+        hits.append(
+            replace(
+                hit,
+                frequency=float(mode.frequency),
+                damping_ratio=float(mode.damping_ratio),
+                modal_mass=_modal_mass(mode),
+                amplitude=size / (float(np.median(masses)) * float(mode.pole.imag)),
+            )
+        )
+    return tuple(hits)
+
+
+def _modal_mass(mode: Mode) -> float:
+    return float(1 / (2 * mode.pole.imag * abs(mode.residue)))
+
+
+def trend_of_hits(hits: Sequence[Hit]) -> Trend | None:
+    r"""Regress the resonance of every single hit on its amplitude; None of too few hits.
+
+    .. math:: 2 \ln f_i = a + s \log_2 X_i, \qquad \ln\zeta_i = b + d \log_2 X_i
+
+    s and d are known by the scatter about the lines (Student); s is small, and so as good as the
+    relative change of the stiffness.
+    """
+    rows = np.array(
+        [
+            (one.amplitude, one.frequency, one.damping_ratio, one.modal_mass)
+            for one in hits
+            if one.amplitude is not None
+        ],
+        dtype=float,
+    )
+    if len(rows) <= FEWEST:
+        return None
+    X = DECAYED * rows[:, 0]
+    size = np.log2(X)
+    if np.ptp(size) < EQUAL:
+        return None
+    return Trend(
+        _line(size, 2 * np.log(rows[:, 1])),
+        _line(size, np.log(rows[:, 2])),
+        float(np.median(rows[:, 3])),
+        float(_OF_MEDIAN * np.log(rows[:, 3]).std() / np.sqrt(len(rows))),
+        (float(X.min()), float(X.max())),
+        float(X.max() / X.min()),
+    )
+
+
+def _line(x: FloatArray, y: FloatArray) -> RegressionLine:
+    middle, value = float(x.mean()), float(y.mean())
+    x, y = x - middle, y - value
+    spread = float(np.sqrt(x @ x))
+    slope = float(x @ y) / spread**2
+    rest, dof = y - slope * x, len(x) - 2
+    se = float(np.sqrt(rest @ rest / dof)) / spread
+    found = (t_quantile(KNOWN, dof) + t_quantile(POWER, dof)) * se
+    return RegressionLine(slope, t_quantile(SURE, dof) * se, found, middle, value, se, spread, dof)

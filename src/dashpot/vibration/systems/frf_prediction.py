@@ -1,0 +1,517 @@
+"""A mass on a viscoelastic solid: its poles, its FRF, and what a record of finite length shows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import ComplexArray, FloatArray, samples
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.base.plausibility import SIZES, short
+from dashpot.base.units import GRAVITY, Quantity, si, written
+from dashpot.base.validators import not_negative, positive
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF, Kind, Mode
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+from dashpot.vibration.checks import seal_mass_negligible
+from dashpot.vibration.systems.operating_point import operating_point
+
+ROUNDING = 1e-14
+"""A frequency that falls by no more, relatively, has been found."""
+_REAL = 1e-9
+"""An imaginary part of no more, relatively, is that of a real pole."""
+_STEPS, _THERE, _CLOSE = 30, 1e-12, 1e-6
+"""Of Newton to a pole: at most; what needs no step; what a pole that settled leaves, relatively."""
+LINES, REACH = 4001, 10.0
+"""Lines of a prediction, and how far from its peak they go, as a factor, if none are given."""
+OUT_OF_SIGHT = 1e-6
+"""Part of its stiffness by which an arm may differ from a dashpot, or from a spring, and be one."""
+DIED = 50.0
+"""Folds of decay after which nothing of a motion is left."""
+
+
+def predict_frf(
+    model: Solid | Fit,
+    *,
+    mass: Quantity,
+    frequency: npt.ArrayLike | None = None,
+    kind: Kind | str = Kind.ACCELERANCE,
+    shift: float = 0.0,
+    seals: float | None = None,
+    compression: Quantity | None = None,
+    temperature: Quantity | None = None,
+) -> FRF:
+    r"""FRF of a rigid mass on a solid that is fixed to ground (paper eqs. 6 and 7).
+
+    .. math:: \frac{X}{F}(s) = \frac{1}{m s^2 + K(s)}, \qquad T(j\omega) = \frac{-\omega^2 X}{F}
+
+    Eq. (7) prints a magnitude with a factor :math:`-\omega^2`; the sign belongs to the complex
+    accelerance, which is what is returned, phase included.
+
+    Where the base moves and no force acts, ``kind="transmissibility"`` is the motion of the mass
+    over that of the base, both absolute; less 1 it is the motion relative to the base:
+
+    .. math:: T(s) = \frac{K(s)}{m s^2 + K(s)} = 1 - m A(s)
+
+    Parameters
+    ----------
+    model : Solid or Fit
+        All the seals together: two equal seals are ``2 * model``. Of a fit, which is of one seal,
+        the tangent solid where the mass rests (:mod:`.operating_point`).
+    mass : float
+        kg.
+    frequency : array_like, shape (n,), optional
+        Hz; by default a factor of 10 to either side of the highest frequency of the peak.
+    kind : Kind or str
+    shift : float
+        Decay of an exponential window, 1/s: evaluates at :math:`s = j\omega + a`.
+    seals : float, optional
+        How many seals of a fit carry the mass; 1 by default.
+    compression : float, optional
+        Of the seals of a fit, m; by default that of the mass's weight.
+    temperature : float, optional
+        Of the seals of a fit of tests at several, K; by default that of its solid.
+
+    Raises
+    ------
+    DataError
+        If the mass or a frequency cannot be, the mass would sink farther into the solid than any
+        does, the response is infinite at a line, seals, a
+        compression or a temperature were given with a solid, or the fit knows of no such
+        temperature.
+    """
+    mass, compression = si(mass, "mass"), si(compression, "length")
+    positive(mass=mass, unit=" kg")
+    if temperature is not None:
+        model = _at(model, temperature)
+    model = _assembled(model, mass, seals, compression)
+    _refuse_sag(model, mass)
+    f = _lines(model.k_0, mass) if frequency is None else samples("frequency", frequency)
+    s = 2j * np.pi * f + shift
+    stiffness = model.stiffness_at(s)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        receptance = 1 / (mass * s**2 + stiffness)
+    if not np.isfinite(receptance).all():
+        i = int(np.flatnonzero(~np.isfinite(receptance))[0])
+        raise DataError(
+            f"the response at {f[i]:g} Hz is infinite: the solid has no stiffness there"
+        )
+    if Kind(kind) is Kind.TRANSMISSIBILITY:
+        return FRF(f, stiffness * receptance, Kind.TRANSMISSIBILITY, shift=shift, units="SI")
+    if Kind(kind) is Kind.RELATIVE_TRANSMISSIBILITY:
+        return FRF.of_receptance(f, receptance, shift=shift).to(kind, mass=mass)
+    return FRF.of_receptance(f, receptance, kind=kind, shift=shift)
+
+
+def isolation_frequency(model: Solid, mass: float) -> float:
+    r"""Frequency above which the mass moves less than its base, Hz.
+
+    There :math:`m\omega^2 = 2 K'(\omega)`. Since K' does not fall with frequency,
+    :math:`\omega \leftarrow \sqrt{2 K'(\omega) / m}` comes down from the glassy stiffness to the
+    highest such frequency and passes none.
+
+    Parameters
+    ----------
+    model : Solid
+        All the seals together.
+    mass : float
+        kg.
+    """
+    positive(mass=mass, unit=" kg")
+    arms = model.maxwell
+    omega, last = float(np.sqrt(2 * (arms.k_inf + sum(arms.k)) / mass)), np.inf
+    while omega < last * (1 - ROUNDING):
+        stiffness = float(arms.complex_stiffness(omega=np.array([omega])).real[0])
+        omega, last = float(np.sqrt(2 * max(stiffness, 0.0) / mass)), omega
+    return omega / (2 * np.pi)
+
+
+def _refuse_sag(model: Solid, mass: float) -> None:
+    """Refuse a mass whose weight would press the solid farther than any seal is."""
+    k_inf = model.maxwell.k_inf
+    if k_inf > 0:
+        sag = mass * GRAVITY / k_inf
+        SIZES["sag"].refuse(
+            sag,
+            f"a mass of {short(mass, 'kg')} would press the solid by {short(sag, 'm')}",
+            remedy="Check the mass and its unit (is it g?).",
+        )
+
+
+def _at(model: Solid | Fit, temperature: Quantity) -> Fit:
+    if isinstance(model, Fit):
+        return model.at_temperature(temperature)
+    raise DataError(
+        "a solid has no temperature, which belongs to a fit of tests at several: give the fit, or "
+        "the solid at that temperature (Python: fit.at(temperature))"
+    )
+
+
+def _assembled(
+    model: Solid | Fit, mass: float, seals: float | None, compression: float | None
+) -> Solid:
+    """All the seals together, as small vibration feels them."""
+    if isinstance(model, Fit):
+        count = 1.0 if seals is None else seals
+        point = operating_point(model, mass=mass, seals=count, compression=compression)
+        return count * point.solid(model)
+    if seals is not None or compression is not None:
+        raise DataError(
+            "seals= and compression= belong to a fit of one seal; a solid is all the seals "
+            "together, as they vibrate: give seals * solid, or the fit"
+        )
+    return model
+
+
+def _lines(stiffness: float, mass: float) -> FloatArray:
+    """Lines about the highest frequency that the peak can have."""
+    if not (np.isfinite(stiffness) and stiffness > 0):
+        raise DataError(
+            "the solid has no stiffness of its own at high frequency (Python: give frequency=)"
+        )
+    top = highest_peak(stiffness, mass)
+    return np.geomspace(top / REACH, top * REACH, LINES)
+
+
+def highest_peak(stiffness: float, mass: float) -> float:
+    r"""Return the frequency, Hz, that the peak of a mass cannot pass: :math:`\sqrt{k_0/m}/2\pi`.
+
+    `stiffness`, N/m, is that of all the seals together at high frequency, `mass` in kg.
+
+    Raises
+    ------
+    DataError
+        If the mass cannot be.
+    """
+    positive(mass=mass, unit=" kg")
+    return float(np.sqrt(max(stiffness, 0.0) / mass) / (2 * np.pi))
+
+
+def model_modes(model: Solid, mass: float) -> tuple[Mode, ...]:
+    r"""Exact modes of a mass on a solid: the oscillating poles of :math:`m s^2 + K(s)`.
+
+    `model` is all the seals together, `mass` in kg. Empty where the mass creeps back without
+    oscillating. The residue of the receptance is :math:`1/(2 m p + K'(p))`.
+
+    Raises
+    ------
+    DataError
+        If the mass cannot be.
+
+    Examples
+    --------
+    >>> from dashpot.solids.maxwell import GeneralizedMaxwell
+    >>> seal = GeneralizedMaxwell(196.5, k=(117.5, 17.8), tau=(59 / 117.5, 292.2 / 17.8))
+    >>> (mode,) = model_modes(2 * seal, mass=0.1040426)
+    >>> round(mode.frequency, 4), round(mode.damping_ratio, 6)
+    (12.7097, 0.004435)
+    """
+    positive(mass=mass, unit=" kg")
+    p = poles(model, mass)
+    p = np.append(p[p.imag > _REAL * np.abs(p)], _undamped(model, mass))
+    p = _settled(model, mass, p)
+    return tuple(
+        Mode(float(abs(pole)) / (2 * np.pi), float(-pole.real / abs(pole)), complex(residue))
+        for pole, residue in zip(p, residues(model, mass, p), strict=True)
+    )
+
+
+def _undamped(model: Solid, mass: float) -> complex:
+    """Where the mass would ring without loss, 1/s: a start where rounding left no pole."""
+    omega = np.sqrt(max(model.k_0, 0.0) / mass)
+    for _ in range(50):
+        stiffness = float(model.stiffness_at(1j * omega).real) if omega > 0 else 0.0
+        omega = np.sqrt(max(stiffness, 0.0) / mass)
+    return complex(0.0, omega)
+
+
+def _settled(model: Solid, mass: float, p: ComplexArray) -> ComplexArray:
+    """Poles of the solid itself, by Newton's steps where those of its arms are a start only.
+
+    Of arms over twenty decades rounding makes poles that are none: they do not settle, or settle
+    twice.
+    """
+
+    def off(p: ComplexArray) -> ComplexArray:
+        return np.asarray(mass * p**2 + model.stiffness_at(p))
+
+    p = p[p != 0]
+    for _ in range(_STEPS):
+        away = np.abs(off(p)) > _THERE * np.abs(mass * p**2)
+        if not away.any():
+            break
+        moved = p - off(p) / (2 * mass * p + model.slope_at(p))
+        p = np.where(away & np.isfinite(moved), moved, p)
+    still = np.abs(off(p)) <= _CLOSE * np.abs(mass * p**2)
+    found = p[still & (p.real <= 0) & (p.imag > _REAL * np.abs(p))]
+    first = [i for i, one in enumerate(found) if not (np.abs(found[:i] / one - 1) < _CLOSE).any()]
+    return np.asarray(found[first])
+
+
+def poles(model: Solid, mass: float) -> ComplexArray:
+    r"""Poles of a mass on a solid, 1/s, shape (2 + arms,): roots of :math:`m s^2 + K(s) = 0`.
+
+    Eigenvalues of the state matrix in position, velocity and the elongation of each arm's spring,
+    :math:`\dot q_j = v - q_j/\tau_j`; `model` is all the seals together, `mass` in kg. Of the
+    arms that stand for the solid.
+    """
+    arms = model.maxwell
+    size = 2 + arms.arms
+    state = np.zeros((size, size))
+    state[0, 1] = 1.0
+    state[1, 0] = -arms.k_inf / mass
+    state[1, 1] = -arms.b / mass
+    state[1, 2:] = -np.asarray(arms.k) / mass
+    state[2:, 1] = 1.0
+    state[2:, 2:] = -np.diag(1 / np.asarray(arms.tau))
+    return np.asarray(np.linalg.eigvals(state), dtype=complex)
+
+
+def ringing_pole(model: Solid, mass: float) -> complex:
+    """The pole that oscillates fastest, 1/s."""
+    found = poles(model, mass)
+    return complex(found[np.argmax(found.imag)])
+
+
+def residues(model: Solid, mass: float, at: ComplexArray) -> ComplexArray:
+    r"""Residues of the receptance at its simple poles: :math:`1 / (2 m p + K'(p))`, m/(N s)."""
+    slope = model.slope_at(at)
+    # an arm too weak to shift its own pole has an infinite slope there, and no residue
+    own = np.isfinite(slope)
+    found = np.zeros(len(at), dtype=complex)
+    found[own] = 1 / (2 * mass * at[own] + slope[own])
+    return found
+
+
+def accelerance(
+    model: Solid, mass: float, s: npt.ArrayLike, record: float | None = None, pulse: float = 0.0
+) -> ComplexArray:
+    r"""Accelerance as the transform of a response cut off `record` s after the hit sees it, 1/kg.
+
+    .. math::
+
+        A_T(s) = \frac{s^2}{m s^2 + K(s)} - \sum_i r_i p_i^2
+                 \frac{e^{(p_i - s) T + \vartheta^2 (p_i^2 - s^2)/2}}{s - p_i}
+
+    where :math:`r_i` is the residue of the receptance at its pole :math:`p_i` and
+    :math:`\vartheta` the rms width of the `pulse`, s, at whose middle the record begins. With an
+    exponential window, s = j omega + a, the cut-off part shrinks by e^{-aT}; without a `record`
+    nothing is cut.
+    """
+    return Response(model, mass, np.asarray(s, dtype=complex), record, pulse).accelerance
+
+
+class Lost(NamedTuple):
+    """What the end of a record takes of a response, pole by pole.
+
+    Attributes
+    ----------
+    p, residue : complex array, shape (m,)
+        Of the receptance.
+    size, bend : complex array, shape (m,)
+        Of the part taken, and the second derivative of m s^2 + K there.
+    """
+
+    p: ComplexArray
+    residue: ComplexArray
+    size: ComplexArray
+    bend: ComplexArray
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """A mass on a solid as a record that ends shows it, as :func:`accelerance`, with its slope.
+
+    Attributes
+    ----------
+    model : Solid
+    mass : float
+        kg.
+    s : complex array, shape (n,)
+    record : float or None
+        s.
+    pulse : float
+        s.
+    """
+
+    model: Solid
+    mass: float
+    s: ComplexArray
+    record: float | None
+    pulse: float
+
+    @cached_property
+    def receptance(self) -> ComplexArray:
+        """Of a record without an end, m/N."""
+        return np.asarray(1 / (self.mass * self.s**2 + self.model.stiffness_at(self.s)))
+
+    @cached_property
+    def accelerance(self) -> ComplexArray:
+        """Shape (n,), 1/kg."""
+        whole, lost = self.s**2 * self.receptance, self._lost
+        if lost is None:
+            return np.asarray(whole)
+        return np.asarray(whole - (lost.size / (self.s[:, None] - lost.p)).sum(axis=1) * self._end)
+
+    def slope(
+        self,
+        at_lines: ComplexArray,
+        at_poles: Callable[[Lost], tuple[ComplexArray, ComplexArray]],
+    ) -> ComplexArray:
+        """Derivative of the accelerance by some parameters, shape (n, q).
+
+        Parameters
+        ----------
+        at_lines : complex array, shape (n, q)
+            That of m s^2 + K.
+        at_poles : callable
+            That of m s^2 + K, and of its derivative by s, at the poles, shape (k, q) each.
+        """
+        whole = -((self.s * self.receptance) ** 2)[:, None] * at_lines
+        if (lost := self._lost) is None:
+            return whole
+        change, slope_change = at_poles(lost)
+        p, residue = lost.p[:, None], lost.residue[:, None]
+        moved = -residue * change
+        # of the residue, of p^2, and of the decay until the end
+        grown = -residue * (slope_change + lost.bend[:, None] * moved)
+        grown += (2 / p + (self.record or 0.0) + self.pulse**2 * p) * moved
+        part = lost.size / (self.s[:, None] - lost.p)
+        taken = part @ grown + part / (self.s[:, None] - lost.p) @ moved
+        return np.asarray(whole - taken * self._end[:, None])
+
+    @cached_property
+    def _end(self) -> ComplexArray:
+        return np.asarray(np.exp(-self.s * (self.record or 0.0) - 0.5 * (self.pulse * self.s) ** 2))
+
+    @cached_property
+    def _lost(self) -> Lost | None:
+        if self.record is None:
+            return None
+        sizes, mass = np.abs(self.s), self.mass
+        arms = _in_sight(self.model.maxwell, float(sizes.min()), float(sizes.max()), self.record)
+        p = poles(arms, mass)
+        # of an arm faster than the pulse the width of it tells nothing: it has long died away
+        p = p[p.real * self.record > -DIED]
+        r = residues(arms, mass, p)
+        size = r * p**2 * np.exp(p * self.record + 0.5 * (self.pulse * p) ** 2)
+        live = np.abs(size) > 0
+        p = p[live]
+        return Lost(p, r[live], size[live], 2 * mass + arms.bend_at(p))
+
+
+def _in_sight(
+    arms: GeneralizedMaxwell, slowest: float, fastest: float, record: float
+) -> GeneralizedMaxwell:
+    """The same solid to a part in a million: far faster arms as a dashpot, far slower as a spring.
+
+    Relaxation times over a hundred decades, as of a flat spectrum, leave no digit of any pole.
+    """
+    # of a fast arm what is missed is a square
+    fast = np.sqrt(OUT_OF_SIGHT) / max(fastest, 1 / record)
+    slow = max(1 / slowest if slowest > 0 else record, record) / OUT_OF_SIGHT
+    if not arms.arms or (arms.tau[0] >= fast and arms.tau[-1] <= slow):
+        return arms
+    k, tau = np.asarray(arms.k), np.asarray(arms.tau)
+    kept = (tau >= fast) & (tau <= slow)
+    return GeneralizedMaxwell(
+        arms.k_inf + float(k[tau > slow].sum()),
+        tuple(k[kept]),
+        tuple(tau[kept]),
+        arms.b + float((k * tau)[tau < fast].sum()),
+    )
+
+
+def mass_for_peak(model: Solid, frequency: float, kind: Kind | str = Kind.ACCELERANCE) -> float:
+    r"""The mass that puts the peak of the accelerance at `frequency` Hz, kg; no number if none.
+
+    At the peak :math:`|m - u|^2`, with :math:`u = K(j\omega)/\omega^2`, has a zero slope, which is
+    linear in m:
+
+    .. math:: m = \frac{\mathrm{Re}(\bar u' u)}{\mathrm{Re}\,u'}
+
+    Of a transmissibility :math:`T = u / (u - m)`, so too:
+
+    .. math:: m = 2 \,\mathrm{Re}\,u - \frac{|u|^2\,\mathrm{Re}\,u'}{\mathrm{Re}(\bar u' u)}
+    """
+    omega = 2 * np.pi * frequency
+    w = omega * (1 + np.array([-1e-5, 0.0, 1e-5]))
+    u = model.complex_stiffness(omega=w) / w**2
+    slope = u[2] - u[0]
+    turning, here = float((np.conj(slope) * u[1]).real), complex(u[1])
+    if Kind(kind) is Kind.TRANSMISSIBILITY:
+        return 2 * here.real - abs(here) ** 2 * slope.real / turning if turning != 0 else np.nan
+    return float(turning / slope.real) if slope.real != 0 else float("nan")
+
+
+def geometry_factor(
+    modulus: Solid, *, mass: Quantity, peak: Quantity, kind: Kind | str = Kind.TRANSMISSIBILITY
+) -> float:
+    r"""The geometry factor of a part from one measured resonance, m: :math:`K^* = g\,E^*`.
+
+    A mass on g times a solid peaks where m/g does on the solid itself
+    (:func:`mass_for_peak`).
+
+    Parameters
+    ----------
+    modulus : Solid
+        Of the material, Pa.
+    mass : str or float
+        On all the parts together, kg.
+    peak : str or float
+        Frequency at which the FRF is largest, Hz.
+    kind : str
+        Of that FRF: a transmissibility, or ``"accelerance"``.
+
+    Raises
+    ------
+    DataError
+        If no such part peaks there: the material damps too much.
+    """
+    kilograms, hz = si(mass, "mass"), si(peak, "frequency")
+    positive(mass=kilograms, unit=" kg")
+    positive(peak=hz, unit=" Hz", expected="a frequency > 0")
+    ratio = mass_for_peak(modulus, hz, kind)
+    if not (np.isfinite(ratio) and ratio > 0):
+        raise DataError(
+            f"no part of this material has a peak at {hz:.5g} Hz: it damps too much there"
+        )
+    return kilograms / ratio
+
+
+def moving_mass(block: float, *, seal: float, seals: float = 1.0) -> tuple[float, Check]:
+    r"""Mass that moves when a block rests on seals that have a mass of their own.
+
+    .. math:: m = m_{\mathrm{block}} + n\,m_{\mathrm{seal}} / 3
+
+    A third of a spring's mass moves with its free end (Rayleigh), as long as no wave runs within
+    the seal. The paper neglects it.
+
+    Parameters
+    ----------
+    block, seal : float
+        Mass of the block and of the compressed part of one seal, kg.
+    seals : float
+        How many carry the block.
+
+    Returns
+    -------
+    mass : float
+        kg.
+    check : Check
+        ``seal_mass_negligible``: whether all seals weigh less than 2 % of the block.
+    """
+    positive("block ", mass=block, unit=" kg")
+    not_negative("seal ", mass=seal, unit=" kg")
+    if seals * seal > block:
+        raise DataError(
+            f"the seals would weigh {written(seals * seal, 'g')} on a block of "
+            f"{written(block, 'g')}: check the mass of one seal and its unit"
+        )
+    return block + seals * seal / 3, seal_mass_negligible(seals * seal / block)

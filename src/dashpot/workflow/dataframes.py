@@ -1,0 +1,110 @@
+"""Nouns as tables of other libraries: pandas and xarray, where they are installed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import singledispatch
+from importlib import import_module
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import DataError
+from dashpot.base.reported_values import Fact, Numbered
+from dashpot.base.result_mixins import Described, Judged
+from dashpot.datamodel.fit import Fit
+from dashpot.workflow.study import Study
+
+
+class UnitFrame(NamedTuple):
+    """Columns of one length, the first their index, each with its SI unit ("" if it has none)."""
+
+    columns: dict[str, Any]
+    units: dict[str, str]
+
+
+def to_pandas(noun: object) -> Any:
+    """Return a noun as a :class:`pandas.DataFrame`, its units in ``attrs["units"]``.
+
+    Raises
+    ------
+    DataError
+        If pandas is not installed.
+    """
+    made = frame(noun)
+    index, *_ = made.columns
+    table = library("pandas").DataFrame(made.columns).set_index(index)
+    table.attrs["units"] = made.units
+    return table
+
+
+def to_xarray(noun: object) -> Any:
+    """Return a noun as an :class:`xarray.Dataset` over its index, each variable with its unit.
+
+    Raises
+    ------
+    DataError
+        If xarray is not installed.
+    """
+    xarray, made = library("xarray"), frame(noun)
+    index, *others = made.columns
+
+    def variable(name: str) -> Any:
+        return xarray.Variable((index,), made.columns[name], {"units": made.units[name]})
+
+    return xarray.Dataset({name: variable(name) for name in others}, {index: variable(index)})
+
+
+def library(name: str) -> Any:
+    """Return a library that the extra ``frames`` brings, or say so."""
+    try:
+        return import_module(name)
+    except ImportError:
+        raise DataError(
+            f'{name} is not installed; pip install "dashpot[frames]" brings it'
+        ) from None
+
+
+@singledispatch
+def frame(noun: object) -> UnitFrame:
+    """Return the numbers of a noun as columns: its own series, or the facts of a result."""
+    if isinstance(noun, Described) and noun.series:
+        return _frame(**noun.series)
+    if isinstance(noun, Judged | Numbered) and noun.facts:
+        return _of_facts(noun.facts)
+    raise DataError(f"a {type(noun).__name__} is no table")
+
+
+def _frame(**columns: tuple[Any, str]) -> UnitFrame:
+    """Return a frame of columns that are there, each given with its unit."""
+    known = {name: pair for name, pair in columns.items() if pair[0] is not None}
+    return UnitFrame(
+        {name: values for name, (values, _) in known.items()},
+        {name: unit for name, (_, unit) in known.items()},
+    )
+
+
+@frame.register
+def _(noun: Fit) -> UnitFrame:
+    """Its facts, but for the dashpots that follow of k and tau."""
+    return _of_facts([one for one in noun.facts if not one.name.startswith("b")])
+
+
+def _of_facts(rows: Sequence[Fact]) -> UnitFrame:
+    """One row for each, with its standard error and 95 % interval."""
+    return _frame(
+        parameter=([one.name for one in rows], ""), value=(_column(rows, "value"), ""),
+        standard_error=(_column(rows, "error"), ""), low=(_column(rows, "low"), ""),
+        high=(_column(rows, "high"), ""), unit=([one.unit for one in rows], ""),
+    )  # fmt: skip
+
+
+@frame.register
+def _(noun: Study) -> UnitFrame:
+    """The parameters of the solid that the study ends with."""
+    return frame(noun.fit if noun.joint is None else noun.joint)
+
+
+def _column(rows: Sequence[Fact], name: str) -> FloatArray:
+    return np.array([getattr(one, name) for one in rows], dtype=float)

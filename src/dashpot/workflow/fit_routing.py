@@ -1,0 +1,129 @@
+"""Which fit records mean, together and with what was said of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Literal, TypeAlias
+
+from dashpot.base.errors import ReadError
+from dashpot.reading.readers.detect_kind import called, used
+from dashpot.registry import KINDS, RESPONSES, Meant
+
+Fitted: TypeAlias = Meant | Literal["masses", "joint"]
+
+BENCH = frozenset(kind.name for kind in KINDS.values() if kind.meant == "bench")
+"""Kinds of tests of a part on a bench, whose solid is fitted."""
+VIBRATION = frozenset(
+    kind.name for kind in KINDS.values() if kind.meant == "hits" or kind.name in RESPONSES
+)
+"""Kinds that are of a mass on its seals."""
+
+_NAMED = 3
+"""Files of one kind that a sentence names."""
+
+
+def route(
+    kinds: Mapping[str, str], *, masses: int = 0, levels: bool = False, rod: bool = False
+) -> Fitted:
+    """Return the fit that records mean.
+
+    Parameters
+    ----------
+    kinds : mapping of str to str
+        The kind of each file, as :func:`~dashpot.reading.readers.detect_kind.recognise` names it.
+    masses : int
+        How many masses were given.
+    levels : bool
+        Whether the level of each FRF was given, or the resonance at a level was asked for.
+    rod : bool
+        Whether a density or a shape was.
+
+    Raises
+    ------
+    ReadError
+        If records of these kinds are not fitted, or not together.
+
+    Examples
+    --------
+    >>> route({"seal.csv": "relaxation", "hammer.csv": "impact"}, masses=1)
+    'joint'
+    >>> route({"hammer.csv": "impact"})
+    'hits'
+    """
+    have = set(kinds.values())
+    shaken = have & VIBRATION
+    if shaken and have <= VIBRATION:
+        return _of_vibration(kinds, masses=masses, levels=levels, rod=rod)
+    if shaken and have <= VIBRATION | BENCH | {"fit"}:
+        if masses and (levels or rod):
+            raise ReadError(
+                f"{_said(kinds)}. A level, a density and a shape are of the vibration alone. Leave "
+                "them out, or fit the files one by one."
+            )
+        if masses:
+            _refuse_several(kinds)
+            return "joint"
+        raise ReadError(
+            "A test and a hammer file are fitted together under a mass. Give the mass of the "
+            "block, such as --mass 104g."
+        )
+    meant = _alone(have)
+    if meant:
+        return meant
+    if len(kinds) == 1:
+        ((path, kind),) = kinds.items()
+        raise ReadError(f"{path} is {called(kind)}: {used(kind) or 'it is not fitted'}.")
+    raise ReadError(f"These records are not fitted together: {_said(kinds)}. Fit them one by one.")
+
+
+def _of_vibration(kinds: Mapping[str, str], *, masses: int, levels: bool, rod: bool) -> Fitted:
+    if levels:
+        return "level"
+    if rod:
+        return "rod"
+    if masses > 1:
+        return "masses"
+    if masses:
+        _refuse_several(kinds)
+        return "joint"
+    meant = _alone(set(kinds.values()))
+    if meant:
+        return meant
+    raise ReadError(f"{_said(kinds)}. They are not fitted together. Fit them one by one.")
+
+
+def _refuse_several(kinds: Mapping[str, str]) -> None:
+    """Refuse more than one FRF of one mass: hits are averaged, FRFs are not."""
+    shaken = {path: kind for path, kind in kinds.items() if kind in VIBRATION}
+    if len(shaken) == 1 or set(shaken.values()) == {"impact"}:
+        return
+    if "impact" in shaken.values():
+        raise ReadError(f"{_said(shaken)}. They are not fitted together. Fit them one by one.")
+    raise ReadError(
+        f"{_said(shaken)}, and one FRF is fitted under one mass. Give one of them, or the level or "
+        "the mass of each, such as --level 0.02N --level 0.5N."
+    )
+
+
+def _said(kinds: Mapping[str, str]) -> str:
+    """What the files are, those of one kind together, a few of them by name."""
+    grouped: dict[str, list[str]] = {}
+    for path, kind in kinds.items():
+        grouped.setdefault(called(kind), []).append(Path(path).name)
+    return "; ".join(f"{_some(names)} {what}" for what, names in grouped.items())
+
+
+def _some(names: Sequence[str]) -> str:
+    if len(names) == 1:
+        return f"{names[0]} is"
+    named = names if len(names) <= _NAMED else names[: _NAMED - 1]
+    last = names[-1] if named is names else f"{len(names) - len(named)} more"
+    first = named[:-1] if named is names else named
+    return f"{', '.join(first)} and {last} are each"
+
+
+def _alone(have: set[str]) -> Meant | Literal[""]:
+    """What records mean that are all fitted alike."""
+    words = {KINDS[kind].meant if kind in KINDS else "" for kind in have}
+    return words.pop() if len(words) == 1 else ""

@@ -1,0 +1,71 @@
+"""What a JSON file of dashpot's own holds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from dashpot.base.errors import ReadError
+from dashpot.datamodel.fit import Fit
+from dashpot.extensions.amplitude.level_results import LevelFit
+from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
+from dashpot.reading.raw_file import like_json, open_raw
+from dashpot.reading.readers.detect_kind import called, used
+from dashpot.solids.maxwell import Solid
+from dashpot.workflow.json_archive import from_json
+
+A_FIT = "a fit, as 'dashpot fit FILE -o fit.json' writes it"
+
+
+def stored(path: str | Path, *, hint: str = "") -> object:
+    """Return the noun in a JSON file; ``-`` is stdin.
+
+    Raises
+    ------
+    ReadError
+        If it is none; the sentence ends with the hint.
+    """
+    raw = open_raw(path)
+    if not like_json(raw.head(64)):
+        raise ReadError(f"{path}: this is not a JSON document{hint}")
+    try:
+        return from_json(raw.head(raw.size).decode())
+    except UnicodeDecodeError:
+        raise ReadError(f"{path} is not a JSON document: it is not UTF-8 text") from None
+    except ReadError as error:
+        raise ReadError(f"{path}: {error}{hint}") from None
+
+
+def read_fit(path: str | Path) -> Fit:
+    """Return the fit in a JSON file, as written by ``dashpot fit -o``; ``-`` is stdin.
+
+    Raises
+    ------
+    ReadError
+        If it holds something else.
+    """
+    return _a_fit(path, stored(path, hint=f"; expected {A_FIT}"))
+
+
+def read_exported(path: str | Path) -> Solid | Fit | LevelFit | HyperelasticFit:
+    """Return a solid, or a fit: of one, of levels, of a hyperelastic law; ``-`` is stdin.
+
+    Raises
+    ------
+    ReadError
+        If it holds something else.
+    """
+    found = stored(path, hint=f"; expected {A_FIT}, or of FRFs at several levels")
+    return found if isinstance(found, Solid | LevelFit | HyperelasticFit) else _a_fit(path, found)
+
+
+def _a_fit(path: str | Path, found: object) -> Fit:
+    if not isinstance(found, Fit):
+        raise ReadError(f"{told_as(path, found)}; expected {A_FIT}")
+    return found
+
+
+def told_as(path: str | Path, found: object) -> str:
+    """Return what a document holds that is not what was wanted, and who wants it."""
+    kind = str(getattr(found, "schema", "")).partition("/")[2].partition("@")[0]
+    use = used(kind)
+    return f"{path} is {called(kind)}{f' ({use})' if use else ''}"

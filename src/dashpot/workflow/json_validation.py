@@ -1,0 +1,69 @@
+"""What a JSON document says that it should not: keys twice or unknown, texts for numbers, edits."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from dashpot.base.serialisation import DIGEST, digest_of
+
+_NUMERIC = {"k_inf", "k", "tau", "b"}
+"""Keys of a solid, whose values are numbers."""
+
+
+def edited(value: Any) -> bool:
+    """Whether a document holds a fit that was changed since; one typed by hand has no digest."""
+    if isinstance(value, list):
+        return any(map(edited, value))
+    if not isinstance(value, dict):
+        return False
+    sealed = "schema" in value and DIGEST in value
+    return (sealed and value[DIGEST] != digest_of(value)) or any(map(edited, value.values()))
+
+
+def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return a JSON object whose keys each stand once."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise ValueError(f'the key "{twice}" stands twice in one object')
+    return found
+
+
+def parts_of(value: Any, where: str) -> dict[str, Any]:
+    """Return what an object or an array holds by its place; nothing of any other value."""
+    if isinstance(value, dict):
+        return {f"{where}.{key}": item for key, item in value.items()}
+    if isinstance(value, list):
+        return {f"{where}[{i}]": item for i, item in enumerate(value)}
+    return {}
+
+
+def mistyped(value: Any, where: str = "$") -> str:
+    """Say which number of a document is a text; nothing if none is."""
+    if isinstance(value, str) and re.fullmatch(r"[-+]?[\d.,]+(?:[eE][-+]?\d+)?", value):
+        numeric = where.rpartition(".")[2].partition("[")[0] in _NUMERIC
+        return f'{where} is the text "{value}"; expected a number, with a point' if numeric else ""
+    parts = parts_of(value, where).items()
+    return next(filter(None, (mistyped(item, place) for place, item in parts)), "")
+
+
+def strange(given: Any, known: Any, where: str = "$") -> str:
+    """Say what a document holds that its noun, written again, does not; nothing if all is known."""
+    if isinstance(given, dict | list) and type(given) is not type(known):
+        found, expected = (_KINDS.get(type(one), "one value") for one in (given, known))
+        return f"{where} is {found}; expected {expected}"
+    if isinstance(given, dict):
+        unknown = sorted(given.keys() - known.keys())
+        if unknown:
+            return f'{where} has "{unknown[0]}", which this version of dashpot does not know'
+    # the bare contract's orders are left out: then there is nothing to hold the items against
+    elif isinstance(given, list) and len(given) != len(known):
+        return ""
+    there = parts_of(known, where)
+    parts = parts_of(given, where).items()
+    return next(filter(None, (strange(item, there[place], place) for place, item in parts)), "")
+
+
+_KINDS: dict[type, str] = {dict: "an object", list: "an array"}

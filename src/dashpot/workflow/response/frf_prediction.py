@@ -1,0 +1,656 @@
+"""From a fit to the FRF of a mass on it, with its peak, its modes and its limits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.choices import Family
+from dashpot.base.errors import DataError
+from dashpot.base.number_format import where
+from dashpot.base.plausibility import SIZES
+from dashpot.base.reported_values import Fact
+from dashpot.base.result_mixins import Judged, Series
+from dashpot.base.serialisation import Documented
+from dashpot.datamodel.bounds import FRFBounds
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF, Kind, Mode
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.extensions.amplitude.amplitude_response import (
+    VANISHING,
+    Anchor,
+    AtLevel,
+    SweptPart,
+    level_of,
+    swept_part,
+)
+from dashpot.extensions.amplitude.preloaded_response import PreloadedLevel, preloaded_levels
+from dashpot.extensions.curves.temperatures.checks import temperature_tested
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers.psd import read_psd
+from dashpot.solids.maxwell import Solid
+from dashpot.vibration.checks import compression_tested
+from dashpot.vibration.systems.frf_prediction import (
+    isolation_frequency,
+    model_modes,
+    moving_mass,
+    predict_frf,
+)
+from dashpot.vibration.systems.mount_mass import entrained, on_heavy_mounts
+from dashpot.vibration.systems.random_base import (
+    RandomLimits,
+    RandomResponse,
+    random_base,
+    random_limits,
+)
+from dashpot.workflow.checks import base_band_informed, prediction_informed
+from dashpot.workflow.job import LevelChoices, PartChoices, known_of_a_test
+from dashpot.workflow.prepare_tests import at_their_temperatures, prepared_files, refuse_others
+from dashpot.workflow.response.part_factor import applied
+from dashpot.workflow.response.static_equilibrium import (
+    LIMIT_LINES,
+    AtRest,
+    at_rest,
+    family_checks,
+    formal_limits,
+    frf_limits,
+    rest_checks,
+    rival_modes,
+)
+
+BAND = (1.0, 50.0)
+"""Hz, where none is said."""
+
+
+@dataclass(frozen=True)
+class Limited(Documented):
+    """Limits of the accelerance, 1/kg, or of T, over frequencies, Hz.
+
+    Attributes
+    ----------
+    kind : Kind
+        Of a force on the mass the accelerance, from which the others follow.
+    frequency : array, shape (n,)
+    parameter : array, shape (2, n)
+        By standard errors alone.
+    bounds : FRFBounds or None
+        By both kinds of ignorance, if the relaxation record is at hand.
+    """
+
+    keys = ("kind", "frequency_hz=frequency", "parameter", "*by_tests~")
+
+    kind: Kind
+    frequency: FloatArray
+    parameter: FloatArray
+    bounds: FRFBounds | None
+
+    @property
+    def by_tests(self) -> dict[str, Any] | None:
+        """What the tests that were fitted do not reject."""
+        bounds = self.bounds
+        if bounds is None:
+            return None
+        where, height = bounds.peak_frequency, bounds.peak_height
+        return {"unseen": bounds.unseen, "peak_frequency_hz": where, "peak_height": height}
+
+
+@dataclass(frozen=True)
+class ShakenMass(Documented):
+    """Standard deviations over a base that shakes at random.
+
+    Attributes
+    ----------
+    response : RandomResponse
+    of : str
+        The file that says how it shakes, or white noise.
+    band : (float, float) or None
+        Of that file, Hz.
+    limits : RandomLimits or None
+        If the relaxation record is at hand.
+    """
+
+    keys = ("*response", "of", "band_hz=band", "limits~?")
+
+    response: RandomResponse
+    of: str
+    band: tuple[float, float] | None
+    limits: RandomLimits | None
+
+
+class RivalModes(NamedTuple):
+    """Another family of solids that explains the test, and the modes of the mass on it."""
+
+    family: Family
+    modes: tuple[Mode, ...]
+
+
+@dataclass(frozen=True, repr=False)
+class Prediction(Judged, Documented):
+    """The FRF of a mass on `seals` seals, and what is known of it.
+
+    Attributes
+    ----------
+    fit : Fit
+        Of one seal, at its temperature and of its shape.
+    mass, moving_mass : float
+        Of the block, and with the seals' share, kg.
+    seals : float
+    frf : FRF
+    modes : tuple of Mode
+    peak : (float, float)
+        Frequency, Hz, and height of the largest magnitude, between the lines of the grid too.
+    at_edge : bool
+        That magnitude stands at an end of the band: it is no peak.
+    limited : Limited
+    checks : tuple of Check
+        Where the mass rests, whether the peak is informed, those of the fit, and what the mass
+        of the seals does.
+    verdict : Verdict
+        What to make of it.
+    at_rest : AtRest
+        Where the mass rests, and what secant and tangent make of it.
+    rival : RivalModes or None
+    of_part : bool
+        Of a part of a material, not of the fit itself.
+    levels : tuple of AtLevel
+        The resonance at each level that was asked for, by a sweep; all else is of a vanishing one.
+    swept : SweptPart or None
+        The sweep behind them.
+    shaken : ShakenMass or None
+        Over a base that shakes at random.
+    isolation : float or None
+        Above it the mass moves less than its base, Hz.
+    preloaded : tuple of PreloadedLevel
+        The resonance at each level, by an elastic law that bends.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> fit = dp.fit(dp.simulate("relaxation", hold="5s", noise_free=True), arms=2)
+    >>> dp.predict(fit, mass="104g", seals=2).frf.unit
+    '(m/s^2)/N'
+    """
+
+    schema = "dashpot/prediction@1"
+    keys = (
+        "mass", "moving_mass", "seals", "temperature=fit.specimen.temperature", "kind=frf.quantity",
+        "frf.unit", "*at_rest.told", "peak=largest", "modes", "alternative=rival",
+        "band_hz=fit.band", "extrapolated", "frequency_hz=frf.frequency", "frf.value.real",
+        "frf.value.imag", "limits=limited", "levels=by_level?", "sweep=swept?", "random=shaken?",
+        "isolation_hz=isolation?", "verdict",
+    )  # fmt: skip
+
+    fit: Fit
+    mass: float
+    moving_mass: float
+    seals: float
+    frf: FRF
+    modes: tuple[Mode, ...]
+    peak: tuple[float, float]
+    at_edge: bool
+    limited: Limited
+    checks: tuple[Check, ...]
+    verdict: Verdict
+    at_rest: AtRest
+    rival: RivalModes | None = None
+    of_part: bool = False
+    levels: tuple[AtLevel, ...] = ()
+    swept: SweptPart | None = None
+    shaken: ShakenMass | None = None
+    isolation: float | None = None
+    preloaded: tuple[PreloadedLevel, ...] = ()
+
+    @property
+    def facts(self) -> tuple[Fact, ...]:
+        """Frequency, damping ratio and residue of each mode, and what each level makes of it."""
+        of: tuple[Mode | PreloadedLevel, ...] = (*self.modes, *self.preloaded)
+        return tuple(fact for one in of for fact in one.facts)
+
+    @property
+    def series(self) -> Series:
+        """The response over frequency."""
+        return self.frf.series
+
+    @property
+    def limits(self) -> FRFBounds | None:
+        """By both kinds of ignorance, if the relaxation record is at hand."""
+        return self.limited.bounds
+
+    @property
+    def interval(self) -> tuple[FloatArray, FloatArray]:
+        """Lines, Hz, and limits by standard errors alone, of the accelerance, 1/kg, or of T."""
+        return self.limited.frequency, self.limited.parameter
+
+    @property
+    def height_between(self) -> tuple[float, float] | None:
+        """Limits of the magnitude at the peak by the errors of a fit to vibration; None of others.
+
+        The errors hold what the rig of the hammer may have added unseen.
+        """
+        frequency, limits = self.interval
+        if self.fit.method not in {"frf", "joint"} or self.at_edge or len(frequency) < 2:
+            return None
+        low, high = (float(np.interp(self.peak[0], frequency, row)) for row in limits)
+        return (low, high) if np.isfinite(high) and low < high else None
+
+    @property
+    def largest(self) -> dict[str, float | bool]:
+        """The largest magnitude by the names of its numbers."""
+        return {"frequency_hz": self.peak[0], "value": self.peak[1], "at_edge": self.at_edge}
+
+    @property
+    def extrapolated(self) -> bool:
+        """Whether a mode lies outside the band that the test informs."""
+        low, high = self.fit.band
+        return any(not low <= mode.frequency <= high for mode in self.modes)
+
+    @property
+    def by_level(self) -> tuple[AtLevel, ...] | tuple[PreloadedLevel, ...] | None:
+        """`levels`, where one was asked for."""
+        return self.levels or self.preloaded or None
+
+
+def predict_files(
+    found: Fit,
+    records: Sequence[str | Path] = (),
+    *,
+    mass: float,
+    part: PartChoices | None = None,
+    at_level: LevelChoices | None = None,
+    machine: Machine | None = None,
+    options: ReadOptions | None = None,
+    **asked: Any,
+) -> Prediction:
+    """Predict the FRF of a mass on a fitted seal, bounded by files of the tests behind the fit.
+
+    Parameters
+    ----------
+    found : Fit
+        Of one seal.
+    records : sequence of path
+        The relaxation tests behind it: they bound the unresolved arms.
+    machine : Machine, optional
+        What is known of the machine of those tests.
+    options : ReadOptions, optional
+        What the user said of their files.
+    mass, part, at_level, asked
+        As of :func:`prediction`.
+
+    Raises
+    ------
+    DataError
+        If a machine is described and no test was made on it, or a record is not what was fitted.
+    """
+    known_of_a_test(machine, tests=len(records), add="the record (--record)")
+    swept = swept_part(at_level or LevelChoices(), unit=found.unit, part=part, options=options)
+    tests = prepared_files(records, machine=machine, options=options)
+    return prediction(found, tests, mass=mass, part=part, at_level=at_level, swept=swept, **asked)
+
+
+def prediction(
+    found: Fit,
+    tests: Sequence[RampHold] = (),
+    *,
+    mass: float,
+    seal_mass: float | None = None,
+    seals: float = 1.0,
+    band: tuple[float, float] | None = None,
+    lines: int = 2001,
+    kind: str | None = None,
+    base: bool = False,
+    relative: bool = False,
+    compression: float | None = None,
+    temperature: float | None = None,
+    part: PartChoices | None = None,
+    at_level: LevelChoices | None = None,
+    swept: SweptPart | None = None,
+    base_psd: str | None = None,
+) -> Prediction:
+    """Predict the FRF of a mass on a fitted seal.
+
+    Parameters
+    ----------
+    found : Fit
+        Of one seal.
+    tests : sequence of RampHold
+        The relaxation tests behind it: they bound the unresolved arms.
+    mass, seal_mass : float
+        Of the block and of one seal, kg.
+    seals : float
+    band : (float, float), optional
+        Hz, 1 to 50 Hz by default; `lines` lines are laid over it.
+    kind : str, optional
+        What the FRF of a force relates, as in
+        :func:`~dashpot.vibration.systems.frf_prediction.predict_frf`.
+    base, relative : bool
+        The base moves, and the motion of the mass is taken relative to it.
+    compression : float, optional
+        Of the seals, m; by default that of the mass's weight.
+    temperature : float, optional
+        K; by default that of the fit's solid.
+    part : PartChoices, optional
+        The geometry of a part, where the fit is of a material's modulus.
+    at_level : LevelChoices, optional
+        How far the part is moved.
+    swept : SweptPart, optional
+        What a sweep says that this does to it.
+    base_psd : str, optional
+        A file, or a word such as ``"0.01g^2/Hz"``: how the base shakes at random.
+
+    Raises
+    ------
+    DataError
+        If the choices exclude each other, or a record is not what was fitted.
+    """
+    SIZES["mass"].refuse(mass)
+    asked = _related(kind, base=base or base_psd is not None, relative=relative)
+    choices, band = at_level or LevelChoices(), band or BAND
+    moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
+    here = found if temperature is None else found.at_temperature(temperature)
+    stiffer, of_part = 1.0, part is not None and part != PartChoices()
+    if part is not None and of_part:
+        _refuse_records(tests)
+        material, measured = here.solid, _measured_at(swept, choices, asked)
+        here = found = applied(part, here, seals=seals, base=asked.over_base, peak=measured)
+        stiffer = float(
+            abs(here.solid.complex_stiffness(omega=1.0) / material.complex_stiffness(omega=1.0))
+        )
+    rests = at_rest(here, mass=moving, seals=seals, compression=compression)
+    # over a base, mounts that weigh something couple the mass to it
+    coupled = entrained(seal_mass, seals) if asked.over_base else 0.0
+    on = _OnSeals(here, rests, moving, seals, coupled, asked)
+    frf = on.frf(np.linspace(*band, lines))
+    bounded = _bounds(on, found, tests, temperature=temperature)
+    limited = on.limited(frf, bounded)
+    peak, at_edge = on.peak(frf)
+    about = on.modes[0].frequency if on.modes else peak[0]
+    anchor = _anchor(swept, choices, part, on.solid, kind=asked, scale=seals * stiffer)
+    levels = on.at(swept, choices.levels, frf, scale=seals * stiffer, about=about, anchor=anchor)
+    bent = () if swept else on.preloaded(choices.levels, frf, about=about, compression=compression)
+    checks = (
+        # what the test must inform is the resonance, inside the band or not
+        *_led_by(on, mass=mass, band=band, felt=about if at_edge else peak[0]),
+        *(() if swept is None else (*swept.covered(levels), *swept.checks)),
+        *(compression_tested(one.deepest, rests.point.depth) for one in bent),
+        *found.checks,
+        *_asked_of(found, temperature),
+        noted,
+        *family_checks(here, rests.point, mass=moving, seals=seals),
+    )
+    return Prediction(
+        here,
+        mass,
+        moving,
+        seals,
+        frf,
+        on.modes,
+        peak,
+        at_edge,
+        limited,
+        checks,
+        verdict(checks, sound=_sound(frf, peak, found, at_edge=at_edge)),
+        rests,
+        on.rival,
+        of_part,
+        levels,
+        swept,
+        on.shaken(base_psd, bounded),
+        on.isolation,
+        bent,
+    )
+
+
+def _related(kind: str | None, *, base: bool, relative: bool) -> Kind:
+    """What the FRF of a mass relates: to a force on it, or to the motion of its base."""
+    if base and kind is not None:
+        raise DataError("--kind is of a force on the mass, --base of none: leave one out")
+    if relative and not base:
+        raise DataError(
+            "--relative is of a mass over a base that moves: add --base (Python: base=True)"
+        )
+    if not base:
+        return Kind(kind or Kind.ACCELERANCE)
+    return Kind.RELATIVE_TRANSMISSIBILITY if relative else Kind.TRANSMISSIBILITY
+
+
+def _sound(frf: FRF, peak: tuple[float, float], found: Fit, *, at_edge: bool) -> str:
+    """Return where the predicted peak lies, how high it is, and where the model is valid."""
+    hz, height = peak
+    name, unit = frf.quantity.replace("_", " "), frf.read
+    size = f"{height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz"
+    top = f"the {name} is {size}, the end of the band" if at_edge else f"peak of the {name} {size}"
+    return f"{top}. The model is valid {where(found.band)}"
+
+
+def _refuse_records(tests: Sequence[RampHold]) -> None:
+    if tests:
+        raise DataError(
+            "a record (--record) bounds the part that was tested, not another of its material: "
+            "leave it or the geometry out"
+        )
+
+
+@dataclass(frozen=True)
+class _OnSeals:
+    """A mass on seals: the fit of one, where they rest, and what of them moves along."""
+
+    fit: Fit
+    rests: AtRest
+    mass: float
+    seals: float
+    coupled: float
+    kind: Kind
+
+    @property
+    def solid(self) -> Solid:
+        """All the seals, as small vibration feels them."""
+        return self.seals * self.rests.point.solid(self.fit)
+
+    @cached_property
+    def modes(self) -> tuple[Mode, ...]:
+        return model_modes(self.solid, self.mass)
+
+    @property
+    def isolation(self) -> float | None:
+        """Above it the mass moves less than its base, Hz."""
+        if self.kind is not Kind.TRANSMISSIBILITY:
+            return None
+        return isolation_frequency(self.solid, self.mass - self.coupled)
+
+    def frf(self, frequency: FloatArray) -> FRF:
+        frf = predict_frf(self.solid, mass=self.mass, frequency=frequency, kind=self.kind)
+        if self.coupled > 0:
+            frf = on_heavy_mounts(frf, mass=self.mass, coupled=self.coupled)
+        return frf
+
+    def peak(self, frf: FRF) -> tuple[tuple[float, float], bool]:
+        """Frequency and height of the largest magnitude, and whether it stands at an end."""
+        top, last = int(np.abs(frf.value).argmax()), len(frf.value) - 1
+        low, high = frf.frequency[max(top - 1, 0)], frf.frequency[min(top + 1, last)]
+        fine = self.frf(np.linspace(low, high, 2001))
+        height = np.abs(fine.value)
+        peak = float(fine.frequency[height.argmax()]), float(height.max())
+        return peak, top in {0, last} and peak[0] in {low, high}
+
+    @property
+    def rival(self) -> RivalModes | None:
+        """What the other family of solids that explains the test makes of the resonance."""
+        other = self.fit.alternative
+        if other is None or not other.explains:
+            return None
+        how = {"mass": self.mass, "seals": self.seals}
+        return RivalModes(other.family, rival_modes(self.fit, self.rests.point, **how))
+
+    def limited(self, frf: FRF, bounded: Callable[..., FRFBounds] | None) -> Limited:
+        """The limits of the response, over fewer lines."""
+        kind = self.kind if self.kind.over_base else Kind.ACCELERANCE
+        lines, bounds = frf.frequency[frf.frequency > 0], None
+        few = np.linspace(lines[0], lines[-1], LIMIT_LINES)
+        if bounded is not None:
+            few = np.linspace(max(frf.frequency[0], 1e-3), frf.frequency[-1], LIMIT_LINES)
+            bounds = bounded(frequency=few, kind=kind)
+            few = bounds.frequency
+        formal = formal_limits(
+            self.fit,
+            self.rests.point,
+            mass=self.mass,
+            frequency=few,
+            seals=self.seals,
+            kind=kind,
+            coupled=self.coupled,
+        )
+        return Limited(kind, few, formal, bounds)
+
+    def shaken(
+        self, base_psd: str | None, bounded: Callable[..., FRFBounds] | None
+    ) -> ShakenMass | None:
+        """What a base that shakes at random does, and between which limits."""
+        if base_psd is None or self.kind is not Kind.TRANSMISSIBILITY:
+            return None
+        base = read_psd(base_psd)
+        f, mass, coupled = base.frequency, self.mass, self.coupled
+        how: dict[str, Any] = {"psd": base.density, "frequency": f, "coupled": coupled}
+        response, limits = random_base(self.solid, mass=mass, **how), None
+        if bounded is not None:
+            limits = random_limits(
+                self.solid,
+                lambda at, kind: bounded(frequency=at, kind=kind).unseen,
+                mass=mass,
+                **how,
+            )
+        if f is None:
+            return ShakenMass(response, "white noise", None, limits)
+        return ShakenMass(response, base.source[0].file, (float(f[0]), float(f[-1])), limits)
+
+    def at(
+        self,
+        swept: SweptPart | None,
+        levels: Sequence[str],
+        frf: FRF,
+        *,
+        scale: float,
+        about: float,
+        anchor: Anchor | None = None,
+    ) -> tuple[AtLevel, ...]:
+        """The resonance at each level; of no sweep at none."""
+        if swept is None:
+            return ()
+        return swept.at(
+            self.solid,
+            [level_of(word, self.kind) for word in levels],
+            scale=scale,
+            mass=self.mass,
+            kind=self.kind,
+            about=about,
+            frequency=frf.frequency[frf.frequency > 0],
+            coupled=self.coupled,
+            anchor=anchor,
+        )
+
+    def preloaded(
+        self, levels: Sequence[str], frf: FRF, *, about: float, compression: float | None
+    ) -> tuple[PreloadedLevel, ...]:
+        """The resonance at each level, by the elastic law of the fit."""
+        if not levels:
+            return ()
+        return preloaded_levels(
+            self.fit,
+            [level_of(word, self.kind) for word in levels],
+            mass=self.mass,
+            seals=self.seals,
+            kind=self.kind,
+            about=about,
+            frequency=frf.frequency[frf.frequency > 0],
+            compression=compression,
+            coupled=self.coupled,
+        )
+
+
+def _bounds(
+    on: _OnSeals,
+    found: Fit,
+    tests: Sequence[RampHold],
+    *,
+    temperature: float | None,
+) -> Callable[..., FRFBounds] | None:
+    """What bounds the FRF by the relaxation tests; None without them."""
+    if not tests:
+        return None
+    refuse_others(tests, found)
+    return partial(
+        frf_limits,
+        found,
+        at_their_temperatures(tests, found),
+        on.rests.point,
+        mass=on.mass,
+        seals=on.seals,
+        temperature=temperature,
+        coupled=on.coupled,
+    )
+
+
+def _led_by(
+    on: _OnSeals, *, mass: float, band: tuple[float, float], felt: float
+) -> tuple[Check, ...]:
+    """A mass in a wrong unit first; then a solid that is not known at the peak."""
+    informed = [prediction_informed(felt, on.fit.band)]
+    if on.kind.over_base:
+        informed.append(base_band_informed(band, felt, on.fit.band))
+    return (*rest_checks(on.rests.point, mass), *informed)
+
+
+def _asked_of(found: Fit, temperature: float | None) -> tuple[Check, ...]:
+    """Whether a temperature that is asked for was tested."""
+    if temperature is None or found.temperatures is None:
+        return ()
+    return (temperature_tested(found.temperatures, temperature),)
+
+
+def _anchor(
+    swept: SweptPart | None,
+    choices: LevelChoices,
+    part: PartChoices | None,
+    solid: Solid,
+    *,
+    kind: Kind,
+    scale: float,
+) -> Anchor | None:
+    """The resonance that told the geometry, and the strain there; None where a shape did."""
+    if swept is None or part is None or part.resonance is None or part.resonance_mass is None:
+        return None
+    if not choices.resonance_level:
+        return Anchor(part.resonance, swept.fitted_at)
+    how = {
+        "scale": scale, "mass": part.resonance_mass, "kind": kind,
+        "level": level_of(choices.resonance_level, kind),
+    }  # fmt: skip
+    factor = swept.factors[0]
+    _, _, moved = swept.peak(solid, swept.law, factor, about=part.resonance, **how)
+    return Anchor(part.resonance, moved / swept.stretch(factor))
+
+
+def _measured_at(
+    swept: SweptPart | None, choices: LevelChoices, kind: Kind
+) -> Callable[[Solid, float, float], float] | None:
+    """The resonance of a mass at the level at which that of the user was measured.
+
+    None where the solid was measured as the resonance was: by a vanishing motion.
+    """
+    if swept is None or not (choices.resonance_level or swept.fitted_at):
+        return None
+    level = level_of(choices.resonance_level, kind) if choices.resonance_level else VANISHING
+
+    def peak(solid: Solid, factor: float, mass: float) -> float:
+        about = model_modes(solid, mass)[0].frequency
+        how = {"scale": factor, "mass": mass, "level": level, "kind": kind}
+        return swept.peak(solid, swept.law, swept.factors[0], about=about, **how)[0]
+
+    return peak

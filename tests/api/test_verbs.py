@@ -1,0 +1,195 @@
+"""The verbs take what the files hold, and say what they do not take."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+import dashpot as dp
+from dashpot.api.fit import shape_words
+from dashpot.solids.part_geometry import Disc
+from dashpot.workflow.example_files import FILES, MASS
+
+#: example file -> the record that it is, and the result of a fit of it
+RECORDS = {
+    "seal_8mm.csv": ("RelaxationTest", "Fit"),
+    "hammer.csv": ("ImpactTest", "ImpactResult"),
+    "sweep.csv": ("DynamicTest", "Fit"),
+    "curve.csv": ("RelaxationModulus", "Fit"),
+    "cld_1.csv": ("CompressionTest", "Pieces"),
+    "tension.csv": ("StressStrainTest", "HyperelasticFit"),
+    "ovens.csv": ("CounterforceTest", "Aging"),
+    "loops.csv": ("AmplitudeSweep", "AmplitudeFit"),
+}
+
+
+@pytest.fixture(scope="session")
+def examples(tmp_path_factory):
+    """Write an example file, once, and return its place."""
+    folder = tmp_path_factory.mktemp("examples")
+
+    def place(name):
+        path = folder / name
+        if not path.exists():
+            path.write_text(FILES[name].write(), encoding="utf-8")
+        return path
+
+    return place
+
+
+@pytest.mark.parametrize("name", [name for name in RECORDS if name in FILES])
+def test_a_file_is_read_and_fitted_as_what_it_is(examples, name):
+    record, result = RECORDS[name]
+    read = dp.read(examples(name))
+    assert type(read).__name__ == record
+    found = dp.fit(read)
+    assert type(found).__name__ == result
+    assert found.verdict.use in {"use", "use with care", "do not use"}
+    assert found.checks
+    assert str(found).startswith(("Use", "Do not use"))
+
+
+def test_every_kind_of_record_has_an_example_here():
+    kinds = {FILES[name].kind for name in RECORDS if name in FILES}
+    assert kinds >= {
+        "relaxation",
+        "impact",
+        "dma",
+        "modulus",
+        "cld",
+        "stress-strain",
+        "csr",
+        "cyclic",
+    }
+
+
+def test_a_kind_that_is_said_is_checked(examples):
+    assert isinstance(dp.read(examples("seal_8mm.csv"), kind="relaxation"), dp.RelaxationTest)
+    with pytest.raises(dp.DashpotError, match="relaxatio"):
+        dp.read(examples("seal_8mm.csv"), kind="relaxatoin")
+
+
+def test_several_files_are_one_record_of_hits_alone(examples):
+    hits = dp.read([examples("hammer.csv")])
+    assert isinstance(hits, dp.ImpactTest)
+    with pytest.raises(dp.ReadError, match=r"hammer\.csv is a hammer file.*dp\.fit\(one, two\)"):
+        dp.read([examples("seal_8mm.csv"), examples("hammer.csv")])
+
+
+def test_results_are_read_back(examples, tmp_path):
+    fit = dp.fit(dp.read(examples("seal_8mm.csv")), arms=2)
+    assert dp.save(fit, tmp_path / "fit.json") is fit
+    assert dp.read(tmp_path / "fit.json") == fit
+    assert fit.save(tmp_path / "fit.svg").read_text().startswith("<!--")
+    assert list(fit.to_pandas().columns)
+    with pytest.raises(dp.ExportError, match=r"written as \.json"):
+        fit.save(tmp_path / "fit.xlsx")
+    fit.save(tmp_path / "fit.html")
+    assert f"{fit.model.k_inf:.4g}"[:3] in (tmp_path / "fit.html").read_text(encoding="utf-8")
+    with pytest.raises(dp.ExportError, match=r"no page of its own"):
+        dp.save(fit.elastic_law, tmp_path / "law.html")
+
+
+def test_vibration_under_a_mass_is_one_solid(examples):
+    hits, test = dp.read(examples("hammer.csv")), dp.read(examples("seal_8mm.csv"))
+    frf = hits.frf()
+    assert dp.fit(hits)[0].frequency == pytest.approx(frf.modes()[0].frequency, rel=1e-9)
+    assert type(dp.fit(frf)).__name__ == "MeasuredModes"
+    alone = dp.fit(hits, mass=MASS, seals=2)
+    assert (alone.method, type(alone)) == ("frf", dp.Fit)
+    joint = dp.fit(test, hits, mass=MASS, seals=2)
+    mended = dp.fit(dp.fit(test), hits, mass=MASS, seals=2)
+    assert joint.method == mended.method == "joint"
+    line = frf.stiffness(mass=MASS, seals=2)
+    near = np.abs(line.frequency - 12.7).argmin()
+    assert line.storage[near] == pytest.approx(
+        joint.model.storage(frequency=line.frequency[near]), rel=0.02
+    )
+
+
+#: a call that is wrong -> what is said of it
+WRONG = {
+    "fit nothing": (lambda test, hits: dp.fit(), "nothing to fit"),
+    "fit a list": (lambda test, hits: dp.fit([test, test]), r"dp\.fit\(one, two\)"),
+    "fit a path": (lambda test, hits: dp.fit("seal_8mm.csv"), r"Read a file first: dp\.read"),
+    "fit a number": (lambda test, hits: dp.fit(3), "a int is no record"),
+    "a mass is missing": (dp.fit, "Give the mass"),
+    "arms of hits": (lambda test, hits: dp.fit(hits, arms=2), r"arms= does not suit hits"),
+    "a mass of a test": (lambda test, hits: dp.fit(test, mass="1g"), r"mass= does not suit tests"),
+    "a word misspelt": (lambda test, hits: dp.fit(test, arm=2), r"arm= does not suit"),
+    "prepared twice": (
+        lambda test, hits: dp.fit(test.prepare(), filter="lowpass:10Hz"), "prepared already",
+    ),
+    "a rod without a shape": (
+        lambda test, hits: dp.fit(hits, mass="1g", density=1100), "density and shape",
+    ),
+    "a mass in grams": (
+        lambda test, hits: dp.predict(dp.fit(test, arms=1), mass=114.8), "check the mass",
+    ),
+    "a mass of a lorry": (
+        lambda test, hits: dp.predict(dp.fit(test, arms=1), mass=1148.0), "the mass is 1.15 t",
+    ),
+    "a test is no prediction": (
+        dp.compare, "a RelaxationTest is not compared with",
+    ),
+    "a report of hits": (lambda test, hits: dp.report(hits), r"dp\.report\(test, hits\)"),
+    "a level without a sweep": (
+        lambda test, hits: dp.predict(dp.fit(test, arms=1), mass="100g", level="1N"), "add a sweep",
+    ),
+    "mm for m": (
+        lambda test, hits: dp.RelaxationTest(
+            time=test.time, displacement=1e3 * test.displacement, force=test.force, units="SI"
+        ),
+        "the travel is",
+    ),
+    "no units": (
+        lambda test, hits: dp.RelaxationTest(test.time, test.displacement, test.force),
+        'units="s, mm, N"',
+    ),
+    "no such seal": (lambda test, hits: dp.simulate("impact", seal="x"), "paper, broad"),
+    "a load of hits": (lambda test, hits: dp.simulate("impact", load="1N"), "load= is not of"),
+    "a batch of numbers": (lambda test, hits: dp.batch([[1.0, 2.0]]), r"dp\.batch\(forces"),
+    "a file that is none": (lambda test, hits: dp.read("nowhere.csv"), "nowhere.csv"),
+    "a role that is none": (
+        lambda test, hits: dp.read("x.csv", columns={"forc": "F"}), "'forc' is no role",
+    ),
+    "a word that is none": (lambda test, hits: dp.read("x.csv", colums={}), "colums= says nothing"),
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def records(examples):
+    return dp.read(examples("seal_8mm.csv")), dp.read(examples("hammer.csv"))
+
+
+@pytest.mark.parametrize("what", WRONG)
+def test_a_wrong_call_is_answered_in_a_sentence(records, what):
+    call, says = WRONG[what]
+    with pytest.raises(dp.DashpotError, match=says) as told:
+        call(*records)
+    assert "Traceback" not in str(told.value)
+    assert len(re.findall(r"[.:]", str(told.value))) >= 1
+
+
+@pytest.mark.parametrize("name", [name for name in dp.__all__ if name[0].isupper()])
+def test_every_public_class_shows_how_it_is_used(name):
+    assert ">>> " in (getattr(dp, name).__doc__ or ""), f"dp.{name} has no example"
+
+
+@pytest.mark.parametrize("name", [name for name in dp.__all__ if callable(getattr(dp, name))])
+def test_every_verb_says_what_it_raises(name):
+    doc = getattr(dp, name).__doc__
+    if name[0].islower():
+        assert ">>> " in doc
+        assert "Raises" in doc
+
+
+def test_a_shape_is_said_in_words_or_as_what_it_is():
+    for name in ("disc", "block", "bush", "bulb"):
+        assert shape_words(f"{name}:1mm,2mm") == {name: "1mm,2mm"}
+    assert shape_words(Disc(0.02, 0.01)) == {"disc": "0.02m,0.01m"}
+    for wrong in ("ball:1mm", "disc"):
+        with pytest.raises(dp.DataError, match="expected a shape with its lengths"):
+            shape_words(wrong)

@@ -1,0 +1,234 @@
+"""What a noun shows of itself: a few lines, a picture, a table of another library."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+import sys
+from html.parser import HTMLParser
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from kit import handmade
+
+import dashpot as dp
+from dashpot.base.result_mixins import LINES, Described, Judged, Pictured
+from dashpot.fitting.relaxation import fit as fit_tests
+from dashpot.preprocessing.prepare import prepare
+from dashpot.reading.readers.inspect import inspect_file
+from dashpot.reading.write import write_relaxation
+from dashpot.registry import FIGURES
+from dashpot.report.notebook import picture
+from dashpot.simulation.impact import Hammer, simulate_impact
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.solids.demo_seals import PAPER
+from dashpot.workflow.dataframes import frame
+
+
+@pytest.fixture(scope="module")
+def nouns(tmp_path_factory):
+    path = tmp_path_factory.mktemp("seen") / "seal <b>&.csv"
+    path.write_text(write_relaxation(handmade.raw_test()))
+    study = handmade.study()
+    f = np.geomspace(1.0, 100.0, 9)
+    K = PAPER.complex_stiffness(omega=2 * np.pi * f)
+    return {
+        "Fit": study.fit,
+        "FRF": study.measured,
+        "Comparison": study.comparison,
+        "Study": study,
+        "Inspection": inspect_file(path),
+        "RampHold": study.prepared,
+        "RelaxationTest": study.test,
+        "ImpactTest": study.impact,
+        "DynamicTest": dp.DynamicTest(
+            f, K.real, K.imag, temperature=f + 280.0, unit="N/m", units="SI"
+        ),
+        "RelaxationModulus": dp.RelaxationModulus(f, PAPER.relaxation(f), unit="N/m", units="SI"),
+    }
+
+
+PICTURED = ("Fit", "FRF", "Comparison", "Study", "Inspection", "RampHold")
+EVERY = (*PICTURED, "RelaxationTest", "ImpactTest", "DynamicTest", "RelaxationModulus")
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_a_shell_shows_a_few_lines(nouns, name):
+    text = repr(nouns[name])
+    assert text.startswith(f"{name}: ")
+    assert len(text.splitlines()) <= LINES
+    assert len(text) < 2000
+    assert "array(" not in text
+
+
+def test_a_long_description_is_cut():
+    class Long(Described):
+        described = tuple(f"line {i}" for i in range(40))
+
+    assert len(repr(Long()).splitlines()) == LINES
+    assert repr(Long()).endswith("\n...")
+    Long.described = Long.described[:LINES]
+    assert repr(Long()).endswith(f"line {LINES - 1}")
+
+
+def test_verdicts_lead(nouns):
+    for name in ("Fit", "Comparison", "Study"):
+        verdict = nouns[name].verdict
+        assert repr(nouns[name]).startswith(f"{name}: {verdict}")
+
+
+class Tags(HTMLParser):
+    def __init__(self):
+        super().__init__()
+        self.open, self.seen = [], []
+
+    def handle_starttag(self, tag, attrs):
+        self.open.append(tag)
+        self.seen.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+
+@pytest.mark.parametrize("name", PICTURED)
+def test_a_notebook_shows_words_and_picture(nouns, name):
+    page = nouns[name]._repr_html_()
+    tags = Tags()
+    tags.feed(page)
+    assert tags.open == []
+    assert {"pre", "svg", "path"} <= set(tags.seen)
+    assert not {"b", "script"} & set(tags.seen)  # a file's name is no markup
+    assert page == nouns[name]._repr_html_()
+    assert nouns[name].plot().panels
+
+
+def test_every_noun_that_offers_a_picture_has_one() -> None:
+    offered = {kind for kind in descendants(Pictured) if kind is not Judged}
+    assert len(offered) > 15
+    bare = {kind.__name__ for kind in offered if picture.dispatch(kind) is picture.dispatch(object)}
+    assert bare <= {noun.rpartition(":")[2] for noun, figure in FIGURES.items() if figure}
+
+
+def descendants(kind):
+    """Every class that inherits from one."""
+    for module in pkgutil.walk_packages(dp.__path__, "dashpot."):
+        # the app's nouns are those of the work
+        if not module.name.endswith("__main__") and ".web" not in module.name:
+            importlib.import_module(module.name)
+    found = {kind}
+    while new := {one for each in found for one in each.__subclasses__()} - found:
+        found |= new
+    return found - {kind}
+
+
+def test_an_inspection_draws_its_columns_along_the_time(nouns):
+    made = nouns["Inspection"].plot()
+    assert [panel.y.label for panel in made.panels] == ["displacement [mm]", "force [N]"]
+    assert {panel.x.label for panel in made.panels} == {"time [s]"}
+    (line,) = made.panels[0].marks
+    raw = handmade.raw_test()
+    assert line.x[-1] == pytest.approx(raw.time[-1])
+    assert line.y[-1] == pytest.approx(1e3 * raw.displacement[-1])
+    assert made.stamp.startswith("seal <b>&.csv")
+
+
+def test_columns_without_numbers_have_no_picture():
+    with pytest.raises(dp.DataError, match="no column of numbers"):
+        dp.plot.columns(["name", "time [s]"], [None, "time"], np.array([[np.nan, 1.0]] * 3))
+    made = dp.plot.columns(["force [N]"], ["force"], np.array([[1.0], [2.0], [np.nan]]))
+    assert made.panels[0].x.label.startswith("row")
+
+
+# -- tables ----------------------------------------------------------------------------------------
+
+
+def test_every_noun_that_offers_a_table_has_one() -> None:
+    ours = {kind for kind in descendants(Described) if kind.__module__.startswith("dashpot.")}
+    offered = ours - {Pictured, Judged}
+    assert len(offered) > 40
+    given = {
+        kind for kind in offered
+        if kind.series is not Described.series or frame.dispatch(kind) is not frame.dispatch(object)
+    }  # fmt: skip
+    facts = {kind for kind in offered if getattr(kind, "facts", None) not in {None, Judged.facts}}
+    assert offered == given | facts
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_columns_of_a_noun_are_of_one_length(nouns, name):
+    found = frame(nouns[name])
+    assert len({len(values) for values in found.columns.values()}) == 1
+    assert set(found.units) == set(found.columns)
+
+
+def test_the_table_of_a_fit_holds_its_intervals(nouns):
+    fit = nouns["Fit"]
+    found = frame(fit).columns
+    at = found["parameter"].index("tau_2")
+    assert found["value"][at] == fit.model.tau[1]
+    assert (found["low"][at], found["high"][at]) == fit.intervals()["tau"][1]
+    assert found["unit"][at] == "s"
+
+
+def test_every_sample_of_an_impact_test_knows_its_record(tmp_path):
+    test = simulate_impact(PAPER, mass=0.1, hits=2, rig=Hammer(record=1.0), seed=1).test
+    assert [*np.flatnonzero(np.diff(frame(test).columns["record"])) + 1] == [*test.starts[1:]]
+
+
+def test_without_the_library_the_extra_is_named(nouns, monkeypatch):
+    for library in ("pandas", "xarray"):
+        monkeypatch.setitem(sys.modules, library, None)  # as if it were not installed
+        with pytest.raises(dp.DataError, match=r'pip install "dashpot\[frames\]"'):
+            getattr(nouns["FRF"], f"to_{library}")()
+
+
+class Table(dict):
+    """As much of a data frame as is asked for."""
+
+    def __init__(self, columns):
+        super().__init__(columns)
+        self.attrs = {}
+
+    def set_index(self, name):
+        self.index = name
+        return self
+
+
+def test_pandas_is_given_columns_index_and_units(nouns, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", SimpleNamespace(DataFrame=Table))
+    table = nouns["RelaxationTest"].to_pandas()
+    assert table.index == "time"
+    assert table.attrs["units"] == {"time": "s", "displacement": "m", "force": "N"}
+    assert table["force"] is nouns["RelaxationTest"].force
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_pandas_and_xarray_take_every_noun(nouns, name):
+    pandas, xarray = pytest.importorskip("pandas"), pytest.importorskip("xarray")
+    table, data = nouns[name].to_pandas(), nouns[name].to_xarray()
+    assert isinstance(table, pandas.DataFrame)
+    assert isinstance(data, xarray.Dataset)
+    (index,) = data.dims
+    assert table.index.name == index
+    for column in table.columns:
+        np.testing.assert_array_equal(np.asarray(table[column]), data[column].values)
+        assert data[column].attrs["units"] == table.attrs["units"][column]
+
+
+# -- a record as read ------------------------------------------------------------------------------
+
+
+def test_a_fit_of_a_record_as_read_says_that_it_prepared_it():
+    test = simulate_relaxation(PAPER, hold_time=5.0, seed=1).test
+    raw, prepared = fit_tests(test, arms=1), fit_tests(prepare(test), arms=1)
+    assert raw.model == prepared.model
+    assert raw.steps[0].name == "by_default"
+    assert "prepared by default" in raw.steps[0].says
+    assert raw.steps[1:] == prepared.steps
+    both = fit_tests(
+        [test, prepare(simulate_relaxation(PAPER, hold_time=5.0, seed=2).test)], arms=1
+    )
+    assert [step.name for step in both.steps].count("by_default") == 1
+    with pytest.raises(dp.FitError, match="found a str"):
+        fit_tests(["seal.csv"])

@@ -1,0 +1,489 @@
+"""Laws of amplitude from sweeps, and sliders from FRFs at several levels; truths built apart."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from kit import levels
+from scipy.optimize import brentq
+
+from dashpot.base.errors import DataError, FitError
+from dashpot.datamodel.frf import FRF, Hit, Kind
+from dashpot.extensions.amplitude.checks import levels_as_struck
+from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
+from dashpot.extensions.amplitude.fit import fit_amplitude
+from dashpot.extensions.amplitude.fit_frfs import fit_levels
+from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels
+from dashpot.extensions.amplitude.preprocess import sweep_of_loops
+from dashpot.extensions.amplitude.response import resonance_at_level
+from dashpot.vibration.impact.amplitude_trend import trend_of_hits
+
+pytestmark = pytest.mark.once
+
+MASS = 0.104
+X = np.geomspace(1e-4, 0.02, 13)
+
+
+def payne(X, d=0.55, X_c=2e-3, m=0.5):
+    """Softening and its loss by the rule of broad friction, written out."""
+    u = (X / X_c) ** (2 * m)
+    return 1 - d + d / (1 + u) + 1j * d * m / np.pi * 2 * np.sqrt(u) / (1 + u)
+
+
+def sweep(K, X=X, hz=10.0, noise=0.0, seed=0, **words):
+    rng = np.random.default_rng(seed)
+    K = K * (1 + noise * (rng.normal(size=len(X)) + 1j * rng.normal(size=len(X))))
+    hz = np.broadcast_to(hz, X.shape)
+    return AmplitudeSweep(hz, X, K.real, K.imag, **words, units="SI")
+
+
+class TestSweep:
+    def test_a_factor_is_found_to_the_last_digit(self):
+        found = fit_amplitude(sweep(5e6 * (1 + 0.1j) * payne(X)))
+        assert found.law == "factor"
+        assert (found.lost, found.half_way, found.exponent) == pytest.approx(
+            (0.55, 2e-3, 0.5), rel=1e-4
+        )
+        assert found.linear[0] == pytest.approx(5e6 * (1 + 0.1j), rel=1e-4)
+        assert found.ratio(3e-3) == pytest.approx(complex(payne(3e-3)), rel=1e-4)
+        # another friction with a spring beside it would look the same
+        assert found.verdict.use == "use with care"
+        assert [check.name for check in found.checks if check.failed] == ["spring_unseen"]
+
+    def test_an_element_beside_a_solid_is_found(self):
+        K = 400 * (1 + 0.05j) + 200 * (payne(X, d=1.0) - 1)
+        found = fit_amplitude(sweep(K, unit="N/m", of="m"))
+        assert found.law == "additive"
+        assert found.lost == pytest.approx(200, rel=1e-3)
+        assert found.element().stiffness(1e-3) == pytest.approx(
+            200 * complex(payne(1e-3, d=1.0)), rel=1e-3
+        )
+
+    @pytest.mark.parametrize("law", ["factor", "additive"])
+    def test_two_frequencies_tell_which(self, law):
+        low, high = 5e6 * (1 + 0.08j), 9e6 * (1 + 0.4j)
+        change = payne(X, d=1.0) - 1
+        parts = [L * payne(X) if law == "factor" else L + 2.5e6 * change for L in (low, high)]
+        both, tones = np.concatenate((X, X)), np.repeat([10.0, 100.0], len(X))
+        found = fit_amplitude(sweep(np.concatenate(parts), both, tones, noise=0.005, seed=3))
+        assert found.law == law
+        assert found.half_way == pytest.approx(2e-3, rel=0.05)
+
+    def test_as_many_frequencies_as_amplitudes_tell_neither(self):
+        with pytest.raises(FitError, match="13 samples at 13 frequencies; expected two amplitudes"):
+            fit_amplitude(sweep(5e6 * (1 + 0.1j) * payne(X), hz=np.geomspace(1, 100, len(X))))
+
+    @pytest.mark.parametrize("change", [0.02, -0.04, 0.06])
+    def test_the_way_down_that_differs_is_named(self, change):
+        up_down = np.concatenate((X, X[-2::-1]))
+        K = 5e6 * (1 + 0.1j) * payne(up_down)
+        K[len(X) :] *= 1 + change
+        found = {check.name: check for check in fit_amplitude(sweep(K, up_down)).checks}
+        assert found["ways_agree"].value == pytest.approx(abs(change), abs=1e-9)
+        assert found["ways_agree"].failed == (abs(change) > 0.03)
+        assert ("softer" if change < 0 else "stiffer") in found["ways_agree"].says
+
+    def test_no_way_back_is_judged_where_there_is_none(self):
+        shuffled = np.random.default_rng(1).permutation(X)
+        for one in (X, X[::-1], shuffled):
+            found = fit_amplitude(sweep(5e6 * (1 + 0.1j) * payne(one), one))
+            assert "ways_agree" not in {check.name for check in found.checks}
+
+    def test_its_errors_hold_the_truth(self):
+        held = 0
+        for seed in range(60):
+            found = fit_amplitude(
+                sweep(5e6 * (1 + 0.1j) * payne(X), noise=0.01, seed=seed), law="factor"
+            )
+            error = dict(found.se)
+            held += abs(found.half_way - 2e-3) < 2 * error["half_way"]
+            held += abs(found.lost - 0.55) < 2 * error["lost"]
+            off, se = found.linear[0] - 5e6 * (1 + 0.1j), found.linear_se[0]
+            held += abs(off.real) < 2 * se.real
+            held += abs(off.imag) < 2 * se.imag
+        assert 0.88 <= held / 240 <= 0.995
+
+    def test_a_short_sweep_sets_the_exponent_and_says_so(self):
+        short = np.geomspace(1e-5, 2e-3, 13)
+        found = fit_amplitude(sweep(5e6 * (1 + 0.1j) * payne(short), short, noise=0.003))
+        assert found.exponent == pytest.approx(0.5, abs=1e-6)
+        assert dict(found.se)["exponent"] == 0
+        assert any(c.name == "softening_seen" and c.failed for c in found.checks)
+        assert found.verdict.use == "use with care"
+
+    def test_a_linear_rubber_has_no_law(self):
+        for seed in range(6):
+            found = fit_amplitude(sweep(np.full(len(X), 5e6 * (1 + 0.1j)), noise=0.01, seed=seed))
+            assert found.law == "none", seed
+            matters = next(c for c in found.checks if c.name == "level_matters")
+            assert "no change with amplitude is seen" in matters.says
+            assert found.ratio(1e-3) == 1
+
+    def test_the_first_samples_of_an_instrument_out_of_its_range(self):
+        K = 5e6 * (1 + 0.1j) * payne(X)
+        rng = np.random.default_rng(5)
+        K = K * (1 + 0.003 * (rng.normal(size=len(X)) + 1j * rng.normal(size=len(X))))
+        K[:2] *= [1.3 + 0.4j, 0.85 - 0.2j]
+        found = fit_amplitude(sweep(K))
+        assert found.left_out == 2
+        assert found.half_way == pytest.approx(2e-3, rel=0.1)
+
+    def test_a_rubber_that_does_not_follow_the_law(self):
+        steps = np.where(X < 1e-3, 5e6, 3e6) * (1 + 0.1j)
+        found = fit_amplitude(sweep(steps))
+        assert found.verdict.use == "use with care"
+
+    def test_a_loss_that_is_not_the_laws_is_not_hidden_by_the_storage(self):
+        r = np.minimum(2e-3 / X, 1)
+        theta = np.arccos(1 - 2 * r)
+        one = (theta - np.sin(2 * theta) / 2) / np.pi + 4j / np.pi * r * (1 - r)
+        found = fit_amplitude(sweep(1e6 * (3 + 0.3j + 2 * one), noise=0.005))
+        failed = [check.name for check in found.checks if check.failed]
+        assert failed == ["loss_followed", "spring_unseen"]
+
+    def test_a_spring_that_stiffens_is_no_friction(self):
+        held, Xs = 0, np.geomspace(1e-4, 6e-3, 24)
+        for seed in range(12):
+            K = 400 * (1 + 0.08j) + 0.75 * 3e6 * Xs**2
+            found = fit_amplitude(sweep(K, Xs, noise=0.003, seed=seed, unit="N/m", of="m"))
+            assert (found.law, found.verdict.use) == ("cubic", "use"), seed
+            held += abs(found.k3 - 3e6) < 2 * dict(found.se)["k3"]
+            assert found.spring().k3 == found.k3
+        assert held >= 10
+        assert found.ratio(6e-3) == pytest.approx(complex(K[-1] / (400 + 32j)), rel=0.01)
+
+    def test_both_are_found_and_the_springs_error_knows_of_the_friction(self):
+        Xs = np.geomspace(1e-4, 6e-3, 12)
+        for friction in (lambda X: payne(X, d=1.0, X_c=4e-4), lambda X: jenkins(X) / 100):
+            K = 400 + 30j + 150 * np.array([friction(one) for one in Xs]) + 0.75 * 5e6 * Xs**2
+            found = fit_amplitude(sweep(K, Xs, noise=0.003, unit="N/m", of="m"))
+            assert found.law == "additive+cubic"
+            assert abs(found.k3 - 5e6) < 2.5 * dict(found.se)["k3"]
+
+    @pytest.mark.parametrize("other", [lambda X: 8e10 * 0.625 * X**4, lambda X: 2 * stop(X)])
+    def test_a_spring_that_is_not_cubic_is_said_and_no_friction_either(self, other):
+        Xs = np.tile(np.geomspace(1e-4, 6e-3, 12), 3)
+        K = 400 + 30j + np.array([other(one) for one in Xs])
+        found = fit_amplitude(sweep(K, Xs, noise=0.002, unit="N/m", of="m"))
+        assert found.law == "cubic"
+        assert [check.name for check in found.checks if check.failed] == ["spring_cubic"]
+
+    @pytest.mark.parametrize(("friction", "least"), [(0.0, 0.002), (150.0, 0.02)])
+    def test_a_spring_that_is_not_seen_lies_below_its_bound(self, friction, least):
+        Xs = np.geomspace(1e-4, 6e-3, 24)
+        K = 400 + 30j + friction * (payne(Xs, d=1.0, X_c=8e-4) - 1)
+        added = 0.75 * (Xs / Xs.max()) ** 2
+        for seed in range(2):
+            for part in (least, -least):
+                k3 = part * 400
+                found = fit_amplitude(
+                    sweep(K + k3 * added, Xs, noise=0.003, seed=seed, unit="N/m", of="m")
+                )
+                unseen = found.k3_unseen * Xs.max() ** 2
+                assert abs(k3) < unseen < 6 * abs(k3)
+                assert "No cubic spring is seen. One of up to" in " ".join(found.described)
+        found = fit_amplitude(sweep(K + 80 * added, Xs, noise=0.003, unit="N/m", of="m"))
+        assert found.k3 > 0
+        assert found.k3_unseen == 0
+
+    @pytest.mark.parametrize("slip", [1e-4, 1e-3, 4e-3])
+    def test_friction_that_is_not_the_laws_is_no_spring(self, slip):
+        Xs = np.geomspace(1e-4, 6e-3, 12)
+        K = 400 + 30j + np.array([jenkins(one, F=100 * slip) for one in Xs])
+        for seed in range(3):
+            found = fit_amplitude(sweep(K, Xs, noise=0.003, seed=seed, unit="N/m", of="m"))
+            assert "cubic" not in found.law
+
+    def test_too_few(self):
+        with pytest.raises(FitError, match="5 amplitudes"):
+            fit_amplitude(sweep(5e6 * payne(X[:5]), X[:5]))
+
+    @pytest.mark.parametrize("words", [{"unit": "mm"}, {"of": "mm"}])
+    def test_no_unit(self, words):
+        with pytest.raises(DataError, match="expected"):
+            sweep(5e6 * payne(X), **words)
+
+    def test_an_amplitude_of_nothing(self):
+        with pytest.raises(DataError, match="amplitude"):
+            sweep(5e6 * payne(X), np.concatenate(([0.0], X[1:])))
+
+
+def test_a_third_harmonic_stays_out_of_the_first():
+    """A spring that stiffens loses nothing, and 3/4 k3 X^2 is its stiffness."""
+    recorded = levels.loops(force=lambda x: 1e3 * x + 2e8 * x**3, noise=0.0)
+    found = sweep_of_loops(recorded)
+    true = 1e3 + 0.75 * 2e8 * found.amplitude**2
+    assert found.storage == pytest.approx(true, rel=2e-3)
+    assert np.abs(found.loss).max() < 2e-3 * true.min()
+
+
+def jenkins(X, k=100.0, F=0.05):
+    """The describing function of a Jenkins element, by its area and a sum over its loop."""
+    x_y = F / k
+    if x_y >= X:
+        return k + 0j
+    theta = np.arccos(1 - 2 * x_y / X)
+    return k / np.pi * (theta - np.sin(2 * theta) / 2) + 4j * F * (X - x_y) / np.pi / X**2
+
+
+def stop(X, k=150.0, gap=3e-3):
+    """The describing function of a spring that begins at a gap."""
+    r = min(gap / X, 1.0)
+    return k * (1 - 2 / np.pi * (np.arcsin(r) + r * np.sqrt(1 - r**2)))
+
+
+def arms(w):
+    s = 1j * w
+    return 393 + 235 * s * 0.502 / (1 + s * 0.502) + 35.6 * s * 0.012 / (1 + s * 0.012)
+
+
+def marched(f, level, k3, per=128, cycles=90):
+    """First harmonic over the force of a mass on arms and a cubic spring, by leapfrog."""
+    k, tau = np.array([[235.0], [200.0]]), np.array([[0.502], [0.012]])
+    dt = 1 / f / per
+    x, v, e, X = np.zeros_like(f), np.zeros_like(f), np.zeros((2, len(f))), 0j
+    fade, share = np.exp(-dt / tau), -np.expm1(-dt / tau) * tau / dt
+    for i in range(cycles * per):
+        turn = np.exp(2j * np.pi * i / per)
+        if i >= (cycles - 8) * per:
+            X = X + x * turn.conj()
+        pull = level * turn.real * min(1, i / (10 * per))
+        v = v + (pull - 393 * x - (k * e).sum(axis=0) - k3 * x**3) / MASS * dt
+        x, e = x + v * dt, fade * e + share * v * dt
+    return 2 * X / (8 * per) / level
+
+
+def measured(level, f, friction=jenkins, *, noise=0.01, seed=0, kind=Kind.ACCELERANCE):
+    """One balance a line, by a root of our own, and noise."""
+    rng = np.random.default_rng(seed)
+    w, out = 2 * np.pi * f, []
+    for one in w:
+
+        def over(u, one=one):
+            X = np.exp(u)
+            return np.log(abs(arms(one) + friction(X) - MASS * one**2) * X / level)
+
+        X = np.exp(brentq(over, np.log(1e-9), np.log(1)))
+        out.append(1 / (arms(one) + friction(X) - MASS * one**2))
+    H = np.array(out)
+    H = H * (1 + noise / np.sqrt(2) * (rng.normal(size=len(f)) + 1j * rng.normal(size=len(f))))
+    if kind is Kind.TRANSMISSIBILITY:
+        return FRF(f, 1 + MASS * w**2 * H, kind, units="SI")
+    return FRF.of_receptance(f, H, kind=kind)
+
+
+@pytest.mark.parametrize(
+    ("said", "says"),
+    [
+        ([20.0, 2.0], "belong to each other's files"),
+        ([2000.0, 20000.0], "looks like mN or kN"),
+        ([0.002, 0.02], "looks like mN or kN"),
+        ([2.0, 50.0], "sensitivity of the force"),
+    ],
+)
+def test_levels_that_hits_contradict_are_told_why(said, says):
+    check = levels_as_struck(said, [2.1, 19.0])
+    assert check.failed
+    assert says in check.says
+
+
+def test_hits_that_leave_no_resonance_at_a_level_say_so():
+    """The damping ratio halves per doubling, from 0.4: of a twentieth of the motion no peak."""
+    made = [
+        Hit(str(i), i, True, (), X, 0.01, 12.0, 4e-5 / X, 0.1, X)
+        for i, X in enumerate(np.geomspace(1e-4, 8e-4, 6))
+    ]
+    trend = trend_of_hits(made)
+    found = HitLevels(FRF(np.arange(1.0, 4.0), np.ones(3), units="SI"), trend, ())
+    assert found.resonance(0.4)[0] > 10
+    with pytest.raises(DataError, match="leaves no resonance: it does not reach so far"):
+        found.resonance(0.02)
+
+
+F = np.linspace(8, 20, 61)
+LEVELS = (0.005, 0.05, 0.5)
+
+
+def three(friction=jenkins, seed=0, levels=LEVELS, **words):
+    return [
+        measured(level, F, friction, seed=10 * seed + i, **words) for i, level in enumerate(levels)
+    ]
+
+
+def worst(found, friction=jenkins, at=(2e-4, 1e-3, 4e-3)):
+    w = 2 * np.pi * 13.0
+    return max(
+        abs(complex(found.stiffness(omega=w, amplitude=X)) / (arms(w) + friction(X)) - 1)
+        for X in at
+        if found.covers(X)
+    )
+
+
+class TestLevels:
+    @pytest.mark.parametrize("seed", range(6))
+    def test_stiffness_and_loss_at_every_amplitude(self, seed):
+        found = fit_levels(three(seed=seed), LEVELS, mass=MASS)
+        assert worst(found) < 0.01
+        assert found.k3 == 0
+        assert found.verdict.use == "use"
+        assert found.residual < 0.012
+        assert found.linear_residual > 0.05
+
+    def test_several_seals_are_one_seal_so_many_times(self):
+        one = fit_levels(three(), LEVELS, mass=MASS)
+        two = fit_levels(three(), LEVELS, mass=MASS, seals=2)
+        assert 2 * two.stiffness(omega=80.0, amplitude=1e-3) == pytest.approx(
+            one.stiffness(omega=80.0, amplitude=1e-3), rel=1e-6
+        )
+
+    def test_a_mass_said_wrong_moves_another_mass_and_no_level(self):
+        one, other = (fit_levels(three(), LEVELS, mass=part * MASS) for part in (1, 1.01))
+        for level in (0.02, 0.2):
+            here, there = (resonance_at_level(found, level)[0] for found in (one, other))
+            assert there == pytest.approx(here, rel=3e-4)
+        heavier = (replace(found, mass=1.3 * MASS) for found in (one, other))
+        here, there = (resonance_at_level(found, 0.05)[0] for found in heavier)
+        assert there / here - 1 == pytest.approx(0.005, abs=1e-3)
+        assert "that of another mass moves by 0.5 %" in " ".join(one.described)
+
+    def test_a_linear_truth_needs_no_sliders(self):
+        def nothing(X):
+            return 0j
+
+        for seed in range(12):
+            found = fit_levels(three(nothing, seed=seed), LEVELS, mass=MASS)
+            assert found.beside == (), seed
+            assert "no change with amplitude is seen" in " ".join(
+                found.described + tuple(c.says for c in found.checks)
+            )
+
+    @pytest.mark.parametrize(("said", "use"), [(True, "use"), (False, "do not use")])
+    def test_lines_that_are_noise_count_by_the_error_that_they_state(self, said, use):
+        part = np.where(F > 15, 0.2, 0.003)
+        rng = np.random.default_rng(2)
+        noisy = []
+        for one in three(noise=0.0):
+            off = part * (rng.normal(size=len(F)) + 1j * rng.normal(size=len(F)))
+            sd = part * np.abs(one.value) if said else None
+            noisy.append(FRF(F, one.value * (1 + off), one.quantity, sd=sd, units="SI"))
+        found = fit_levels(noisy, LEVELS, mass=MASS)
+        assert bool(worst(found) < 0.002) is said
+        assert found.verdict.use == use
+
+    def test_lines_of_another_noise_beside_the_resonance_are_no_misfit(self):
+        """Ten times the noise below 12 Hz, as of a transmissibility near 1, and none of it said."""
+        part = np.where(F < 12, 0.03, 0.003)
+        rng = np.random.default_rng(4)
+        noisy = []
+        for one in three(noise=0.0):
+            off = part * (rng.normal(size=len(F)) + 1j * rng.normal(size=len(F)))
+            noisy.append(FRF(F, one.value * (1 + off), one.quantity, units="SI"))
+        found = fit_levels(noisy, LEVELS, mass=MASS)
+        ratio = next(c.value for c in found.checks if c.name == "levels_followed")
+        assert 0.8 < ratio < 1.2
+
+    def test_transmissibility_says_the_same(self):
+        w0 = 2 * np.pi * 13
+        base = [
+            measured(level, F, seed=i, kind=Kind.TRANSMISSIBILITY) for i, level in enumerate(LEVELS)
+        ]
+        found = fit_levels(base, [level / MASS for level in LEVELS], mass=MASS)
+        assert worst(found) < 0.01
+        assert found.stiffness(omega=w0, amplitude=1e-3).shape == ()
+
+    @pytest.mark.parametrize(
+        ("wrong", "use"),
+        [
+            ({"mass": 1.03 * MASS}, "use with care"),
+            ({"mass": 0.97 * MASS}, "use with care"),
+            ({"mass": 1.3 * MASS}, "do not use"),
+            ({"levels": (0.05, 0.005, 0.5)}, "do not use"),
+            ({"levels": (0.5, 0.05, 0.005)}, "do not use"),
+            ({"levels": (0.005, 0.1, 0.5)}, "use with care"),
+            ({"gain": 1.05}, "use with care"),
+            ({"phase": np.radians(1)}, "use with care"),
+            ({"friction": lambda X: jenkins(X) + stop(X)}, "use with care"),
+            ({"friction": lambda X: jenkins(X) - 0.4 * stop(X)}, "use with care"),
+        ],
+    )
+    def test_what_is_told_wrong_or_lies_outside_is_no_use(self, wrong, use):
+        """FRFs that say nothing of their scatter: it is seen from line to line."""
+        frfs = three(wrong.get("friction", jenkins), noise=0.005)
+        odd = wrong.get("gain", 1.0) * np.exp(1j * wrong.get("phase", 0.0))
+        which = slice(1, 2) if "gain" in wrong else slice(None)
+        frfs[which] = [
+            FRF(one.frequency, one.value * odd, one.quantity, units="SI") for one in frfs[which]
+        ]
+        found = fit_levels(frfs, wrong.get("levels", LEVELS), mass=wrong.get("mass", MASS))
+        assert found.verdict.use == use
+        # what nothing explains is not called linear
+        assert "the solid is linear" not in " ".join(check.says for check in found.checks)
+
+    @pytest.mark.parametrize("k3", [4e5, -4e5, 8e5])
+    @pytest.mark.parametrize("slips", [True, False])
+    def test_a_spring_that_stiffens_is_told_from_friction(self, k3, slips):
+        def both(X):
+            return 0.75 * k3 * X**2 + (jenkins(X) if slips else 0)
+
+        for seed in range(2):
+            found = fit_levels(three(both, seed=seed), LEVELS, mass=MASS)
+            assert bool(found.sliders) == slips, seed
+            assert found.k3 == pytest.approx(k3, rel=0.05)
+            assert worst(found, both) < 0.01
+            assert found.verdict.use == "use"
+            assert ("stiffens" in repr(found)) == (k3 > 0)
+
+    def test_a_resonance_that_leans_is_followed_with_its_third_harmonic(self):
+        """Marched in time, so that the motion is what it is."""
+        k3, levels = 3e6, (0.05, 0.6)
+        f = np.linspace(9, 17, 33)
+        frfs = [marched(f, level, k3) for level in levels]
+        rng, held = np.random.default_rng(3), 0
+        for _ in range(4):
+            noise = 1 + 0.001 * (rng.normal(size=(2, 33)) + 1j * rng.normal(size=(2, 33)))
+            noisy = [
+                FRF(f, H * one, Kind.RECEPTANCE, units="SI")
+                for H, one in zip(frfs, noise, strict=True)
+            ]
+            found = fit_levels(noisy, levels, mass=MASS)
+            assert found.sliders == ()
+            assert found.k3 == pytest.approx(k3, rel=0.01)
+            low, high = found.k3_interval
+            held += low < k3 < high
+        assert held >= 3
+        # it rises with the level, and where the sweep upwards jumps is its end
+        peaks = [resonance_at_level(found, level) for level in (0.05, 0.2, 0.6)]
+        assert np.all(np.diff([hz for hz, _ in peaks]) > 0)
+        hz, X = peaks[-1]
+        swept = np.abs(marched(np.linspace(hz - 0.3, hz + 0.3, 13), 0.6, k3)) * 0.6
+        assert swept.max() == pytest.approx(X, rel=0.01)
+
+    def test_its_intervals_hold_the_truth(self):
+        held, w = [], 2 * np.pi * 13.0
+        for seed in range(8):
+            found = fit_levels(three(seed=40 + seed), LEVELS, mass=MASS)
+            for X in (2e-4, 1e-3, 4e-3):
+                for part in (np.real, np.imag):
+
+                    def follows(solid, sliders, X=X, part=part):
+                        K = solid.complex_stiffness(omega=w) + sum(s.stiffness(X) for s in sliders)
+                        return float(part(K))
+
+                    low, high = found.interval(follows)
+                    held.append(low <= part(arms(w) + jenkins(X)) <= high)
+        assert 0.88 < np.mean(held) < 1
+
+    def test_one_level_of_one_amplitude_is_said(self):
+        far = np.linspace(30, 40, 30)  # above resonance the amplitude hardly moves
+        found = fit_levels([measured(0.05, far)], [0.05], mass=MASS)
+        assert any(c.name == "amplitudes_spread" and c.failed for c in found.checks)
+
+    def test_what_does_not_belong_together(self):
+        with pytest.raises(DataError, match="one level for each"):
+            fit_levels(three(), LEVELS[:2], mass=MASS)
+        with pytest.raises(DataError, match="usable lines"):
+            fit_levels(three(), LEVELS, mass=MASS, band="8:9Hz")
+        with pytest.raises(DataError, match="> 0"):
+            fit_levels(three(), [0.0, 0.1, 0.2], mass=MASS)

@@ -1,0 +1,187 @@
+"""A mass at a level on a seal whose elastic law bends: its document and its text."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import dashpot as dp
+from dashpot.base.errors import DataError
+from dashpot.base.reported_values import NORMAL
+from dashpot.extensions.amplitude.preloaded_mass import PreloadedMass
+from dashpot.extensions.amplitude.preloaded_response import _known
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.text_output.results import prediction
+
+pytestmark = pytest.mark.once
+
+MASS, WIDER = 0.1148, 30.0
+# stiffens as it is pressed
+LAW = ElasticLaw((0.0, 4e-3, 8e-3), (0.6, 0.9, 1.6), 200.0, ratio_se=(0.01, 0.0, 0.02))
+
+
+@pytest.fixture(scope="module")
+def straight():
+    made = dp.simulate("relaxation", hold="5s", noise_free=True)
+    return dp.fit(made, arms=2)
+
+
+@pytest.fixture(scope="module")
+def bent(straight):
+    return straight.with_elastic_law(LAW)
+
+
+@pytest.fixture(scope="module")
+def told(bent):
+    return dp.predict(bent, mass=MASS, seals=2, level="0.3N", lines=31)
+
+
+def test_the_document_tells_harmonics_shift_and_whether_it_lasts(told, bent):
+    (level,) = told.document["levels"]
+    hz, law = level["peak"]["frequency_hz"], bent.elastic_law
+    (alone,) = PreloadedMass(MASS, 2 * law, bent.solid).sweep(level=0.3, frequency=np.array([hz]))
+    rest = 2 * law.force(level["rest"])
+    assert rest == pytest.approx(MASS * 9.80665)
+    assert level["mean_shift"] == pytest.approx(level["harmonics"][0] - level["rest"])
+    assert level["mean_shift"] < -2e-4
+    assert level["lost_contact"] > 0.1
+    assert level["floquet"] < 1
+    assert len(level["harmonics"]) == len(level["phases"]) == 6
+    # it stands on the branch of a sweep upwards, or has the one answer
+    if alone.amplitudes[1] > 0.8 * level["amplitude"]:
+        assert level["harmonics"][:4] == pytest.approx(alone.amplitudes[:4], rel=1e-5, abs=1e-8)
+    omega = 2 * np.pi * hz
+    assert level["peak"]["value"] == pytest.approx(omega**2 * level["amplitude"] / 0.3, rel=1e-9)
+
+
+def test_the_text_says_that_the_seal_opens(told):
+    said = " ".join(" ".join(prediction(told).lines).split())
+    assert "mean shift, mm" in said
+    shift = -1e3 * told.preloaded[0].orbit.shift
+    assert f"at 0.3 N the seal opens by {shift:.2g} mm when shaken" in said
+
+
+def peaked(law, solid, level, about):
+    """Frequency of the top, by many lines."""
+    of = PreloadedMass(MASS, 2 * law, solid)
+    lines = np.linspace(0.995 * about, 1.005 * about, 21)
+    swept = of.sweep(level=level, frequency=lines)
+    size = np.log([one.frequency**2 * one.amplitudes[1] for one in swept])
+    top = int(size.argmax())
+    near = slice(top - 2, top + 3)
+    bend, slope, _ = np.polyfit(lines[near] - lines[top], size[near], 2)
+    return lines[top] - 0.5 * slope / bend
+
+
+def test_the_interval_is_what_laws_one_error_off_find(bent):
+    """Only the law is in doubt: its tangent at rest by 1 %, at 8 mm by 2 %, its mean kept."""
+    sure = replace(bent.estimate, covariance=0 * bent.covariance)
+    known = replace(bent, estimate=sure)
+    (one,) = dp.predict(known, mass=MASS, seals=2, level="0.0005N", lines=31).preloaded
+    assert one.jumps == ()
+    own = peaked(bent.elastic_law, bent.solid, 0.0005, one.frequency)
+    off = []
+    for by in ((0.01, 0.0, 0.0), (0.0, 0.0, 0.02)):
+        ratio = np.array(LAW.ratio) + by
+        ratio /= (ratio[0] / 2 + ratio[1] + ratio[2] / 2) / 2
+        law = ElasticLaw(LAW.knots, tuple(ratio), bent.elastic_law.stiffness)
+        off.append(peaked(law, bent.solid, 0.0005, one.frequency) - own)
+    half = 1.96 * np.linalg.norm(off)
+    known = one.interval
+    assert np.diff(known.frequency)[0] / 2 == pytest.approx(half, rel=0.1)
+    f, limits = one.frf.frequency, known.magnitude
+    assert ((limits[0] <= np.abs(one.frf.value)) & (np.abs(one.frf.value) <= limits[1])).all()
+    # far above the resonance the mass alone is felt
+    assert (limits[1] / limits[0])[f > 45] == pytest.approx(1.0, abs=2e-3)
+
+
+def test_where_two_answers_last_is_said_with_the_page_and_the_numbers(told, tmp_path):
+    one = told.preloaded[0]
+    (hz,) = one.jumps_hz
+    before, after = one.jumps[0]
+    assert after.amplitudes[1] > 1.5 * before.amplitudes[1]
+    assert after.frequency - before.frequency < 1e-3 * hz
+    assert one.frequency == pytest.approx(hz, rel=1e-9)
+    said = " ".join(" ".join(prediction(told).lines).split())
+    assert f"! at 0.3 N two answers last below {hz:.5g} Hz" in said
+    low, high = one.interval.shift
+    half = 1e3 * (high - low) / 2
+    assert f"± {half:.2g}" in said
+    page = told.save(tmp_path / "level.html").read_text()
+    assert "At 0.3 N" in page
+    known = told.document["levels"][0]
+    assert known["interval"]["mean_shift"] == [low, high]
+    response = known["response"]
+    assert np.shape(response["magnitude_between"]) == (2, len(response["frequency_hz"]))
+
+
+def test_a_vanishing_level_over_a_base_is_the_linear_answer(bent):
+    found = dp.predict(bent, mass=MASS, seals=2, base=True, level="1e-5m/s^2", lines=31)
+    (small,) = found.preloaded
+    assert (small.unit, small.frf.quantity.value) == ("m/s^2", "transmissibility")
+    assert small.value == pytest.approx(found.peak[1], rel=1e-2)
+    assert small.frequency == pytest.approx(found.modes[0].frequency, rel=2e-3)
+    shared = np.isin(small.frf.frequency, found.frf.frequency)
+    assert small.frf.value[shared] == pytest.approx(found.frf.value, rel=1e-5)
+    assert small.unsteady == ()
+    assert "when shaken" not in " ".join(prediction(found).lines)
+
+
+@pytest.mark.parametrize(("depth", "passes"), [(1.001, True), (0.999, False)])
+def test_a_swing_deeper_than_tested_is_told(told, bent, depth, passes):
+    deepest = told.preloaded[0].deepest
+    law = bent.elastic_law
+    from dashpot.vibration.checks import compression_tested
+
+    assert any(
+        check.name == "compression_tested" and check.value == pytest.approx(deepest / law.depth)
+        for check in told.checks
+    )
+    assert compression_tested(deepest, depth * deepest).passed is passes
+
+
+def test_a_straight_law_takes_no_level(straight):
+    with pytest.raises(DataError, match=r"the elastic law of this fit is straight"):
+        dp.predict(straight, mass=MASS, seals=2, level="0.1N")
+
+
+@pytest.mark.parametrize(
+    ("how", "says"),
+    [
+        # the force is 0.99 times, and 1.01 times the weight
+        ({"level": f"{1.01 * MASS * 9.80665}N"}, r"lifts the mass off the seal: its force is"),
+        ({"level": "10m/s^2", "base": True}, r"10 m/s\^2 lifts the mass off the seal"),
+        ({"level": "1uN", "mass": "10mg"}, r"so slight a contact was not tested"),
+    ],
+)
+def test_a_mass_that_hardly_presses_is_refused_at_once(bent, how, says):
+    with pytest.raises(DataError, match=says):
+        dp.predict(bent, **{"mass": MASS, "seals": 2, "lines": 31, **how})
+
+
+def test_a_sweep_that_would_follow_every_line_from_rest_ends(bent, monkeypatch):
+    monkeypatch.setattr("dashpot.extensions.amplitude.preloaded_mass._STEPS_OF_SWEEP", 20)
+    of = PreloadedMass(0.01, 2 * bent.elastic_law, bent.solid)
+    with pytest.raises(DataError, match="bounces on the seal: up to"):
+        of.sweep(level=0.95 * of.pressed, frequency=np.linspace(5, 60, 40))
+
+
+def test_an_error_as_large_as_the_number_is_no_interval(bent):
+    """The damping is off by a factor: nothing of the height is told, but its frequency."""
+    scale = np.diag([1.0, *[WIDER] * (len(bent.covariance) - 1)])
+    doubted = replace(bent.estimate, covariance=scale @ bent.covariance @ scale)
+    wide = replace(bent, estimate=doubted)
+    told = dp.predict(wide, mass=MASS, seals=2, level="0.0005N", lines=31)
+    (one,) = told.preloaded
+    assert one.interval.value is None
+    assert one.interval.frequency[0] < one.frequency < one.interval.frequency[1]
+    assert next(fact for fact in one.facts if fact.name == "peak_height").error == np.inf
+    assert "the height of the peak is not identified" in " ".join(prediction(told).lines)
+
+
+@pytest.mark.parametrize(("half", "known"), [(0.99, True), (1.01, False)])
+def test_an_interval_is_narrower_than_its_number(half, known):
+    ends = _known(-2.0, np.array([2 * half / NORMAL, 0.0]))
+    assert (ends is not None) is known

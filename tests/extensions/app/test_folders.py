@@ -1,0 +1,194 @@
+"""Folders that a page opens: what it gets of them, and what it never gets."""
+
+import json
+import os
+from dataclasses import fields, replace
+from pathlib import Path
+
+import pytest
+
+import dashpot as dp
+from dashpot import workflow
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.app import recent, wire_format
+from dashpot.extensions.app.handler_registry import VERBS
+from dashpot.extensions.app.request_parsing import job_of, page_of
+from dashpot.extensions.app.upload_store import Store, path_in
+from dashpot.extensions.batch.batch_run import batch
+from dashpot.extensions.projects.history import append
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.write import write_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Rig
+from dashpot.solids.demo_seals import BROAD
+from dashpot.workflow.job import Cuts, HammerChoices, Job
+
+pytestmark = pytest.mark.once
+
+
+@pytest.fixture(autouse=True)
+def state(tmp_path, monkeypatch):
+    place = tmp_path / "state"
+    monkeypatch.setenv("DASHPOT_STATE", str(place))
+    return place
+
+
+@pytest.fixture
+def store(tmp_path):
+    (tmp_path / "store").mkdir()
+    return Store(tmp_path / "store")
+
+
+def ask(verb, store, **request):
+    return wire_format.unpacked(VERBS[verb](request, store.folder))[0]
+
+
+@pytest.fixture(scope="module")
+def text():
+    rig = replace(Rig(), rate=100.0)
+    return write_relaxation(simulate_relaxation(BROAD, rig=rig, hold_time=10.0).test)
+
+
+@pytest.fixture
+def project(tmp_path, text):
+    """A project with one test; its job, and its folder."""
+    (tmp_path / "seal.csv").write_text(text)
+    job = Job(
+        str(tmp_path / "seal.csv"), arms=2, cuts=Cuts(hold_end=11.0), mass=0.1148, seals=2.0,
+        specimen=Specimen(length=0.05, name="A", temperature=296.15),
+    )  # fmt: skip
+    home = workflow.create(tmp_path / "door")
+    workflow.record(home, job, page=lambda _: "")
+    return job, home.folder
+
+
+def test_a_project_is_opened_with_what_it_was_kept_with(store, project):
+    job, folder = project
+    head = ask("folder", store, folder=str(folder))
+    (test,) = head["tests"]
+    said = head["job"] | {
+        "relaxation": test["id"], "reading": head["reading"], "joint": head["joint"],
+        "specimen": head["job"]["specimen"] | {"temperature": head["temperatures"][0]},
+    }  # fmt: skip
+    again = job_of(said, store.folder)
+    assert replace(again, relaxation=job.relaxation) == job
+    assert Path(again.relaxation).read_bytes() == Path(job.relaxation).read_bytes()
+    assert ask("recent", store)["recent"][0]["folder"] == str(folder)
+
+
+def test_a_page_says_a_job_as_the_job_is(store, text):
+    test = store.put("a.csv", text.encode())
+    whole = Job(
+        str(path_in(store.folder, test)), mass=1 / 3, seal_mass=1e-3, compression=2.6e-3, seals=1.5,
+        arms=3, method="hold", law="linear", family="auto", band=(5.0, 40.1), filter="median:5",
+        title="A title", joint=False, cuts=Cuts(1.0, 2.0, 3.0), machine=Machine(sync=5e-4),
+        hammer=HammerChoices(reject=("2",), polarity=(1, -1)),
+        reading=ReadOptions(units={"force": "gf"}, skip_rows=2),
+        reading_impact=ReadOptions(acceleration=("3", "4")),
+    )  # fmt: skip
+    page = page_of(whole)
+    told = json.loads(json.dumps(page))
+    asked = told["job"] | {"relaxation": test} | {
+        name: told[name] for name in ("joint", "reading", "reading_impact")
+    }  # fmt: skip
+    assert job_of(asked, store.folder) == whole
+    known = {"relaxation", "further", "impact", "temperatures", "impact_temperature", "logo"}
+    assert {one.name for one in fields(Job)} - known <= set(asked)
+
+
+def test_a_project_that_names_a_file_outside_gives_none(store, project, tmp_path):
+    _, folder = project
+    (tmp_path / "secret.csv").write_text("secret")
+    lines = (folder / "history.jsonl").read_text().splitlines()
+    forged = json.loads(lines[-1])["job"] | {"relaxation": "../secret.csv"}
+    append(folder, {"operation": "report", "job": forged, "inputs": [], "outputs": []})
+    with pytest.raises(dp.ReadError, match="leads out of the project"):
+        ask("folder", store, folder=str(folder))
+    (folder / "raw" / "link.csv").symlink_to(tmp_path / "secret.csv")
+    append(
+        folder,
+        {"operation": "report", "job": forged | {"relaxation": "raw/link.csv"}, "inputs": [],
+         "outputs": []},
+    )  # fmt: skip
+    with pytest.raises(dp.ReadError, match="leads out of the project"):
+        ask("folder", store, folder=str(folder))
+    assert not list(store.folder.rglob("secret*"))
+
+
+def test_a_history_that_was_edited_is_not_opened(store, project):
+    _, folder = project
+    log = folder / "history.jsonl"
+    log.write_text(log.read_text().replace('"arms": 2', '"arms": 3'))
+    with pytest.raises(dp.DataError, match="dashpot verify"):
+        ask("folder", store, folder=str(folder))
+
+
+@pytest.mark.parametrize(
+    ("folder", "says"),
+    [(None, "no folder is named"), ("  ", "no folder is named"), ("nowhere", "is no folder"),
+     ("state", "neither a project")],
+)  # fmt: skip
+def test_what_is_no_such_folder_says_so(store, tmp_path, monkeypatch, folder, says):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "state").mkdir()
+    with pytest.raises(dp.DashpotError, match=says):
+        ask("folder", store, folder=folder)
+    assert not recent.recent()
+
+
+def test_a_lot_shows_its_table_and_opens_the_tests_that_it_knows(store, tmp_path, text):
+    pytest.importorskip("polars")
+    tests = tmp_path / "tests"
+    tests.mkdir()
+    (tests / "lot1_seal1.csv").write_text(text)
+    (tests / "noise.csv").write_text("no table\nat all\n")
+    made = batch(tests, output=tmp_path / "lot", arms=2, by=r"lot(\w+)_seal(\w+)", jobs=1)
+    head = ask("folder", store, folder=str(tmp_path / "lot"))
+    assert head["kind"] == "lot"
+    for name in head["columns"]:
+        assert [row[head["columns"].index(name)] for row in head["rows"]] == list(made.table[name])
+    hashes = dict(zip(made.table["file"], made.table["sha256"], strict=True))
+    wanted = hashes[str(tests / "lot1_seal1.csv")]
+    row = ask("row", store, folder=str(tmp_path / "lot"), sha256=wanted)
+    job = row["job"] | {"relaxation": row["files"][0]["id"]}
+    fit = json.loads(ask("take", store, job=job, what="fit")["text"])
+    found = made.table.filter(made.table["sha256"] == wanted).row(0, named=True)
+    assert fit["model"]["k_inf"] == found["k_inf_N_per_m"]
+    # of k_inf a test alone says the most: a fit's document writes 0 below it, a table nothing
+    assert fit["interval_95"]["k_inf"] == [0.0, found["k_inf_high_N_per_m"]]
+    assert found["k_inf_low_N_per_m"] is None
+    with pytest.raises(dp.DataError, match="no test with that hash"):
+        ask("row", store, folder=str(tmp_path / "lot"), sha256="../../etc/passwd")
+    (tests / "lot1_seal1.csv").write_text("something else")
+    with pytest.raises(dp.ReadError, match="not what it was"):
+        ask("row", store, folder=str(tmp_path / "lot"), sha256=wanted)
+
+
+def test_a_page_names_no_file_of_the_machine(store, text):
+    test = store.put("a.csv", text.encode())
+    with pytest.raises(dp.DataError, match="no calibration"):
+        ask("inspect", store, file=test, options={"calibration": "/etc/passwd"})
+    with pytest.raises(dp.DataError, match="no calibration"):
+        job_of({"relaxation": test, "reading": {"calibration": "x.cal"}}, store.folder)
+    with pytest.raises(dp.ReadError, match="no longer here"):
+        job_of({"relaxation": test, "logo": "/etc/passwd"}, store.folder)
+
+
+def test_the_list_of_folders_bears_what_happens_to_it(state, tmp_path):
+    assert recent.recent() == []
+    for i in range(recent.MOST + 2):
+        (tmp_path / f"p{i}").mkdir()
+        recent.remember(tmp_path / f"p{i}")
+    recent.remember(tmp_path / "p5")
+    names = [one["name"] for one in recent.recent()]
+    assert names[:2] == ["p5", f"p{recent.MOST + 1}"]
+    assert len(names) == recent.MOST
+    (tmp_path / "p5").rmdir()
+    assert recent.recent()[0]["name"] == f"p{recent.MOST + 1}"
+    for text in ("", "[1]", "{", '[{"folder": 3}]'):
+        (state / "recent.json").write_text(text)
+        assert recent.recent() == []
+    os.environ["DASHPOT_STATE"] = str(state / "recent.json")  # a file where a folder should be
+    recent.remember(tmp_path)
+    assert recent.recent() == []

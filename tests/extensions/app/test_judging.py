@@ -1,0 +1,113 @@
+"""Kinds that stand alone, dropped on the page: what the commands say of them, and what they ask."""
+
+import json
+import shlex
+
+import pytest
+from kit.shell import ran
+
+import dashpot as dp
+from dashpot import workflow
+from dashpot.extensions.app import view_models, wire_format
+from dashpot.extensions.app.handler_registry import VERBS
+from dashpot.extensions.app.upload_store import Store
+from dashpot.registry import KINDS, asks_of
+
+pytestmark = pytest.mark.once
+
+PIECES = ("cld_1.csv", "cld_2.csv", "cld_3.csv")
+ASKED = {
+    "cld": (PIECES, {"compression": "6", "between": "4 to 8", "length": "100 mm"}),
+    "stress-strain": (("tension.csv", "biaxial.csv"), {"test 1": "biaxial"}),
+    "csr": (("ovens.csv",), {}),
+    "slam": (("slam.csv",), {"mass": "100"}),
+    "rod": (("rod.csv",), {"mass": "31.4", "density": "1000", "disc": "20, 20"}),
+    "indentation": (("hit.csv",), {"mass": "5", "radius": "5", "drop_height": "51"}),
+}
+DEAR = {"indentation", "rod"}
+
+
+@pytest.fixture(scope="module")
+def store():
+    store = Store()
+    yield store
+    store.remove()
+
+
+def put(store, names):
+    return [store.put(name, workflow.EXAMPLES[name]().encode()) for name in names]
+
+
+def ask(verb, store, **request):
+    return wire_format.unpacked(VERBS[verb](request, store.folder))[0]
+
+
+@pytest.mark.parametrize(
+    "kind", [pytest.param(one, marks=[pytest.mark.slow] * (one in DEAR)) for one in ASKED]
+)
+def test_a_kind_is_judged_as_by_its_command(store, tmp_path, monkeypatch, kind):
+    names, said = ASKED[kind]
+    files = put(store, names)
+    monkeypatch.chdir(tmp_path)
+    for name in names:
+        (tmp_path / name).write_text(workflow.EXAMPLES[name]())
+    row = ask("inspect", store, file=files[0])
+    assert row["mark"] == "good"
+    assert kind == "rod" or (
+        row["page"] == "judged" and row["asks"] == view_models.asks(asks_of(kind))
+    )
+    head = ask("judged", store, kind=kind, files=files, said=said)
+    assert {"good", "care", "bad"} >= {head["colour"]}
+    assert all(head[one] for one in ("figures", "answers", "checks", "facts"))
+    assert 'class="lights"' in head["verdict"]
+    typed = ran(*shlex.split(head["command"])[1:], "--json")
+    assert typed.exit_code == 0, typed.output
+    taken = json.loads(ask("take-judged", store, kind=kind, files=files, said=said)["text"])
+    assert taken == json.loads(typed.stdout)
+
+
+def test_every_kind_of_the_register_has_a_place_on_the_page():
+    nowhere = {name for name, one in KINDS.items() if not one.place}
+    # a sweep over temperature and one frequency are fitted by no command; a plug-in is typed
+    assert nowhere == {"temperature-sweep", "one-frequency", "rod", "plug-in"}
+
+
+def test_what_is_missing_is_asked_for_in_words_of_the_page(store):
+    for kind, names, words in (
+        ("indentation", ["hit.csv"], "moving mass is not given"),
+        ("rod", ["rod.csv"], "the shape is not given"),
+        ("cld", [], "open one first"),
+        ("relaxation", ["seal_8mm.csv"], "no kind of test that is fitted by itself"),
+    ):
+        with pytest.raises(dp.DataError, match=words) as error:
+            ask("judged", store, kind=kind, files=put(store, names), said={})
+        assert "--" not in str(error.value)
+
+
+@pytest.mark.parametrize("place", ["/etc/passwd", "../secret.csv", "C:\\\\secret.csv"])
+def test_a_door_names_no_file_elsewhere(store, place):
+    text = workflow.EXAMPLES["door.toml"]().replace("door_line.csv", place)
+    identity = store.put("door.toml", text.encode())
+    with pytest.raises(dp.ReadError, match="names a file elsewhere"):
+        ask("judged", store, kind="door", files=[identity], said={})
+
+
+def test_a_door_stands_on_the_files_that_are_open(store):
+    files = put(store, ["door.toml", "door_line.csv", "door_modes.csv"])
+    assert ask("inspect", store, file=files[0])["page"] == "judged"
+    assert ask("inspect", store, file=files[1])["page"] == "part"
+    (test,) = put(store, ["seal_8mm.csv"])
+    head = ask("judged", store, kind="door", files=files, said={}, test=test)
+    assert "27.3" in head["verdict"] + head["answers"]
+    assert head["command"] == "dashpot predict door.toml"
+    # as its own page: the line, the response, the modes with their shares as bars, the shapes
+    titles = [title for title, *_ in head["figures"]]
+    assert titles[2:] == ["Modes: who holds, who loses", "Shapes, from outside"]
+    shown = {title: html for title, html, _ in head["figures"]}
+    assert shown["Modes: who holds, who loses"].count('class="shares"') == 2 * 9
+    assert shown["Shapes, from outside"].count("<div><svg") == 6
+    # no light is calmer than the verdict
+    assert head["colour"] == "care"
+    assert head["verdict"].count("#i-care") == 2
+    with pytest.raises(dp.DashpotError):  # without the fit that it names
+        ask("judged", store, kind="door", files=files, said={})

@@ -1,0 +1,179 @@
+"""Workers: they answer, can be cancelled, and leave with their server."""
+
+import asyncio
+import contextlib
+import http.client
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+from kit.processes import ON_LINUX, alive, children
+
+from dashpot import workflow
+from dashpot.base.errors import DataError
+from dashpot.base.subprocesses import long_lived
+from dashpot.extensions.app import wire_format
+from dashpot.extensions.app.upload_store import Store, clear_left
+from dashpot.extensions.app.worker_pool import FaultError, Lane, StoppedError
+
+
+@pytest.fixture
+def store():
+    store = Store()
+    yield store
+    store.remove()
+
+
+def test_what_a_killed_server_left_is_cleared_by_the_next(store, tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    living, dead, other = Store(), tmp_path / "dashpot-dead", tmp_path / "dashpot-other"
+    for one in (dead, other):
+        one.mkdir()
+        (one / "customer.csv").write_text("1")
+    (dead / ".lock").touch()
+    clear_left()
+    assert sorted(tmp_path.iterdir()) == sorted([living.folder, other])
+    living.remove()
+
+
+def with_lane(store, work):
+    async def run():
+        lane = Lane(store.folder)
+        try:
+            return await work(lane)
+        finally:
+            await lane.close()
+
+    return asyncio.run(run())
+
+
+def test_a_sentence_is_an_answer_and_the_worker_goes_on(store):
+    async def work(lane):
+        with pytest.raises(DataError, match="open one first"):
+            await lane.ask("settle", {"job": {}})
+        with pytest.raises(FaultError, match="KeyError"):
+            await lane.ask("none", {})
+        return await lane.ask("profile", {"options": {}})
+
+    assert wire_format.unpacked(with_lane(store, work))[0]["name"] == "profile.toml"
+
+
+def test_a_long_computation_is_cancelled_and_the_next_one_works(store):
+    seal, hammer = (store.put(name, workflow.EXAMPLES[name]().encode()) for name in workflow.FIRST)
+    job = {"relaxation": seal, "impact": [hammer], "mass": "114.8g", "seals": 2}
+
+    async def work(lane):
+        long = asyncio.create_task(lane.ask("study", {"job": job}))
+        while not lane.doing:
+            await asyncio.sleep(0.001)
+        assert lane.seconds is not None
+        process = await lane.start()
+        assert lane.cancel()
+        with pytest.raises(StoppedError, match=r"^cancelled$"):
+            await long
+        assert process.returncode is not None
+        assert lane._process.returncode is None  # the next stands by
+        assert lane._process is not process
+        assert not lane.cancel()
+        return await lane.ask("inspect", {"file": seal})
+
+    assert wire_format.unpacked(with_lane(store, work))[0]["kind"] == "relaxation"
+
+
+@ON_LINUX
+def test_nothing_is_left_of_a_server_that_was_killed():
+    words = [sys.executable, "-m", "dashpot", "app", "--no-browser"]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as server:
+        address = server.stdout.readline()
+        assert address.startswith("http://127.0.0.1:")
+        until = time.monotonic() + 20
+        while len(found := children(server.pid)) < 3 and time.monotonic() < until:
+            time.sleep(0.05)
+        assert len(found) == 3
+        folder = Path(Path(f"/proc/{found[0]}/cmdline").read_bytes().split(b"\0")[-2].decode())
+        assert folder.is_dir()
+        os.kill(server.pid, signal.SIGKILL)
+    until = time.monotonic() + 20
+    while any(map(alive, found)) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert not any(map(alive, found))
+    assert not folder.exists()
+
+
+@ON_LINUX
+def test_a_reading_can_be_cancelled_and_an_interrupt_ends_it_whatever_it_does():
+    words = [sys.executable, "-m", "dashpot", "app", "--no-browser"]
+    seal = workflow.EXAMPLES["seal_8mm.csv"]()
+    how = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen(words, **how) as run, contextlib.ExitStack() as open_:
+        address = urlsplit(run.stdout.readline().strip())
+        cookie = {"Cookie": f"dashpot-{address.port}={address.query.partition('=')[2]}"}
+
+        def asked(path, body):
+            line = open_.enter_context(
+                contextlib.closing(
+                    http.client.HTTPConnection("127.0.0.1", address.port, timeout=60)
+                )
+            )
+            line.request("POST", path, body, cookie)
+            return line
+
+        def told(line):
+            answer = line.getresponse()
+            return answer.status, answer.read()
+
+        file = json.loads(told(asked("/api/files?name=seal.csv", seal))[1])["id"]
+        inspect = "/api/inspect", json.dumps({"file": file})
+        # who reads or computes stands still: it would never end by itself
+        for one in children(run.pid):
+            os.kill(one, signal.SIGSTOP)
+        reading = asked(*inspect)
+        while not json.loads(told(asked("/api/cancel", ""))[1])["cancelled"]:
+            time.sleep(0.05)
+        assert told(reading)[0] == 409
+        status, body = told(asked(*inspect))
+        assert (status, wire_format.unpacked(body)[0]["kind"]) == (200, "relaxation")
+        for one in children(run.pid):
+            os.kill(one, signal.SIGSTOP)
+        asked(*inspect)
+        asked("/api/study", json.dumps({"job": {"relaxation": file}}))
+        half = open_.enter_context(
+            contextlib.closing(http.client.HTTPConnection("127.0.0.1", address.port))
+        )
+        half.putrequest("POST", "/api/files?name=half.csv")
+        for name, value in (*cookie.items(), ("Content-Length", "1000000")):
+            half.putheader(name, value)
+        half.endheaders()
+        half.send(seal[:1000].encode())
+        time.sleep(0.3)
+        run.send_signal(signal.SIGINT)
+        # those that it waits for stand still for ever
+        _, said = run.communicate(timeout=60)
+        assert "Traceback" not in said
+
+
+@ON_LINUX
+def test_a_worker_gives_back_what_a_long_record_took():
+    """As workers are set, the C library would keep all of it."""
+    script = (
+        "from dashpot.base.subprocesses import give_back\n"
+        "from pathlib import Path\n"
+        "held = [bytearray(1 << 20) for _ in range(120)]\n"
+        "last = bytearray(1 << 20)\n"
+        "size = lambda: int(Path('/proc/self/statm').read_text().split()[1])\n"
+        "full = size(); del held; kept = size()\n"
+        "give_back(1 << 40); same = size(); give_back(1 << 20); print(full, kept, same, size())"
+    )
+    said = subprocess.run(
+        [sys.executable, "-c", script], env=long_lived(), capture_output=True, text=True, check=True
+    ).stdout  # fmt: skip
+    full, kept, same, left = map(int, said.split())
+    assert kept > 0.9 * full
+    assert same == pytest.approx(kept, rel=0.01)
+    assert left < 0.5 * full

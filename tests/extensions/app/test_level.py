@@ -1,0 +1,160 @@
+"""Levels in the app: sweeps, loops and FRFs as ``dashpot fit`` fits them, digit for digit."""
+
+import json
+import re
+import shlex
+
+import numpy as np
+import pytest
+from kit import levels
+from kit.app import Page, chromium, served
+from kit.browser import needs_browser
+from kit.shell import ran
+
+import dashpot as dp
+from dashpot.extensions.app import wire_format
+from dashpot.extensions.app.handler_registry import VERBS
+from dashpot.extensions.app.upload_store import Store
+from dashpot.reading.write import write_frf, write_relaxation
+
+pytestmark = pytest.mark.once
+
+SOLID = dp.GeneralizedMaxwell(450.0, (240.0,), (0.012,))
+FORCES = ("0.02N", "0.5N")
+BASES = ("0.3m/s^2", "2m/s^2")
+
+
+def files_in(folder):
+    """Loops, a sweep at one frequency, and what a mass without friction does at two levels."""
+    K = levels.sweep()
+    columns = np.column_stack((K.frequency, 100 * K.amplitude, 1e-6 * K.storage, 1e-6 * K.loss))
+    head = "Frequency [Hz],Strain [%],Storage modulus [MPa],Loss modulus [MPa]"
+    table = folder / "payne.csv"
+    np.savetxt(table, columns[:12], delimiter=",", header=head, comments="")
+    write_relaxation(levels.loops(), folder / "loops.csv")
+    f, rng = np.linspace(8, 22, 41), np.random.default_rng(5)
+    for kind, name in (("receptance", "frf"), ("transmissibility", "base")):
+        H = dp.systems.predict_frf(SOLID, mass=levels.MASS, frequency=f, kind=kind)
+        for i in range(2):
+            noise = 1 + 0.003 * (rng.normal(size=41) + 1j * rng.normal(size=41))
+            write_frf(dp.FRF(f, H.value * noise, H.quantity, units="SI"), folder / f"{name}{i}.csv")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory):
+    return files_in(tmp_path_factory.mktemp("levels"))
+
+
+@pytest.fixture(scope="module")
+def store(home):
+    store = Store()
+    yield store
+    store.remove()
+
+
+@pytest.fixture(scope="module")
+def ids(store, home):
+    return {one.name: store.put(one.name, one.read_bytes()) for one in sorted(home.iterdir())}
+
+
+@pytest.fixture
+def at_home(home, monkeypatch):
+    """The working folder is that of the files."""
+    monkeypatch.chdir(home)
+
+
+def ask(verb, store, **request):
+    return wire_format.unpacked(VERBS[verb](request, store.folder))[0]
+
+
+@pytest.mark.usefixtures("at_home")
+@pytest.mark.parametrize(
+    ("names", "more", "shown"),
+    [
+        (["payne.csv"], {"law": "additive"}, (2, "E′, 10 Hz", "lost", "half lost, strain", "%")),
+        (["loops.csv"], {}, (3, "K′, 5 Hz", "half lost, amplitude", "mm")),
+        (["frf0.csv", "frf1.csv"], {"levels": FORCES, "at": ["0.1N"]},
+         (3, "K′, ", "loss factor, ", "peak at 0.1 N", "motion at 0.1 N")),
+        (["base0.csv", "base1.csv"], {"levels": BASES}, (3, "K′, ", "loss factor, ")),
+    ],
+)  # fmt: skip
+def test_levels_are_fitted_as_by_the_command(store, ids, names, more, shown):
+    kinds = {ask("inspect", store, file=ids[name])["mark"] for name in names}
+    assert kinds == {"good"}
+    given = {key: list(value) if isinstance(value, tuple) else value for key, value in more.items()}
+    request = {"files": [ids[name] for name in names], "mass": "104g", "seals": 2, **given}
+    told = ask("level", store, **request)
+    figures, *terms = shown
+    assert len(told["figures"]) == figures
+    words = re.sub(r"\s+", " ", re.sub("<[^>]*>", "", told["solid"]))
+    assert all(one in words for one in terms), words
+    assert "unknown" not in words
+    shell = ran(*shlex.split(told["command"])[1:], "--json")
+    taken = ask("take-level", store, **request)
+    assert taken["name"] == "levels.json"
+    assert taken["text"] == shell.stdout.rstrip("\n")
+
+
+@pytest.mark.parametrize(
+    ("names", "more", "says"),
+    [
+        (["frf0.csv"], {"levels": ["0.1N"]}, "no mass is given"),
+        (["frf0.csv"], {"levels": ["0.1"], "mass": "104g"}, "has no unit"),
+        (["frf0.csv"], {"levels": ["0.1N", "1N"], "mass": "104g"}, "1 FRFs, 2 levels"),
+        (["frf0.csv"], {"levels": ["0.1N"], "mass": "104g", "at": ["1kg"]}, "unit of force"),
+        (["payne.csv"], {"law": "linear"}, "expected one of auto, factor, additive, cubic"),
+        (["payne.csv", "loops.csv"], {}, "one amplitude sweep at a time"),
+        ("payne.csv", {}, "expected a list"),
+    ],
+)
+def test_what_cannot_be_fitted_says_so(store, ids, names, more, says):
+    files = [ids[name] for name in names] if isinstance(names, list) else ids[names]
+    with pytest.raises(dp.DashpotError, match=says):
+        ask("level", store, files=files, **more)
+
+
+@needs_browser
+def test_levels_in_the_browser(home):
+    pytest.importorskip("playwright", reason="Playwright drives the browser")
+    with chromium() as browser, served() as address:
+        page = Page(browser, address)
+        command, table = page.at.locator("#command"), page.at.locator("#solid")
+
+        def typed(what, text):
+            page.at.get_by_label(what).fill(text)
+            page.at.get_by_label(what).press("Enter")
+
+        page.at.locator("#pick").set_input_files([str(home / f"frf{i}.csv") for i in range(2)])
+        page.at.get_by_role("button", name="several levels").click()
+        page.at.get_by_role("heading", name="At which level?").wait_for()
+        typed("Level of this FRF", "0.02")
+        page.at.get_by_role("alert").filter(has_text="no mass is given").wait_for()
+        page.at.get_by_role("textbox", name="Mass").fill("104")
+        page.at.get_by_role("textbox", name="Mass").press("Enter")
+        page.file("frf1.csv").click()
+        typed("Level of this FRF", "0,5")
+        command.filter(has_text="--level 0.02N --level 0.5N --mass 104g").wait_for()
+        page.done()
+        typed("Resonance wanted at", "0,1 0.2")
+        command.filter(has_text="--resonance-at 0.1N --resonance-at 0.2N").wait_for()
+        page.done()
+        assert "peak at 0.2 N" in table.inner_text()
+        assert page.at.locator("#files").get_by_text("an FRF, at 0.5 N").is_visible()
+        page.at.locator("#pick").set_input_files(str(home / "payne.csv"))
+        page.file("payne.csv").click()
+        page.at.get_by_label("Law of amplitude").select_option("additive")
+        command.filter(has_text="payne.csv --model additive").wait_for()
+        page.done()
+        assert page.at.locator("#bench-page svg.figure").count() == 2
+        with page.at.expect_download() as taken:
+            page.at.get_by_role("button", name="levels.json").click()
+        assert json.loads(taken.value.path().read_text())["law"] == "additive"
+        page.at.keyboard.press("Control+z")
+        command.filter(has_not_text="--model").wait_for()
+        page.done()
+        for width in (1366, 390):
+            page.at.set_viewport_size({"width": width, "height": 844})
+            page.done()
+            assert page.at.evaluate("document.documentElement.scrollWidth") == width
+        page.close()

@@ -1,0 +1,82 @@
+"""What a server leaves of its session, and another takes up."""
+
+import asyncio
+import json
+
+import pytest
+
+from dashpot.extensions.app import session
+from dashpot.extensions.app.recent import place_of
+from dashpot.extensions.app.server import Desk
+from dashpot.extensions.app.upload_store import Store, path_in
+
+
+@pytest.fixture(autouse=True)
+def _place(tmp_path, monkeypatch):
+    monkeypatch.setenv("DASHPOT_STATE", str(tmp_path / "state"))
+
+
+@pytest.fixture
+def store():
+    store = Store()
+    yield store
+    store.remove()
+
+
+def state(*files):
+    return {"files": [{"id": one, "name": "seal.csv"} for one in files], "job": {"arms": 2}}
+
+
+def test_a_session_is_taken_up_by_another_server(store):
+    identity = store.put("seal.csv", b"1,2,3\n")
+    session.keep(state(identity), store)
+    store.remove()
+    assert session.left()["files"] == ["seal.csv"]
+    after = Store()
+    found = session.resume(after)
+    assert found == state(identity)
+    assert path_in(after.folder, identity).read_bytes() == b"1,2,3\n"
+    after.remove()
+
+
+def test_it_goes_with_its_files_and_when_told_to(store):
+    one, other = store.put("a.csv", b"1\n"), store.put("b.csv", b"2\n")
+    session.keep(state(one, other), store)
+    session.keep(state(other), store)
+    assert [each.name for each in place_of("session").iterdir()] == [other]
+    session.keep(state(), store)
+    assert session.left() is None
+    assert not place_of("session").exists()
+    session.keep(state(one), store)
+    session.forget()
+    assert session.left() is None
+
+
+def test_what_is_not_whole_is_not_offered(store):
+    identity = store.put("a.csv", b"1\n")
+    session.keep(state(identity), store)
+    next((place_of("session") / identity).iterdir()).unlink()
+    assert session.left() is None
+    assert session.resume(store) == {}
+    place_of("session.json").write_text("no JSON")
+    assert session.left() is None
+
+
+@pytest.mark.parametrize("name", ["../../secret", "", "0" * 16])
+def test_a_name_that_is_no_file_of_the_page_is_not_kept(store, name):
+    session.keep(state(name), store)
+    assert session.left() is None
+
+
+def test_only_an_empty_server_offers_it(store, tmp_path):
+    session.keep(state(store.put("a.csv", b"1\n")), store)
+    (tmp_path / "own.csv").write_text("1\n")
+
+    async def of(*files):
+        desk = Desk(files)
+        found = json.loads(json.dumps(desk.state))
+        await desk.close()
+        return found
+
+    assert asyncio.run(of())["left"]["files"] == ["seal.csv"]
+    assert "left" not in asyncio.run(of(tmp_path / "own.csv"))

@@ -1,0 +1,556 @@
+"""What the workers answer: the command line's own numbers, digit for digit."""
+
+import json
+import re
+import shlex
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+from kit import handmade, shell
+from kit.fits import altered
+from kit.shell import ran
+
+import dashpot as dp
+from dashpot import workflow
+from dashpot.base.checks import Check, Remedy
+from dashpot.base.choices import RampLawAsked, words
+from dashpot.datamodel.fit import Explanation
+from dashpot.export import SUFFIXES
+from dashpot.extensions.app import request_handlers, result_cache, view_models, wire_format
+from dashpot.extensions.app.handler_registry import VERBS
+from dashpot.extensions.app.request_parsing import job_of
+from dashpot.extensions.app.upload_store import Store
+from dashpot.fitting.relaxation import fit as fit_tests
+from dashpot.preprocessing.prepare import prepare
+from dashpot.reading.readers.relaxation import read_relaxation
+from dashpot.reading.write import write_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Rig
+from dashpot.solids.demo_seals import BROAD
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.workflow.command_lines import line
+from dashpot.workflow.json_archive import from_json, to_json
+
+pytestmark = pytest.mark.once
+
+AT = {296.15: BROAD, 273.15: BROAD.shifted(10**1.498172, 273.15 / 296.15)}
+
+
+@pytest.fixture(autouse=True)
+def _no_list_of_the_users_own(tmp_path, monkeypatch):
+    monkeypatch.setenv("DASHPOT_STATE", str(tmp_path / "state"))
+
+
+@pytest.fixture(scope="module")
+def store():
+    store = Store()
+    yield store
+    store.remove()
+
+
+@pytest.fixture(scope="module")
+def files(store):
+    return {name: store.put(name, workflow.EXAMPLES[name]().encode()) for name in workflow.FIRST}
+
+
+@pytest.fixture(scope="module")
+def asked(files):
+    """What the page says of both files."""
+    return {
+        "relaxation": files["seal_8mm.csv"], "impact": [files["hammer.csv"]], "mass": "114.8g",
+        "seals": 2, "arms": 2, "cuts": {"ramp_end": 2.6}, "specimen": {"temperature": "23degC"},
+    }  # fmt: skip
+
+
+def ask(verb, store, **request):
+    head, arrays = wire_format.unpacked(VERBS[verb](request, store.folder))
+    return head | {"arrays": arrays}
+
+
+@pytest.fixture
+def at_home(store, files, tmp_path, monkeypatch):
+    """A folder with the files under their own names."""
+    for name, identity in files.items():
+        (tmp_path / name).write_bytes((store.folder / identity / name).read_bytes())
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def typed(command, *more):
+    found = ran(*shlex.split(command)[1:], *more)
+    assert found.exit_code == 0, found.output
+    return json.loads(found.stdout)
+
+
+def test_the_fit_is_that_of_the_command_digit_for_digit(store, asked, at_home):
+    told = json.loads(ask("take", store, job=asked, what="fit")["text"])
+    words = ("--arms", "2", "--cuts", "ramp-end=2.6s", "--temperature", "23degC")
+    assert told == shell.told("fit", "seal_8mm.csv", *words)
+
+
+@pytest.mark.parametrize("joint", [False, True])
+def test_the_command_line_gives_the_pages_numbers(store, asked, at_home, joint):
+    head = ask("study", store, job=asked | {"joint": joint})
+    study = typed(head["command"], "-o", "r.html", "--json")
+    page = result_cache.study(job_of(asked | {"joint": joint}, store.folder))
+    mine = json.loads(to_json(page))
+    for part in ("fit", "joint", "comparison"):
+        assert mine[part] == study[part]
+
+
+def test_what_is_shown_are_the_digits_of_the_fit(store, asked):
+    head = ask("settle", store, job=asked)
+    fit = from_json(ask("take", store, job=asked, what="fit")["text"])
+    assert f"{1e-3 * fit.model.k[0]:.4f}"[:5] in head["solid"]
+    assert fit.verdict.use.capitalize() in head["verdict"]
+    assert set(head["panels"]) == {"ramp", "hold", "spectrum", "frf"}
+    assert head["simulated"] is True
+    assert head["cuts"]["ramp_end"] == 2.6
+
+
+def test_a_record_is_read_once_for_every_lane(store):
+    text = workflow.EXAMPLES["seal_8mm.csv"]()
+    identity = store.put("once.csv", text.encode())
+    assert not ask("inspect", store, file=identity)["long"]
+    (store.folder / identity / "once.csv").write_text("no table any more")
+    result_cache.test.cache_clear()  # as another lane would begin
+    result_cache.prepared.cache_clear()
+    job = {"relaxation": identity, "specimen": {"name": "A"}}
+    again = json.loads(ask("take", store, job=job, what="fit")["text"])
+    fresh = fit_tests(prepare(read_relaxation(store.folder / store.put("once.csv", text.encode())
+                                                 / "once.csv")))  # fmt: skip
+    assert again["model"] == json.loads(to_json(fresh))["model"]
+    assert again["source"] == json.loads(to_json(fresh))["source"]
+    assert again["specimen"]["name"] == "A"
+
+
+def test_a_record_of_a_fast_clock_is_kept(store):
+    rig = replace(Rig(), rate=200.0)
+    test = simulate_relaxation(BROAD, rig=rig, seed=1).test
+    fast = replace(test, time=test.time[0] + (test.time - test.time[0]) / 80)
+    identity = store.put("fast.csv", write_relaxation(fast).encode())
+    line = ask("inspect", store, file=identity)["line"]
+    assert "length of the record" not in line, line
+
+
+def test_of_a_long_record_a_part_is_shown_first(store, files, monkeypatch):
+    job = {"relaxation": files["seal_8mm.csv"], "arms": 2}
+    rows = ask("inspect", store, file=job["relaxation"])
+    assert not rows["long"]
+    whole = ask("settle", store, job=job, quick=True)
+    assert whole["solid"] == ask("settle", store, job=job)["solid"]
+    monkeypatch.setattr(result_cache, "WHILE_HELD", 4000)
+    assert ask("inspect", store, file=job["relaxation"])["long"]
+    part = ask("settle", store, job=job, quick=True)
+    assert part["panels"].keys() == whole["panels"].keys()
+    assert part["solid"] != whole["solid"]
+    assert ask("settle", store, job=job)["solid"] == whole["solid"]
+
+
+def test_the_record_is_there_without_a_fit(store, asked):
+    sizes = {"ramp": [260, 200], "hold": [260, 200]}
+    drawn = ask("look", store, job=asked, sizes=sizes)["panels"]
+    settled = ask("settle", store, job=asked, sizes=sizes)["panels"]
+    assert all('data-name="fit"' not in html for html in drawn.values())
+    # where it will stand upon its fit
+    (line,) = re.findall(r'<path[^>]* data-name="measured"[^>]*>', drawn["ramp"])
+    assert line in settled["ramp"]
+    axes = [re.findall(r'data-[xy]="[^"]*"', one["hold"])[:2] for one in (drawn, settled)]
+    assert axes[0] == axes[1]
+
+
+def test_a_handle_moves_the_curves_within_a_page_of_bytes(store, asked):
+    whole = VERBS["live"]({"job": asked}, store.folder)
+    assert len(whole) < 30_000
+    found = ask("live", store, job=asked)
+    assert {"ramp/fit/x", "hold/fit/y", "hold/mean/y"} <= set(found["arrays"])
+    assert "eq. (5)" in found["beside"]
+    later = ask("live", store, job=asked | {"cuts": {"hold_end": 20.0}})
+    assert later["cuts"]["hold_end"] == 20.0
+    # what it is called and how large it is: the solid's own, after the hold of the cut
+    name, size = later["end"]
+    after = 20.0 - later["cuts"]["ramp_end"]
+    assert name == f"k after {after:.1f} s"
+    cut = job_of(asked | {"cuts": {"hold_end": 20.0}}, store.folder)
+    own = result_cache.held(result_cache.of_fit(cut)).solid.relaxation(after)
+    assert float(size.removesuffix(" N/mm")) == pytest.approx(own / 1e3, rel=1e-3)
+    assert re.fullmatch(r"rms [\d.]+( mN)?, noise [\d.]+ mN", later["left"])
+    assert found["cuts"]["hold_end"] > 40.0
+    # on the axis that is there, which counts from where the ramp ended when it was drawn
+    moved = asked | {"cuts": {"ramp_end": 2.6}}
+    since = found["cuts"]["ramp_end"]
+    own, there = (ask("live", store, job=moved, **how)["arrays"] for how in ({}, {"since": since}))
+    for name in ("hold/fit/x", "hold/mean/x"):
+        assert there[name] - own[name] == pytest.approx(2.6 - since, abs=1e-5)
+
+
+def test_a_held_handle_is_followed_from_the_cut_before_to_the_fit_of_its_cut(store, asked):
+    """The same optimum, without what a cut does not change: number of arms and law."""
+    ask("live", store, job=asked)
+    cut = job_of(asked | {"cuts": {"ramp_end": 2.6, "hold_end": 30.0}}, store.folder)
+    after = result_cache.held(result_cache.of_fit(cut))
+    anew = result_cache.fitted(result_cache.of_fit(cut), False, result_cache.HELD)
+    assert after.model.tau == pytest.approx(anew.model.tau, rel=1e-6)
+    assert after.model.k == pytest.approx(anew.model.k, rel=1e-6)
+    law = ElasticLaw((0.0, 4e-3, 8e-3), (0.5, 1.0, 1.5), 100.0)
+    one = result_cache.of_fit(cut)
+    assert result_cache._is_followed(anew, one)
+    assert not result_cache._is_followed(replace(anew, elastic_law=law), one)
+    assert not result_cache._is_followed(anew, replace(one, arms=3))
+    assert not result_cache._is_followed(anew, replace(one, method="hold"))
+
+
+def test_a_followed_residual_is_in_the_unit_in_which_it_is_drawn(store, asked):
+    """What a cut makes ten times larger must not become a thousandth of it."""
+    size = {
+        unit: abs(ask("live", store, job=asked, unit=unit)["arrays"]["hold/mean/y"]).max()
+        for unit in ("N", "mN")
+    }
+    assert size["mN"] == pytest.approx(1000 * size["N"], rel=1e-5)
+
+
+def test_of_a_hold_that_is_cut_the_whole_record_stays_in_sight(store, asked):
+    """Its handle goes both ways; what the cut leaves out is hatched."""
+    request = {"relaxation": asked["relaxation"], "arms": 2}
+    cut = request | {"cuts": {"hold_end": 12.0}}
+    drawn = [ask("settle", store, job=one)["panels"]["hold"] for one in (request, cut)]
+    ends = [float(re.search(r'data-x="log \S+ (\S+)"', one)[1]) for one in drawn]
+    assert ends[1] == pytest.approx(ends[0], rel=1e-3)
+    hatches = [one.count("<pattern") for one in drawn]
+    assert hatches[1] > hatches[0]
+    job = job_of(cut, store.folder)
+    (short,) = result_cache.prepared(result_cache.of_test(job), None)
+    assert short.hold_end == 12.0
+    assert result_cache.whole(job, short).time[-1] > 40.0
+    uncut = job_of(request, store.folder)
+    assert result_cache.whole(uncut, short) is None
+
+
+def test_a_law_that_was_found_can_be_asked_for():
+    """A handle that is held asks for the law that was settled."""
+    bent, straight = (
+        SimpleNamespace(elastic_law=ElasticLaw((0.0, 8e-3), ratio, 100.0))
+        for ratio in ((0.5, 1.5), (1.0, 1.0))
+    )
+    found = [
+        request_handlers._law(one) for one in (bent, straight, SimpleNamespace(elastic_law=None))
+    ]
+    assert found == ["nonlinear", "linear", ""]
+    assert set(found[:2]) <= set(words(RampLawAsked))
+
+
+def test_a_response_follows_the_mass(store, asked):
+    light, heavy = (ask("predict", store, job=asked | {"mass": mass}) for mass in ("100g", "200g"))
+    peaks = [one["arrays"]["frf/predicted/x"][one["arrays"]["frf/predicted/y"].argmax()]
+             for one in (light, heavy)]  # fmt: skip
+    assert peaks[0] / peaks[1] == pytest.approx(2**0.5, rel=0.02)
+    assert len(VERBS["predict"]({"job": asked}, store.folder)) < 30_000
+
+
+@pytest.mark.parametrize("joint", [False, True])
+def test_a_base_that_moves_is_predicted_as_by_the_command(store, asked, at_home, joint):
+    job = asked | {"joint": joint}
+    head = ask("study", store, job=job, base=True)
+    fit = "joint" if joint else "fit"
+    (at_home / f"{fit}.json").write_text(ask("take", store, job=job, what=fit)["text"])
+    shell = typed(head["command"].splitlines()[1], "--json")
+    assert json.loads(ask("take", store, job=job, what="base-json")["text"]) == shell
+    assert f"above {shell['isolation_hz']:.2f} Hz" in head["frf"]
+    assert f"{shell['peak']['frequency_hz']:.2f} Hz, {shell['peak']['value']:.3g}" in head["frf"]
+    lines = ask("take", store, job=job, what="base")["text"]
+    assert repr(shell["real"][7]) in lines
+    moving = ask("predict", store, job=job, base=True)["arrays"]["frf/predicted/y"]
+    assert moving[0] == pytest.approx(1.0, abs=0.15)
+    with pytest.raises(dp.DataError, match="no mass"):
+        ask("take", store, job={"relaxation": asked["relaxation"]}, what="base")
+
+
+@pytest.mark.parametrize(
+    ("name", "more"),
+    [("sweep.csv", {"arms": 2}), ("sweeps.csv", {}), ("curve.csv", {"temperature": "23degC"})],
+)
+def test_a_sweep_or_a_modulus_is_fitted_as_by_the_command(store, tmp_path, monkeypatch, name, more):
+    text = workflow.EXAMPLES[name]()
+    (tmp_path / name).write_text(text)
+    monkeypatch.chdir(tmp_path)
+    identity = store.put(name, text.encode())
+    assert ask("inspect", store, file=identity)["mark"] == "good"
+    head = ask("bench", store, file=identity, **more)
+    shell = typed(head["command"], "--json")
+    assert json.loads(ask("take-bench", store, file=identity, **more)["text"]) == shell
+    scale, unit = (1e-3, "N/mm") if name == "sweep.csv" else (1e-6, "MPa")
+    assert unit in head["solid"]
+    assert f"{scale * shell['model']['k_inf']:.3g}"[:3] in head["solid"]
+    assert head["figures"]
+
+
+def test_a_warm_and_a_cold_test_share_one_solid(store, at_home):
+    ids = []
+    for name, temperature in (("warm.csv", 296.15), ("cold.csv", 273.15)):
+        rig = replace(Rig(), rate=200.0)
+        text = write_relaxation(simulate_relaxation(AT[temperature], rig=rig, seed=len(ids)).test)
+        (at_home / name).write_text(text)
+        ids.append(store.put(name, text.encode()))
+    job = {"relaxation": ids[0], "further": [ids[1]], "temperatures": ["23degC", "0degC"]}
+    head = ask("settle", store, job=job)
+    words = ("warm.csv", "cold.csv", "--temperature", "23degC", "--temperature", "0degC")
+    told = json.loads(ask("take", store, job=job, what="fit")["text"])
+    assert told == shell.told("fit", *words)
+    assert len(told["temperature"]["shifts"]) == 2
+    assert head["command"].startswith("dashpot report warm.csv cold.csv")
+    with pytest.raises(dp.DataError, match="--cuts cuts one relaxation test, and there are 2 here"):
+        ask("settle", store, job=job | {"cuts": {"hold_end": 20.0}})
+
+
+def test_a_hammer_without_a_mass_is_no_verdict_yet(store, asked):
+    bare = {key: value for key, value in asked.items() if key not in {"mass", "seals"}}
+    head = ask("study", store, job=bare | {"joint": False})
+    assert "mass of the block" in head["hint"]
+    fit = from_json(ask("take", store, job=bare, what="fit")["text"])
+    assert fit.verdict.use.capitalize() in head["verdict"]
+    assert not ask("study", store, job=asked | {"joint": False})["hint"]
+
+
+@pytest.mark.parametrize(
+    ("name", "explains", "told"),
+    [("mass", True, "115.30"), ("mass and stiffness", True, "115.30"),
+     ("gain and stiffness", True, ""), ("mass", False, "")],
+)  # fmt: skip
+def test_a_mass_is_offered_where_it_explains_both_tests(name, explains, told):
+    best = Explanation(name, 0.1153, 2e-4, "kg", 0.04, 900.0, explains, "so")
+    study = replace(handmade.study(), joint=altered(handmade.joint(), explanations=(best,)))
+    assert view_models.mass_that_explains(study) == told
+
+
+@pytest.mark.slow
+def test_what_would_tell_more_is_said_once(store, asked):
+    study = result_cache.study(job_of(asked, store.folder))
+    more = view_models.tells_more(study, ())
+    assert study.fit.end_of_hold.remedy.split(":")[0] in more.replace("\xa0", " ")
+    said = Check("told", False, "Not known.", remedy=Remedy(study.fit.end_of_hold.remedy))
+    assert view_models.tells_more(study, (said,)) == ""
+
+
+def test_a_wrong_mass_has_its_cure_beside_the_verdict(store, asked):
+    """Twice the mass: the page offers that of the FRF; of the right one it offers none."""
+    wrong, right = (
+        ask("study", store, job=asked | {"joint": False, "mass": mass})["verdict"]
+        for mass in ("229.6g", "114.8g")
+    )
+    (grams,) = re.findall(r'data-mass="([0-9.]+)g">Set \1 g<', wrong)
+    assert float(grams) == pytest.approx(114.8, rel=0.01)
+    assert "data-mass" not in right
+
+
+def test_a_fractional_solid_shows_its_own_four(store, asked):
+    head = ask("settle", store, job=asked | {"arms": "auto", "family": "fractional"})
+    assert head["solid"].count('scope="row"') == 5  # its four, and the end of the hold
+    assert "--model fractional" in head["command"]
+    assert ask("live", store, job=asked | {"arms": "auto", "family": "fractional"})["beside"]
+
+
+def test_a_hit_is_left_out_by_hand(store, asked):
+    rejected = ask("study", store, job=asked | {"joint": False, "hammer": {"reject": ["2"]}})
+    assert "4 of 5 hits" in rejected["hammer"]
+    assert "--reject 2" in rejected["command"]
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"relaxation": ""}, "open one first"),
+        ({"relaxation": "../../etc"}, "no longer here"),
+        ({"relaxation": "0" * 16}, "no longer here"),
+        ({"mass": 0.1148}, "quantity with its unit"),
+        ({"mass": "114.8"}, "has no unit"),
+        ({"mass": "114.8m"}, "mass"),
+        ({"seals": "two"}, "expected a number"),
+        ({"arms": -1}, "whole number"),
+        ({"arms": True}, "whole number"),
+        ({"law": "bent"}, "expected one of"),
+        ({"cuts": {"ramp_begin": 1}}, "has no 'ramp_begin'"),
+        ({"cuts": []}, "expected an object"),
+        ({"impact": "hammer"}, "expected a list"),
+        ({"temperatures": ["cold", "23degC"]}, "not a quantity"),
+        ({"temperatures": ["", "23degC"]}, "1 of 2 tests .* has no temperature"),
+        ({"title": 3}, "expected a text"),
+        ({"colour": "red"}, "has no 'colour'"),
+        ({"reading": {"units": 5}}, "not of the kind"),
+    ],
+)
+def test_what_is_not_of_a_job_is_told_so(store, asked, change, says):
+    with pytest.raises(dp.DashpotError, match=says):
+        job_of(asked | change, store.folder)
+
+
+@pytest.mark.parametrize("mass", ["0g", "-5g"])
+@pytest.mark.parametrize("verb", ["settle", "predict", "study"])
+@pytest.mark.parametrize("base", [False, True])
+def test_a_mass_that_cannot_be_is_told_so(store, asked, mass, verb, base):
+    bare = {"relaxation": asked["relaxation"], "arms": 2, "mass": mass}
+    with pytest.raises(dp.DataError, match=r"mass = .* kg; expected a number > 0"):
+        ask(verb, store, job=bare, base=base)
+
+
+def test_a_job_and_its_command_say_the_same(store, asked):
+    more = {
+        "compression": "2.6mm", "band": "5:40Hz", "machine": {"sync": "0.5ms"}, "law": "linear",
+        "hammer": {"reject": ["3"], "polarity": [1, -1]}, "title": "A seal's title",
+    }  # fmt: skip
+    words = shlex.split(line("report", job_of(asked | more, store.folder)))
+    for one in (
+        "--compression",
+        "2.6mm",
+        "5.0:40Hz",
+        "sync=0.0005s",
+        "linear",
+        "-1",
+        "A seal's title",
+    ):
+        assert one in words
+
+
+def test_a_file_without_units_asks_and_shows_what_each_would_mean(store):
+    text = workflow.EXAMPLES["seal_8mm.csv"]().replace("force [N]", "force")
+    identity = store.put("bare.csv", text.encode())
+    found = ask("inspect", store, file=identity)
+    assert found["mark"] == "care"
+    assert "With this unit the seal would be" in found["asked"]
+    answered = ask("inspect", store, file=identity, options={"units": {"force": "N"}})
+    assert answered["mark"] == "good"
+    profile = ask("profile", store, options={"units": {"force": "N"}})
+    assert 'force" = "N"' in profile["text"].replace("'", '"')
+
+
+def test_whatever_comes_from_a_file_is_escaped(store):
+    text = workflow.EXAMPLES["seal_8mm.csv"]().replace("force [N]", "<script>x</script> [N]")
+    found = ask("inspect", store, file=store.put("<i>.csv", text.encode()))
+    assert "<script>" not in json.dumps(found, default=str)
+
+
+@pytest.mark.parametrize("what", ["report", "fit", "picture", "frf"])
+def test_what_can_be_taken_away(store, asked, what):
+    told = ask("take", store, job=asked | {"joint": False}, what=what)
+    assert told["name"]
+    assert len(told["text"]) > 20
+
+
+def test_a_deck_is_refused_as_on_the_command_line_and_written_anyway(store, asked):
+    with pytest.raises(dp.ExportError, match="length"):
+        ask("take", store, job=asked, what="deck", target="nastran")
+    whole = asked | {"specimen": {"temperature": "23degC", "length": "100mm"}}
+    with pytest.raises(dp.DashpotError, match="no solver"):
+        ask("take", store, job=whole, what="deck", target="word")
+    assert (
+        "OVERRIDE"
+        in ask("take", store, job=asked, what="deck", target="nastran", anyway=True)["text"]
+    )
+    with pytest.raises(dp.DataError, match="both tests"):
+        ask("take", store, job=whole | {"joint": False}, what="joint")
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({"target": "nastran"}, ("--to", "nastran")),
+        ({"target": "abaqus", "form": "prony", "seals": 2}, ("--to", "abaqus", "--form", "prony",
+                                                             "--seals", "2")),
+        ({"target": "radioss", "modulus": "3MPa"}, ("--to", "radioss", "--modulus", "3MPa")),
+    ],
+)  # fmt: skip
+def test_a_deck_is_that_of_the_command(store, asked, at_home, more, words):
+    specimen = {"temperature": "23degC", "length": "100mm"}
+    # of the bench alone: what the page holds against it under a mass is in its header, too
+    job = asked | {"joint": False, "impact": [], "mass": "", "specimen": specimen}
+    deck = ask("take", store, job=job, what="deck", **more)["text"]
+    (at_home / "fit.json").write_text(ask("take", store, job=job, what="fit")["text"])
+    typed = ("export", "fit.json", "--unit-system", "mm-t-s", *words)
+    assert ran(*typed).stdout == deck
+    with pytest.raises(dp.ExportError, match="take no --modulus"):
+        ask("take", store, job=job, what="deck", target="csv", modulus="3MPa")
+
+
+@pytest.mark.parametrize("joint", [True, False])
+def test_a_deck_is_of_the_solid_shown_and_no_calmer_than_the_page(store, asked, joint):
+    job = asked | {"joint": joint}
+    told = ask("study", store, job=job)
+    table = told["solid"]
+    assert joint or table == ask("settle", store, job=job)["solid"]
+    (solid,) = re.findall('data-solid="([0-9a-f]+)"', table)
+    for target in SUFFIXES:
+        wanted = {"what": "deck", "target": target, "joint": joint, "anyway": True, "seals": 2}
+        wanted |= {"modulus": "3MPa"} if target == "radioss" else {}
+        deck = ask("take", store, job=job, solid=solid, **wanted)["text"]
+        assert f"in parallel of fit {solid}" in deck, target
+        assert len(re.findall(r"arm \d+: k =", deck)) == table.count('row">arm '), target
+        assert ("DO NOT USE:" in deck) == (told["colour"] == "bad"), target
+    with pytest.raises(dp.DataError, match="another model"):
+        ask("take", store, job=job, solid="0" * 16, **wanted)
+
+
+def test_the_panels_of_the_test_are_of_the_solid_of_the_tab(store, asked):
+    job = asked | {"joint": True}
+    told, alone = ask("study", store, job=job), ask("settle", store, job=job)["panels"]
+    both = told["panels"]
+    assert both.keys() == {"ramp", "hold", "spectrum"}
+    # the measured lines are the same, the fitted ones are not, nor their colour
+    assert all(both[name] != alone[name] for name in ("hold", "spectrum"))
+    for panels, ink in ((both, "joint-ink"), (alone, "fit")):
+        assert all(f"var(--{ink})" in one for one in (panels["hold"], panels["spectrum"]))
+        assert ink == "fit" or "var(--fit)" not in panels["hold"] + panels["spectrum"]
+    arms = result_cache.study(job_of(job, store.folder)).joint.model.arms
+    assert both["spectrum"].count(">τ") >= arms
+    assert (
+        ask("study", store, job=asked | {"joint": False})["panels"]["spectrum"]
+        == (alone["spectrum"])
+    )
+
+
+def test_what_both_tests_leave_of_the_hold_is_its_noise(store, asked):
+    both = ask("study", store, job=asked | {"joint": True, "arms": "auto"})["panels"]["hold"]
+    rms, noise = map(float, re.search(r"rms ([\d.]+), noise ([\d.]+)", both).groups())
+    assert 0.9 * noise < rms < 1.1 * noise
+
+
+def test_the_list_of_files_names_no_option_and_no_python(store):
+    rows = "".join(f"{1e-9 * i:.3e},{i},{i}\n" for i in range(200))
+    identity = store.put("brief.csv", f"time [s],displacement [mm],force [N]\n{rows}".encode())
+    line = ask("inspect", store, file=identity)["line"]
+    assert line
+    assert "--" not in line
+    assert "Python" not in line
+
+
+def test_two_fits_are_held_against_each_other(store, asked):
+    sides = {name: {"job": asked | {"joint": name == "b"}} for name in "ab"}
+    head = ask("against", store, **sides)
+    assert head["colour"] == "open"
+    assert set(head["panels"]) == {"ab-frf", "ab-rest"}
+    assert 'data-name="A"' in head["panels"]["ab-frf"]
+    tabs = [ask("study", store, job=one["job"])["answers"] for one in sides.values()]
+    # each number is that of its own tab
+    for told, side in zip(tabs, (1, 2), strict=True):
+        own = re.findall(r'row">([^<]+)</th><td class="value">([^<]+)', told)
+        mine = {
+            row[0]: row[side] for row in re.findall(
+                r'row">([^<]+)</th><td class="value">([^<]*)</td><td class="value">([^<]*)',
+                head["table"],
+            )
+        }  # fmt: skip
+        assert all(mine[name] == value for name, value in own if name in mine)
+        assert len(mine.keys() & dict(own).keys()) >= 3
+    assert "alone" in head["table"]
+    same = ask("against", store, a=sides["a"], b=sides["a"])
+    assert "×" not in same["table"]
+    assert "outside" not in same["table"]
+    with pytest.raises(dp.DataError, match="no model of both tests"):
+        ask("against", store, a=sides["a"], b={"job": asked | {"joint": True, "impact": []}})
+
+
+def test_a_project_is_kept(store, asked, tmp_path):
+    kept = ask("project", store, job=asked | {"joint": False}, folder=str(tmp_path / "door"))
+    assert (tmp_path / "door" / "dashpot.toml").exists()
+    assert kept["report"].endswith(".html")
+    with pytest.raises(dp.DataError, match="no folder"):
+        ask("project", store, job=asked, folder=" ")

@@ -1,0 +1,228 @@
+"""A row: every kind of file has one, by its fit or with the sentence why not; a hammer with it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from kit.cld import pressed
+from kit.kinds import ARMS, MASS, STIFFNESS, files
+
+import dashpot as dp
+from dashpot.base.errors import DataError
+from dashpot.extensions.batch.batch_options import BatchChoices
+from dashpot.extensions.batch.batch_run import batch
+from dashpot.extensions.batch.columns import AGAIN
+from dashpot.extensions.batch.input_files import Entry
+from dashpot.extensions.batch.limits import read_limits
+from dashpot.extensions.batch.summary import summary
+from dashpot.extensions.batch.table_row import row
+from dashpot.extensions.materials.cld.preprocess import cld
+from dashpot.extensions.materials.cld.read import read_cld
+from dashpot.fitting.relaxation import fit as fit_tests
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers.relaxation import read_relaxation
+from dashpot.reading.write import write_frf
+from dashpot.workflow import compare_files
+from dashpot.workflow.example_files import EXAMPLES
+from dashpot.workflow.job import HammerChoices
+
+pytestmark = pytest.mark.once
+
+FITTED = {"relaxation", "creep", "dma", "master-curve", "modulus"}
+ONE_ARM = BatchChoices(arms=1, reading=ReadOptions(modulus="Relaxation modulus"))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = tmp_path_factory.mktemp("kinds")
+    for name, (text, _) in files().items():
+        (place / name).write_text(text)
+    return place
+
+
+def row_of(entry, choices=ONE_ARM):
+    return row(entry, entry.hashes(), choices)
+
+
+@pytest.mark.parametrize("name", sorted(set(files()) - {"trios.txt"}))
+def test_every_kind_is_a_row_by_its_fit_or_with_the_sentence_why_not(folder, name):
+    kind = files()[name][1]
+    found = row_of(Entry(str(folder / name)))
+    assert found["kind"] == kind
+    assert found["outcome"] == ("fitted" if kind in {*FITTED, "cld", "csr"} else "other")
+    if kind == "cld":
+        assert found["cld_force_N"] > 0
+        assert found["cld_hysteresis"] > 0
+        assert found["k_inf_N_per_m"] is None
+    elif kind == "csr":
+        assert found["csr_chemical_time_low_s"] > 0
+    elif kind in FITTED:
+        material = found["k_inf_N_per_m"] is None
+        assert material == (kind not in {"relaxation", "creep"} or name == "compliance.csv")
+        assert found["E_inf_Pa" if material else "k_inf_N_per_m"] >= 0
+        assert (found["E_1_Pa" if material else "k_1_N_per_m"], found["tau_1_s"]) > (0, 0)
+        assert (found["rms_N"] is None) == (kind != "relaxation")
+    else:
+        assert found["reason"].startswith("it is ")
+        assert found["k_inf_N_per_m"] is None
+    if kind in {"impact", "frf"}:
+        assert found["measured_Hz"] == pytest.approx(14.6, abs=0.1)
+
+
+def test_a_quick_row_judges_nothing_that_it_does_not_write(folder, monkeypatch):
+    def judged(*_args, **_how):
+        raise DataError("judged")
+
+    monkeypatch.setattr("dashpot.preprocessing.checks.motion_resolved", judged)
+    name = "seal.csv"
+    assert row_of(Entry(str(folder / name)), replace(ONE_ARM, quick=True))["outcome"] == "fitted"
+    assert row_of(Entry(str(folder / name)))["reason"] == "judged"
+
+
+@pytest.mark.parametrize("name", ["seal.csv", "frf.csv", "triangle.csv"])
+def test_a_row_says_whether_its_file_is_simulated(folder, tmp_path, name):
+    text = (folder / name).read_text()
+    lines = [line for line in text.splitlines(keepends=True) if "simulated" not in line]
+    for head, origin in (("", ""), ("# simulated\n", "simulated")):
+        (tmp_path / name).write_text(head + "".join(lines))
+        assert row_of(Entry(str(tmp_path / name)))["origin"] == origin
+
+
+def test_a_load_deflection_is_a_row_as_its_command_has_it(tmp_path):
+    path = pressed(softening=0.05).write(tmp_path / "p1.csv")
+    choices = BatchChoices(compression=(6e-3,), length=0.05)
+    found = row_of(Entry(str(path)), choices)
+    alone = cld(read_cld(path, specimen=dp.Specimen(length="50mm")), at="6mm")
+    assert found["cld_force_N"] == alone.nominal.loading
+    assert found["cld_per_100mm_N"] == 2 * alone.nominal.loading
+    assert (found["cld_at_m"], found["cld_set_m"]) == (6e-3, alone.set)
+    assert found["cld_hysteresis"] == alone.cycle.hysteresis
+    assert found["verdict"] == alone.verdict.use
+    short = row_of(Entry(str(path)), BatchChoices(compression=(12e-3,)))
+    assert short["outcome"] == "refused"
+    assert "12 mm was asked for" in short["reason"]
+    assert short["kind"] == "cld"
+
+
+def test_a_lot_of_pieces_is_judged_by_their_force(tmp_path):
+    for number, scale in enumerate((1.0, 1.04, 0.97), start=1):
+        truth = pressed(scale=scale, seed=number, softening=0.05, cycles=2)
+        truth.write(tmp_path / f"p{number}.csv")
+    lot = batch(tmp_path, length="50mm", compression="6mm", jobs=1)
+    assert lot.main == "cld_per_100mm"
+    forces = [float(one.mean) for one in lot.seals(lot.main)]
+    assert forces[1] / forces[0] == pytest.approx(1.04, abs=0.01)
+    (limits,) = read_limits(stated(tmp_path), lot.table.columns)
+    found = summary(lot, quantity=lot.main, limits=[limits])
+    assert found.main.lowest[1].cpk > 0
+
+
+def stated(folder):
+    path = folder / "limits.toml"
+    path.write_text('[cld_per_100mm]\nlower = "2N"\nupper = "3N"\n')
+    return path
+
+
+def test_a_hit_is_a_row_once_the_indenter_has_a_mass(tmp_path):
+    path = tmp_path / "hit.csv"
+    path.write_text(EXAMPLES["hit.csv"]())
+    found = row_of(Entry(str(path), mass=5e-3), BatchChoices(radius=5e-3))
+    assert found["outcome"] == "fitted"
+    assert found["indent_modulus_Pa"] == pytest.approx(4e6, rel=0.02)
+    assert found["indent_modulus_low_Pa"] < found["indent_modulus_Pa"]
+    assert found["restitution"] == pytest.approx(0.7935, abs=0.003)
+    assert "indenter's mass" in row_of(Entry(str(path)))["reason"]
+
+
+def test_a_modulus_finds_its_column_by_itself(folder):
+    found = row_of(Entry(str(folder / "modulus.csv")), BatchChoices(arms=1))
+    assert (found["kind"], found["outcome"]) == ("modulus", "fitted")
+
+
+def test_a_file_of_no_kind_is_refused_in_the_words_of_its_reader(folder):
+    found = row_of(Entry(str(folder / "trios.txt")))
+    assert (found["kind"], found["outcome"]) == ("creep", "refused")
+    assert "no force is held" in found["reason"]
+
+
+def test_a_hammer_is_held_against_its_test_as_the_comparison_does_it(folder):
+    bench, hammer = str(folder / "seal.csv"), str(folder / "hammer.csv")
+    found = row_of(Entry(bench, hammer=(hammer,), mass=MASS), replace(ONE_ARM, seals=2))
+    fit = fit_tests(read_relaxation(bench), arms=1)
+    agreed = compare_files(
+        fit, [hammer], hammer=HammerChoices(), options=ReadOptions(), mass=MASS, seals=2
+    )
+    held = agreed.comparison
+    assert (found["predicted_Hz"], found["measured_Hz"]) == (held.predicted_hz, held.measured_hz)
+    assert found["predicted_damping_ratio"] == held.predicted_damping
+    assert found["measured_damping_ratio"] == held.measured_damping
+    assert (found["peak_dB"], found["frac"]) == (held.ratio_db, held.frac)
+    assert found["k_inf_N_per_m"] == fit.model.k_inf
+    assert found["agreement"] == held.verdict.use == "do not use"
+    assert "hammer: " in found["reason"]
+    assert found["verdict"] == fit.verdict.use
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"mass": None}, "hammer: no mass is known"),
+        ({"file": "dma.csv"}, "hammer: a test of a material"),
+        ({"hammer": ("nowhere.csv",)}, "hammer: "),
+        ({"hammer": ("triangle.csv",)}, "hammer: "),
+    ],
+)
+def test_a_hammer_that_cannot_be_held_against_it_leaves_the_fit(folder, monkeypatch, changes, says):
+    monkeypatch.chdir(folder)
+    entry = replace(Entry("seal.csv", hammer=("frf.csv",), mass=MASS), **changes)
+    found = row_of(entry)
+    assert (found["outcome"], found["agreement"]) == ("fitted", "")
+    assert says in found["reason"]
+
+
+@pytest.mark.parametrize(("apart", "compared"), [(0.0, True), (30.0, False)])
+def test_a_hammer_at_another_temperature_says_its_resonance_and_no_agreement(
+    folder, apart, compared
+):
+    entry = Entry(str(folder / "seal.csv"), hammer=(str(folder / "frf.csv"),), mass=MASS)
+    same = row_of(replace(entry, temperature=296.15))
+    found = row_of(replace(entry, temperature=296.15, hammer_temperature=296.15 + apart))
+    assert found["measured_Hz"] == same["measured_Hz"]
+    assert (found["predicted_Hz"] is not None, found["agreement"] != "") == (compared, compared)
+    assert ("nothing says how the solid moves to 53" in found["reason"]) != compared
+
+
+@pytest.mark.once
+def test_a_joint_fit_finds_the_damping_that_the_bench_alone_misses(folder, tmp_path):
+    """Beside the arms of the bench's file the hammer's seals have one of 10 ms."""
+    seal = dp.GeneralizedMaxwell(STIFFNESS, (40.0, *(k for k, _ in ARMS)), (0.01, 0.5, 16.0))
+    frf = dp.systems.predict_frf(2 * seal, mass=MASS, frequency=np.linspace(6, 30, 60))
+    noise = np.random.default_rng(7).standard_normal((2, 60)) * abs(frf.value) / 200
+    hammer = tmp_path / "frf.csv"
+    hammer.write_text(write_frf(replace(frf, value=frf.value + noise[0] + 1j * noise[1])))
+    entry = Entry(str(folder / "seal.csv"), hammer=(str(hammer),), mass=MASS)
+    found = row_of(entry, BatchChoices(arms=2, seals=2, joint=True))
+    (mode,) = frf.modes()
+    assert (found["method"], found["agreement"]) == ("joint", "use with care")
+    assert found["measured_damping_ratio"] == pytest.approx(mode.damping_ratio, rel=0.02)
+    assert found["damping_ratio"] == pytest.approx(mode.damping_ratio, rel=0.02)
+    assert found["frequency_Hz"] == pytest.approx(mode.frequency, rel=2e-3)
+    assert found["predicted_damping_ratio"] < mode.damping_ratio / 2
+
+
+@pytest.mark.parametrize("which", [0, 1])
+def test_a_file_that_changed_since_it_was_hashed_is_tried_again(folder, which):
+    entry = Entry(str(folder / "seal.csv"), hammer=(str(folder / "frf.csv"),))
+    hashes = list(entry.hashes())
+    hashes[which] = "another"
+    found = row(entry, hashes, ONE_ARM)
+    assert found["outcome"] in AGAIN
+    assert f"{(entry.file, *entry.hammer)[which]} changed while" in found["reason"]
+
+
+def test_a_file_that_went_since_it_was_hashed_is_tried_again(tmp_path):
+    found = row(Entry(str(tmp_path / "gone.csv")), ("hash",), ONE_ARM)
+    assert found["outcome"] == "changed"
+    assert found["reason"].endswith("gone.csv went while the batch ran; run it again")

@@ -1,0 +1,219 @@
+"""A lot: which rows its statistics are of, seals for replicates, and what two lots differ by."""
+
+import numpy as np
+import polars as pl
+import pytest
+from kit.lots import lot_of, scattered
+from kit.shell import ran, told
+
+import dashpot as dp
+from dashpot.base.errors import DataError, ReadError
+from dashpot.extensions.batch.comparison import compared, opened, opened_both
+from dashpot.extensions.batch.quantities import natural, quantity
+from dashpot.extensions.batch.summary import summary
+
+pytestmark = pytest.mark.once
+
+
+def test_seals_stand_in_the_order_in_which_people_count():
+    lot = lot_of(scattered(lots=2, seals=11, repeats=1))
+    assert [one.name for one in lot.seals()][:11] == [f"{i}" for i in range(1, 12)]
+    counted = ["9", "10", "b", "seal 9", "seal 10"]
+    shuffled = ["seal 10", "b", "10", "9", "seal 9"]
+    assert sorted(shuffled, key=natural) == counted
+
+
+def test_a_quantity_is_found_by_its_column_and_without_the_unit():
+    columns = ["k_end_N_per_m", "loss_factor_at_12.7Hz_2.6mm", "storage_at_5Hz_N_per_m",
+               "storage_at_5Hz_Pa", "frequency_Hz"]  # fmt: skip
+    assert quantity("k_end", columns) == quantity("k_end_N_per_m", columns)
+    assert quantity("k_end", columns).title == "stiffness at the end of the hold, N/mm"
+    assert quantity("k_end", columns).read(196.54) == "0.1965 N/mm"
+    assert (
+        quantity("loss_factor_at_12.7Hz_2.6mm", columns).title == "loss factor at 12.7 Hz at 2.6 mm"
+    )
+    assert quantity("storage_at_5Hz", columns).unit == "N/mm"
+    assert quantity("storage_at_5Hz_Pa", columns).unit == "MPa"
+    with pytest.raises(DataError, match="'k' is no column of numbers of the table; there are"):
+        quantity("k", columns)
+
+
+@pytest.mark.parametrize(
+    ("column", "keeps", "breaks", "says"),
+    [
+        ("hold_s", 38.0, 37.9, "held for 37.9 s, its lot 40 s"),
+        ("hold_s", 42.0, 42.1, "held for 42.1 s, its lot 40 s"),
+        ("depth_m", 0.0084, 0.00841, "pressed to 8.41 mm, its lot 8 mm"),
+        ("temperature_K", 299.15, 299.2, "tested at 299 K, its lot 296 K"),
+    ],
+)
+def test_a_test_made_otherwise_is_left_out(column, keeps, breaks, says):
+    for value, left in ((keeps, {}), (breaks, {"L1/1_1.csv": says})):
+        rows = scattered(lots=1, seals=3)
+        rows[0][column] = value
+        lot = lot_of(rows)
+        assert lot.unlike == left
+        assert lot.used.height == 12 - len(left)
+        (check,) = [one for one in lot.checks if one.name == "tests_alike"]
+        assert check.failed is bool(left)
+
+
+def test_a_record_that_is_given_again_is_named_and_a_lot_is_not_held_against_itself():
+    rows = [row | {"sha256": f"{i}"} for i, row in enumerate(scattered(lots=1, seals=3, repeats=2))]
+    sound = lot_of(rows)
+    assert sound.copies == {}
+    both = compared(("may", sound), ("june", sound), ["k_end"])
+    assert [one.value for one in both.checks if one.name == "records_distinct"] == [6, 0, 0]
+    assert both.each[0].different is both.document["differences"][0]["different"] is None
+    assert "not judged, the lots have six records in common" in str(both)
+    assert "no difference" not in str(both)
+    others = [row | {"sha256": f"{i}*"} for i, row in enumerate(rows)]
+    assert compared(("may", sound), ("june", lot_of(others)), ["k_end"]).each[0].different is False
+    others[0]["sha256"] = "0"
+    assert compared(("may", sound), ("june", lot_of(others)), ["k_end"]).each[0].shared == 1
+    rows[3]["sha256"] = "0"
+    lot = lot_of(rows)
+    assert lot.copies == {"L1/2_2.csv": "L1/1_1.csv"}
+    (check,) = [one for one in lot.checks if one.name == "records_distinct"]
+    assert check.failed
+    assert [one.says for one in summary(lot).flags if one.file == "L1/2_2.csv"] == [
+        "the same record as L1/1_1.csv: left out of the statistics"
+    ]
+
+
+def test_of_two_depths_one_is_the_lots():
+    rows = scattered(lots=1, seals=4, repeats=1)
+    for row in rows[2:]:
+        row["depth_m"] = 0.006
+    assert lot_of(rows).used["file"].to_list() == ["L1/3_1.csv", "L1/4_1.csv"]
+
+
+def test_what_was_not_fitted_or_may_not_be_used_does_not_enter_and_what_needs_care_does():
+    rows = scattered(lots=1, seals=3, repeats=2)
+    rows[0] |= {"outcome": "refused", "k_end_N_per_m": 1e6}
+    rows[1] |= {"verdict": "do not use", "k_end_N_per_m": 1e6}
+    rows[2] |= {"verdict": "use with care"}
+    lot = lot_of(rows)
+    assert [len(one.files) for one in lot.seals()] == [2, 2]
+    assert max(one.mean for one in lot.seals()) < 300
+
+
+def test_the_chart_of_seals_knows_how_seals_differ_and_that_of_repeats_how_repeats_do():
+    """Limits from the repeats, ten times closer, would accuse nearly every seal."""
+    lot = lot_of(scattered(lots=1, seals=60, sds=(0, 0.03, 0.003), seed=3))
+    (charts,) = lot.charts().values()
+    assert (charts.means.upper[0] - charts.means.centre) / 200 == pytest.approx(0.09, rel=0.25)
+    assert charts.repeats.centre / 200 == pytest.approx(0.003 * 0.921, rel=0.1)  # c_4 of four
+    assert len([one for one in charts.means.signals if "beyond" in one.rule]) <= 1
+    alone = lot_of(scattered(lots=1, seals=5, repeats=1)).charts()["L1"]
+    assert alone.repeats is None
+    assert lot_of(scattered(lots=1, seals=1)).charts() == {}
+
+
+def test_lots_have_a_chart_whose_groups_are_their_seals():
+    names, means, deviations = lot_of(scattered(lots=5, sds=(0, 0.03, 0.01))).lot_chart()
+    assert names == ("L1", "L2", "L3", "L4", "L5")
+    assert means.upper[0] - means.centre == pytest.approx(3 * 200 * 0.0304 / 5, rel=0.2)
+    assert deviations.centre == pytest.approx(200 * 0.0304, rel=0.2)
+    assert lot_of(scattered(lots=1)).lot_chart() is None
+
+
+def test_components_and_gauge_hold_the_truth_of_four_lots():
+    lot = lot_of(scattered(seed=2, operators=("Kim", "Lee")))
+    found = {one.source: one for one in lot.components("k_end")}
+    for source, sd in (("lot", 4), ("seal", 6), ("repeat", 2)):
+        low, high = found[source].interval
+        assert low <= sd**2 <= high, source
+    study = lot.gauge()
+    assert (study.parts, study.operators, study.tests) == (100, 2, 400)
+    assert study["repeatability"].interval[0] < 2 < study["repeatability"].interval[1]
+    # the limits leave the mean by 10 %: three standard deviations of seals with a quarter of the
+    # repeats' variance
+    able = lot.capability("k_end", 180, 220)
+    assert list(able) == ["L1", "L2", "L3", "L4"]
+    assert all(one.count == 25 and 0 < one.cpk < one.cp < 1.6 for one in able.values())
+
+
+def test_the_table_goes_to_pandas_and_the_charts_to_a_picture(tmp_path):
+    lot = lot_of(scattered(lots=2, seals=3))
+    frame = lot.to_pandas()
+    assert list(frame.columns) == lot.table.columns
+    assert frame["k_end_N_per_m"].tolist() == lot.table["k_end_N_per_m"].to_list()
+    dp.plot.save(lot.plot(), tmp_path / "lot.svg")
+    assert "control limits of each lot" in (tmp_path / "lot.svg").read_text()
+
+
+# -- two lots -------------------------------------------------------------------------------------
+
+
+def in_folder(place, lot):
+    place.mkdir()
+    lot.table.with_columns(key=pl.col("file")).write_parquet(place / "part-0.parquet")
+    return str(place)
+
+
+def test_two_lots_that_differ_and_two_that_do_not(tmp_path):
+    same, apart = (
+        lot_of(scattered(lots=1, sds=(0, 0.03, 0.01), mean=mean, seed=seed))
+        for mean, seed in ((200, 1), (210, 2))
+    )
+    found = compared(("A", same), ("B", apart), ["k_end"]).each[0]
+    assert found.different
+    low, high = found.difference.interval
+    assert low < 10 < high
+    assert found.difference.counts == (25, 25)
+    alike = compared(("A", same), ("C", lot_of(scattered(lots=1, sds=(0, 0.03, 0.01), seed=5))))
+    assert [one.quantity.name for one in alike.each] == ["k_end", "k_0"]
+    assert not any(one.different for one in alike.each)
+    # 25 seals of 3 % find 2.4 %: 2.86 standard errors of 3.04 % times the root of 2/25
+    assert alike.each[0].difference.detectable / 200 == pytest.approx(0.0246, rel=0.3)
+
+    folders = [in_folder(tmp_path / name, one) for name, one in (("may", same), ("june", apart))]
+    document = told("compare", *folders)
+    assert document["schema"] == "dashpot/lot-comparison@1"
+    assert document["lots"] == ["may", "june"]
+    assert [one["different"] for one in document["differences"]] == [True, True]
+    said = ran("compare", *folders, "--quantity", "k_end").stdout
+    assert "stiffness at the end of the hold: different" in said
+    assert "with a power of 80 %; alike within" in said
+    of_one_name = [in_folder(tmp_path / when / "lot", same) for when in ("may", "june")]
+    assert [name for name, _ in opened_both(of_one_name)] == of_one_name
+
+
+def test_lots_tested_otherwise_are_not_called_the_same_test():
+    one, other = scattered(lots=1), scattered(lots=1, seed=1)
+    for row in other:
+        row["depth_m"] = 0.006
+    found = compared(("A", lot_of(one)), ("B", lot_of(other)))
+    (check,) = [each for each in found.checks if each.name == "lots_tested_alike"]
+    assert check.failed
+    assert "depth 0.008 and 0.006 m" in check.says
+    fitted = [each.says[:5] for each in found.checks if each.name == "files_fitted"]
+    assert fitted == ["In A,", "In B,"]
+    assert not compared(("A", lot_of(one)), ("B", lot_of(one))).checks[0].failed
+
+
+def test_a_test_without_a_seal_is_said_to_count_as_one():
+    rows = scattered(lots=1, seals=4, repeats=2)
+    for row in rows:
+        row["seal"] = ""
+    found = compared(("A", lot_of(rows)), ("B", lot_of(rows)))
+    assert found.each[0].difference.counts == (8, 8)
+    (check,) = [one for one in found.checks if one.name == "seals_named"]
+    assert check.value == 16
+
+
+def test_a_folder_of_several_lots_is_asked_which(tmp_path):
+    folder = in_folder(tmp_path / "all", lot_of(scattered(lots=3, seals=2)))
+    assert opened(f"{folder}:L2")[1].table.height == 8
+    for named, error, words in (
+        (folder, DataError, "holds 3 lots: L1, L2, L3; say which"),
+        (f"{folder}:L9", DataError, "there is no lot 'L9'; there are L1, L2, L3"),
+        (str(tmp_path), ReadError, "holds no rows of a batch"),
+    ):
+        with pytest.raises(error, match=words):
+            opened(named)
+    one = lot_of(scattered(lots=1, seals=1))
+    with pytest.raises(DataError, match="lots of 1 and 1 seals"):
+        compared(("A", one), ("B", one))
+    assert np.isfinite(one.seals()[0].mean)

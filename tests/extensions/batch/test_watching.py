@@ -1,0 +1,210 @@
+"""A watched folder: whatever happens to its files, the table is a batch of those that are still."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from kit.kinds import bench, ramp_and_hold
+
+from dashpot.base.errors import DataError, ReadError
+from dashpot.extensions.batch import batch_run
+from dashpot.extensions.batch.batch_options import BatchChoices
+from dashpot.extensions.batch.batch_run import BatchJob, batch
+from dashpot.extensions.batch.folder_watch import BEAT, STILL, watch_batch
+from dashpot.extensions.batch.parquet_parts import KEY, SMALL
+from dashpot.extensions.batch.process_pool import Engine
+from dashpot.extensions.batch.table_row import row
+
+pytestmark = pytest.mark.once
+
+QUICK = {"arms": 1, "quick": True}
+TEXT = bench(ramp_and_hold())
+
+
+@pytest.fixture
+def rig(tmp_path, monkeypatch):
+    """An empty folder, and rows that are made in this process."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(batch_run, "engine", lambda *_: here())
+    folder = Path("rig")
+    folder.mkdir()
+    return folder
+
+
+@contextmanager
+def here():
+    def computed(chunks, choices):
+        for chunk in chunks:
+            rows = [row(one.entry, one.hashes, choices) | {KEY: one.key} for one in chunk]
+            yield chunk, rows
+
+    yield Engine(1, 1, computed)
+
+
+class Story:
+    """What happens at which second, and the table after it; interrupted at its end."""
+
+    def __init__(self, *acts, **asked):
+        self.now, self.acts, self.tables = 0.0, list(acts), []
+        job = BatchJob(("rig",), Path("lot"), BatchChoices(**QUICK), jobs=1, **asked)
+        self.lot = watch_batch(job, self.refreshed, wait=self.wait, clock=lambda: self.now)
+
+    def refreshed(self, lot):
+        found = {Path(one["file"]).stem: one["outcome"] for one in lot.table.to_dicts()}
+        self.tables.append((self.now, found))
+
+    def wait(self, seconds):
+        if not self.acts:
+            raise KeyboardInterrupt
+        self.now += seconds
+        while self.acts and self.acts[0][0] <= self.now:
+            self.acts.pop(0)[1]()
+
+
+def write(name, text=TEXT, at=0.0):
+    return at, lambda: Path("rig", name).write_text(text)
+
+
+def until(seconds):
+    return seconds, lambda: None
+
+
+def test_a_file_is_fitted_when_it_has_been_still_for_two_seconds(rig):
+    (rig / "old.csv").write_text(TEXT)
+    story = Story(write("new.csv", at=4 * BEAT), until(12 * BEAT))
+    both = {"old": "fitted", "new": "fitted"}
+    # seen first at 0 and at 2 s, and not a beat earlier than still for two
+    assert story.tables == [(STILL, {"old": "fitted"}), (4 * BEAT + STILL, both)]
+    assert story.lot.table.equals(batch("rig", jobs=1, **QUICK).table)
+
+
+def test_a_file_that_grows_waits_and_one_that_paused_is_fitted_again(rig):
+    lines = TEXT.splitlines(keepends=True)
+    growing = [write("a.csv", "".join(lines[:n]), at=t) for n, t in ((20, 0), (30, 1.5), (40, 3))]
+    story = Story(*growing, write("a.csv", at=8.0), until(12.0))
+    assert [at for at, _ in story.tables] == [5.0, 10.0]
+    assert [found["a"] for _, found in story.tables] == ["refused", "fitted"]
+    assert story.lot.table.height == 1
+
+
+def test_names_that_change_and_files_that_go_are_followed(rig):
+    for name in "abc":
+        (rig / f"{name}.csv").write_text(TEXT)
+    story = Story(
+        (3.0, lambda: (rig / "a.csv").rename(rig / "z.csv")),
+        (7.0, (rig / "b.csv").unlink),
+        until(9.0),
+    )
+    assert [set(found) for _, found in story.tables] == [{*"abc"}, {*"bc"}, {*"bcz"}, {*"cz"}]
+
+
+def test_what_is_replaced_by_as_many_bytes_of_the_same_time_is_fitted_again(rig):
+    path, other = rig / "a.csv", bench(0.9 * ramp_and_hold())[: len(TEXT)].ljust(len(TEXT), "\n")
+    path.write_text(TEXT)
+    told = path.stat()
+
+    def replace():
+        Path("beside").write_text(other)
+        Path("beside").replace(path)
+        os.utime(path, ns=(told.st_atime_ns, told.st_mtime_ns))
+
+    story = Story((3.0, replace), until(7.0))
+    assert path.stat().st_size == told.st_size
+    assert [at for at, _ in story.tables] == [2.0, 5.0]
+    assert story.lot.table["depth_m"][0] == pytest.approx(7.2e-3, rel=1e-3)
+
+
+def test_a_file_that_cannot_be_read_yet_is_a_row_until_it_can(rig, monkeypatch):
+    (rig / "a.csv").write_text(TEXT)
+    opened, locked = Path.open, [True]
+
+    def refused(path, *how, **more):
+        if locked and path.name == "a.csv":
+            raise PermissionError(13, "Permission denied")
+        return opened(path, *how, **more)
+
+    monkeypatch.setattr(Path, "open", refused)
+    story = Story((4.0, locked.clear), until(6.0))
+    assert story.tables == [(2.0, {"a": "refused"}), (4.0, {"a": "fitted"})]
+
+
+def test_a_file_that_changes_under_the_fit_is_fitted_when_it_is_still(rig, monkeypatch):
+    path = rig / "a.csv"
+    path.write_text(TEXT)
+    answers = iter([lambda: path.write_text(TEXT + "\n"), lambda: path.write_text(TEXT)])
+    made = batch_run.row
+
+    @contextmanager
+    def meddled(*_):
+        next(answers, lambda: None)()
+        with here() as engine:
+            yield engine
+
+    monkeypatch.setattr(batch_run, "engine", meddled)
+    assert made is row
+    story = Story(until(9.0))
+    assert [found["a"] for _, found in story.tables][-1] == "fitted"
+    assert story.tables[0] == (2.0, {"a": "changed"})
+
+
+def test_a_folder_that_is_away_for_a_while_costs_no_row(rig):
+    (rig / "a.csv").write_text(TEXT)
+    story = Story(
+        (3.0, lambda: rig.rename("away")),
+        (5.0, rig.mkdir),
+        (7.0, lambda: (rig.rmdir(), Path("away").rename(rig))),
+        until(10.0),
+    )
+    assert story.tables == [(2.0, {"a": "fitted"})]
+    assert "waiting: rig: there is no such file or folder" in Path("lot/batch.log").read_text()
+
+
+def test_hammers_are_paired_as_they_come(rig):
+    (rig / "a.csv").write_text(TEXT)
+    story = Story(write("a_hammer.csv", "junk", at=4.0), until(8.0), pair="{stem}_hammer*.csv")
+    assert [at for at, _ in story.tables] == [2.0, 6.0]
+    assert story.lot.table["hammer"][0] == str(Path("rig", "a_hammer.csv"))
+
+
+def test_many_tests_one_by_one_end_in_few_parts(rig):
+    acts = [write(f"{i:02}.csv", "junk", at=i * BEAT) for i in range(2 * SMALL)]
+    story = Story(*acts, until(2 * SMALL * BEAT + STILL))
+    assert story.lot.table.height == 2 * SMALL
+    assert len(list(Path("lot").glob("*.parquet"))) <= SMALL
+    assert batch("rig", output="lot", jobs=1, **QUICK).computed == 0
+
+
+def test_what_makes_no_sense_is_refused_before_anything_comes(rig):
+    for asked, says in (({"by": "("}, "no regular"), ({"pair": "x"}, "in braces")):
+        with pytest.raises(DataError, match=says):
+            Story(**asked)
+    rig.rmdir()
+    with pytest.raises(ReadError, match="rig is no folder"):
+        Story()
+    assert not Path("lot").exists()
+
+
+@pytest.mark.once
+@pytest.mark.skipif(sys.platform == "win32", reason="a signal ends it")
+def test_the_command_keeps_the_page_and_ends_on_a_signal(tmp_path):
+    """``dashpot batch --watch`` as it is typed."""
+    (tmp_path / "rig").mkdir()
+    words = ["batch", "rig", "-o", "lot", "--watch", "--arms", "1", "--quick"]
+    typed = [sys.executable, "-m", "dashpot", *words]
+    with subprocess.Popen(typed, cwd=tmp_path, stdout=subprocess.PIPE) as running:
+        (tmp_path / "rig" / "a.csv").write_text(TEXT)
+        page = tmp_path / "lot" / "lot.html"
+        while not page.exists() and running.poll() is None:
+            time.sleep(0.05)
+        running.send_signal(signal.SIGTERM)
+        said = running.communicate()[0]
+    assert running.returncode == 0
+    assert b"files       1: 1 fitted" in said
+    assert "rig/a.csv" in (tmp_path / "lot" / "lot.csv").read_text()

@@ -1,0 +1,118 @@
+"""A law through shifts: exact shifts give it back, correlated ones with honest errors."""
+
+import numpy as np
+import pytest
+
+import dashpot as dp
+from dashpot.extensions.curves.shift_law_fit import law_through
+
+REFERENCE = 293.15
+TEMPERATURES = REFERENCE + np.arange(-40.0, 41.0, 10.0)
+WLF = dp.solids.WLF(8.0, 110.0, REFERENCE)
+ARRHENIUS = dp.solids.Arrhenius(90e3, REFERENCE)
+AWAY = TEMPERATURES != REFERENCE
+
+
+def chained(sd):
+    """Covariance of shifts that were chained from the reference, step by step."""
+    order = np.arange(9) - 4
+    same = np.sign(order[:, None]) == np.sign(order)
+    return sd**2 * np.where(same, np.minimum(abs(order[:, None]), abs(order)), 0)
+
+
+def drawn(law, sd, seed):
+    noise = np.random.default_rng(seed).standard_normal(9)
+    values, vectors = np.linalg.eigh(chained(sd))
+    return law.log10_a_t(TEMPERATURES) + AWAY * (vectors * np.sqrt(abs(values)) @ noise)
+
+
+@pytest.mark.parametrize("law", [WLF, ARRHENIUS], ids=lambda law: law.kind)
+def test_exact_shifts_give_their_law_back(law):
+    found = law_through(
+        TEMPERATURES, law.log10_a_t(TEMPERATURES), chained(1e-3), reference=REFERENCE
+    )
+    assert found.law.kind == law.kind
+    for name in found.parameters:
+        assert getattr(found.law, name) == pytest.approx(getattr(law, name), rel=1e-6)
+    assert [score.dof for score in found.scores if score.kind == law.kind] == [
+        9 - 1 - len(found.parameters)
+    ]
+
+
+@pytest.mark.parametrize(("law", "least"), [(WLF, 40), (ARRHENIUS, 36)], ids=["wlf", "arrhenius"])
+def test_bic_tells_the_laws_apart_and_the_intervals_hold_the_constants(law, least):
+    right, inside = 0, []
+    for seed in range(40):
+        found = law_through(
+            TEMPERATURES, drawn(law, 0.02, seed), chained(0.02), reference=REFERENCE
+        )
+        right += found.law.kind == law.kind
+        kept = law_through(
+            TEMPERATURES, drawn(law, 0.02, seed), chained(0.02), reference=REFERENCE, law=law.kind
+        )
+        error = [getattr(kept.law, name) - getattr(law, name) for name in kept.parameters]
+        inside.append(np.abs(error) < 1.96 * np.sqrt(np.diag(kept.covariance)))
+    assert right >= least
+    assert np.mean(inside) >= 0.9
+
+
+def test_the_derivatives_of_wlf_are_those_of_the_law():
+    found = law_through(
+        TEMPERATURES, WLF.log10_a_t(TEMPERATURES), chained(0.02), reference=REFERENCE
+    )
+    h = 1e-4
+    jacobian = np.column_stack(
+        [
+            (dp.solids.WLF(8 + a, 110 + b, REFERENCE).log10_a_t(TEMPERATURES)
+             - dp.solids.WLF(8 - a, 110 - b, REFERENCE).log10_a_t(TEMPERATURES)) / (2 * h)
+            for a, b in ((h, 0), (0, h))
+        ]
+    )[AWAY]  # fmt: skip
+    weight = np.linalg.inv(chained(0.02)[np.ix_(AWAY, AWAY)])
+    np.testing.assert_allclose(
+        found.covariance, np.linalg.inv(jacobian.T @ weight @ jacobian), rtol=1e-4
+    )
+
+
+def test_a_law_that_misses_the_shifts_has_wider_errors():
+    shifts = WLF.log10_a_t(TEMPERATURES)
+    close, rough = (
+        law_through(TEMPERATURES, shifts, chained(sd), reference=REFERENCE, law="arrhenius")
+        for sd in (0.01, 0.02)
+    )
+    assert close.score.deviance == pytest.approx(4 * rough.score.deviance)
+    np.testing.assert_allclose(close.covariance, rough.covariance)
+
+
+def test_two_temperatures_keep_their_shift_and_three_have_a_law():
+    t = np.array([273.15, 293.15, 313.15])
+    s = ARRHENIUS.log10_a_t(t)
+    two = law_through(t[:2], s[:2], np.diag([1e-4, 0.0]), reference=REFERENCE)
+    assert two.law == dp.solids.FreeShifts(tuple(t[:2]), tuple(s[:2]), REFERENCE)
+    assert law_through(t, s, np.diag([1e-4, 0, 1e-4]), reference=REFERENCE).law.kind == "arrhenius"
+    asked = law_through(t[:2], s[:2], np.diag([1e-4, 0.0]), reference=REFERENCE, law="arrhenius")
+    assert asked.law.energy == pytest.approx(90e3)
+
+
+def test_shifts_that_rise_with_temperature_have_no_law():
+    s = -WLF.log10_a_t(TEMPERATURES)
+    assert law_through(TEMPERATURES, s, chained(0.01), reference=REFERENCE).law.kind == "free"
+    with pytest.raises(dp.FitError, match="must fall as it gets warmer"):
+        law_through(TEMPERATURES, s, chained(0.01), reference=REFERENCE, law="wlf")
+    with pytest.raises(dp.FitError, match="expected one of"):
+        law_through(TEMPERATURES, s, chained(0.01), reference=REFERENCE, law="vft")
+
+
+@pytest.mark.parametrize("i", [0, 2, 5, 8])
+def test_the_one_temperature_off_the_law_of_all_others_is_named(i):
+    shifts, sd = drawn(WLF, 0.005, i), chained(0.005)
+    assert law_through(TEMPERATURES, shifts, sd, reference=REFERENCE).odd is None
+    shifts[i] -= 0.15
+    odd = law_through(TEMPERATURES, shifts, sd, reference=REFERENCE).odd
+    assert odd.temperature == TEMPERATURES[i]
+    assert odd.missed == pytest.approx(-0.15, abs=0.06)
+
+
+def test_shifts_that_bend_everywhere_name_no_one():
+    bent = WLF.log10_a_t(TEMPERATURES) + 0.2 * np.cos(np.arange(9) * np.pi) * AWAY
+    assert law_through(TEMPERATURES, bent, chained(0.005), reference=REFERENCE).odd is None

@@ -1,0 +1,212 @@
+"""Files of tests at several temperatures: one fit of them, and predictions at any of them."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from kit import cold
+
+import dashpot as dp
+from dashpot.base.errors import FitError
+from dashpot.fitting.relaxation import fit
+from dashpot.preprocessing.prepare import prepare
+from dashpot.reading.readers.relaxation import read_relaxation
+from dashpot.reading.write import write_relaxation
+from dashpot.report import html
+from dashpot.simulation.impact import simulate_impact
+from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.workflow import EXAMPLES, create, fit_files, predict_files, record, verify
+from dashpot.workflow.job import Job
+from dashpot.workflow.json_archive import from_json, to_json
+from dashpot.workflow.shift_options import ShiftChoices
+from dashpot.workflow.study import characterise
+
+pytestmark = pytest.mark.once
+
+MASS, BAND = 0.1148, (8.0, 18.0)
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory) -> tuple[Path, Path]:
+    """A warm and a cold record whose files do not say so."""
+    folder = tmp_path_factory.mktemp("bench")
+    files = folder / "warm.csv", folder / "cold.csv"
+    for file, test in zip(files, cold.records("hidden", (23.0, 0.0), 0), strict=True):
+        bare = dp.RelaxationTest(test.time, test.displacement, test.force, units="SI")
+        file.write_text(write_relaxation(bare))
+    return files
+
+
+@pytest.fixture(scope="module")
+def found(bench) -> dp.Fit:
+    return fit_files(bench, temperatures=(296.15, 273.15))[0]
+
+
+def test_temperatures_stand_in_the_order_of_the_files(bench, found):
+    assert [round(shift.temperature, 2) for shift in found.shifts] == [273.15, 296.15]
+    assert found.shifts[0].log10_a_t == pytest.approx(cold.log10_a(273.15), abs=0.01)
+    swapped, _ = fit_files(bench, temperatures=(273.15, 296.15))
+    assert swapped.verdict.use == "do not use"
+    # the closest solid explains neither by a shift alone
+    failed = {check.name for check in swapped.checks if check.failed}
+    assert {"thermorheologically_simple", "stiffness_of_one_seal"} <= failed
+
+
+def test_another_seal_is_no_cold_one(bench, found, tmp_path):
+    assert found.verdict.use == "use"
+    cool = read_relaxation(bench[1])
+    other = tmp_path / "other.csv"
+    other.write_text(write_relaxation(replace(cool, force=0.75 * cool.force)))
+    mixed, _ = fit_files((bench[0], other), temperatures=(296.15, 273.15))
+    assert "stiffness_of_one_seal" in {check.name for check in mixed.verdict.because}
+
+
+def test_one_temperature_is_for_all_files(bench):
+    with pytest.raises(dp.DataError, match=r"given 3 times for 2 files"):
+        fit_files(bench, temperatures=(1.0, 2.0, 3.0))
+    one, _ = fit_files(bench[:1], temperatures=(296.15,))
+    assert one.specimen.temperature == 296.15
+
+
+def test_the_solid_is_that_of_the_reference_asked_for(bench):
+    found, _ = fit_files(
+        bench, temperatures=(296.15, 273.15), shifting=ShiftChoices(reference=273.15)
+    )
+    assert found.temperatures.reference == 273.15
+    assert found.shifts[1].log10_a_t == pytest.approx(-cold.log10_a(273.15), abs=0.01)
+    with pytest.raises(dp.FitError, match="no test is of the reference temperature 10 degC"):
+        fit_files(bench, temperatures=(296.15, 273.15), shifting=ShiftChoices(reference=283.15))
+    with pytest.raises(dp.FitError, match="--shifts are for sweeps"):
+        fit_files(bench, temperatures=(296.15, 273.15), shifting=ShiftChoices(at=283.15))
+
+
+@pytest.mark.parametrize("celsius", [23.0, 0.0, 10.0])
+def test_a_prediction_at_a_temperature_is_within_its_bounds(bench, found, celsius):
+    kelvin = celsius + 273.15
+    made = predict_files(found, bench, mass=MASS, seals=2, band=BAND, temperature=kelvin)
+    assert made.document["temperature"] == pytest.approx(kelvin)
+    f = made.limits.frequency
+    stiffness = np.array([cold.complex_stiffness("hidden", one, celsius) for one in f])
+    omega = 2 * np.pi * f
+    true = omega**2 / np.abs(2 * stiffness - MASS * omega**2)
+    low, high = made.limits.unseen
+    assert np.mean((low <= true) & (true <= high)) > 0.95
+    own = dp.systems.predict_frf(found, mass=MASS, seals=2, frequency=f, temperature=kelvin)
+    assert (low <= 1.0001 * np.abs(own.value)).all()
+    assert (np.abs(own.value) <= 1.0001 * high).all()
+    assert "temperature_tested" not in {check.name for check in made.checks if check.failed}
+
+
+def test_records_that_do_not_say_their_temperature_are_known_by_the_fit(bench, found):
+    again = from_json(to_json(found))
+    one = predict_files(again, bench, mass=MASS, seals=2, band=BAND)
+    low, high = one.limits.peak_frequency
+    fine = np.linspace(*BAND, 4001)
+    stiffness = np.array([cold.complex_stiffness("hidden", f, 23.0) for f in fine])
+    omega = 2 * np.pi * fine
+    assert low < fine[np.argmax(omega**2 / np.abs(2 * stiffness - MASS * omega**2))] < high
+    # a machine of which nothing is said may move it by so much unseen
+    assert high - low < 0.5
+
+
+def test_beyond_the_tested_temperatures_a_pair_predicts_nothing(bench, found):
+    with pytest.raises(dp.DataError, match="third temperature"):
+        predict_files(found, mass=MASS, band=BAND, temperature=263.15)
+
+
+def test_a_solid_alone_has_no_temperature(found):
+    with pytest.raises(dp.DataError, match="a solid has no temperature"):
+        dp.systems.predict_frf(found.model, mass=MASS, temperature=273.15)
+
+
+def test_the_document_of_a_fit_says_its_temperatures(found):
+    told = json.loads(to_json(found))["temperature"]
+    assert told["reference"] == 296.15
+    assert told["law"]["kind"] == "free"
+    assert {"temperature", "log10_a_t", "se", "b_t"} <= set(told["shifts"][0])
+
+
+def test_the_main_job_takes_a_cold_test_too(bench, tmp_path):
+    job = Job(
+        str(bench[1]), further=(str(bench[0]),), temperatures=(273.15, 296.15), mass=MASS, seals=2
+    )
+    project = create(tmp_path / "seal")
+    study, _ = record(project, job, page=html)
+    # what is shown is the test of the solid's own temperature
+    assert study.prepared.specimen.temperature == pytest.approx(296.15)
+    assert [one.specimen.temperature for one in study.further] == [pytest.approx(273.15)]
+    assert study.fit.model.arms == 3
+    page = html(study)
+    assert "One solid at several temperatures" in page
+    assert "three are needed" in page
+    assert not [check for check in verify(project, page=html) if check.failed]
+
+
+def test_a_hammer_joins_tests_at_several_temperatures():
+    tests = cold.records("hidden", (23.0, 0.0), 0)
+    model = dp.GeneralizedMaxwell(*cold.HIDDEN)
+    hits = simulate_impact(model, mass=MASS, seals=2, seed=1).test
+    study = characterise(tests[0], estimate_frf(hits), further=tests[1:], mass=MASS, seals=2.0)
+    assert abs(study.comparison.predicted_hz / study.comparison.measured_hz - 1) < 2e-3
+    assert study.joint is not None
+    assert study.joint.verdict.use == "use"
+    found = study.joint.model.complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
+    true = cold.complex_stiffness("hidden")
+    assert found.imag == pytest.approx(true.imag, rel=0.02)
+    assert study.joint.at("0degC").k_inf < study.joint.model.k_inf
+
+
+def test_a_hammer_of_another_temperature_has_its_own_shift():
+    tests = cold.records("hidden", (23.0, 0.0), 0)
+    model = dp.GeneralizedMaxwell(*cold.HIDDEN)
+    there = model.shifted(10 ** cold.log10_a(283.15), 283.15 / cold.REFERENCE)
+    hits = simulate_impact(there, mass=MASS, seals=2, seed=1).test
+    study = characterise(
+        tests[0],
+        estimate_frf(hits),
+        further=tests[1:],
+        mass=MASS,
+        seals=2.0,
+        impact_temperature="10degC",
+    )
+    assert abs(study.comparison.predicted_hz / study.comparison.measured_hz - 1) < 3e-3
+    true = cold.complex_stiffness("hidden", celsius=10.0)
+    found = study.joint.model.complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
+    assert found.real == pytest.approx(true.real, rel=3e-3)
+    assert found.imag == pytest.approx(true.imag, rel=0.04)
+    room = study.joint.at("23degC").complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
+    assert room.imag == pytest.approx(cold.complex_stiffness("hidden").imag, rel=0.08)
+
+
+def test_every_test_is_drawn_with_the_one_solid(bench, found):
+    records = [prepare(one) for one in cold.records("hidden", (23.0, 0.0), 0)]
+    picture = dp.plot.temperatures(found, records)
+    forces, shifts = (strip[0] for strip in picture.strips)
+    labels = {mark.label for mark in forces.marks}
+    assert {"0 °C", "23 °C", "one solid"} <= labels
+    assert shifts.title.startswith("shift factors")
+    with pytest.raises(dp.DataError, match="one temperature"):
+        dp.plot.temperatures(fit(records[0], arms=1), records)
+
+
+def test_sweeps_of_one_temperature_each_are_one_master_curve(tmp_path: Path) -> None:
+    head, *rows = EXAMPLES["sweeps.csv"]().splitlines()[2:]
+    warm: dict[int, list[str]] = {}
+    for row in rows:
+        *cells, celsius = row.split(",")
+        warm.setdefault(round(float(celsius) / 5) * 5, []).append(",".join(cells))
+    files = []
+    for celsius, lines in warm.items():
+        files.append(tmp_path / f"{celsius}.csv")
+        files[-1].write_text("\n".join([head.rpartition(",")[0], *lines]))
+    kelvin = [celsius + 273.15 for celsius in warm]
+    apart, _ = fit_files(files, arms=6, temperatures=kelvin)
+    (tmp_path / "all.csv").write_text(EXAMPLES["sweeps.csv"]())
+    together, _ = fit_files([tmp_path / "all.csv"], arms=6)
+    assert apart.model.tau == pytest.approx(together.model.tau, rel=0.02)
+    with pytest.raises(FitError, match="says no temperature"):
+        fit_files(files[:2], arms=6)

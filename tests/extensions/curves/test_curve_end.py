@@ -1,0 +1,153 @@
+"""What a modulus, a compliance and a sweep know of their end: limits over every spectrum."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from kit.curve_ends import Score, judged
+from kit.foreign.curves import compliances, crept, moduli, sweeps
+from kit.foreign.truths import Solid
+
+import dashpot as dp
+from dashpot.extensions.curves.modulus.fit import fit_modulus
+from dashpot.fitting.uncertainty.curve_data import curve_data
+from dashpot.numerics.design_matrices.hold import hold_block
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.workflow.json_archive import from_json, to_json
+
+T = np.geomspace(1e-2, 100.0, 81)
+ZENER = GeneralizedMaxwell(1e6, (1e6,), (1.0,))
+
+
+def curve(solid: GeneralizedMaxwell, t: np.ndarray = T, noise: float = 5e-3, seed: int = 0):
+    error = noise * np.random.default_rng(seed).standard_normal(len(t))
+    return dp.RelaxationModulus(t, solid.relaxation(t) * (1 + error), units="SI")
+
+
+def test_the_creep_of_a_known_solid_is_that_of_its_inverse() -> None:
+    """The foreign compliance against the closed form of one arm."""
+    k_inf, k, tau = 2.0, 3.0, 4.0
+    t = np.array([0.1, 1.0, 30.0])
+    zener = Solid.arms("", k_inf, (k,), (tau,))
+    late = tau * (k_inf + k) / k_inf
+    wanted = 1 / k_inf - (1 / k_inf - 1 / (k_inf + k)) * np.exp(-t / late)
+    np.testing.assert_allclose(crept(zener, t), wanted, rtol=1e-12)
+
+
+def test_a_curve_that_levels_off_keeps_its_plateau() -> None:
+    found = fit_modulus(curve(ZENER))
+    end = found.end_of_hold
+    assert end is not None
+    assert (end.ended, end.time) == ("curve", 100.0)
+    low, high = end.k_10end
+    assert 0.8e6 < low < 1e6 < high < 1.02e6
+    assert found.verdict.use == "use"
+    assert found.intervals()["k_inf"] == (0.0, end.k_inf[1])
+    assert found.known[0].words == "k(100 s)"
+    assert found.known[0].unit == "Pa"
+    assert from_json(to_json(found)) == found
+
+
+def test_a_curve_cut_before_its_plateau_is_told_so_and_holds_what_came_later() -> None:
+    """An arm ten times slower than the end is a spring to it."""
+    slow = GeneralizedMaxwell(1e6, (1e6, 5e5), (1.0, 300.0))
+    found = fit_modulus(curve(slow, T[T < 30]))
+    assert found.verdict.use == "use with care"
+    assert found.verdict.because[0].name == "plateau_told"
+    end = found.end_of_hold
+    assert end is not None
+    for name, times in (("k_end", 1), ("k_3end", 3), ("k_10end", 10), ("k_inf", np.inf)):
+        low, high = getattr(end, name)
+        assert low <= slow.relaxation(times * end.time) <= high
+    assert found.model.k_inf > 1.1 * slow.k_inf
+
+
+def test_a_curve_that_falls_tells_how_many_times_as_stiff_it_was() -> None:
+    """1 + 9 exp(-t / 50) is 10 at first and 2.218 at 100."""
+    found = fit_modulus(curve(GeneralizedMaxwell(1e6, (9e6,), (50.0,)), noise=1e-3))
+    says = next(check.says for check in found.checks if check.name == "end_level")
+    assert float(says.split("At first it was ")[1].split()[0]) == pytest.approx(4.508, abs=0.02)
+
+
+def test_what_neighbours_have_in_common_is_doubted_though_no_residual_shows_it() -> None:
+    """Without scatter the limits are those of .2 % in each quarter decade."""
+    exact = fit_modulus(curve(ZENER, noise=0.0)).end_of_hold
+    assert exact is not None
+    assert 1e-4 < np.ptp(exact.k_end) / 1e6 < 1e-2
+    rough = fit_modulus(curve(ZENER, noise=2e-2)).end_of_hold
+    assert rough is not None
+    assert np.ptp(rough.k_end) > 2 * np.ptp(exact.k_end)
+
+
+def test_the_noise_of_a_curve_is_what_the_nearest_spectrum_leaves() -> None:
+    values = curve(ZENER, noise=1e-2).modulus
+    block = hold_block(T, values, weights=1 / ZENER.relaxation(T), compress=False)
+    data = curve_data(block, T, window=(1e-3, 1e3), common=0.0)
+    rows = data.rows(np.log([1.0]), slopes=False)
+    left = rows.target - np.column_stack((rows.spring, rows.arms)) @ [1e6, 1e6]
+    assert np.sqrt(np.mean(left**2)) == pytest.approx(1.0, rel=0.15)
+    assert 40 < data.dof < 80
+
+
+def test_a_material_becomes_a_part_with_its_limits() -> None:
+    found = fit_modulus(curve(ZENER))
+    part = found.part(0.02)
+    assert part.left_open is not None
+    assert found.left_open is not None
+    assert part.left_open["k_end"] == tuple(0.02 * end for end in found.left_open["k_end"])
+    assert part.end_of_hold.says(part.unit).startswith("the stiffness later on. At 100 s it is")
+    assert found.end_of_hold.says("Pa").endswith("or below. Measure longer.")
+
+
+def test_a_sweep_tells_its_storage_in_hertz() -> None:
+    f = np.geomspace(1e-3, 10, 41)
+    value = ZENER.complex_stiffness(omega=2 * np.pi * f)
+    found = dp.fit(dp.DynamicTest(f, value.real, value.imag, units="SI"))
+    end = found.end_of_hold
+    assert end is not None
+    assert found.known[0].words == "K'(0.00100 Hz)"
+    assert end.k_end[0] < value.real[0] < end.k_end[1]
+    assert "At 0.00100 Hz the storage is" in end.told("Pa")
+    assert replace(end, ended="creep").told("Pa").startswith("At 159 s stress over strain is")
+
+
+def test_few_values_are_not_asked() -> None:
+    assert fit_modulus(curve(ZENER, T[::12]), arms=1).end_of_hold is None
+
+
+# -- how often ------------------------------------------------------------------------------------
+
+
+def met(score: Score, *, sound: float = 0.6) -> None:
+    assert min(score.held.values()) >= 0.95, score
+    assert score.used_off <= 0.05 * score.used, score
+    assert score.sound_used >= sound * score.sound, score
+
+
+def test_limits_hold_on_a_few_curves_of_every_kind() -> None:
+    some = [
+        judged(one)
+        for make, chosen in ((moduli, (1, 7, 9)), (compliances, (3, 9)), (sweeps, (1, 9)))
+        for i, one in enumerate(make(10))
+        if i in chosen
+    ]
+    met(Score.of(some), sound=0.5)
+    assert any(line["use"] == "use" for line in some)
+    assert any("plateau_told" in line["because"] for line in some)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("make", "count"), [(moduli, 300), (compliances, 100), (sweeps, 100)])
+def test_limits_hold_and_use_is_right(make, count) -> None:
+    met(Score.of(map(judged, make(count, 1))))
+
+
+@pytest.mark.slow
+def test_a_curve_cut_to_its_first_tenth_holds_what_came_later() -> None:
+    for make in (moduli, compliances, sweeps):
+        cut = [one.cut() for one in make(60, 2)]
+        score = Score.of(judged(one) for one in cut if len(one.at) >= 12)
+        assert min(score.held.values()) >= 0.95, score
+        assert score.used_off <= max(0.05 * score.used, 1), score

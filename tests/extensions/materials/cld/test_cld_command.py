@@ -1,0 +1,170 @@
+"""dashpot fit: files of pieces to figures, scatter and Cpk."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from kit import shell
+from kit.cld import bulb, fit_of, pressed
+
+import dashpot as dp
+from dashpot.extensions.batch.statistics.process_capability import capability
+from dashpot.extensions.materials.cld.preprocess import cld
+from dashpot.extensions.materials.cld.read import read_cld
+from dashpot.workflow.json_archive import from_json, to_json
+
+pytestmark = pytest.mark.once
+SCALES = (1.0, 1.04, 0.97, 1.01)
+WORDS = ("--length", "50mm", "--compression", "6mm", "--between", "4:7.5mm")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("pieces")
+    for number, scale in enumerate(SCALES, start=1):
+        pressed(bulb, scale=scale, seed=number, softening=0.05).write(folder / f"p{number}.csv")
+    pressed(bulb, speed=2e-3, softening=0.05).write(folder / "slow.csv")
+    pressed(bulb, softening=0.05).write(folder / "unclocked.csv", clock=False)
+    return folder
+
+
+def ran(folder, *words, code=0):
+    words = [str(folder / word) if word.endswith(".csv") else word for word in words]
+    return shell.did("fit", *words, code=code)
+
+
+def told(folder, *words):
+    return json.loads(ran(folder, *words, "--json").stdout)
+
+
+def test_one_piece_in_full(folder):
+    found = told(folder, "p1.csv", *WORDS)
+    assert found["schema"] == "dashpot/cld@1"
+    assert found["unit"] == "N per 100 mm"
+    (piece,) = found["pieces"]
+    assert piece["length"] == 0.05
+    assert len(piece["sha256"]) == 64
+    assert [one["number"] for one in piece["cycles"]] == [1, 2, 3, 4]
+    nominal = piece["nominal"]
+    assert nominal["per_100mm"]["loading"] == pytest.approx(2 * nominal["loading"])
+    assert piece["least"]["compression"] == pytest.approx(4e-3)
+    test = read_cld(folder / "p1.csv", specimen=dp.Specimen(length="50mm"))
+    assert cld(test, at="6mm").nominal.loading == nominal["loading"]
+    assert found["scatter"] == []
+    assert found["capability"] is None
+
+
+def test_pieces_scatter_as_they_were_made(folder):
+    files = [f"p{number}.csv" for number in range(1, 5)]
+    found = told(folder, *files, *WORDS, "--force-limits", "4:6.5N")
+    force = next(one for one in found["scatter"] if one["name"] == "force at nominal")
+    spread = np.std(SCALES, ddof=1) / np.mean(SCALES)
+    assert force["deviation"] / force["mean"] == pytest.approx(spread, rel=0.05)
+    values = [one["nominal"]["per_100mm"]["loading"] for one in found["pieces"]]
+    assert found["capability"]["cpk"] == capability(np.array(values), 4.0, 6.5).cpk
+    names = {check["name"]: check["passed"] for check in found["checks"]}
+    assert names["pieces_tested_alike"] is True
+    said = ran(folder, *files, *WORDS, "--force-limits", "4:6.5N").stdout
+    assert "4 pieces" in said
+    assert "Cpk" in said
+
+
+def test_without_a_length_forces_are_of_the_piece_and_it_is_said(folder):
+    said = ran(folder, "unclocked.csv", "--compression", "6mm", "-v").stdout
+    assert "loading, N " in said
+    assert "length_given" in said
+    assert "N per 100 mm" not in said.split("checks")[0]
+    assert told(folder, "unclocked.csv")["pieces"][0]["cycles"][0]["speed"] is None
+
+
+def test_pieces_pressed_otherwise_are_told_apart(folder):
+    found = told(folder, "p1.csv", "slow.csv", *WORDS, "--force-limits", "4:6.5N")
+    assert "speed" in next(c["says"] for c in found["checks"] if c["name"] == "pieces_tested_alike")
+
+
+def test_a_figure_is_drawn(folder, tmp_path):
+    path = tmp_path / "a.svg"
+    ran(folder, "p1.csv", *WORDS, "--plot", str(path))
+    assert "N per 100 mm" in path.read_text()
+    ran(folder, "p1.csv", "p2.csv", "--plot", str(path), "--overwrite")
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["p1.csv", "--force-limits", "1:2N"], "several pieces"),
+        (["p1.csv", "p1.csv"], "same record as"),
+        (["p1.csv", "--compression", "12mm"], "at most 7.99"),
+        (["p1.csv", "--part", "cycle=9"], "holds 4 cycles"),
+        (["p1.csv", "--compression", "6N"], "length"),
+    ],
+)
+def test_what_does_not_go_is_refused(folder, words, says):
+    assert says in ran(folder, *words, code=2).stderr
+
+
+@pytest.mark.parametrize(
+    ("head", "says"),
+    [
+        (
+            "time [s],displacement [m],force [N]",
+            "mm. Give mm as the unit of the displacement",
+        ),
+        (
+            "time [s],displacement [um],force [N]",
+            "mm. Give mm as the unit of the displacement",
+        ),
+        (
+            "time [s],displacement [mm],force [MN]",
+            "kN. Give kN as the unit of the force",
+        ),
+        ("time [s],displacement [mm],force", "unit"),
+    ],
+)
+def test_a_wrong_unit_is_asked_about(tmp_path, head, says):
+    path = pressed(bulb).write(tmp_path / "a.csv", head=head)
+    assert says in ran(tmp_path, path.name, code=2).stderr
+
+
+def test_inspect_names_the_kind(folder):
+    for name in ("p1.csv", "unclocked.csv"):
+        assert '"cld"' in shell.ran("inspect", folder / name, "--json").stdout
+    assert "recognised p1.csv: " in ran(folder, "p1.csv").stderr
+
+
+def test_with_a_fit_the_law_is_told_and_written(folder, tmp_path):
+    fit = fit_of(bulb)
+    (folder / "fit.json").write_text(to_json(fit))
+    words = ("p1.csv", "--compression", "6mm", "--memory", str(folder / "fit.json"))
+    law = tmp_path / "law.json"
+    found = told(folder, *words, "-o", str(law))
+    assert found["relaxed"]["left"] == pytest.approx(0, abs=0.01)
+    written = from_json(law.read_text())
+    assert list(written.elastic_law.knots) == found["relaxed"]["elastic_law"]["knots"]
+    assert "tangent, N/mm" in ran(folder, *words).stdout
+    twice = told(folder, *words, "--memory", str(folder / "fit.json"))
+    names = [check["name"] for check in twice["checks"]]
+    assert names.count("relaxed_agrees") == 2
+    assert "memories_agree" in names
+    alone = tmp_path / "alone.json"
+    assert told(folder, "p1.csv", "-o", str(alone)) == json.loads(alone.read_text())
+
+
+def test_records_at_several_speeds_are_one_seal(folder, tmp_path):
+    law = tmp_path / "law.json"
+    words = ("p1.csv", "slow.csv", "--compression", "6mm")
+    found = told(folder, *words, "-o", str(law))
+    assert found["fit"] == json.loads(law.read_text())
+    assert found["scatter"] == []
+    assert found["fit"]["method"] == "cld"
+    names = {check["name"] for check in found["checks"]}
+    assert {"speeds_spread", "slowest_relaxed", "memory_suffices"} <= names
+    assert len(found["rate"]["damping"]) == len(found["rate"]["knots"])
+    said = ran(folder, *words).stdout
+    assert "elastic law" in said
+    assert "c, N s/m" not in said
+    every = ran(folder, *words, "-v").stdout
+    assert "explain the speeds worse than one memory" in " ".join(every.split())
+    assert "c, N s/m" in every

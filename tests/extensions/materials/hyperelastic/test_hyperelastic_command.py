@@ -1,0 +1,138 @@
+"""dashpot fit, stress over strain: files in, law, figure and card out."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from kit.kinds import saved
+from kit.rubber import FOAM, MEMORY, RUBBER, at_rate
+from kit.shell import did
+
+import dashpot as dp
+from dashpot import workflow
+from dashpot.reading.readers.inspect import inspect_file
+from dashpot.workflow.example_files import EXAMPLES
+from dashpot.workflow.json_archive import from_json, to_json
+
+pytestmark = pytest.mark.once
+
+
+X = np.linspace(1, 2, 50)
+
+
+def law_of(*words):
+    return json.loads(did("fit", *words, "--json").stdout)["law"]
+
+
+def test_the_examples_end_to_end(tmp_path):
+    for name in ("tension.csv", "biaxial.csv"):
+        (tmp_path / name).write_text(EXAMPLES[name](), encoding="utf-8")
+    law, figure, card = (tmp_path / name for name in ("law.json", "law.svg", "law.inp"))
+    words = [tmp_path / "tension.csv", tmp_path / "biaxial.csv", "--test", "uniaxial", "--test",
+             "biaxial"]  # fmt: skip
+    told = did("fit", *words, "-o", law, "--plot", figure, "--stretches", "0.9:1.5")
+    assert told.stdout.startswith("Use: ")
+    assert "dashpot export" in told.stderr
+    assert "planar" in figure.read_text("utf-8")
+    found = from_json(law.read_text("utf-8"))
+    assert isinstance(found, dp.HyperelasticFit)
+    assert to_json(found) == law.read_text("utf-8").rstrip("\n")
+    assert found["C10"].low < 0.15e6 < found["C10"].high
+    assert found["C01"].low < 0.05e6 < found["C01"].high
+    stated = ["--temperature", "23degC", "--bulk-modulus", "2000MPa", "--unit-system", "mm-t-s"]
+    did("export", law, "--to", "calculix", *stated, "-o", card)
+    assert "SIMULATED" in card.read_text()
+    assert "*HYPERELASTIC, MOONEY-RIVLIN" in card.read_text()
+    assert "--mass" in did("export", law, "--to", "abaqus", *stated, "--mass", "1g", code=2).output
+
+
+@pytest.mark.parametrize(
+    ("head", "columns"),
+    [
+        ("stretch,nominal stress [MPa]", lambda x, P: (x, P / 1e6)),
+        ("Strain [%],Engineering stress [kPa]", lambda x, P: (100 * (x - 1), P / 1e3)),
+        ("true strain [-],true stress [MPa]", lambda x, P: (np.log(x), P * x / 1e6)),
+        ("Dehnung [mm/mm],Nennspannung Spannung [MPa]", lambda x, P: (x - 1, P / 1e6)),
+    ],
+)
+def test_stretch_or_strain_nominal_or_true_is_one_law(tmp_path, head, columns):
+    file = saved(tmp_path / "a.csv", head, *columns(X, RUBBER.nominal("uniaxial", X)))
+    found = law_of(file, "--model", "mooney-rivlin")
+    np.testing.assert_allclose(found["constants"], RUBBER.constants, rtol=1e-4)
+    assert inspect_file(file).kind == "stress-strain"
+
+
+def test_a_pressed_foam_is_one_law_whatever_the_signs(tmp_path):
+    x = np.linspace(1, 0.4, 50)
+    P = FOAM.nominal("uniaxial", x)
+    for mode, strain, stress in (
+        ("compression", 1 - x, -P), ("compression", x - 1, P), ("uniaxial", x - 1, P),
+        ("uniaxial", x - 1, -P),
+    ):  # fmt: skip
+        file = saved(tmp_path / "a.csv", "strain [%],stress [MPa]", 100 * strain, stress / 1e6)
+        found = law_of(file, "--test", mode, "--poisson", 0)
+        np.testing.assert_allclose(found["constants"], FOAM.constants, rtol=1e-5)
+    file = saved(tmp_path / "a.csv", "strain [%],stress [MPa]", 100 * (1 - x), P / 1e6)
+    told = did("fit", file, "--test", "uniaxial", "--poisson", 0, code=2)
+    assert "--test compression" in told.output
+
+
+def test_pressure_over_volume(tmp_path):
+    a = saved(tmp_path / "a.csv", "stretch,stress [MPa]", X, RUBBER.nominal("uniaxial", X) / 1e6)
+    J = np.linspace(1, 0.95, 30)
+    for head, column in (("volume ratio", J), ("volumetric strain [%]", 100 * (1 - J))):
+        file = saved(tmp_path / "v.csv", f"{head},pressure [MPa]", column, 2000 * (1 - J))
+        found = law_of(a, file, "--test", "uniaxial", "--test", "volumetric")
+        assert found["bulk"] == pytest.approx(2e9, rel=1e-4)
+
+
+def test_rates_without_their_memory(tmp_path):
+    memory = tmp_path / "memory.json"
+    memory.write_text(
+        json.dumps({"schema": "dashpot/fit@1", "model": {"k_inf": 1e6, "b": 0.0, "arms": [
+            {"k": 1e6 * k, "tau": tau} for k, tau in zip(MEMORY.k, MEMORY.tau, strict=True)
+        ]}, "unit": "Pa"})
+    )  # fmt: skip
+    files = []
+    for rate in (0.01, 1.0):
+        test = at_rate(RUBBER, "equibiaxial", rate, rows=400)
+        head, file = "time [s],stretch,nominal stress [MPa]", tmp_path / f"{rate}.csv"
+        files.append(saved(file, head, test.time, test.stretch, test.stress / 1e6))
+    found = law_of(*files, "--test", "biaxial", "--memory", memory, "--model", "mooney-rivlin")
+    np.testing.assert_allclose(found["constants"], RUBBER.constants, rtol=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("head", "scale", "says"),
+    [
+        ("stretch,stress", (1, 1), "has no unit"),
+        ("strain,stress [MPa]", (1, 1), "'strain' (strain) has no unit"),
+        (
+            "strain [%],stress [MPa]",
+            (0.001, 1),
+            "The unit may be 1. Give 1 as the unit of the strain",
+        ),
+        ("strain [-],stress [MPa]", (100, 1), "in per cent"),
+        ("stretch,stress [Pa]", (1, 1e-4), "The unit may be MPa."),
+        ("stretch,extension [mm]", (1, 1), "looks like stress"),
+        (
+            "time [s],displacement [mm],force [N]",
+            (1, 1),
+            "looks like strain or stress",
+        ),
+    ],
+)
+def test_what_cannot_be_read_is_said(tmp_path, head, scale, says):
+    columns = [X * scale[0], np.linspace(0.001, 1, 50) * scale[1]]
+    columns = [np.arange(50.0), *columns] if "time" in head else columns
+    file = saved(tmp_path / "a.csv", head, *columns)
+    told = " ".join(did("fit", file, "--as", "stress-strain", code=2).output.split())
+    assert says in told
+
+
+def test_no_file_is_asked_for():
+    assert "FILE..." in did("fit", code=2).output
+    with pytest.raises(dp.DashpotError, match="no file"):
+        workflow.hyperelastic_files({})

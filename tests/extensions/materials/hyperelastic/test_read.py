@@ -1,0 +1,83 @@
+"""Stress over strain from files: a clock is kept where it is sound, and not asked for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dashpot.base.errors import ReadError
+from dashpot.extensions.materials.cld.read import read_cld
+from dashpot.extensions.materials.hyperelastic.read import read_stress_strain
+from tests.kit.kinds import csv
+
+PULL = np.linspace(0, 50, 40)
+CLOCK = np.arange(40) / 4
+
+
+def pulled(folder: Path, head: str, clock: np.ndarray) -> Path:
+    path = folder / "pull.csv"
+    path.write_text(csv(f"{head},strain [%],stress [MPa]", clock, PULL, np.sqrt(PULL)))
+    return path
+
+
+def test_a_sound_clock_is_kept(tmp_path: Path) -> None:
+    found = read_stress_strain(pulled(tmp_path, "time [s]", CLOCK), "uniaxial")
+    np.testing.assert_allclose(found.time, CLOCK)
+
+
+@pytest.mark.parametrize(
+    ("head", "clock", "says"),
+    [("time", CLOCK, "has no unit"), ("time [s]", CLOCK % 5, "time falls from 4.75 s")],
+    ids=["no unit", "starts again"],
+)
+def test_a_clock_that_is_none_is_left_out_with_a_note(
+    tmp_path: Path, head: str, clock: np.ndarray, says: str
+) -> None:
+    found = read_stress_strain(pulled(tmp_path, head, clock), "uniaxial")
+    assert found.time is None
+    assert len(found.stress) == len(PULL)
+    (note,) = [one for one in found.source.notes if "the clock is left out" in one]
+    assert says in note
+
+
+def test_where_the_speed_matters_it_is_asked_for(tmp_path: Path) -> None:
+    path = tmp_path / "press.csv"
+    path.write_text(csv("time,displacement [mm],force [N]", CLOCK, PULL / 5, PULL / 10))
+    with pytest.raises(ReadError, match="has no unit"):
+        read_cld(path)
+
+
+def bulged(folder: Path, across: str, ratio: float = 0.15, sign: float = 1.0, along: float = 1.0):
+    """Pressed by 40 %, a foam of one Poisson's ratio, with its strain sideways."""
+    stretch = np.linspace(1.0, 0.6, 40)
+    strain, sideways = 100 * (stretch - 1), 100 * (stretch**-ratio - 1)
+    stress = stretch - stretch ** (-1 - 4 * ratio)
+    path = folder / "press.csv"
+    columns = (along * strain, sign * sideways, stress)
+    path.write_text(csv(f"axial strain [%],{across},stress [MPa]", *columns))
+    return path
+
+
+@pytest.mark.parametrize(
+    "across", ["lateral strain [%]", "transverse strain [%]", "Querdehnung [%]", "Strain Width [%]"]
+)
+def test_a_strain_sideways_shows_poissons_ratio(tmp_path: Path, across: str) -> None:
+    found = read_stress_strain(bulged(tmp_path, across), "uniaxial")
+    assert found.stretch.min() == pytest.approx(0.6)
+    assert found.poisson == pytest.approx(0.15, abs=1e-9)
+    assert any("shows Poisson's ratio 0.15" in one for one in found.source.notes)
+
+
+def test_sizes_of_a_piece_that_was_pressed_show_it_too(tmp_path: Path) -> None:
+    path = bulged(tmp_path, "lateral strain [%]", along=-1.0)
+    assert read_stress_strain(path, "uniaxial", pressed=True).poisson == pytest.approx(0.15)
+
+
+@pytest.mark.parametrize(("ratio", "sign"), [(0.61, 1.0), (0.15, -1.0)])
+def test_a_strain_sideways_that_cannot_be_is_asked_about(
+    tmp_path: Path, ratio: float, sign: float
+) -> None:
+    with pytest.raises(ReadError, match=r"expected 0 to 0\.6\. Check its unit and its sign"):
+        read_stress_strain(bulged(tmp_path, "lateral strain [%]", ratio, sign), "uniaxial")

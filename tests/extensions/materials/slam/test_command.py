@@ -1,0 +1,70 @@
+"""dashpot predict --slam and dashpot fit of slams, as they are typed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from kit.fits import a_fit
+from kit.shell import ran, told
+
+from dashpot.extensions.materials.slam.examples import EXAMPLES
+from dashpot.solids.demo_seals import PAPER
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.workflow.json_archive import to_json
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    place = tmp_path_factory.mktemp("slams")
+    fit = a_fit(PAPER, elastic_law=ElasticLaw.linear(PAPER.k_inf, 8e-3))
+    (place / "law.json").write_text(to_json(fit), encoding="utf-8")
+    (place / "slam.csv").write_text(EXAMPLES["slam.csv"].write(), encoding="utf-8")
+    return place
+
+
+def test_a_slam_is_predicted_and_kept(folder: Path, tmp_path: Path) -> None:
+    page, how = tmp_path / "slam.html", ("--slam", "0.3m/s", "--mass", "200g", "--seals", "2")
+    found = told("predict", folder / "law.json", *how, "-o", page, "--plot", tmp_path / "slam.svg")
+    assert found["schema"] == "dashpot/slammed@1"
+    force = found["answers"][0]
+    # of the straight law 393 x, as the table has it
+    assert (force["name"], force["unit"]) == ("peak_force", "N")
+    assert force["value"] == pytest.approx(3.423483, rel=1e-6)
+    assert force["low"] < force["value"] < force["high"]
+    assert max(found["force"]) == pytest.approx(force["value"], rel=1e-3)
+    assert "peak force" in page.read_text(encoding="utf-8")
+    assert "relaxed" in (tmp_path / "slam.svg").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("more", "says"),
+    [
+        (("--slam", "0.3m/s"), "--mass 200g"),
+        (("--slam", "0.3m/s", "--mass", "200g", "--band", "1:50Hz"), "--band is for a vibration"),
+        (("--slam", "0.3m/s", "--mass", "200g", "-o", "slam.csv"), ".json or .html"),
+    ],
+)
+def test_what_does_not_suit_a_slam_is_refused(
+    folder: Path, more: tuple[str, ...], says: str
+) -> None:
+    done = ran("predict", folder / "law.json", *more)
+    assert done.exit_code == 2
+    assert says in done.stderr
+
+
+# the page of the documents runs the same
+@pytest.mark.slow
+def test_slams_are_recognised_fitted_and_predicted_from(folder: Path, tmp_path: Path) -> None:
+    kept = tmp_path / "slam.json"
+    done = ran(
+        "fit", folder / "slam.csv", "--mass", "200g", "--slam", "0.3m/s", "--memory",
+        folder / "law.json", "-o", kept,
+    )  # fmt: skip
+    assert "recognised slam.csv: a record of slams of a mass on a piece" in done.stderr
+    assert "from three slams" in done.stdout
+    found = told("predict", kept, "--mass", "104g")
+    assert found["schema"].startswith("dashpot/")
+    missing = ran("fit", folder / "slam.csv")
+    assert missing.exit_code == 2
+    assert "--mass 200g" in missing.stderr

@@ -1,0 +1,214 @@
+"""A mass slammed on a piece, against solutions of another solver at a tolerance of 1e-12."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from kit.fits import a_fit
+
+import dashpot as dp
+from dashpot.base.errors import DataError
+from dashpot.datamodel.fit import Fit
+from dashpot.extensions.materials.slam.approach import Approach
+from dashpot.extensions.materials.slam.motion import slammed
+from dashpot.extensions.materials.slam.prediction import Slam, predict_slam
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+TAU, G = (59.0 / 117.5, 292.2 / 17.8), np.array([117.5, 17.8]) / 196.5
+"""The memory of Table 1."""
+DEPTH = 0.02
+
+
+def bent(c1: float, c2: float, c3: float) -> ElasticLaw:
+    """The law c1 x + c2 x^2 + c3 x^3, N and m, on knots as close as its bend asks for."""
+    x = np.linspace(0.0, DEPTH, 2001)
+    slope = c1 + 2 * c2 * x + 3 * c3 * x**2
+    secant = float(np.trapezoid(slope, x)) / DEPTH
+    return ElasticLaw(tuple(x.tolist()), tuple((slope / secant).tolist()), secant)
+
+
+LAWS = {"linear": ElasticLaw.linear(393.0, DEPTH), "stiff": bent(240.0, 1e4, 3e6)}
+# DOP853 at rtol 1e-12, events by root finding; Verlet in steps of 1 us agrees to 2e-8
+TABLE = {
+    ("linear", 0.3, 0.0): (
+        3.423483, 27.16716, 5.221838, 27.37605, 54.54781, 0.1226038, 0.981391, 0.036872, 1.66822,
+        1.67971,
+    ),
+    ("stiff", 0.3, 0.0): (
+        3.779043, 28.42583, 5.722135, 28.55256, 56.67692, 0.1985483, 0.979184, 0.041199, 1.67006,
+        1.67981,
+    ),
+    ("stiff", 0.6, 0.0): (
+        10.21478, 23.42796, 9.771656, 23.49182, 46.48818, 0.3964183, 0.981808, 0.036052, 1.67477,
+        1.68173,
+    ),
+    ("stiff", 1.0, 0.0): (
+        22.15231, 19.41545, 13.84547, 19.45245, 38.36532, 0.6558318, 0.984290, 0.031173, 1.67791,
+        1.68317,
+    ),
+    ("stiff", 1.4, 0.0): (
+        37.1239, 16.90838, 17.12285, 16.93418, 33.30855, 0.9083543, 0.986014, 0.027777, 1.67964,
+        1.68401,
+    ),
+}  # fmt: skip
+"""Of law, speed and pull: force and ms of the peak, mm and ms of the largest compression, ms and mm
+of the release, rebound, lost part, force over the relaxed one there, energy over the elastic."""
+
+
+def seal(law: ElasticLaw, *, g: tuple[float, ...] = (), tau: tuple[float, ...] = ()) -> Fit:
+    """A piece with the memory of Table 1 and further arms."""
+    k = law.stiffness
+    arms = tuple((k * np.array([*g, *G])).tolist())
+    return replace(a_fit(GeneralizedMaxwell(k, arms, (*tau, *TAU))), elastic_law=law)
+
+
+def numbers(one: Slam) -> list[float]:
+    named = {fact.name: fact.value for fact in one.facts}
+    ms, mm = 1e3, 1e3
+    return [
+        named["peak_force"], ms * named["peak_time"], mm * named["compression"],
+        ms * named["compression_time"], ms * named["contact"], mm * named["compression_left"],
+        named["rebound"], named["lost_part"], named["force_ratio"], named["energy_ratio"],
+    ]  # fmt: skip
+
+
+NIGHTLY = {("stiff", 0.3, 0.0), ("stiff", 1.0, 0.0)}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(one, marks=pytest.mark.slow if one in NIGHTLY else (), id=str(one))
+        for one in TABLE
+    ],
+)
+def test_numbers_of_a_slam_are_those_of_another_solver(name: tuple[str, float, float]) -> None:
+    law, speed, _ = name
+    found = numbers(predict_slam(seal(LAWS[law]), slam=speed, mass=0.2))
+    for one, known in zip(found, TABLE[name], strict=True):
+        # as many digits as the table has, and one in a million
+        digits = len(repr(known).partition(".")[2])
+        assert one == pytest.approx(known, rel=1e-6, abs=0.51 * 10.0**-digits)
+
+
+@pytest.fixture
+def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A tenth of the steps, where a test is of no digits."""
+    monkeypatch.setattr("dashpot.extensions.materials.slam.motion._FINE", 400)
+
+
+@pytest.mark.usefixtures("coarse")
+def test_a_slam_scales_with_its_speed_on_a_straight_law() -> None:
+    slow, fast = (
+        slammed([seal(LAWS["linear"]).model], LAWS["linear"], mass=0.2, speed=v)[0]
+        for v in (0.3, 0.5)
+    )
+    assert fast.peak.force == pytest.approx(5 / 3 * slow.peak.force, rel=1e-9)
+    assert fast.rebound == pytest.approx(slow.rebound, rel=1e-9)
+    assert fast.release.time == pytest.approx(slow.release.time, rel=1e-9)
+
+
+def test_gravity_pulls_a_mass_that_falls() -> None:
+    height = 0.6**2 / (2 * 9.80665)
+    found = numbers(predict_slam(seal(LAWS["stiff"]), slam=f"{1e3 * height:.12f}mm", mass="200g"))
+    force, at, deep, _, left, _, rebound, *_ = found
+    assert force == pytest.approx(14.7648, abs=5e-5)
+    assert [at, deep, left] == pytest.approx([24.33376, 11.60084, 48.11418], rel=1e-6)
+    assert rebound == pytest.approx(0.985000, abs=1e-6)
+
+
+def test_a_rebound_sees_the_arm_that_a_ramp_cannot() -> None:
+    found = numbers(
+        predict_slam(seal(LAWS["stiff"], g=(0.2545,), tau=(0.0125,)), slam=0.6, mass=0.2)
+    )
+    assert found[0] == pytest.approx(10.14836, rel=1e-6)
+    assert found[4] == pytest.approx(44.0891, rel=2e-6)
+    assert found[6] == pytest.approx(0.898407, rel=1e-6)
+
+
+@pytest.mark.usefixtures("coarse")
+def test_two_pieces_carry_twice_the_mass_alike() -> None:
+    fit = seal(LAWS["linear"])
+    one, two = predict_slam(fit, slam=0.3, mass=0.1), predict_slam(fit, slam=0.3, mass=0.2, seals=2)
+    assert numbers(two)[0] == pytest.approx(2 * numbers(one)[0], rel=1e-9)
+    assert numbers(two)[2:8] == pytest.approx(numbers(one)[2:8], rel=1e-9)
+
+
+def test_an_arm_far_faster_than_the_contact_is_a_dashpot() -> None:
+    law = LAWS["linear"]
+    arm = GeneralizedMaxwell(393.0, (393.0 * 2000,), (1e-6,))
+    dashpot = GeneralizedMaxwell(393.0, (), (), 393.0 * 2e-3)
+    (fast,), (flat,) = (
+        slammed([arm], law, mass=0.2, speed=0.3),
+        slammed([dashpot], law, mass=0.2, speed=0.3),
+    )
+    assert fast.rebound == pytest.approx(flat.rebound, abs=2e-4)
+    # of a spring and a dashpot in closed form: zeta = c / (2 sqrt(k m))
+    zeta = 393.0 * 2e-3 / (2 * np.sqrt(393.0 * 0.2))
+    root = np.sqrt(1 - zeta**2)
+    exact = np.exp(-zeta / root * np.arctan2(2 * zeta * root, 2 * zeta**2 - 1))
+    assert flat.rebound == pytest.approx(exact, rel=1e-6)
+
+
+@pytest.mark.usefixtures("coarse")
+def test_what_lies_beyond_the_test_is_marked() -> None:
+    fit = seal(LAWS["stiff"])
+    deep = predict_slam(fit, slam=2.0, mass="200g")
+    marked = {one.name for one in deep.checks if one.failed}
+    assert {"slam_within_law", "air_escapes", "piece_length_given"} <= marked
+    assert "20 mm" in next(one.says for one in deep.checks if one.name == "slam_within_law")
+    bare = predict_slam(replace(fit, elastic_law=None), slam=0.3, mass="200g")
+    assert "slam_within_law" in {one.name for one in bare.checks if one.failed}
+
+
+@pytest.mark.parametrize(
+    ("said", "speed", "pull"),
+    [("0.6m/s", 0.6, 0.0), (0.6, 0.6, 0.0), ("18mm", np.sqrt(2 * 9.80665 * 0.018), 9.80665)],
+)
+def test_a_mass_meets_the_piece_at_a_speed_or_after_a_fall(
+    said: str | float, speed: float, pull: float
+) -> None:
+    found = Approach.of(said)
+    assert (found.speed, found.pull) == (pytest.approx(speed, rel=1e-12), pull)
+
+
+@pytest.mark.parametrize(
+    ("how", "says"),
+    [
+        ({"slam": "18", "mass": "200g"}, "--slam 18: expected the speed"),
+        ({"slam": "0.6m/s"}, "--mass 200g"),
+        ({"slam": ("0.6m/s", "1m/s"), "mass": "200g"}, "given 2 times"),
+        ({"slam": "-1m/s", "mass": "200g"}, "slam: speed"),
+        ({"slam": "18mm", "mass": "200kg"}, "not thrown back"),
+    ],
+)
+def test_what_cannot_be_asked_says_so(how: dict[str, str], says: str) -> None:
+    with pytest.raises(DataError, match=re.escape(says)):
+        dp.predict(seal(LAWS["linear"]), **how)
+
+
+def test_a_material_is_no_piece() -> None:
+    with pytest.raises(DataError, match="of a material"):
+        predict_slam(replace(seal(LAWS["linear"]), unit="Pa"), slam=0.6, mass=0.2)
+
+
+RAMPS = {
+    0.006: (1.685622, 1.686389), 0.012: (1.682715, 1.684241), 0.1: (1.642378, 1.654071),
+    1.0: (1.393711, 1.447918), 36.0: (1.057586, 1.072006),
+}  # fmt: skip
+"""Of a ramp of 6 mm in s: force at its end and energy over those of the law alone, found apart."""
+
+
+@pytest.mark.parametrize("ramp", RAMPS)
+def test_a_ramp_presses_as_hard_as_its_speed_lets_it(ramp: float) -> None:
+    x = np.linspace(0.0, 6e-3, 8001)
+    alone = 240 * x + 1e4 * x**2 + 3e6 * x**3
+    # the law is the path of a solid of 1 N/m
+    memory = GeneralizedMaxwell(1.0, tuple(G), tuple(TAU))
+    force = memory.force(np.linspace(0.0, ramp, len(x)), alone)
+    found = force[-1] / alone[-1], np.trapezoid(force, x) / np.trapezoid(alone, x)
+    assert found == pytest.approx(RAMPS[ramp], abs=1e-6)

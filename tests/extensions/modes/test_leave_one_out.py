@@ -1,0 +1,103 @@
+"""A fit held against the hits that it was made from says so, and what a hit left out shows."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+from kit.shell import ran
+
+import dashpot as dp
+from dashpot.extensions.modes import leave_one_out as module
+from dashpot.plot.frf_figure import curves_of
+from dashpot.reading.readers.impact import read_impact
+from dashpot.workflow.example_files import EXAMPLES
+from dashpot.workflow.job import HammerChoices
+
+pytestmark = pytest.mark.once
+RIG = ("--mass", "114.8g", "--seals", "2")
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("joint")
+    for name in ("seal_8mm.csv", "hammer.csv"):
+        (folder / name).write_text(EXAMPLES[name](), encoding="utf-8")
+    made = ran(
+        "fit", folder / "seal_8mm.csv", folder / "hammer.csv", *RIG, "--arms", "4",
+        "-o", folder / "joint.json",
+    )  # fmt: skip
+    assert made.exit_code == 0, made.output
+    return folder
+
+
+def compared(folder, *words):
+    told = ran("compare", folder / "joint.json", folder / "hammer.csv", *RIG, *words, "--json")
+    assert told.exit_code == 0, told.output
+    return json.loads(told.stdout)
+
+
+def test_a_comparison_with_the_hits_that_were_fitted_says_so_first(files):
+    found = compared(files)
+    assert found["in_sample"] is True
+    assert found["unseen"] is None
+    assert found["verdict"]["says"].startswith("The peak is off by ")
+    assert (
+        "This tests nothing, because the fit was made from these hits." in found["verdict"]["says"]
+    )
+
+
+def test_hits_left_out_in_turn_are_predicted(files):
+    found = compared(files, "--record", files / "seal_8mm.csv")
+    unseen = found["unseen"]
+    assert unseen["hits"] >= 3
+    assert 0.001 < unseen["error"] < 0.1
+    low, high = unseen["height_error"]
+    assert -0.1 < low <= high < 0.1
+    assert f"{100 * unseen['error']:.2g} % rms" in found["verdict"]["says"]
+
+
+def test_another_record_is_no_circle_and_the_legend_says_which_solid(files):
+    joint, hits = dp.read(files / "joint.json"), dp.read(files / "hammer.csv")
+    alone = dp.fit(dp.read(files / "seal_8mm.csv"), arms=2)
+    own = dp.compare(joint, hits, mass="114.8g", seals=2)
+    other = dp.compare(alone, hits, mass="114.8g", seals=2)
+    fresh = dp.compare(joint, dp.simulate("impact", hits=3), mass="114.8g", seals=2)
+    assert (own.in_sample, other.in_sample, fresh.in_sample) == (True, False, False)
+    (check,) = [one for one in own.checks if one.name == "fit_is_tested"]
+    assert (check.passed, check.grade) == (False, "note")
+    names = [curves_of(one.comparison, None)[1].label for one in (own, other, fresh)]
+    assert names == [
+        "fitted to these hits", "predicted from relaxation", "predicted by the joint fit",
+    ]  # fmt: skip
+
+
+def test_each_hit_is_held_against_the_others_alone(files, monkeypatch):
+    impact = read_impact(files / "hammer.csv")
+    fit = dp.read(files / "joint.json")
+    seen: list[set[str]] = []
+    inner = module.average
+
+    def average(impact, *, choices):
+        frf = inner(impact, choices=choices)
+        seen.append({hit.name for hit in frf.hits if hit.accepted})
+        return frf
+
+    monkeypatch.setattr(module, "average", average)
+    monkeypatch.setattr(module, "identify", lambda *_, **__: fit)
+    found = module.left_out(impact, (), fit, mass=0.1148, seals=2, choices=HammerChoices())
+    whole, *pairs = seen
+    assert found is not None
+    assert 2 * found.hits == len(pairs) == 2 * min(len(whole), 8)
+    for rest, alone in zip(pairs[::2], pairs[1::2], strict=True):
+        assert len(alone) == 1
+        assert rest == whole - alone
+    assert set().union(*pairs[1::2]) <= whole
+
+
+def test_a_hit_taken_the_other_way_round_is_turned(files):
+    whole = module.average(read_impact(files / "hammer.csv"), choices=HammerChoices())
+    turned = replace(whole, value=-whole.value)
+    for one in (whole, turned):
+        assert (module._as_signed(one.band(5, 40), whole).value == whole.band(5, 40).value).all()

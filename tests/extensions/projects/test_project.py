@@ -1,0 +1,767 @@
+"""A project recomputes itself, notices every change, and survives being killed."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from kit.gauges import cal
+from kit.shell import ran
+
+from dashpot.base.errors import DataError, ReadError
+from dashpot.extensions.formats.ati import AXES
+from dashpot.extensions.projects import history, verification
+from dashpot.extensions.projects import project as folder
+from dashpot.extensions.projects.verification import difference, same_page, verify
+from dashpot.reading.read_options import ReadOptions, load_profile
+from dashpot.reading.write import write_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Rig
+from dashpot.solids.demo_seals import PAPER
+from dashpot.workflow.job import Job
+from dashpot.workflow.json_archive import to_json
+from dashpot.workflow.study import run
+
+WRITES = 11
+"""How often a run writes to the disk or moves a file: three results, a line, its head."""
+
+
+def page(study) -> str:
+    """A report that takes no time: what a project keeps of it is that it is there."""
+    return f"<title>{study.fit.identity}</title>"
+
+
+STUDIES = {}
+
+
+@pytest.fixture(autouse=True)
+def remembered(request, monkeypatch):
+    """One study for one job on the same bytes: what is tested here is what is kept of it."""
+    if "work_done_again" in request.fixturenames:
+        return
+
+    def once(job):
+        named = folder.with_paths(job, lambda path: history.sha256(Path(path).read_bytes()))
+        key = (Path(job.relaxation).name, to_json(named))
+        if key not in STUDIES:
+            STUDIES[key] = run(job)
+        return STUDIES[key]
+
+    monkeypatch.setattr(folder, "run", once)
+    monkeypatch.setattr(verification, "run", once)
+
+
+@pytest.fixture
+def work_done_again():
+    """The real work, both times."""
+
+
+@pytest.fixture(scope="module")
+def raw(tmp_path_factory):
+    path = tmp_path_factory.mktemp("machine") / "seal.csv"
+    made = simulate_relaxation(PAPER, hold_time=10.0, rig=Rig(rate=200.0))
+    path.write_text(write_relaxation(made.test))
+    return path
+
+
+@pytest.fixture(scope="module")
+def made(raw, tmp_path_factory):
+    """A project with two results, made once."""
+    project = folder.create(tmp_path_factory.mktemp("made") / "door")
+    folder.record(project, Job(str(raw), mass=0.104, seals=2, arms=1), page=page)
+    folder.record(project, Job(str(raw), arms=1), page=page)
+    return project
+
+
+@pytest.fixture
+def kept(made, tmp_path):
+    """A copy of that project to damage."""
+    return folder.open_project(shutil.copytree(made.folder, tmp_path / "door"))
+
+
+def verified(project, expect=None):
+    return verify(project, page=page, expect=expect)
+
+
+def failures(project, expect=None):
+    return [check.name for check in verified(project, expect) if check.failed]
+
+
+def test_a_project_recomputes_itself(kept, raw, work_done_again):
+    checks = verified(kept)
+    assert all(check.passed for check in checks), checks
+    assert sum(check.name == "result_recomputed" for check in checks) == 2
+    assert (kept.folder / "raw" / "seal.csv").read_bytes() == raw.read_bytes()
+    lines = [json.loads(line) for line in kept.history_file.read_text().splitlines()]
+    assert lines[1]["previous"] == lines[0]["hash"]
+    assert {"numpy", "scipy", "dashpot", "python"} <= set(lines[0]["software"])
+
+
+def test_what_was_said_of_reading_is_kept_as_a_profile(kept, raw):
+    reading = ReadOptions(force="force", decimal="point")
+    folder.record(kept, Job(str(raw), arms=1, reading=reading), page=page)
+    (profile,) = (kept.folder / "profiles").iterdir()
+    assert load_profile(profile) == reading
+    assert not failures(kept)
+
+
+def test_the_fit_in_a_project_goes_into_a_deck(kept):
+    place = next((kept.folder / "records").glob("*.fit.json"))
+    result = ran("export", place, "--to", "csv", "--unit-system", "SI", "--allow", "all")
+    assert result.exit_code == 0, result.output
+    identity = json.loads(place.read_text())["id"]
+    assert f"fit: {identity}" in result.stdout
+
+
+def test_a_changed_raw_file_is_noticed(kept):
+    place = kept.folder / "raw" / "seal.csv"
+    place.write_bytes(place.read_bytes().replace(b"time [s]", b"time [S]"))
+    assert "file_unchanged" in failures(kept)
+
+
+def test_a_changed_result_is_noticed(kept):
+    place = next((kept.folder / "records").glob("*.fit.json"))
+    place.write_text(place.read_text().replace('"k_inf"', '"k_inf" '))
+    assert "file_unchanged" in failures(kept)
+
+
+def test_a_missing_file_is_noticed(kept):
+    next((kept.folder / "reports").iterdir()).unlink()
+    assert "file_present" in failures(kept)
+
+
+@pytest.mark.parametrize("change", ["edit", "drop", "swap"])
+def test_a_changed_history_is_noticed(kept, change):
+    first, second = kept.history_file.read_text().splitlines()
+    changed = {
+        "edit": [first.replace('"seals": 2', '"seals": 3'), second],
+        "drop": [second],
+        "swap": [second, first],
+    }[change]
+    kept.history_file.write_text("\n".join(changed) + "\n")
+    assert "history_unchanged" in failures(kept)
+
+
+def rewritten(project, entries):
+    """Write lines whose hashes fit, as who knows how they are made can."""
+    before, lines = history.GENESIS, []
+    for number, entry in enumerate(entries, start=1):
+        entry |= {"previous": before, "line": number}
+        text, before = history.sealed(entry)
+        lines.append(text.decode() + "\n")
+    project.history_file.write_text("".join(lines))
+    (project.folder / "history.head").write_text(f"{len(lines)} {before}\n")
+
+
+def entries(project):
+    return [json.loads(line) for line in project.history_file.read_text().splitlines()]
+
+
+def test_the_last_line_survives_the_loss_of_its_line_end(kept, raw):
+    whole = kept.history_file.read_bytes()
+    kept.history_file.write_bytes(whole[:-1])
+    assert not failures(kept)
+    folder.record(kept, Job(str(raw), arms=1), page=page)
+    assert kept.history_file.read_bytes().startswith(whole)
+    assert len(entries(kept)) == 3
+    assert not failures(kept)
+
+
+@pytest.mark.parametrize("kept_of_it", [1, 40, -40])
+def test_a_half_written_line_never_happened(kept, raw, kept_of_it):
+    """Killed in the middle of the one write: the head still speaks of the line before."""
+    whole = kept.history_file.read_bytes()
+    first, second, _ = whole.split(b"\n")
+    kept.history_file.write_bytes(first + b"\n" + second[:kept_of_it])
+    (kept.folder / "history.head").write_text(f"1 {json.loads(first)['hash']}\n")
+    assert failures(kept) == ["history_complete", "files_listed"]
+    folder.record(kept, Job(str(raw), arms=1), page=page)
+    assert kept.history_file.read_bytes().startswith(first + b"\n{")
+    assert len(entries(kept)) == 2
+    assert not failures(kept)
+
+
+@pytest.mark.parametrize("loss", ["last", "half", "all", "file", "first"])
+def test_what_is_cut_off_the_history_is_missed(kept, raw, loss):
+    first, second = kept.history_file.read_bytes().splitlines(keepends=True)
+    left = {"last": first, "half": first + second[:99], "all": b"", "first": second}.get(loss)
+    if left is None:
+        kept.history_file.unlink()
+    else:
+        kept.history_file.write_bytes(left)
+    missed = failures(kept)
+    assert ("history_unchanged" if loss == "first" else "history_whole") in missed
+    assert ("history_present" in missed) == (loss in {"all", "file"})
+    if loss != "first":
+        with pytest.raises(DataError, match="lines where 2 were written; put the file back"):
+            folder.record(kept, Job(str(raw), arms=1), page=page)
+        assert (kept.history_file.read_bytes() if left is not None else None) == left
+
+
+@pytest.mark.parametrize("head", [None, "1 {first}", "2 {foreign}", "1 {first}\n2 {foreign}"])
+def test_a_head_that_is_lost_older_or_foreign_is_missed(kept, raw, head):
+    """Without it nobody knows whether lines were cut off; the next line brings it again."""
+    place, first = kept.folder / "history.head", entries(kept)[0]["hash"]
+    if head is None:
+        place.unlink()
+    else:
+        place.write_text(head.format(first=first, foreign="f" * 64) + "\n")
+    assert failures(kept) == ["history_whole"]
+    if head is None or head.endswith("first}"):
+        folder.record(kept, Job(str(raw), arms=1), page=page)
+        assert not failures(kept)
+
+
+def test_a_line_that_its_head_announced_is_whole(kept):
+    """Killed after the line was written, before the head was."""
+    first, second = (one["hash"] for one in entries(kept))
+    (kept.folder / "history.head").write_text(f"1 {first}\n2 {second}\n")
+    assert not failures(kept)
+
+
+TAMPERED = {
+    "a blank more": lambda text: text.replace('", "', '",  "', 1),
+    "a blank less": lambda text: text.replace('": "', '":"', 1),
+    "a key twice": lambda text: text.replace('"user": ', '"user": "nobody", "user": ', 1),
+    "keys in another order": lambda text: json.dumps(dict(sorted(json.loads(text).items()))),
+    "keys of the job in another order": lambda text: json.dumps(
+        json.loads(text) | {"job": dict(sorted(json.loads(text)["job"].items()))}
+    ),
+    "an escape for a letter": lambda text: text.replace('"report"', '"\\u0072eport"', 1),
+    "a number written otherwise": lambda text: text.replace('"line": 2', '"line": 2e0', 1),
+    "an end of line of another system": lambda text: text + "\r",
+    "a blank before it": lambda text: " " + text,
+    "a blank before the hash": lambda text: text.replace(', "hash"', ',  "hash"', 1),
+}
+
+
+@pytest.mark.parametrize("how", TAMPERED)
+def test_the_bytes_of_a_line_are_hashed(kept, how):
+    first, second = kept.history_file.read_text().splitlines()
+    changed = TAMPERED[how](second)
+    assert changed != second
+    kept.history_file.write_bytes(f"{first}\n{changed}\n".encode())
+    try:
+        assert "history_unchanged" in failures(kept)
+    except ReadError as error:
+        assert "it was changed" in str(error)  # noqa: PT017 -- either way it is told
+
+
+def test_head_is_bytes_too(kept):
+    place = kept.folder / "history.head"
+    whole = place.read_bytes()
+    for changed in (
+        whole.replace(b"\n", b"\r\n"), b"\xef\xbb\xbf" + whole, b"0" + whole, b"+" + whole,
+        whole * 3, whole + b"3 soon\n", whole.rstrip(), whole[:20], b"",
+    ):  # fmt: skip
+        place.write_bytes(changed)
+        with pytest.raises(ReadError, match=r"history\.head is not as dashpot writes it"):
+            verified(kept)
+    place.write_bytes(whole)
+    assert not failures(kept)
+
+
+HISTORIES = {
+    "a line twice": lambda first, second: first + second + second,
+    "the first line twice": lambda first, second: first + first + second,
+    "lines that end as on Windows": lambda first, second: (first + second).replace(b"\n", b"\r\n"),
+    "a byte order mark": lambda first, second: b"\xef\xbb\xbf" + first + second,
+    "another encoding": lambda first, second: (first + second).decode().encode("utf-16"),
+    "a blank line at the end": lambda first, second: first + second + b"\n",
+    "a blank line between": lambda first, second: first + b"\n" + second,
+    "zeros of a disk at the end": lambda first, second: first + second + b"\0" * 64,
+}
+
+
+@pytest.mark.parametrize("how", HISTORIES)
+def test_no_byte_of_the_history_is_changed_in_passing(kept, how):
+    """As editors, version control, mail and disks do."""
+    lines = kept.history_file.read_bytes().splitlines(keepends=True)
+    kept.history_file.write_bytes(HISTORIES[how](*lines))
+    try:
+        missed = failures(kept)
+    except ReadError as error:
+        assert "it was changed" in str(error)  # noqa: PT017 -- either way it is told
+    else:
+        assert {"history_unchanged", "history_complete"} & {*missed}
+
+
+def test_the_history_of_another_project_is_missed(kept, raw, tmp_path):
+    other = folder.create(tmp_path / "other")
+    for seals in (1, 3):
+        folder.record(other, Job(str(raw), seals=seals, arms=1), page=page)
+    for one in ("history.jsonl", "history.head"):
+        shutil.copy(other.folder / one, kept.folder / one)
+        assert failures(kept)
+
+
+FILES = {
+    "lines that end as on Windows": lambda raw: raw.write_bytes(
+        raw.read_bytes().replace(b"\n", b"\r\n")
+    ),
+    "a blank line at the end": lambda raw: raw.write_bytes(raw.read_bytes() + b"\n"),
+    "nothing left": lambda raw: raw.write_bytes(b""),
+    "a folder of its name": lambda raw: (raw.unlink(), raw.mkdir()),
+    "its name in capitals": lambda raw: raw.rename(raw.with_name("SEAL.CSV")),
+    "its name of other code points": lambda raw: raw.rename(raw.with_name("sea\u217c.csv")),
+}
+
+
+@pytest.mark.parametrize("how", FILES)
+def test_a_raw_file_that_a_synchronisation_changed_is_missed(kept, how):
+    FILES[how](kept.folder / "raw" / "seal.csv")
+    assert {"file_present", "file_unchanged"} & {*failures(kept)}
+
+
+@pytest.mark.parametrize("own", ["history.jsonl", "history.head", "dashpot.toml", "raw/seal.csv"])
+def test_nothing_outside_is_read_through_a_link(kept, tmp_path, own):
+    place = kept.folder / own
+    place.rename(tmp_path / "elsewhere")
+    place.symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(ReadError, match=f"{own} leads out of the project"):
+        verified(kept)
+
+
+def test_what_only_looks_half_written_is_named(kept):
+    for name in (".evil.part", "fit.json.part", "." + "0" * 16 + ".part"):
+        (kept.folder / "records" / name).write_text("{}")
+    (check,) = [one for one in verified(kept) if one.name == "files_listed"]
+    assert check.says == "The history does not list records/.evil.part, records/fit.json.part."
+
+
+def test_pictures_of_two_reports_are_not_swapped_unseen(kept):
+    """Each page is drawn again, of its own result."""
+
+    def drawn(study):
+        return f"<svg><text>{study.mass}</text></svg>"
+
+    lines = entries(kept)
+    pages = [line["outputs"] for line in lines]
+    for outputs, mass in zip(pages, ("0.104", "None"), strict=True):
+        (listed,) = [one for one in outputs if one["file"].endswith(".html")]
+        place = kept.folder / listed["file"]
+        place.write_text(f"<svg><text>{mass}</text></svg>")
+        listed["sha256"] = history.sha256(place.read_bytes())
+    rewritten(kept, lines)
+    assert not [one.name for one in verify(kept, page=drawn) if one.failed]
+    first, second = (kept.folder / one["file"] for o in pages for one in o if "html" in one["file"])
+    one, other = first.read_bytes(), second.read_bytes()
+    first.write_bytes(other)
+    second.write_bytes(one)
+    assert [one.name for one in verify(kept, page=drawn) if one.failed].count("file_unchanged") == 2
+    for outputs, content in zip(pages, (other, one), strict=True):
+        (listed,) = [one for one in outputs if one["file"].endswith(".html")]
+        listed["sha256"] = history.sha256(content)
+    rewritten(kept, lines)
+    assert [one.name for one in verify(kept, page=drawn) if one.failed] == ["page_redrawn"] * 2
+
+
+def test_what_a_forger_may_say_unproven(kept):
+    """SECURITY.md names it: when, who, what it was called, in which order, by which versions."""
+    lines, noted = entries(kept), kept.head
+    lines[0] |= {"time": "1999-01-01T00:00:00+00:00", "user": "boss", "operation": "approved"}
+    lines[0]["software"]["numpy"] = "0.0.1"
+    rewritten(kept, lines[::-1])
+    (kept.folder / "dashpot.toml").write_text('schema = "dashpot/project@1"\nname = "other"\n')
+    assert not failures(kept)
+    assert failures(kept, expect=noted) == ["history_expected"]
+
+
+def test_a_line_of_the_second_edition_is_still_held_to_its_hash(kept):
+    """Its hash was of its content, sorted, and its bytes were those of plain JSON."""
+    before, lines = history.GENESIS, []
+    for entry in entries(kept):
+        entry["previous"] = before
+        del entry["hash"]
+        ordered = json.dumps(entry, sort_keys=True, ensure_ascii=False).encode()
+        entry["hash"] = before = history.sha256(ordered)
+        lines.append(json.dumps(entry))
+    kept.history_file.write_text("\n".join(lines) + "\n")
+    (kept.folder / "history.head").write_text(f"2 {before}\n")
+    assert not failures(kept)
+    kept.history_file.write_text("\n".join(lines).replace('": ', '":  ', 1) + "\n")
+    assert failures(kept) == ["history_unchanged"]
+
+
+def test_who_notes_the_head_misses_even_a_forged_end(kept, raw):
+    noted = kept.head
+    assert not failures(kept, expect=noted)
+    folder.record(kept, Job(str(raw), arms=1, seals=2), page=page)
+    (check,) = [one for one in verified(kept, noted) if one.name == "history_expected"]
+    assert check.passed
+    assert "1 lines were added since" in check.says
+    rewritten(kept, entries(kept)[:1])
+    assert failures(kept) == ["files_listed"]  # nothing inside tells
+    assert "history_expected" in failures(kept, expect=noted)
+
+
+def test_a_project_without_history_proves_nothing(tmp_path):
+    assert failures(folder.create(tmp_path / "new")) == ["history_present"]
+
+
+@pytest.mark.parametrize("kind", ["fit.json", "a key twice", "json", "html"])
+def test_a_result_that_was_changed_and_hashed_again_is_found(kept, kind):
+    """From the fit's file decks are made; the page is what people read."""
+    twice, kind = kind == "a key twice", kind.replace("a key twice", "fit.json")
+    lines = entries(kept)
+    listed = next(one for one in lines[0]["outputs"] if one["file"].split(".", 1)[1] == kind)
+    place = kept.folder / listed["file"]
+    if kind == "html":
+        place.write_text(place.read_text().replace("</title>", "!</title>"))
+    elif twice:  # what reads the first of them reads another solid
+        place.write_text(place.read_text().replace('"k_inf": ', '"k_inf": 1.0, "k_inf": ', 1))
+    else:
+        found = json.loads(place.read_text())
+        solid = (found if kind == "fit.json" else found["fit"])["model"]
+        solid["k_inf"] *= 1.001
+        place.write_text(json.dumps(found))
+    listed["sha256"] = history.sha256(place.read_bytes())
+    rewritten(kept, lines)
+    assert failures(kept) == ["page_redrawn" if kind == "html" else "result_recomputed"]
+
+
+@pytest.mark.parametrize(
+    "word", ["NaN", "Infinity", "-1e999", "1" + "0" * 400, "true", "null", '"0.09"']
+)
+def test_what_is_no_finite_number_is_no_rounding_of_one(kept, word):
+    lines = entries(kept)
+    listed = next(one for one in lines[0]["outputs"] if one["file"].endswith(".fit.json"))
+    place = kept.folder / listed["file"]
+    place.write_text(re.sub(r'("k_inf": )[-0-9.e]+', rf"\g<1>{word}", place.read_text(), count=1))
+    listed["sha256"] = history.sha256(place.read_bytes())
+    rewritten(kept, lines)
+    assert failures(kept) == ["result_recomputed"]
+
+
+def test_true_is_not_one(kept):
+    assert difference({"a": 1}, {"a": True})[0] == np.inf
+    assert difference({"a": 1, "b": 0.0}, {"a": 1.0, "b": -0.0})[0] == 0.0
+    assert difference({"a": np.nan}, {"a": np.nan})[0] == 0.0
+    assert difference({"a": 2.0}, {"a": 1.0})[0] == 0.5
+
+
+def _one_more(kept, line, kind, named):
+    """A forged file beside that of a line, which the line lists first."""
+    place = kept.folder / next(one["file"] for one in line["outputs"] if one["file"].endswith(kind))
+    forged = place.with_name(named + kind)
+    forged.write_text(place.read_text().replace("0", "1"))
+    listed = {"file": forged.relative_to(kept.folder).as_posix()}
+    line["outputs"].insert(0, listed | {"sha256": history.sha256(forged.read_bytes())})
+
+
+def _renamed(kept, line, kind):
+    listed = next(one for one in line["outputs"] if one["file"].endswith(kind))
+    place = kept.folder / listed["file"]
+    listed["file"] = listed["file"].replace(place.name, "0" * 16 + kind)
+    place.rename(kept.folder / listed["file"])
+
+
+def _swapped(lines, kind):
+    first, second = (
+        next(one for one in line["outputs"] if one["file"].endswith(kind)) for line in lines
+    )
+    for key in first:
+        first[key], second[key] = second[key], first[key]
+
+
+LISTS = {
+    "another fit": lambda kept, lines: _one_more(kept, lines[0], ".fit.json", "f" * 16),
+    "another report": lambda kept, lines: _one_more(kept, lines[0], ".html", "f" * 16),
+    "a report without a name": lambda kept, lines: _one_more(kept, lines[0], ".html", "good"),
+    "one file renamed": lambda kept, lines: _renamed(kept, lines[0], ".fit.json"),
+    "all files renamed": lambda kept, lines: [
+        _renamed(kept, lines[0], kind) for kind in (".fit.json", ".html", ".json")
+    ],
+    "files of two results swapped": lambda _, lines: _swapped(lines, ".fit.json"),
+    "a file that was not read": lambda kept, lines: lines[0]["inputs"].append(
+        {"file": "raw/more.csv", "sha256": history.sha256(b"1")}
+    ),
+}
+
+
+@pytest.mark.parametrize("how", LISTS)
+def test_a_line_lists_what_its_job_reads_and_makes_and_no_more(kept, how):
+    lines = entries(kept)
+    (kept.folder / "raw" / "more.csv").write_bytes(b"1")
+    LISTS[how](kept, lines)
+    rewritten(kept, lines)
+    assert "result_recomputed" in failures(kept)
+
+
+def test_files_of_another_version_have_one_name_too(kept):
+    lines = entries(kept)
+    for line in lines:
+        line["software"]["numpy"] = "0.0.1"
+    rewritten(kept, lines)
+    assert not failures(kept)
+    _renamed(kept, lines[0], ".fit.json")
+    rewritten(kept, lines)
+    assert failures(kept) == ["result_recomputed"]
+
+
+def test_a_line_is_numbered_by_its_place(kept):
+    before, texts = history.GENESIS, []
+    for entry in entries(kept):
+        text, before = history.sealed(entry | {"previous": before, "line": entry["line"] + 1})
+        texts.append(text.decode() + "\n")
+    kept.history_file.write_text("".join(texts))
+    (kept.folder / "history.head").write_text(f"{len(texts)} {before}\n")
+    assert failures(kept) == ["history_unchanged"] * 2
+
+
+def test_another_version_may_draw_another_page(kept):
+    lines = entries(kept)
+    for line in lines:
+        line["software"]["numpy"] = "0.0.1"
+    rewritten(kept, lines)
+    checks = verify(kept, page=lambda study: page(study).replace("title", "b"))
+    judged = [one for one in checks if one.name == "page_redrawn"]
+    assert [one.passed for one in judged] == [None, None]
+
+
+@pytest.mark.parametrize(
+    ("kept_text", "again", "same"),
+    [
+        ("f = 12.710 Hz", "f = 12.711 Hz", True),
+        ("f = 12.710 Hz", "f = 12.712 Hz", False),
+        ("f = 12.71 Hz", "f = 12.75 Hz", False),
+        ("f = 13 Hz", "f = 12.71 Hz", False),
+        ("All 14 checks passed", "All 13 checks passed", False),
+        ("opacity:1", "opacity:0", False),
+        ("-14", "-13", False),
+        ("f = 12.7999 Hz", "f = 12.7 Hz", False),
+        ("f = 12.69999 Hz", "f = 12.7 Hz", True),
+        ("f = 10.0 Hz", "f = 9.9999 Hz", True),
+        ("use", "do not use", False),
+        ("12.71 Hz", "１２.７１ Hz", False),
+        ('<svg d="M10 20.5l3 4"></svg>', '<svg d="M10 20.6l3 4"></svg>', True),
+        ('<svg d="M10 20.5l3 4"></svg>', '<svg d="M10 21.5l3 4"></svg>', False),
+        ("<svg><text>12.51 Hz</text></svg>", "<svg><text>13.51 Hz</text></svg>", False),
+        ("<svg><text>12.51 Hz</text></svg>", "<svg><text>12.53 Hz</text></svg>", False),
+        ("0.01 <svg></svg>", "0.03 <svg></svg>", False),
+        ("1e-05", "2e-05", True),
+        ("1e-05", "3e-05", False),
+        ("href=data:x;base64,MC4xMDAw", "href=data:x;base64,MC4xMDAx", True),
+        ("href=data:x;base64,MC4xMDAw", "href=data:x;base64,MC4xMDAy", False),
+        ("href=data:x;base64,MC4xMDAw", "href=data:x;base64,MC4yMDAw", False),
+    ],
+)
+def test_pages_are_the_same_but_for_a_last_digit(kept_text, again, same):
+    assert same_page(kept_text.encode(), again.encode()) == same
+
+
+def test_files_that_no_line_lists_are_named(kept):
+    (kept.folder / "records" / "planted.fit.json").write_text("{}")
+    (kept.folder / "records" / ".0123456789abcdef.part").write_text("half")
+    (check,) = [one for one in verified(kept) if one.name == "files_listed"]
+    assert check.failed
+    assert check.says == "The history does not list records/planted.fit.json."
+
+
+@pytest.mark.parametrize("at", range(WRITES + 1))
+def test_killed_at_any_write_nothing_is_lost(kept, raw, at):
+    """The process ends, without a word to anyone, at the n-th time that it writes or moves."""
+    before = kept.history_file.read_bytes()
+    child = os.fork()
+    if not child:
+        killed_at(at)
+        folder.record(kept, Job(str(raw), arms=1, seals=3), page=page)
+        os._exit(0)
+    _, status = os.waitpid(child, 0)
+    assert os.waitstatus_to_exitcode(status) == (9 if at < WRITES else 0)
+    assert kept.history_file.read_bytes().startswith(before)
+    assert set(failures(kept)) <= {"files_listed"}
+    lines = len(entries(kept))
+    folder.record(kept, Job(str(raw), arms=1, seals=3), page=page)
+    assert len(entries(kept)) == lines + 1
+    assert not failures(kept)
+    assert not list(kept.folder.rglob("*.part"))
+
+
+def killed_at(number):
+    """End this process at the n-th of its writes, before and after which a kill may fall."""
+    left = [number]
+
+    def counted(function):
+        def called(*args, **how):
+            if left[0] == 0:
+                os._exit(9)
+            left[0] -= 1
+            return function(*args, **how)
+
+        return called
+
+    os.fsync = counted(os.fsync)
+    Path.replace = counted(Path.replace)
+
+
+def test_the_lock_is_of_the_process_and_not_of_the_file(kept, raw):
+    """A file that a dead dashpot left, whatever stands in it, locks nothing."""
+    lock = kept.folder / ".lock"
+    for text in ("", str(os.getpid()), "999999999"):
+        lock.write_text(text)
+        folder.record(kept, Job(str(raw), arms=1), page=page)
+    code = (
+        "import sys; from pathlib import Path; from dashpot.base.lock import alone\n"
+        "with alone(Path(sys.argv[1]), 'x'): print('held', flush=True); sys.stdin.read()"
+    )
+    other = subprocess.Popen(
+        [sys.executable, "-c", code, lock], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    )
+    assert other.stdout.readline().strip() == b"held"
+    with pytest.raises(DataError, match="in use by another dashpot; try again"):
+        folder.record(kept, Job(str(raw)), page=page)
+    other.kill()
+    other.communicate()
+    folder.record(kept, Job(str(raw), arms=1), page=page)
+
+
+def test_a_copy_that_was_damaged_is_not_analysed_instead(kept, raw, tmp_path):
+    other = tmp_path / "seal.csv"
+    other.write_bytes(raw.read_bytes() + b"\n")
+    folder.record(kept, Job(str(other), arms=1), page=page)
+    (copy,) = [one for one in (kept.folder / "raw").iterdir() if one.name != "seal.csv"]
+    whole = copy.read_bytes()
+    copy.write_bytes(whole.replace(b"0.0", b"0.1", 1))
+    with pytest.raises(DataError, match="is no longer the copy of"):
+        folder.record(kept, Job(str(other), arms=1), page=page)
+    copy.write_bytes(whole)
+    damaged = kept.folder / "raw" / "seal.csv"
+    damaged.write_bytes(b"time [s],displacement [mm],force [N]\n")
+    study, _ = folder.record(kept, Job(str(raw), arms=1), page=page)
+    assert study.test.source.sha256 == history.sha256(raw.read_bytes())
+
+
+def test_a_calibration_is_an_input_like_any_other(tmp_path):
+    project = folder.create(tmp_path / "door")
+    matrix = cal(tmp_path / "nano.cal", version="1.1")
+    made = simulate_relaxation(PAPER, hold_time=10.0, rig=Rig(rate=200.0)).test
+    loads = np.zeros((6, len(made.time)))
+    loads[AXES.index("Fz")] = made.force
+    columns = [made.time, 1e3 * made.displacement, *np.linalg.solve(matrix, loads)]
+    head = ["time [s]", "displacement [mm]", *(f"G{number} [V]" for number in range(6))]
+    rows = [",".join(map(repr, row)) for row in np.transpose(columns).tolist()]
+    (tmp_path / "seal.csv").write_text("\n".join([",".join(head), *rows]) + "\n")
+    reading = ReadOptions(calibration=str(tmp_path / "nano.cal"))
+    folder.record(project, Job(str(tmp_path / "seal.csv"), arms=1, reading=reading), page=page)
+    (tmp_path / "nano.cal").unlink()
+    (line,) = entries(project)
+    assert line["job"]["reading"]["calibration"] == "raw/nano.cal"
+    *copies, profile = [one["file"] for one in line["inputs"]]
+    assert copies == ["raw/nano.cal", "raw/seal.csv"]
+    assert profile.startswith("profiles/")
+    assert not failures(project)
+    copy = project.folder / "raw" / "nano.cal"
+    copy.write_text(copy.read_text() + " ")
+    assert failures(project) == ["file_unchanged"]
+
+
+@pytest.mark.parametrize("path", ["/etc/passwd", "../secret.cal", "raw/link.cal"])
+def test_a_foreign_project_opens_no_file_outside_as_calibration(kept, tmp_path, path):
+    (tmp_path / "secret.cal").write_text("top secret")
+    (kept.folder / "raw" / "link.cal").symlink_to(tmp_path / "secret.cal")
+    lines = entries(kept)
+    lines[0]["job"]["reading"]["calibration"] = path
+    lines[0]["inputs"].append({"file": "raw/seal.csv", "sha256": "0"})
+    rewritten(kept, lines[:1])
+    assert "file_unchanged" in failures(kept)
+    lines[0]["inputs"][-1:] = [{"file": path, "sha256": history.sha256(b"top secret")}]
+    rewritten(kept, lines[:1])
+    with pytest.raises(ReadError, match="leads out of the project"):
+        verified(kept)
+
+
+def test_leftovers_are_cleaned(kept, raw):
+    left = kept.folder / "records" / ".0123456789abcdef.part"
+    left.write_text("half")
+    folder.record(kept, Job(str(raw), arms=1), page=page)
+    assert not left.exists()
+
+
+def test_what_killed_runs_left_is_listed_and_cleared(kept, tmp_path):
+    (tmp_path / "lot").mkdir()
+    places = kept.folder / "records", tmp_path / "lot"
+    left = [one / ".0123456789abcdef.part" for one in places]
+    for one in left:
+        one.write_text("half")
+    assert failures(kept) == []  # it may still be written to
+    for one in left:
+        os.utime(one, (1, 1))
+    assert failures(kept) == ["nothing_half_written"]
+    (tmp_path / "lot" / ".hidden.part").write_text("a user's own")
+    told = ran("verify", tmp_path / "lot")
+    assert (told.exit_code, left[1].exists()) == (0, True)
+    assert ".0123456789abcdef.part" in told.stdout
+    assert "cleared .0123456789abcdef.part" in ran("verify", left[1].parent, "--overwrite").stdout
+    assert not left[1].exists()
+    assert (tmp_path / "lot" / ".hidden.part").exists()
+    assert ran("verify", tmp_path / "lot").exit_code == 2
+
+
+def test_a_folder_that_was_killed_while_it_was_made_is_no_obstacle(tmp_path):
+    (tmp_path / ".0123456789abcdef.part").write_text("half")
+    assert folder.create(tmp_path).folder == tmp_path
+
+
+@pytest.mark.parametrize(
+    "text", [b"[]", b"{}", b"5", b"\xff", b'{"line": 1}', b"[" * 5000, b'{"hash": {"a": 1}}', None]
+)
+def test_a_line_of_another_kind_is_refused(kept, text):
+    if text is None:  # one thing more than a line holds
+        text = json.dumps(entries(kept)[0] | {"more": 1}).encode()
+    kept.history_file.write_bytes(text + b"\n")
+    with pytest.raises(ReadError, match=r"line 1 of history.jsonl is none that dashpot writes"):
+        verified(kept)
+
+
+def test_a_job_that_reads_what_is_not_listed_is_found(kept):
+    lines = entries(kept)
+    lines[0]["inputs"] = []
+    rewritten(kept, lines)
+    assert failures(kept) == ["inputs_listed"]
+
+
+def test_a_file_of_the_same_name_does_not_replace_the_first(kept, raw, tmp_path):
+    other = tmp_path / "seal.csv"
+    other.write_bytes(raw.read_bytes() + b"\n")
+    folder.record(kept, Job(str(other), arms=1), page=page)
+    assert (kept.folder / "raw" / "seal.csv").read_bytes() == raw.read_bytes()
+    assert len(list((kept.folder / "raw").iterdir())) == 2
+
+
+def test_paths_that_lead_out_of_the_project_are_refused(kept):
+    lines = entries(kept)
+    lines[0]["inputs"][0]["file"] = "../../secret"
+    rewritten(kept, lines)
+    with pytest.raises(ReadError, match="leads out of the project"):
+        verified(kept)
+
+
+def test_a_full_folder_is_not_taken_over(tmp_path):
+    (tmp_path / "mine.txt").write_text("x")
+    with pytest.raises(DataError, match=r"holds files but no dashpot\.toml"):
+        folder.create(tmp_path)
+
+
+def test_on_the_command_line(raw, tmp_path, work_done_again):
+    place = tmp_path / "door"
+    made = ran("report", raw, "--arms", "1", "--project", place)
+    assert made.exit_code == 0, made.output
+    head = folder.open_project(place).head
+    assert f"--expect {head}" in made.stderr
+    told = ran("verify", place, "--expect", head)
+    assert told.exit_code == 0, told.output
+    assert head in told.stdout
+    assert ran("verify", place, "--expect", "0" * 64).exit_code == 1
+    copied = tmp_path / "door" / "raw" / "seal.csv"
+    copied.write_bytes(copied.read_bytes() + b"0,0,0\n")
+    found = ran("verify", place, "--json")
+    assert found.exit_code == 1
+    assert json.loads(found.stdout)["ok"] is False

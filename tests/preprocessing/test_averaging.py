@@ -1,0 +1,93 @@
+"""Averaging a long record: the solid that answers it is the same."""
+
+from __future__ import annotations
+
+import tracemalloc
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dashpot.datamodel.relaxation import RampHold, RelaxationTest
+from dashpot.fitting.relaxation import fit
+from dashpot.preprocessing import decimation
+from dashpot.preprocessing.decimation import averaged
+from dashpot.preprocessing.prepare import prepare
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+SEAL = GeneralizedMaxwell(196.5, (117.5, 17.8), (0.5021, 16.416))
+
+
+def long_record(
+    monkeypatch: pytest.MonkeyPatch, *, noise: float = 0.0, count: float = 0.0, enough: int = 8_000
+) -> tuple[RampHold, RampHold]:
+    """A record of 41k samples prepared whole, and with some thousand samples being enough."""
+    time = np.arange(41_001) / 1000
+    x = 8e-3 * np.clip(time - 0.5, 0.0, 1.0)
+    force = SEAL.force(time, x) + noise * np.random.default_rng(2).standard_normal(len(time))
+    read = count * np.round(x / count) if count else x
+    test = RelaxationTest(time=time, displacement=read, force=force, units="SI")
+    whole = prepare(test)
+    monkeypatch.setattr(decimation, "ENOUGH", enough)
+    monkeypatch.setattr(decimation, "ON_THE_RAMP", 100)
+    return whole, prepare(test)
+
+
+def test_a_solid_answers_a_mean_with_a_mean(monkeypatch: pytest.MonkeyPatch) -> None:
+    _, few = long_record(monkeypatch)
+    assert len(few.time) == 41_001 // 5
+    found = fit(few, arms=2).model
+    assert found.k_inf == pytest.approx(SEAL.k_inf, rel=1e-4)
+    assert found.k == pytest.approx(SEAL.k, rel=1e-3)
+    assert found.tau == pytest.approx(SEAL.tau, rel=1e-3)
+
+
+@pytest.mark.parametrize("count", [0.0, 20e-6])
+def test_estimates_and_errors_stay(monkeypatch: pytest.MonkeyPatch, count: float) -> None:
+    whole, few = long_record(monkeypatch, noise=3e-3, count=count)
+    assert few.encoder_step == pytest.approx(whole.encoder_step)
+    assert few.force_noise == pytest.approx(whole.force_noise / np.sqrt(5), rel=0.1)
+    one, other = fit(whole, arms=2), fit(few, arms=2)
+    errors = np.sqrt(np.diag(one.covariance))
+    np.testing.assert_allclose(np.sqrt(np.diag(other.covariance)), errors, rtol=0.25)
+    away = [
+        other.model.k_inf - one.model.k_inf,
+        *np.subtract(other.model.k, one.model.k),
+        *np.log(np.divide(other.model.tau, one.model.tau)),
+    ]
+    assert np.all(np.abs(away) < 0.5 * errors)
+    assert "averaged each 5 of 41001 samples" in few.steps[-1].says
+
+
+def test_what_is_short_uneven_or_coarse_is_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole, _ = long_record(monkeypatch, enough=20_501)
+    assert averaged(whole) is whole  # not twice as long as enough
+    monkeypatch.setattr(decimation, "ENOUGH", 20_500)
+    assert len(averaged(whole).time) == 41_001
+    monkeypatch.setattr(decimation, "ENOUGH", 13_667)
+    assert len(averaged(whole).time) == 13_667
+    monkeypatch.setattr(decimation, "ON_THE_RAMP", 700)
+    assert averaged(whole) is whole  # its ramp has a thousand samples
+    monkeypatch.setattr(decimation, "ON_THE_RAMP", 100)
+    late = whole.time + 0.4e-3 * (np.arange(len(whole.time)) > 30_000)
+    assert averaged(replace(whole, time=late)) is not whole
+    later = whole.time + 0.4e-3 * (np.arange(len(whole.time)) > 30_000) * 2
+    uneven = replace(whole, time=later, hold_end=float(later[-1]))
+    assert averaged(uneven) is uneven
+
+
+def test_a_long_record_needs_the_room_of_ten_of_its_channels() -> None:
+    """A record of 3 million samples, 24 MB a channel, is prepared beside the app's other lanes."""
+    time = np.arange(200_000) / 4000
+    x = 8e-3 * np.clip(time - 0.5, 0.0, 1.0)
+    hum = 0.02 * np.sin(2 * np.pi * 50 * time)
+    noise = 2e-3 * np.random.default_rng(3).standard_normal(len(time))
+    test = RelaxationTest(time, x, 300 * x + hum + noise, units="SI")
+    tracemalloc.start()
+    try:
+        found = prepare(test, judged=False)
+        _, most = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert [round(line.frequency) for line in found.hum] == [50]
+    assert most < 10 * time.nbytes

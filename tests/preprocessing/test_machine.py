@@ -1,0 +1,150 @@
+"""What is known of the machine goes into the motion that the fit answers to."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from kit.trials import DISTURBANCES, KINDS, Bench, Seal, record, relaxation_test, trial
+
+import dashpot as dp
+from dashpot.fitting.relaxation import fit as fit_tests
+from dashpot.preprocessing.checks import motion_measured
+from dashpot.preprocessing.denoising import true_motion
+from dashpot.preprocessing.prepare import prepare
+from dashpot.workflow.job import Job
+from dashpot.workflow.json_archive import from_json, to_json
+
+pytestmark = pytest.mark.once
+
+PAPER = Seal.of_arms(196.5, (117.5, 17.8), (0.5021, 16.416))
+OMEGA = 2 * np.pi * 12.7
+RATE = 250.0
+
+
+def fitted(bench: Bench, machine: dp.Machine | None = None, seed: int = 0) -> dp.Fit:
+    test = relaxation_test(record(PAPER, bench, seed=seed))
+    return fit_tests(prepare(test, machine=machine), arms=2)
+
+
+def test_the_give_of_the_machine_is_off_the_motion():
+    one = record(PAPER, Bench(compliance=50e-6, rate=RATE).perfect())
+    test = prepare(relaxation_test(one), machine=dp.Machine(compliance=50e-6))
+    np.testing.assert_allclose(test.displacement, one.compression[-len(test.time) :], atol=2e-9)
+    held = one.compression[-len(test.time) :][test.hold]
+    assert test.depth == pytest.approx(held.mean(), rel=1e-4)
+    travel = one.displacement[-len(test.time) :]
+    np.testing.assert_allclose(test.travel[test.displacement > 0], travel[test.displacement > 0])
+    said = next(step for step in test.steps if step.name == "machine")
+    assert "5e-05 m/N" in said.says
+
+
+def test_counts_are_still_found_behind_the_give():
+    test = relaxation_test(record(PAPER, Bench(compliance=50e-6, hold=10.0)))
+    known = prepare(test, machine=dp.Machine(compliance=50e-6))
+    assert known.encoder_step == pytest.approx(20e-6)
+    x, _ = true_motion(known)
+    one = record(PAPER, Bench(compliance=50e-6, hold=10.0).perfect())
+    assert np.abs(x - one.compression[-len(x) :]).max() < 10e-6
+
+
+def test_a_rig_that_is_not_described_changes_nothing():
+    test = relaxation_test(record(PAPER, Bench(hold=5.0, rate=RATE)))
+    plain, told = prepare(test), prepare(test, machine=dp.Machine())
+    assert np.array_equal(plain.displacement, told.displacement)
+    assert plain.travel is plain.displacement
+    assert plain.steps == told.steps
+
+
+def test_compliance_costs_a_per_cent_and_is_given_back():
+    sound = fitted(Bench(rate=RATE))
+    bench = Bench(compliance=50e-6, rate=RATE)
+    silent, known = fitted(bench), fitted(bench, dp.Machine(compliance=50e-6))
+    assert silent.model.k_inf / sound.model.k_inf - 1 == pytest.approx(-0.0098, abs=0.001)
+    assert known.model.k_inf / sound.model.k_inf == pytest.approx(1, abs=1e-3)
+    np.testing.assert_allclose(known.model.k, sound.model.k, rtol=2e-3)
+
+
+def test_a_force_filter_is_found_as_a_delay_and_given_back_by_name():
+    def loss(fit: dp.Fit) -> float:
+        return float(fit.model.loss(omega=OMEGA))
+
+    # K'' is a hundredth of K' here: 1 % of it is a delay of 1.3 us
+    sound = loss(fitted(Bench()))
+    bench = Bench(force_filter=10.0)
+    unnamed = fitted(bench)
+    (late,) = [one.value for one in unnamed.nuisance if one.name == "delay"]
+    assert late == pytest.approx(1 / (2 * np.pi * 10.0), rel=0.02)
+    (says,) = [step.says for step in unnamed.provenance.steps if step.name == "lag"]
+    assert re.fullmatch(
+        r"put the motion behind a low-pass of 1\d(\.\d)? ms, as the force comes", says
+    )
+    assert "clocks_agree" in [check.name for check in unnamed.checks if check.failed]
+    assert loss(unnamed) / sound == pytest.approx(1, abs=0.005)
+    assert loss(fitted(bench, dp.Machine(force_filter=10.0))) / sound == pytest.approx(1, abs=0.01)
+
+
+def test_a_machine_that_gives_more_than_it_moves_is_a_wrong_unit():
+    test = relaxation_test(record(PAPER, Bench(hold=5.0, rate=RATE)))
+    with pytest.raises(dp.DataError, match="check the unit of the compliance"):
+        prepare(test, machine=dp.Machine(compliance=50e-3))
+
+
+def failures(disturbance: str | None, solids: slice) -> list[str]:
+    bench = Bench() if disturbance is None else DISTURBANCES[disturbance]
+    tests = (prepare(relaxation_test(trial(kind, seed=0, bench=bench))) for kind in KINDS[solids])
+    return [check.name for test in tests for check in test.checks if check.failed]
+
+
+@pytest.mark.parametrize("disturbance", [None, "hum", "late 1 ms", "compliance", "drift"])
+def test_a_motion_that_was_sampled_well_is_not_doubted(disturbance):
+    assert set(failures(disturbance, slice(0, None, 2))) <= {"baseline_recorded"}
+
+
+@pytest.mark.parametrize("disturbance", ["coarse 250 Hz", "coarse 500 Hz"])
+def test_a_motion_finer_than_the_sampling_is_doubted(disturbance):
+    # the first ramp of the trials lasts 0.2 s: 10 set-points
+    assert failures(disturbance, slice(0, 7)).count("motion_resolved") == 7
+
+
+def test_a_still_hold_is_named_as_a_doubt_and_not_as_a_fault():
+    still = prepare(relaxation_test(record(PAPER, Bench(rate=RATE))))
+    check = next(check for check in still.checks if check.name == "motion_measured")
+    assert check.passed is None
+    assert "its step of 20 um hides the change" in check.says
+
+
+def test_a_force_below_zero_that_never_falls_is_told_without_a_share_of_its_fall():
+    ready = prepare(relaxation_test(record(PAPER, Bench(rate=RATE))))
+    resting = replace(
+        ready, force=np.full_like(ready.force, -2.0),
+        displacement=np.full_like(ready.displacement, ready.displacement[-1]),
+    )  # fmt: skip
+    says = motion_measured(resting).says
+    assert "would change the force by 2 mN over" in says
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"sync": -1.0}, {"drift": np.nan}, {"compliance": np.inf}, {"force_filter": 0.0}]
+)
+def test_a_rig_of_nonsense_is_refused(wrong):
+    with pytest.raises(dp.DataError, match="expected a number"):
+        dp.Machine(**wrong)
+
+
+def test_a_ramp_and_hold_has_no_oven():
+    test = relaxation_test(record(PAPER, Bench(hold=5.0, rate=RATE)))
+    with pytest.raises(dp.DataError, match="oven= does not suit a ramp and hold"):
+        prepare(test, machine=dp.Machine(oven="1K"))
+
+
+def test_a_described_rig_survives_the_archive():
+    test = relaxation_test(record(PAPER, Bench(hold=5.0, rate=RATE)))
+    known = prepare(test, machine=dp.Machine(sync=5e-4, compliance=50e-6))
+    again = from_json(to_json(known))
+    assert again.machine == known.machine
+    job = Job("seal.csv", machine=known.machine)
+    assert from_json(to_json(job)) == job
+    assert np.array_equal(again.displacement, known.displacement)

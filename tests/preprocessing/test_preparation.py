@@ -1,0 +1,662 @@
+"""From a raw relaxation test to a ramp and a hold."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import Source
+from dashpot.datamodel.relaxation import RampHold, RelaxationTest
+from dashpot.datamodel.specimen import Specimen
+from dashpot.fitting.relaxation import fit
+from dashpot.preprocessing import contact
+from dashpot.preprocessing.contact import find_contact
+from dashpot.preprocessing.prepare import prepare
+from dashpot.simulation.axis import Axis
+from dashpot.simulation.motion import simulate_path
+from dashpot.simulation.relaxation import SimulatedRelaxation, simulate_relaxation
+from dashpot.simulation.rig import Rig
+from dashpot.solids.demo_seals import BROAD, PAPER
+
+QUANTUM = 0.02e-3
+
+
+@pytest.fixture(scope="module")
+def made() -> SimulatedRelaxation:
+    return simulate_relaxation(PAPER)
+
+
+@pytest.fixture(scope="module")
+def raw(made: SimulatedRelaxation) -> RelaxationTest:
+    return made.test
+
+
+def check(prepared: RampHold, name: str) -> Check:
+    return next(found for found in prepared.checks if found.name == name)
+
+
+def failed(prepared: RampHold) -> list[str]:
+    return [found.name for found in prepared.checks if found.failed]
+
+
+def step(prepared: RampHold, name: str) -> str:
+    return next(found.says for found in prepared.steps if found.name == name)
+
+
+def ideal(*, rate: float = 1000.0, force=None) -> RelaxationTest:
+    time = np.arange(round(12 * rate)) / rate
+    x = 8e-3 * np.clip(time - 1.5, 0, 1)
+    return RelaxationTest(
+        time=time,
+        displacement=x,
+        force=PAPER.force(time, x) if force is None else force(time, x),
+        units="SI",
+    )
+
+
+# -- what the virtual rig made is found -----------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize(
+    ("model", "rig"),
+    [
+        (PAPER, Rig()),
+        (BROAD, Rig()),
+        (PAPER, Rig().noise_free()),
+        (PAPER, Rig(rate=100.0)),
+        (PAPER, Rig(encoder=0.0, position_noise=20e-6)),
+        (PAPER, Rig(gap=0.5e-3)),
+        (BROAD, Rig(gap=0.5e-3)),
+        (PAPER, Rig(gap=0.5e-3, rate=100.0)),
+        (PAPER, Rig(axis=Axis(damping=0.35))),
+        (PAPER, Rig(axis=Axis(friction=0.05))),
+    ],
+    ids="paper broad noise-free 100Hz analogue gap broad-gap gap-100Hz overshoot sticky".split(),  # noqa: SIM905
+)
+def test_onset_ramp_depth_and_hold_of_the_virtual_rig(model, rig: Rig, seed: int):
+    made = simulate_relaxation(model, rig=rig, seed=seed)
+    found, truth = prepare(made.test), made.truth
+    quantum_time = (rig.encoder or 20e-6) / 8e-3
+    assert found.onset == pytest.approx(truth.onset, abs=1 / rig.rate + quantum_time)
+    assert found.ramp_time == pytest.approx(truth.ramp_end - truth.onset, abs=5e-3)
+    assert found.ramp_time == pytest.approx(1.0, abs=7e-3)
+    held = truth.displacement[-1] - truth.contact
+    assert found.depth == pytest.approx(held, abs=QUANTUM)
+    assert found.hold_time == pytest.approx(made.test.time[-1] - truth.ramp_end, abs=0.01)
+    assert failed(found) == []
+
+
+def test_the_compression_is_zero_before_contact_and_as_recorded_after(raw: RelaxationTest):
+    found = prepare(raw)
+    assert np.abs(found.displacement[found.time < 1.5]).max() == 0.0
+    after = found.time > 1.6
+    np.testing.assert_allclose(found.displacement[after], raw.displacement[after], atol=1e-15)
+    np.testing.assert_array_equal(found.time, raw.time)
+    assert found.specimen == raw.specimen
+
+
+def test_the_tare_is_the_mean_of_the_baseline(raw: RelaxationTest):
+    found = prepare(raw)
+    assert found.force[found.time < 1.5].mean() == pytest.approx(0.0, abs=2e-4)
+    tared = raw.force[0] - found.reading[0]
+    assert tared == pytest.approx(0.05, abs=5e-4)
+    assert "tare of 50" in step(found, "tare")
+    assert "the baseline drifts by" in step(found, "tare")
+    assert "no drift taken off" in step(found, "tare")
+
+
+def test_nothing_is_filtered_by_default(raw: RelaxationTest):
+    found = prepare(raw)
+    np.testing.assert_allclose(np.diff(found.reading), np.diff(raw.force), atol=1e-12)
+    assert "filter" not in [s.name for s in found.steps]
+
+
+def test_the_noise_of_both_channels_is_measured(raw: RelaxationTest):
+    found = prepare(raw)
+    assert found.force_noise == pytest.approx(4e-3, rel=0.05)
+    assert found.displacement_noise == pytest.approx(QUANTUM / 12**0.5, rel=1e-6)
+    rough = prepare(simulate_relaxation(PAPER, rig=Rig(encoder=0, position_noise=5e-6)).test)
+    assert rough.displacement_noise == pytest.approx(5e-6, rel=0.05)
+
+
+def test_preparation_keeps_the_source(raw: RelaxationTest):
+    source = Source(file="seal.csv", sha256="0" * 64)
+    specimen = Specimen(length=0.05, height=0.02)
+    found = prepare(replace(raw, source=source, specimen=specimen))
+    assert found.source == source
+    assert found.specimen == specimen
+    assert [s.name for s in found.steps] == [
+        "orientation", "segments", "contact", "tare", "ramp", "hum",
+    ]  # fmt: skip
+
+
+@settings(max_examples=20)
+@given(
+    delay=st.floats(0.2, 3.0),
+    c=st.floats(0.05, 3.0),
+    depth=st.floats(1e-4, 2e-2),
+    rate=st.sampled_from([200.0, 1000.0]),
+)
+def test_an_ideal_ramp_is_found_exactly(delay: float, c: float, depth: float, rate: float):
+    time = np.arange(round((delay + 10 * c) * rate)) / rate
+    x = depth * np.clip((time - delay) / c, 0, 1)
+    found = prepare(
+        RelaxationTest(time=time, displacement=x, force=PAPER.force(time, x), units="SI")
+    )
+    assert found.onset == pytest.approx(delay, abs=1e-6)
+    assert found.ramp_end == pytest.approx(delay + c, abs=1e-6)
+    assert found.depth == pytest.approx(depth, rel=1e-9)
+    assert found.hold_end == time[-1]
+
+
+@given(scale=st.floats(1e-3, 60), shift=st.floats(-10, 10), later=st.floats(-100, 100))
+@settings(max_examples=20)
+def test_units_and_zeros_do_not_matter(scale: float, shift: float, later: float):
+    first = ideal(rate=200.0)
+    found = prepare(first)
+    moved = prepare(
+        RelaxationTest(
+            time=first.time + later,
+            displacement=scale * (first.displacement + shift * 8e-3),
+            force=first.force,
+            units="SI",
+        )
+    )
+    assert moved.onset - later == pytest.approx(found.onset, abs=1e-6)
+    assert moved.ramp_time == pytest.approx(found.ramp_time, abs=1e-6)
+    assert moved.depth == pytest.approx(scale * found.depth, rel=1e-6)
+
+
+# -- signs ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("plate", "cell", "sentence"),
+    [
+        (-1, -1, "displacement and force count downwards in the record; both are turned"),
+        (-1, 1, "displacement counts downwards in the record and is turned"),
+        (1, -1, "force counts downwards in the record and is turned"),
+        (1, 1, "as recorded"),
+    ],
+)
+def test_compression_is_made_positive(raw: RelaxationTest, plate: int, cell: int, sentence: str):
+    expected = prepare(raw)
+    found = prepare(
+        replace(raw, displacement=plate * raw.displacement + 3e-3, force=cell * raw.force)
+    )
+    assert sentence in step(found, "orientation")
+    np.testing.assert_allclose(found.displacement, expected.displacement, atol=1e-12)
+    np.testing.assert_allclose(found.force, expected.force, atol=1e-12)
+
+
+def test_a_sign_can_be_said(raw: RelaxationTest):
+    turned = replace(raw, displacement=-raw.displacement, force=-raw.force)
+    assert prepare(turned, sign=-1).depth == prepare(raw).depth
+    with pytest.raises(DataError, match="ith the other sign it would ramp and rest"):
+        prepare(turned, sign=1)
+    with pytest.raises(DataError, match="sign = 2; expected 1, -1 or None"):
+        prepare(raw, sign=2)
+
+
+def test_a_force_on_both_sides_of_zero_is_refused(raw: RelaxationTest):
+    pulled = raw.force - 3.0 * (raw.time > 20)
+    with pytest.raises(DataError, match=r"mixed signs: .*a pressed seal only pushes"):
+        prepare(replace(raw, force=pulled))
+
+
+# -- contact, preload, baseline -------------------------------------------------------------------
+
+
+def test_an_air_gap_is_taken_off_and_told():
+    made = simulate_relaxation(PAPER, rig=Rig(gap=0.5e-3))
+    found = prepare(made.test)
+    assert "an air gap of 0.5" in step(found, "contact")
+    assert "crosses an air gap of 0.5 mm" in check(found, "contact_found").says
+    assert found.displacement[-1] == pytest.approx(8e-3, abs=QUANTUM)
+    # the way through the air lengthens the baseline
+    assert check(found, "baseline_recorded").value > 1500
+    assert np.abs(found.displacement[found.time < found.onset - 0.01]).max() == 0.0
+
+
+def test_the_error_of_the_contact_is_its_scatter():
+    errors, stated = [], []
+    for seed in range(12):
+        made = simulate_relaxation(PAPER, hold_time=10.0, rig=Rig(gap=0.5e-3), seed=seed)
+        found = prepare(made.test)
+        errors.append(found.depth - (made.truth.displacement[-1] - 0.5e-3))
+        stated.append(found.contact_error)
+    assert 0.5 < np.sqrt(np.mean(np.square(errors))) / np.mean(stated) < 2.0
+    assert prepare(simulate_relaxation(PAPER, hold_time=2.0).test).contact_error == 0.0
+
+
+def test_the_contact_is_the_same_however_many_trials_are_one_array(monkeypatch):
+    x = np.linspace(0, 1e-3, 400)
+    force = 2e3 * np.maximum(x - 3.1e-4, 0) + 2e-3 * np.random.default_rng(3).standard_normal(400)
+    at_once = find_contact(x, force, noise=2e-3)
+    monkeypatch.setattr(contact, "AT_ONCE", 10)
+    assert find_contact(x, force, noise=2e-3) == at_once
+    assert at_once.displacement == pytest.approx(3.1e-4, abs=4 * at_once.standard_error)
+
+
+def test_contact_can_be_given(raw: RelaxationTest):
+    found = prepare(raw, contact=1e-3)
+    assert found.depth == pytest.approx(7e-3, abs=1e-6)
+    assert found.onset == pytest.approx(prepare(raw).onset + 0.125, abs=1e-3)
+    assert "Contact was given" in check(found, "contact_found").says
+    turned = replace(raw, displacement=-raw.displacement)
+    assert prepare(turned, contact=-1e-3).depth == found.depth
+
+
+def test_an_uncertain_contact_fails_its_check():
+    rig = Rig(gap=1e-3, noise=0.2)
+    found = prepare(simulate_relaxation(PAPER, rig=rig, seed=1).test)
+    assert found.depth == pytest.approx(8e-3, abs=0.3e-3)
+    assert check(found, "contact_found").failed
+    assert "The depth is known to" in check(found, "contact_found").says
+
+
+def test_a_preload_is_told_from_a_small_offset(raw: RelaxationTest):
+    assert prepare(raw).preload == 0.0
+    found = prepare(replace(raw, force=raw.force + 0.3))
+    assert found.preload == pytest.approx(0.35, abs=1e-3)
+    assert failed(found) == ["preload_absent"]
+    assert "the stiffnesses are those about that preload" in check(found, "preload_absent").says
+
+
+def test_a_record_that_starts_on_the_ramp_has_no_tare():
+    whole = ideal()
+    kept = whole.time >= 1.5
+    found = prepare(
+        RelaxationTest(
+            time=whole.time[kept],
+            displacement=whole.displacement[kept],
+            force=whole.force[kept] + 0.2,
+            units="SI",
+        )
+    )
+    assert failed(found) == ["baseline_recorded", "preload_absent"]
+    assert "The record has 1 sample before contact" in check(found, "baseline_recorded").says
+    assert step(found, "tare").startswith("no tare: the record starts on the ramp")
+    assert found.onset == pytest.approx(1.5, abs=1e-6)
+    assert found.preload == pytest.approx(0.2)
+    assert found.force[0] == pytest.approx(0.2)
+
+
+# -- drift ----------------------------------------------------------------------------------------
+
+
+def test_drift_is_taken_off_only_when_asked():
+    drifting = simulate_relaxation(PAPER, rig=Rig(baseline=20.0, drift=2e-3)).test
+    kept, given_, seen = (prepare(drifting, drift=d) for d in (None, 2e-3, "baseline"))
+    assert kept.force[-1] - given_.force[-1] == pytest.approx(2e-3 * (61 - 10), rel=0.01)
+    assert seen.force[-1] == pytest.approx(given_.force[-1], abs=1e-3)
+    assert "2 mN/s taken off" in step(given_, "tare")
+
+
+def test_an_impossible_drift_is_refused(raw: RelaxationTest):
+    with pytest.raises(DataError, match="drift = 'auto'; expected a number in N/s, 'baseline'"):
+        prepare(raw, drift="auto")
+    whole = ideal()
+    kept = whole.time >= 1.5
+    with pytest.raises(DataError, match="drift='baseline' was asked for, but 1 samples lie before"):
+        prepare(
+            RelaxationTest(
+                time=whole.time[kept],
+                displacement=whole.displacement[kept],
+                force=whole.force[kept],
+                units="SI",
+            ),
+            drift="baseline",
+        )
+
+
+# -- several ramps, unloading, no hold ------------------------------------------------------------
+
+
+def test_a_staircase_keeps_its_first_ramp_and_its_last_hold():
+    test, _, _ = simulate_path(PAPER, path=((1.0, 4e-3), (11.0, 4e-3), (12.0, 8e-3), (42.0, 8e-3)))
+    found = prepare(test)
+    assert found.onset == pytest.approx(1.526, abs=2e-3)
+    assert found.ramp_time == pytest.approx(1.0, abs=5e-3)
+    assert found.hold_end == pytest.approx(43.5)
+    assert found.depth == pytest.approx(8e-3, abs=QUANTUM)
+    says = check(found, "single_loading").says
+    assert "It has 2 ramps. The fit of ramp and hold follows them all" in says
+    first = prepare(test, hold_end=12.0)
+    assert first.depth == pytest.approx(4e-3, abs=QUANTUM)
+    assert "ramps. The fit" not in check(first, "single_loading").says
+
+
+@pytest.mark.parametrize("gap", [5e-3, 5.5e-3])
+def test_an_approach_through_air_is_no_ramp(gap: float):
+    path = ((1.0, 5e-3), (6.0, 5e-3), (7.0625, 13.5e-3), (37.0, 13.5e-3))
+    test, truth, _ = simulate_path(PAPER, path=path, rig=Rig(gap=gap))
+    found = prepare(test)
+    lag = 2 * 0.6 / (2 * np.pi * 6) - 5e-3
+    assert found.onset == pytest.approx(1.5 + 6.0 + (gap - 5e-3) / 8e-3 + lag, abs=5e-3)
+    assert found.ramp_end == pytest.approx(1.5 + 7.0625 + lag, abs=5e-3)
+    assert found.depth == pytest.approx(truth[-1] - gap, abs=QUANTUM)
+    assert "ramps. The fit" not in check(found, "single_loading").says
+    assert failed(found) == []
+    np.testing.assert_array_equal(prepare(replace(test, force=-test.force)).force, found.force)
+
+
+def test_contact_beyond_the_hold_is_refused(raw: RelaxationTest):
+    with pytest.raises(DataError, match=r"contact = 0\.009 m lies at or beyond the held"):
+        prepare(raw, contact=9e-3)
+
+
+def test_an_unloading_after_the_hold_is_left_out():
+    test, _, _ = simulate_path(PAPER, path=((1.0, 8e-3), (31.0, 8e-3), (32.0, 0.0), (35.0, 0.0)))
+    found = prepare(test)
+    assert found.hold_end == pytest.approx(32.5, abs=0.02)
+    assert found.time[-1] == found.hold_end
+    assert found.displacement[-1] == pytest.approx(8e-3, abs=QUANTUM)
+    assert failed(found) == []
+
+
+@pytest.fixture(scope="module")
+def cycles() -> RelaxationTest:
+    corners: list[tuple[float, float]] = []
+    for start, hold in ((0, 1.0), (6, 3.0), (14, 20.0)):
+        corners += [(start, 0.0)] if start else []
+        corners += [(start + 1, 8e-3), (start + 1 + hold, 8e-3), (start + 2 + hold, 0.0)]
+    return simulate_path(PAPER, path=(*corners, (40.0, 0.0)))[0]
+
+
+def test_of_several_loadings_the_longest_hold_is_used_and_the_choice_listed(
+    cycles: RelaxationTest,
+):
+    found = prepare(cycles)
+    assert found.onset == pytest.approx(15.526, abs=3e-3)
+    assert found.hold_time == pytest.approx(20.0, abs=0.05)
+    assert failed(found) == ["single_loading"]
+    says = check(found, "single_loading").says
+    assert "The record has 3 loadings with a hold; cycle 3 is fitted" in says
+    assert "2 moves towards the seal before it" in says
+    assert "cycle 3 is fitted, because its hold is the longest" in says
+    second = prepare(cycles, cycle=2)
+    assert second.onset == pytest.approx(7.526, abs=3e-3)
+    assert failed(second) == []
+    with pytest.raises(DataError, match=r"cycle 4 was asked for, but the record holds 3 loadings"):
+        prepare(cycles, cycle=4)
+
+
+def test_no_hold_is_an_error_that_shows_the_motion():
+    test, _, _ = simulate_path(PAPER, path=((1.0, 8e-3), (2.0, 0.0), (3.0, 8e-3)))
+    with pytest.raises(
+        DataError,
+        match=r"no hold after a ramp was found. The displacement shows hold 0 to .*, ramp .*"
+        r"unloading .*Check the columns and the units",
+    ):
+        prepare(test)
+
+
+def test_a_plate_that_never_moves_is_an_error(raw: RelaxationTest):
+    with pytest.raises(DataError, match="the displacement never moves by more than its scatter"):
+        prepare(replace(raw, displacement=np.zeros(len(raw.time))))
+
+
+def test_the_error_names_the_file(raw: RelaxationTest):
+    source = Source(file="bad.csv", sha256="")
+    with pytest.raises(DataError, match=r"^bad\.csv: "):
+        prepare(replace(raw, displacement=np.zeros(len(raw.time)), source=source))
+
+
+def test_swapped_columns_are_noticed(raw: RelaxationTest):
+    found = prepare(replace(raw, displacement=1e-3 * raw.force, force=1e3 * raw.displacement))
+    assert "columns_plausible" in failed(found)
+    assert "Force and displacement look swapped" in check(found, "columns_plausible").says
+
+
+# -- times given ----------------------------------------------------------------------------------
+
+
+def test_times_can_be_given(raw: RelaxationTest):
+    found = prepare(raw, onset=1.5, ramp_end=2.5, hold_end=20.0)
+    assert (found.onset, found.ramp_end, found.hold_end) == (1.5, 2.5, 20.0)
+    assert found.time[-1] == 20.0
+    assert prepare(raw, onset=1.51).onset == 1.51
+    assert prepare(raw, ramp_end=2.6).ramp_end == 2.6
+
+
+def test_given_times_find_a_hold_that_creeps_too_fast_to_be_found():
+    time = np.arange(2000) / 100
+    x = 1e-3 * np.clip(time - 1, 0, 1) + 1e-3 * np.clip(time - 2, 0, None) ** 0.7
+    test = RelaxationTest(time=time, displacement=x, force=PAPER.force(time, x), units="SI")
+    found = prepare(test, onset=1.0, ramp_end=2.0, hold_end=19.0)
+    assert found.hold_time == 17.0
+
+
+@pytest.mark.parametrize(
+    ("times", "sentence"),
+    [
+        ((3.0, 2.0, 20.0), "expected them in this order within the record, 0 to 42.5 s"),
+        ((1.5, 2.5, 50.0), "expected them in this order within the record"),
+        ((1.5, 2.5, 2.501), "in the hold that were given; expected at least 1 and 3"),
+        ((5.0, 6.0, 20.0), "does not rise between the onset and the hold"),
+    ],
+)
+def test_times_that_cannot_be_are_refused(
+    raw: RelaxationTest, times: tuple[float, float, float], sentence: str
+):
+    onset, ramp_end, hold_end = times
+    with pytest.raises(DataError, match=sentence):
+        prepare(raw, onset=onset, ramp_end=ramp_end, hold_end=hold_end, sign=1)
+
+
+# -- a force that says nothing --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ceiling", [0.5, 1.5, 2.0, 2.14])
+def test_a_saturated_force_is_refused(raw: RelaxationTest, ceiling: float):
+    with pytest.raises(DataError, match=r"force is clipped at .* larger load-cell range"):
+        prepare(replace(raw, force=np.minimum(raw.force, ceiling)))
+
+
+@pytest.mark.once
+def test_a_record_that_is_not_judged_is_the_same_and_refused_all_the_same(raw: RelaxationTest):
+    found = prepare(raw, judged=False)
+    assert found.checks == ()
+    assert replace(found, checks=prepare(raw).checks) == prepare(raw)
+    with pytest.raises(DataError, match="clipped"):
+        prepare(replace(raw, force=np.minimum(raw.force, 0.7 * raw.force.max())), judged=False)
+
+
+def test_swapped_columns_are_not_called_saturated():
+    time = np.arange(0, 42, 0.01)
+    held = 8 * np.clip(time - 1, 0, 1)
+    force = PAPER.force(time, 1e-3 * held) + 0.005 * np.sin(1e3 * time**2)
+    with pytest.raises(DataError, match="force and displacement look swapped"):
+        prepare(RelaxationTest(time, 1e-3 * force, held, units="SI"))
+
+
+def test_an_elastic_or_a_coarse_force_is_not_called_saturated():
+    elastic = prepare(ideal(force=lambda t, x: 200 * x))
+    assert elastic.force.max() == pytest.approx(1.6)
+    coarse = prepare(ideal(force=lambda t, x: np.round(PAPER.force(t, x) / 0.05) * 0.05))
+    assert failed(coarse) == []
+
+
+def test_a_force_of_few_quanta_is_refused(raw: RelaxationTest):
+    with pytest.raises(DataError, match=r"14 steps of the sensor's 150 mN; at least 20 are needed"):
+        prepare(replace(raw, force=np.round(raw.force / 0.15) * 0.15))
+
+
+def test_a_force_that_does_not_answer_is_refused(raw: RelaxationTest):
+    noise = 1e-3 * np.random.default_rng(0).standard_normal(len(raw.time))
+    with pytest.raises(DataError, match="the force does not rise while the plate presses"):
+        prepare(replace(raw, force=noise))
+
+
+def test_a_load_cell_too_large_is_told(raw: RelaxationTest):
+    found = prepare(raw, force_range=70.0)
+    assert failed(found) == ["range_used"]
+    assert "3 % of the load cell's 70 N" in check(found, "range_used").says
+    assert failed(prepare(raw, force_range=10.0)) == []
+    with pytest.raises(DataError, match=r"force_range = 0.*expected a number > 0"):
+        prepare(raw, force_range=0.0)
+
+
+# -- samples that are missing, few, uneven or wild ------------------------------------------------
+
+
+def some(raw: RelaxationTest, kept) -> RelaxationTest:
+    return replace(
+        raw, time=raw.time[kept], displacement=raw.displacement[kept], force=raw.force[kept]
+    )
+
+
+def test_a_hole_in_the_ramp_is_told(raw: RelaxationTest):
+    found = prepare(some(raw, (raw.time < 1.7) | (raw.time > 2.3)))
+    assert failed(found) == ["samples_unbroken", "clock_steady"]
+    assert (
+        "The longest pause between samples, up to one ramp time after the ramp, is 0.6"
+        in check(found, "samples_unbroken").says
+    )
+    assert found.ramp_time == pytest.approx(1.0, abs=0.02)
+
+
+def test_any_sampling_will_do(raw: RelaxationTest):
+    drawn = np.sort(np.random.default_rng(1).choice(len(raw.time), 3000, replace=False))
+    found = prepare(some(raw, drawn))
+    assert found.onset == pytest.approx(1.526, abs=3e-3)
+    assert found.ramp_time == pytest.approx(1.0, abs=5e-3)
+    late = 2600 + np.geomspace(1, 39000, 60).astype(int)
+    logged = np.unique(np.concatenate((np.arange(0, 2600, 50), late)))
+    found = prepare(some(raw, logged))
+    assert found.ramp_time == pytest.approx(1.0, abs=5e-3)
+    assert found.hold_end == raw.time[int(logged[-1])]
+
+
+def test_a_dozen_rows_are_enough():
+    time = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0, 20.0, 40.0])
+    x = 8e-3 * np.clip(time - 1, 0, 1)
+    found = prepare(
+        RelaxationTest(time=time, displacement=x, force=PAPER.force(time, x), units="SI")
+    )
+    assert found.onset == pytest.approx(1.0)
+    assert found.ramp_end == pytest.approx(2.0)
+    assert found.depth == pytest.approx(8e-3)
+
+
+def test_times_given_out_of_order_are_refused(raw: RelaxationTest):
+    with pytest.raises(DataError, match=r"are out of order; expected them in this order"):
+        prepare(raw, ramp_end=1.2)
+
+
+def test_five_samples_a_second_still_show_the_ramp(raw: RelaxationTest):
+    found = prepare(some(raw, slice(None, None, 200)))
+    assert found.ramp_time == pytest.approx(1.0, abs=0.01)
+
+
+def test_a_step_joins_two_samples():
+    time = np.arange(5000) / 100
+    x = np.where(time >= 1, 8e-3, 0.0)
+    found = prepare(
+        RelaxationTest(time=time, displacement=x, force=PAPER.force(time, x), units="SI")
+    )
+    assert found.onset == pytest.approx(0.99)
+    assert found.ramp_time == pytest.approx(0.01)
+
+
+def test_lone_glitches_move_nothing_and_are_told(raw: RelaxationTest):
+    expected = prepare(raw)
+    force, x = raw.force.copy(), raw.displacement.copy()
+    force[[700, 1900, 9000]] += 5.0
+    x[[2000, 9500]] += 5e-3
+    found = prepare(replace(raw, force=force, displacement=x))
+    assert failed(found) == ["spikes_absent"]
+    assert "3 are of the force, 2 of the displacement" in check(found, "spikes_absent").says
+    assert found.onset == pytest.approx(expected.onset, abs=1e-3)
+    assert found.ramp_end == pytest.approx(expected.ramp_end, abs=1e-3)
+    assert found.force[5000] == pytest.approx(expected.force[5000], abs=1e-5)
+    mended = prepare(replace(raw, force=force, displacement=x), filter="median:3")
+    assert np.abs(mended.force - expected.force).max() < 0.05
+
+
+def test_a_filter_is_applied_told_and_checked(raw: RelaxationTest):
+    found = prepare(raw, filter="lowpass:5Hz")
+    assert found.steps[-1].name == "filter"
+    assert dict(found.steps[-1].parameters) == {"filter": "lowpass:5Hz"}
+    assert found.unfiltered is not None
+    np.testing.assert_array_equal(found.unfiltered.force, prepare(raw).force)
+    assert "filter_bias" in {check.name for check in fit(found).checks if check.failed}
+    assert found.force_noise == prepare(raw).force_noise
+    late = found.time > 10
+    assert np.std(np.diff(found.force[late])) < 0.1 * np.std(np.diff(raw.force[raw.time > 10]))
+    with pytest.raises(DataError, match="filter 'smooth' is not known"):
+        prepare(raw, filter="smooth")
+
+
+# -- real records ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["Relaxed", "RelaxedMavaSet", "pCa4.4"])
+@pytest.mark.parametrize("ramp", [0.1, 1.0, 10.0, 100.0])
+def test_the_muscle_records_start_on_their_ramp(real_data: Path, kind: str, ramp: float):
+    rows = np.loadtxt(
+        real_data / "titin-ramp-hold" / f"Avg{kind}_{ramp:g}s.csv", delimiter=",", skiprows=1
+    )
+    found = prepare(
+        RelaxationTest(time=rows[:, 0], displacement=rows[:, 1], force=rows[:, 2], units="SI")
+    )
+    assert found.onset == pytest.approx(2.0, abs=0.005 * ramp)
+    assert found.ramp_time == pytest.approx(ramp, rel=2e-3)
+    assert found.depth == pytest.approx(1.1754 - 0.9498, abs=5e-4)
+    assert found.hold_end == rows[-1, 0]
+    assert "baseline_recorded" in failed(found)
+
+
+def test_the_afm_record_holds_15_s_and_its_retraction_is_left_out(shared_data: Path):
+    text = (shared_data / "rheosafm-jpk-relaxation" / "AFM_relaxation.txt").read_text()
+    rows = np.array(
+        [line.split() for line in text.splitlines() if line and line[0] != "#"], dtype=float
+    )
+    found = prepare(
+        RelaxationTest(time=rows[:, 2], displacement=rows[:, 0], force=rows[:, 1], units="SI")
+    )
+    # 800 samples of extension, 75000 of pause, then the retraction
+    assert len(found.time) == 75800
+    assert found.hold_end == pytest.approx(15.1599, abs=1e-6)
+    assert found.hold_time == pytest.approx(15.0, abs=0.01)
+    assert found.ramp_end == pytest.approx(0.1625, abs=0.003)
+    # the tip flies 6 micrometres through the air first
+    assert found.onset == pytest.approx(0.123, abs=0.003)
+    assert found.depth == pytest.approx(2.0e-6, abs=0.1e-6)
+    assert found.force.max() == pytest.approx(2.2e-6, rel=0.02)
+    assert "displacement counts downwards" in step(found, "orientation")
+    assert np.abs(found.displacement[found.time < 0.12]).max() == 0.0
+
+
+def test_the_tiny_record_of_101_rows(real_data: Path):
+    rows = np.loadtxt(real_data / "rheos-data-time" / "data_time.csv", delimiter=",")
+    found = prepare(
+        RelaxationTest(time=rows[:, 0], displacement=rows[:, 1], force=rows[:, 2], units="s, mm, N")
+    )
+    assert found.onset == pytest.approx(1.0, abs=1e-9)
+    assert found.ramp_end == pytest.approx(3.0, abs=1e-9)
+    assert found.depth == pytest.approx(2e-3)
+    assert failed(found) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "columns", "ramps"),
+    [("_0d1", (0, 2, 1), 4), ("_1", (0, 1, 2), 4), ("_2", (0, 1, 2), 4), ("", (0, 1, 2), 5)],
+)
+def test_the_adhesive_climbs_in_steps(real_data: Path, name: str, columns, ramps: int):
+    openpyxl = pytest.importorskip("openpyxl")
+    path = real_data / "oca-cyclic-shear-relaxation" / f"shear_relaxation{name}.xlsx"
+    sheet = openpyxl.load_workbook(path).active
+    rows = np.array([row[:3] for row in sheet.iter_rows(values_only=True)], dtype=float)
+    time, force, x = (rows[:, i] for i in columns)
+    found = prepare(RelaxationTest(time=time, displacement=x, force=force, units="s, mm, N"))
+    assert f"It has {ramps} ramps" in check(found, "single_loading").says

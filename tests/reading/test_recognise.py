@@ -1,0 +1,309 @@
+"""What a file is: one answer for whoever asks, and its table parsed once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dashpot.base.errors import ReadError
+from dashpot.extensions.curves.creep.read import read_creep
+from dashpot.extensions.curves.dynamic.read import read_dynamic
+from dashpot.extensions.curves.modulus.read import read_modulus
+from dashpot.reading.columns.kind_detection import RECOGNISED
+from dashpot.reading.formats import text
+from dashpot.reading.read_options import PROFILE, ReadOptions, dump_profile
+from dashpot.reading.readers import channels
+from dashpot.reading.readers.detect_kind import called, recognise
+from dashpot.reading.readers.inspect import inspect_file
+from dashpot.reading.readers.relaxation import read_relaxation
+from dashpot.signals.load_history import CREPT, STEADY
+from dashpot.solids.demo_seals import PAPER
+from dashpot.workflow.example_files import FILES
+from dashpot.workflow.json_archive import to_json
+from tests.kit.fits import a_fit
+from tests.kit.kinds import ARMS, CLOCK, answer, csv, ramp_and_hold
+
+RAMP = ramp_and_hold()
+RAMPED = answer(CLOCK, RAMP)
+SPREAD = np.geomspace(0.1, 50, len(CLOCK))
+BOTH = "f [Hz],K' [N/mm],K'' [N/mm],time [s],displacement [mm],force [N]"
+"""What a machine that sweeps and records writes into one table."""
+
+
+def written(folder: Path, content: str, name: str = "a.csv") -> Path:
+    path = folder / name
+    path.write_text(content, encoding="utf-8")
+    return path
+
+
+def both(*, swept: float = 1.0, frequency: np.ndarray = SPREAD) -> str:
+    return csv(
+        BOTH, swept * frequency, swept * (1 + SPREAD), swept * SPREAD / 9, CLOCK, 1e3 * RAMP, RAMPED
+    )
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_every_example_is_its_kind_to_whoever_asks(tmp_path: Path, name: str) -> None:
+    path = written(tmp_path, FILES[name].write(), name)
+    found = recognise(path)
+    assert found.kind == FILES[name].kind == inspect_file(path).kind
+    assert found.what == called(found.kind)
+    assert found.use == inspect_file(path).use != ""
+
+
+# -- a sweep that holds the record behind it, too --------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "kind"),
+    [
+        ({}, "dma"),
+        ({"storage": "K'", "force": "force"}, "dma"),
+        ({"frequency": "f", "temperature": "time"}, "dma"),
+        ({"force": "force"}, "relaxation"),
+        ({"time": "time"}, "relaxation"),
+        ({"displacement": "displacement"}, "relaxation"),
+        ({"force": "of another file"}, "dma"),
+    ],
+)
+def test_of_a_sweep_with_its_record_the_columns_named_decide(
+    tmp_path: Path, options: dict[str, str], kind: str
+) -> None:
+    path, asked = written(tmp_path, both()), ReadOptions(**options)
+    assert recognise(path, asked).kind == inspect_file(path, options=asked).kind == kind
+
+
+def test_both_are_read_by_who_takes_them(tmp_path: Path) -> None:
+    path = written(tmp_path, both())
+    assert len(read_dynamic(path).frequency) == len(CLOCK)
+    assert len(read_relaxation(path, options=ReadOptions(force="force")).time) == len(CLOCK)
+
+
+@pytest.mark.parametrize(("swept", "kind"), [(1.0, "dma"), (0.0, "relaxation")])
+def test_empty_columns_of_a_sweep_make_none(tmp_path: Path, swept: float, kind: str) -> None:
+    assert recognise(written(tmp_path, both(swept=swept))).kind == kind
+
+
+def test_a_displacement_that_is_named_may_be_the_amplitude(tmp_path: Path) -> None:
+    path = written(tmp_path, both(frequency=np.full(len(CLOCK), 5.0)))
+    assert recognise(path, ReadOptions(displacement="displacement")).kind == "strain-sweep"
+
+
+# -- what moves decides ----------------------------------------------------------------------------
+
+
+def crept(part: float, *, header: str = "time [s],displacement [mm],force [N]") -> str:
+    """A load of 1.6 N held from 2 s on, under which so much of the travel goes on."""
+    # from the first to the last tenth of 18 s a time constant of 4 s shows .79 of it
+    part /= 0.79
+    risen = np.clip(CLOCK - 1, 0, 1)
+    onward = part * (1 - np.exp(-np.clip(CLOCK - 2, 0, None) / 4))
+    return csv(header, CLOCK, 8 * risen * (1 - part) + 8 * onward, 1.6 * risen)
+
+
+@pytest.mark.parametrize(("part", "kind"), [(1.1 * CREPT, "creep"), (0.9 * CREPT, "relaxation")])
+def test_creep_is_a_force_that_is_held_while_the_displacement_goes_on(
+    tmp_path: Path, part: float, kind: str
+) -> None:
+    assert recognise(written(tmp_path, crept(part))).kind == kind
+
+
+@pytest.mark.parametrize(("part", "kind"), [(1.1 * CREPT, "creep"), (0.9 * CREPT, "stress-strain")])
+def test_so_is_a_stress_under_which_a_strain_goes_on(
+    tmp_path: Path, part: float, kind: str
+) -> None:
+    path = written(tmp_path, crept(part, header="time [s],strain [%],stress [MPa]"))
+    assert recognise(path).kind == kind
+    if kind == "creep":
+        assert read_creep(path).unit == "Pa"
+
+
+@pytest.mark.parametrize(
+    ("part", "kind"), [(1.05 * STEADY, "creep"), (1.15 * STEADY, "stress-strain")]
+)
+def test_a_stress_that_was_on_from_the_first_sample_makes_it_creep(
+    tmp_path: Path, part: float, kind: str
+) -> None:
+    # the means of the first and the last tenth are 0.9 of it apart
+    stress = 1 - part / 2 + part * CLOCK / CLOCK[-1]
+    stress[::2] += 0.04  # however much the samples scatter
+    going_on = csv("time [s],strain [%],stress [MPa]", CLOCK, 1 + np.sqrt(CLOCK), stress)
+    assert recognise(written(tmp_path, going_on)).kind == kind
+
+
+@pytest.mark.parametrize(
+    ("part", "onward", "kind"),
+    [
+        (1.05 * STEADY, 1.0, "creep"), (1.15 * STEADY, 1.0, "relaxation"),
+        (1.05 * STEADY, 0.0, "relaxation"),
+    ],
+)  # fmt: skip
+def test_so_does_a_force_where_the_displacement_goes_on(
+    tmp_path: Path, part: float, onward: float, kind: str
+) -> None:
+    """Of a plate that only shakes no load is held."""
+    force = 1 - part / 2 + part * CLOCK / CLOCK[-1]
+    moved = 3 + onward * np.sqrt(CLOCK) + 1e-3 * np.sin(40 * CLOCK)
+    path = written(tmp_path, csv("time [s],displacement [mm],force [N]", CLOCK, moved, force))
+    assert recognise(path).kind == kind
+
+
+@pytest.mark.parametrize(
+    ("base", "what"), [("a0", "a shaken base with its mass"), (None, "a hammer file")]
+)
+def test_a_base_that_shakes_is_not_called_a_hammer_file(
+    tmp_path: Path, base: str | None, what: str
+) -> None:
+    motion = np.sin(30 * CLOCK)
+    path = written(tmp_path, csv("time [s],a0 [m/s^2],a1 [m/s^2]", CLOCK, motion, 2 * motion))
+    assert recognise(path, ReadOptions(base_acceleration=base)).what == what
+
+
+def test_a_tension_test_with_a_clock_is_none(tmp_path: Path) -> None:
+    pulled = csv("time [s],strain [%],stress [MPa]", CLOCK, 2 * CLOCK, np.sqrt(CLOCK))
+    assert recognise(written(tmp_path, pulled)).kind == "stress-strain"
+
+
+@pytest.mark.parametrize(("word", "kind"), [("creep", "creep"), ("creep and relax", "relaxation")])
+def test_a_header_that_says_creep_is_believed_until_columns_are_named(
+    tmp_path: Path, word: str, kind: str
+) -> None:
+    ramp = csv("time [s],displacement [mm],force [N]", CLOCK, 1e3 * RAMP, RAMPED)
+    path = written(tmp_path, f"Procedure: {word}\n{ramp}")
+    assert recognise(path).kind == kind
+    assert recognise(path, ReadOptions(force="force")).kind == "relaxation"
+
+
+@pytest.mark.parametrize("content", [",0.0,0.0", "0.0,,0.0"])
+def test_a_column_that_is_named_may_be_empty(tmp_path: Path, content: str) -> None:
+    named = ReadOptions(time="1", displacement="2", force="3")
+    assert inspect_file(written(tmp_path, content), options=named).kind == "relaxation"
+
+
+# -- who names a column, or a kind -----------------------------------------------------------------
+
+
+def test_a_modulus_beside_a_record_is_one_where_it_is_named(tmp_path: Path) -> None:
+    time = 1 + CLOCK
+    modulus = 0.2 + sum(k / 1e3 * np.exp(-time / tau) for k, tau in ARMS)
+    head = "time [s],displacement [mm],force [N],E(t) [MPa]"
+    path = written(tmp_path, csv(head, time, 1e3 * RAMP, RAMPED, modulus))
+    assert recognise(path).kind == "relaxation"
+    named = ReadOptions(modulus="E(t)")
+    assert recognise(path, named).kind == "modulus"
+    assert read_modulus(path, options=named).unit == "Pa"
+
+
+def test_a_kind_that_is_said_overrules_what_is_seen(tmp_path: Path) -> None:
+    path = written(tmp_path, FILES["cld_1.csv"].write())
+    assert recognise(path).kind == "cld"
+    found = recognise(path, kind="relaxation")
+    assert (found.kind, found.reason) == ("relaxation", "as was said")
+    assert inspect_file(path, options=ReadOptions(kind="relaxation")).kind == "relaxation"
+
+
+@pytest.mark.parametrize(
+    ("word", "says"),
+    [("relaxtion", "Did you mean 'relaxation'"), ("zzz", f"Kinds are {', '.join(RECOGNISED)}")],
+)
+def test_a_kind_that_there_is_not_is_answered_with_the_nearest(
+    tmp_path: Path, word: str, says: str
+) -> None:
+    with pytest.raises(ReadError, match=says):
+        recognise(written(tmp_path, both()), kind=word)
+
+
+# -- what is no table ------------------------------------------------------------------------------
+
+
+def test_what_dashpot_keeps_is_known_by_its_schema(tmp_path: Path) -> None:
+    path = written(tmp_path, to_json(a_fit(PAPER)), "fit.json")
+    found = recognise(path)
+    assert (found.kind, found.stored, found.what) == ("fit", True, "a fit")
+    assert inspect_file(path).sha256
+    other = written(tmp_path, '{\n"schema" : "dashpot/hyperelastic@2"}', "law.json")
+    assert recognise(other).kind == "hyperelastic"
+
+
+def test_json_of_others_is_read_as_a_table(tmp_path: Path) -> None:
+    path = written(tmp_path, '{"schema": "other/fit@1"}', "other.json")
+    with pytest.raises(ReadError):
+        recognise(path)
+
+
+@pytest.mark.parametrize(
+    ("content", "kind"),
+    [
+        ("[door]\nmass = '25kg'\n", "door"),
+        (dump_profile(ReadOptions(force="Kraft", rate=1e3, units={"force": "N"})), "profile"),
+        ("\n".join(f"[{one}]" for one in sorted(PROFILE)), "profile"),
+        ("[k_end]\nlower = '2N/mm'\n", "unclear"),
+    ],
+)
+def test_toml_is_a_door_or_a_profile(tmp_path: Path, content: str, kind: str) -> None:
+    path = written(tmp_path, content, "a.toml")
+    assert recognise(path).kind == inspect_file(path).kind == kind
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("dashpot.toml", "project"),
+        ("part-0123456789abcdef.parquet", "lot"),
+        ("seal.csv", "folder"),
+    ],
+)
+def test_a_folder_is_known_by_what_lies_in_it(tmp_path: Path, name: str, kind: str) -> None:
+    (tmp_path / name).touch()
+    assert recognise(tmp_path).kind == inspect_file(tmp_path).kind == kind
+
+
+# -- parsed once -----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def parsed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The names of the text files that were parsed, each time."""
+    names: list[str] = []
+    plain = text.read
+
+    def counted(raw, options):
+        names.append(raw.name)
+        return plain(raw, options)
+
+    monkeypatch.setattr(text, "read", counted)
+    return names
+
+
+def test_a_file_is_recognised_and_read_by_parsing_it_once(
+    tmp_path: Path, parsed: list[str]
+) -> None:
+    path = written(tmp_path, FILES["seal_8mm.csv"].write())
+    assert recognise(path).kind == recognise(path).kind == "relaxation"
+    first = read_relaxation(path)
+    assert parsed == ["a.csv"]
+    second = read_relaxation(path)
+    assert parsed == ["a.csv", "a.csv"]
+    assert first == second
+
+
+def test_what_is_read_with_other_answers_is_parsed_again(tmp_path: Path, parsed: list[str]) -> None:
+    path = written(tmp_path, FILES["seal_8mm.csv"].write())
+    recognise(path)
+    read_relaxation(path, options=ReadOptions(skip_rows=1))
+    assert len(parsed) == 2
+
+
+def test_a_file_that_was_written_to_is_read_as_it_is(tmp_path: Path) -> None:
+    path = written(tmp_path, both())
+    recognise(path)
+    written(tmp_path, FILES["seal_8mm.csv"].write())
+    assert recognise(path).kind == "relaxation"
+
+
+def test_few_files_are_left_open(tmp_path: Path) -> None:
+    for number in range(channels._MOST + 3):
+        recognise(written(tmp_path, both(), f"{number}.csv"))
+    assert len(channels._LEFT_OPEN) == channels._MOST

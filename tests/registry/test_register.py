@@ -1,0 +1,236 @@
+"""Every row of the register of kinds holds: what it names is there, and does what the row says."""
+
+from __future__ import annotations
+
+import ast
+import json
+import re
+from collections.abc import Callable
+from dataclasses import fields
+from functools import cache
+from pathlib import Path
+from typing import get_args
+
+import pytest
+
+import dashpot as dp
+from dashpot.base.checks import REGISTER, Check, Remedy
+from dashpot.base.reported_values import Fact
+from dashpot.base.serialisation import Documented
+from dashpot.cli import COMMANDS
+from dashpot.extensions.amplitude.fit_frfs import fit_levels
+from dashpot.extensions.batch.columns import NUMBERS
+from dashpot.extensions.curves.creep.compliance import measured_compliance
+from dashpot.extensions.curves.creep.preprocess import load_hold
+from dashpot.extensions.curves.creep.simulation import simulate_creep
+from dashpot.extensions.curves.datamodel.creep import CreepTest
+from dashpot.extensions.curves.dynamic.read import read_dynamic
+from dashpot.extensions.materials.csr.fit_files import csr_files
+from dashpot.extensions.materials.csr.lifetime_prediction import predict_aging
+from dashpot.extensions.materials.hyperelastic.fit import fit_hyperelastic
+from dashpot.extensions.materials.hyperelastic.read import read_stress_strain
+from dashpot.extensions.plugins.datamodel import PluggedFit
+from dashpot.plot.picture import Picture
+from dashpot.preprocessing.prepare import prepare
+from dashpot.reading.columns.kind_detection import RECOGNISED, SWEEPS, FileKind
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers.frf import read_frf
+from dashpot.reading.readers.impact import read_impact
+from dashpot.reading.readers.relaxation import read_relaxation
+from dashpot.registry import KINDS, KindOfTest, Piece, asks_of, figure_of, load, row_of
+from dashpot.solids.demo_seals import PAPER
+from dashpot.workflow.example_files import FILES
+from dashpot.workflow.inspections import inspect_files
+from dashpot.workflow.json_archive import from_json, schemas, to_json
+
+ROWS = [pytest.param(kind, id=kind.name) for kind in KINDS.values()]
+SAID = {"rod"}
+"""Kinds that a file is said to be, and not recognised as."""
+NO_EXAMPLE = {
+    "master-curve",
+    "strain-sweep",
+    "temperature-sweep",
+    "one-frequency",
+    "creep",
+    "rod",
+    "plug-in",
+}
+OWN_ROWS = {
+    "cld": Piece(ReadOptions()),
+    "indentation": Piece(ReadOptions(), mass=5e-3, radius=5e-3),
+    "csr": Piece(ReadOptions()),
+}
+
+
+def words(kind: KindOfTest) -> list[str]:
+    return [
+        word
+        for word in (
+            kind.reader, kind.fit, kind.row, kind.examples, *kind.nouns, *kind.nouns.values(),
+            *kind.pages, *kind.pages.values(),
+        )
+        if word
+    ]  # fmt: skip
+
+
+SOURCE = Path(dp.__file__).parent
+NAMED = {
+    "base/deprecations.py": "a former name of Python",
+    "cli/": "a command is called so, too",
+    "reading/columns/kind_detection.py": "what a table must hold",
+    "reading/readers/": "which files a reader takes",
+    "registry/": "the registry",
+    "extensions/curves/": "each kind is its own",
+    "extensions/materials/": "each kind is its own",
+    "extensions/amplitude/": "each kind is its own",
+    "extensions/batch/table_row.py": "a sweep as wide as no machine makes one is a master curve",
+    "signals/": "what the moves of a record show",
+    "api/": "what a type checker knows of each, and the words that its reader and its fit take",
+    "workflow/example_files.py": "what an example is",
+    "workflow/fit_bench_tests.py": "which tests of a bench are fitted together",
+}
+"""Where a kind of file is named, and why; everybody else asks the register."""
+
+
+def test_nobody_else_names_a_kind() -> None:
+    # such as "creep" are words of much else
+    kinds = {"cld", "indentation", "stress-strain", "cyclic", "dma", "csr", *SWEEPS}
+    texts = {path: path.read_text(encoding="utf-8") for path in SOURCE.rglob("*.py")}
+    found = {
+        path.relative_to(SOURCE).as_posix()
+        for path, text in texts.items()
+        if any(f'"{kind}"' in text for kind in kinds)  # to parse every file takes seconds
+        for node in ast.walk(ast.parse(text))
+        if isinstance(node, ast.Constant) and node.value in kinds
+    }
+    places = {next((room for room in NAMED if name.startswith(room)), name) for name in found}
+    assert places == set(NAMED)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    place = tmp_path_factory.mktemp("examples")
+    for name, one in FILES.items():
+        if one.kind:
+            (place / name).write_text(one.write(), encoding="utf-8")
+    return place
+
+
+def test_what_is_recognised_has_a_row_and_the_other_way_round() -> None:
+    assert set(RECOGNISED) == set(get_args(FileKind)) - {"not-a-test", "unclear"}
+    assert set(KINDS) - SAID == set(RECOGNISED)
+
+
+@pytest.mark.parametrize("kind", ROWS)
+def test_every_word_of_a_row_is_there(kind: KindOfTest) -> None:
+    for word in words(kind):
+        assert load(word) is not None
+    for noun in kind.nouns:
+        assert isinstance(load(noun), type)
+    if kind.panel:
+        assert asks_of(kind.name)
+        assert callable(load(f"{kind.panel}:answered"))
+    assert not kind.also or KINDS[kind.also].panel
+    if kind.checks:
+        stage = load(f"{kind.checks}:__name__")
+        assert any(one.judge.__module__ == stage for one in REGISTER.values())
+
+
+@pytest.mark.parametrize("kind", ROWS)
+def test_what_a_row_says_is_a_command_is_one(kind: KindOfTest) -> None:
+    said = RECOGNISED[kind.name].use if kind.name in RECOGNISED else ""
+    asked = re.findall(r"dashpot ([a-z]+)", f"{said} {kind.says}")
+    assert set(asked) <= set(COMMANDS)
+    assert asked or not kind.meant or kind.name in SAID
+    assert bool(kind.meant) == bool(kind.fit)
+
+
+@pytest.mark.parametrize("kind", ROWS)
+def test_a_row_names_options_and_columns_that_there_are(kind: KindOfTest) -> None:
+    assert not kind.needs or kind.needs in {one.name for one in fields(Piece)}
+    assert set(kind.columns) <= set(NUMBERS)
+    assert bool(kind.columns) == bool(kind.row)
+
+
+@pytest.mark.parametrize("name", [name for name, one in FILES.items() if one.kind])
+def test_every_example_is_recognised_as_its_kind(folder: Path, name: str) -> None:
+    (found,) = inspect_files([folder / name]).files
+    assert found.kind == FILES[name].kind
+
+
+def test_every_kind_that_is_fitted_has_an_example() -> None:
+    assert set(KINDS) - {one.kind for one in FILES.values()} == NO_EXAMPLE
+
+
+@pytest.mark.parametrize("name", OWN_ROWS)
+def test_a_row_of_its_own_fills_the_columns_that_it_names(folder: Path, name: str) -> None:
+    kind, piece = KINDS[name], OWN_ROWS[name]
+    file = next(file for file, one in FILES.items() if one.kind == name)
+    result, numbers = load(kind.row)(folder / file, piece)
+    assert set(kind.columns) <= set(numbers)
+    assert result.verdict.use
+    assert row_of(result) is kind
+    assert isinstance(figure_of(result)(result), Picture)
+
+
+def test_every_kind_with_a_row_of_its_own_is_tried() -> None:
+    assert {kind.name for kind in KINDS.values() if kind.row} == set(OWN_ROWS)
+
+
+READ = {
+    "relaxation": "seal_8mm.csv", "impact": "hammer.csv", "frf": "shaker_20mN.csv",
+    "dma": "sweep.csv", "cld": "cld_1.csv", "indentation": "hit.csv", "csr": "ovens.csv",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", READ)
+def test_what_a_reader_returns_is_of_the_kind(folder: Path, name: str) -> None:
+    record = load(KINDS[name].reader)(folder / READ[name])
+    assert row_of(record) is KINDS[name]
+
+
+@cache
+def crept() -> CreepTest:
+    return simulate_creep(PAPER, seed=1).test
+
+
+MADE: dict[str, Callable[[Path], object]] = {
+    "RelaxationTest": lambda folder: read_relaxation(folder / "seal_8mm.csv"),
+    "RampHold": lambda folder: prepare(read_relaxation(folder / "seal_8mm.csv")),
+    "ImpactTest": lambda folder: read_impact(folder / "hammer.csv"),
+    "FRF": lambda folder: read_frf(folder / "shaker_20mN.csv"),
+    "DynamicTest": lambda folder: read_dynamic(folder / "sweep.csv"),
+    "CreepTest": lambda _: crept(),
+    "LoadHold": lambda _: load_hold(crept()),
+    "CreepCompliance": lambda _: measured_compliance(load_hold(crept())),
+    "LevelFit": lambda folder: fit_levels(
+        [read_frf(folder / f"shaker_{size}mN.csv") for size in (20, 500)],
+        [0.02, 0.5], mass=0.1148, seals=2,
+    ),
+    "Aging": lambda folder: csr_files([folder / "ovens.csv"]),
+    "Aged": lambda folder: predict_aging(csr_files([folder / "ovens.csv"]), temperature=343.15),
+    "HyperelasticFit": lambda folder: fit_hyperelastic(
+        [read_stress_strain(folder / "tension.csv", "uniaxial")]
+    ),
+    "PluggedFit": lambda _: PluggedFit(
+        "peel", "labkit 0.1.0", (Fact("peel_force", 1.5, 1.3, 1.7, "N"),),
+        (Check("peel_steady", False, "It jerks.", remedy=Remedy("Peel more slowly.")),),
+    ),
+}  # fmt: skip
+"""Of every noun with a schema that is of one kind, one."""
+
+
+def test_every_noun_with_a_schema_is_made_here() -> None:
+    nouns = [load(noun) for kind in KINDS.values() for noun in kind.nouns]
+    kept = {noun.__name__ for noun in nouns if issubclass(noun, Documented) and noun.schema
+            and noun.read_back}  # fmt: skip
+    assert kept == set(MADE)
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_a_document_comes_back_as_it_was(folder: Path, name: str) -> None:
+    noun = MADE[name](folder)
+    text = to_json(noun)
+    found = json.loads(text)
+    assert schemas()[found["schema"]] is type(noun)
+    assert json.loads(to_json(from_json(text))) == found
