@@ -94,6 +94,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/command_lines.py:predict_command": ("predict",),
     "workflow/outputs.py": ("fit", "report", "export", "predict", "inspect"),
     "extensions/batch/": ("batch",),
+    "extensions/projects/": ("verify",),
     "extensions/acquisition/": ("record",),
     "datamodel/shift_factors.py": ("fit",),
     "text_output/": ("fit", "predict", "compare", "report"),
