@@ -13,8 +13,8 @@ from sphinx.application import Sphinx
 from sphinx.util.math import get_node_equation_number
 
 from dashpot import __version__
-from dashpot.cli import GROUPS
 from dashpot.cli import main as command_line
+from dashpot.registry import COMMANDS
 
 sys.path.insert(0, str(Path(__file__).parent))
 import pictures
@@ -78,9 +78,9 @@ class Commands(Directive):
         """Return a section for each group, and in it one for each command."""
         above = click.Context(command_line, info_name="dashpot")
         parts: list[nodes.Node] = []
-        for title, group in GROUPS.items():
+        for title in dict.fromkeys(command.group for command in COMMANDS.values()):
             part = _section(title)
-            for name in group:
+            for name in (name for name, row in COMMANDS.items() if row.group == title):
                 verb = command_line.get_command(above, name)
                 one = click.Context(verb, info_name=name, parent=above)
                 section = _section(f"dashpot {name}")

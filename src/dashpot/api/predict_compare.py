@@ -146,7 +146,9 @@ def predict(solid: Any, /, **how: Any) -> Any:
     if isinstance(solid, Door):
         return _door(solid, **how)
     if isinstance(solid, Fit) and "slam" in how:
-        slammed: Slam = load("extensions.materials.slam.prediction:predict_slam")(solid, **how)
+        slammed: Slam = load("dashpot.extensions.materials.slam.prediction:predict_slam")(
+            solid, **how
+        )
         return slammed
     return _under_mass(solid, **how) if isinstance(solid, Fit) else _bare(solid, **how)
 

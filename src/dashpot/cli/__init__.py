@@ -12,6 +12,7 @@ from typing import Any
 
 import click
 
+from dashpot import registry
 from dashpot.base.version import __version__
 
 # the matrices are small: threads of BLAS beside the one that works wait for it at full load. Named
@@ -23,36 +24,7 @@ for _name in ("OMP", "OPENBLAS", "MKL"):
 # cycles on the way out, which takes as long as reading a short file
 atexit.register(gc.freeze)
 
-GROUPS: dict[str, dict[str, str]] = {
-    "Work": {
-        "inspect": "What a file is, how it was read, what is unclear.",
-        "fit": "The model behind any records: solid, modes, law.",
-        "predict": "How a fitted solid vibrates, under a mass or in a door.",
-        "compare": "A prediction with a measurement, two FRFs, two lots.",
-        "report": "The main job: a seal and its hammer test on one page.",
-        "export": "A solid or law as input for ten solvers.",
-    },
-    "Many tests": {
-        "batch": "A folder of tests to one table; --watch follows a rig.",
-        "verify": "Recompute a project and check every hash.",
-    },
-    "Before the test": {
-        "plan": "How well a test will measure, before it is run.",
-        "record": "An instrument to a file. It moves nothing.",
-        "simulate": "A test of a known seal, stamped 'simulated'.",
-    },
-    "Learn": {
-        "demo": "The whole story on two seals; --files to try by hand.",
-        "app": "The same work in a browser, on this machine alone.",
-    },
-}
-_HOMES = {
-    "app": "dashpot.extensions.app.command",
-    "batch": "dashpot.extensions.batch.command",
-    "record": "dashpot.extensions.acquisition.command",
-    "verify": "dashpot.extensions.projects.command",
-}
-COMMANDS = {name: says for group in GROUPS.values() for name, says in group.items()}
+COMMANDS = {command.name: command.help for command in registry.COMMANDS.values()}
 
 
 class _Lazy(click.Group):
@@ -64,15 +36,20 @@ class _Lazy(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in COMMANDS:
             return None
-        command: click.Command = import_module(
-            _HOMES.get(cmd_name, f"dashpot.cli.{cmd_name}")
-        ).command
+        command: click.Command = import_module(registry.COMMANDS[cmd_name].module).command
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        for title, group in GROUPS.items():
+        commands = registry.COMMANDS.values()
+        for title in dict.fromkeys(command.group for command in commands):
             with formatter.section(title):
-                formatter.write_dl([(f"{name:<8}", says) for name, says in group.items()])
+                formatter.write_dl(
+                    [
+                        (f"{command.name:<8}", command.help)
+                        for command in commands
+                        if command.group == title
+                    ]
+                )
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]

@@ -23,7 +23,7 @@ from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.extensions.materials.slam.options import SlamAsked
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from dashpot.reading.read_options import ReadOptions
-from dashpot.registry import KINDS, load, takers
+from dashpot.registry import KINDS, find_handler, load, takers
 from dashpot.workflow.job import Job, LevelJob, RodChoices
 from dashpot.workflow.shift_options import ShiftChoices
 
@@ -178,10 +178,13 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
     if meant in {"hits", "modes"}:
         _refuse_what_needs_a_mass(context)
     _refuse_unused(context, meant)
-    run: Callable[[Given], Outcome] = load(_RUN.get(meant, "cli.fit_handlers.generic_kind:run"))
+    run: Callable[[Given], Outcome] = find_handler("fit command", meant) or load(GENERIC)
     tell(found)
     return run(Given(files, kinds, said))
 
+
+GENERIC = "dashpot.cli.fit_handlers.generic_kind:run"
+"""What fits the files of a kind whose row says all that its fit takes."""
 
 _OF_SOLID = (
     "--model", "--arms", "--seals", "--seal-mass", "--compression", "--mass-sd", "--known",
@@ -258,19 +261,3 @@ def _refuse_unused(context: click.Context, meant: str) -> None:
             f"{one.flag} is for {suited}. Here it would change nothing, as these files are fitted "
             f"as {_FITS[meant]}: leave it out."
         )
-
-
-_RUN = {
-    "bench": "cli.fit_handlers.bench_tests:run",
-    "hits": "cli.fit_handlers.hits:run",
-    "modes": "extensions.modes.fit_handler:run",
-    "masses": "extensions.modes.fit_handler:under_masses",
-    "joint": "cli.fit_handlers.joint:run",
-    "level": "extensions.amplitude.fit_handler:run",
-    "rod": "extensions.materials.rod.fit_handler:run",
-    "cld": "extensions.materials.cld.fit_handler:run",
-    "stress-strain": "extensions.materials.hyperelastic.fit_handler:run",
-    "indentation": "extensions.materials.indentation.fit_handler:run",
-    "slam": "extensions.materials.slam.fit_handler:run",
-}
-"""What each of the fits that records may mean is done by, where its row does not say enough."""

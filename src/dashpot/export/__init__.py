@@ -23,15 +23,10 @@ from dashpot.export.unit_systems import UNIT_SYSTEMS
 from dashpot.extensions.amplitude.level_results import LevelFit
 from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
 from dashpot.extensions.materials.hyperelastic.material_cards import hyperelastic_card
+from dashpot.registry import SOLVER_INPUTS
 from dashpot.solids.maxwell import Solid
 
-_CORE = {"abaqus", "csv", "nastran", "statespace"}
-_MODULES = {
-    name: import_module(
-        f"dashpot.{'export.decks' if name in _CORE else 'extensions.solver_inputs'}.{name}"
-    )
-    for name in DECKS
-}
+_MODULES = {name: import_module(SOLVER_INPUTS[name]) for name in DECKS}
 FORMS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {name: module.FORMS for name, module in _MODULES.items()}
 )

@@ -10,22 +10,10 @@ from dashpot.base.errors import ReadError
 from dashpot.reading.raw_file import Raw, about
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.table import FileTable
+from dashpot.registry import FORMATS
 
 _PLUGGED = "plugin_format"
-_CORE = {"text", _PLUGGED}
-_FOREIGN = {"hdf5", "matlab", "tdms", "trios", "uff", _PLUGGED}
-"""Formats whose whole reading is left to a child; a workbook's is left to it up to the text."""
-_SHEETED = {"hdf5", "tdms", "workbook"}
-"""Formats whose sheets or groups are named."""
-_MAGIC: tuple[tuple[bytes, str], ...] = (
-    (b"LabVIEW Measurement", "lvm"),
-    (b"\x89HDF\r\n\x1a\n", "hdf5"),
-    (b"MATLAB 5.0 MAT-file", "matlab"),
-    (b"MATLAB 7.3 MAT-file", "hdf5"),
-    (b"TDSm", "tdms"),
-    (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "workbook"),
-    (b"PK\x03\x04", "workbook"),
-)
+_MAGIC = tuple((mark, form.name) for form in FORMATS.values() for mark in form.marks)
 
 
 def format_of(raw: Raw) -> str:
@@ -65,15 +53,14 @@ def _table(raw: Raw, options: ReadOptions) -> FileTable:
         from dashpot.base.plugins import wanted
 
         name, called = _PLUGGED, wanted("formats", options.format).called
-    if options.sheet is not None and name not in _SHEETED:
+    if options.sheet is not None and not FORMATS[name].sheets:
         raise ReadError(
             f"--part sheet={options.sheet}: this file has no sheets or groups; leave it out"
         )
-    home = "reading" if name in _CORE else "extensions"
-    reads = import_module(f"dashpot.{home}.formats.{name}")
+    reads = import_module(FORMATS[name].module)
     reader: Callable[[Raw, ReadOptions], FileTable] = reads.read
     try:
-        if name not in _FOREIGN:
+        if not FORMATS[name].sandboxed:
             return reader(raw, options)
         from dashpot.extensions.formats.sandbox.parent_process import in_child
 

@@ -1,0 +1,37 @@
+"""The rows of tests at several amplitudes."""
+
+from dashpot.registry.row import Extension, KindOfTest
+
+EXTENSION = Extension(
+    "amplitude",
+    kinds=(
+            KindOfTest(
+                "strain-sweep", "dashpot.extensions.amplitude.read:read_amplitude", "dashpot.extensions.amplitude.fit_files:level_files",
+                place="level", meant="level",
+                nouns={
+                    "dashpot.extensions.amplitude.datamodel:AmplitudeSweep": "dashpot.extensions.amplitude.figure:amplitude_sweep",
+                    "dashpot.extensions.amplitude.datamodel:AmplitudeFit": "",
+                    "dashpot.extensions.amplitude.level_results:LevelFit": "",
+                },
+                pages={"dashpot.extensions.amplitude.fit_files:Levels": "dashpot.extensions.amplitude.page:page"},
+                checks="dashpot.extensions.amplitude.checks", order=6,
+        ),
+            KindOfTest(
+                "cyclic", "dashpot.reading.readers.relaxation:read_relaxation", "dashpot.extensions.amplitude.fit_files:level_files", place="level",
+                meant="level",
+                checks="dashpot.extensions.amplitude.checks",
+                examples="dashpot.extensions.amplitude.examples:EXAMPLES", order=17,
+        ),
+    ),
+    handlers={
+        "text": {
+            "dashpot.extensions.amplitude.hits_by_amplitude:HitLevels": "dashpot.text_output.results:amplitude",
+            "dashpot.extensions.amplitude.level_results:LevelFit": "dashpot.text_output.results:amplitude",
+            "dashpot.extensions.amplitude.datamodel:AmplitudeFit": "dashpot.text_output.results:amplitude",
+            "dashpot.extensions.amplitude.fit_files:Levels": "dashpot.text_output.results:levels",
+        },
+        "fit command": {
+            "level": "dashpot.extensions.amplitude.fit_handler:run",
+        },
+    },
+)  # fmt: skip

@@ -1,0 +1,15 @@
+"""The rows of lots of files."""
+
+from dashpot.registry.row import Command, Extension
+
+EXTENSION = Extension(
+    "batch",
+    handlers={
+        "text": {
+            "dashpot.extensions.batch.comparison:LotComparison": "dashpot.text_output.frequency_table:plainly",
+        },
+    },
+    commands=(
+        Command("batch", "Many tests", "A folder of tests to one table; --watch follows a rig.", "dashpot.extensions.batch.command", order=6),
+    ),
+)  # fmt: skip

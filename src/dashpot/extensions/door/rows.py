@@ -1,0 +1,21 @@
+"""The rows of the seal in a door."""
+
+from dashpot.registry.row import Extension, KindOfTest
+
+EXTENSION = Extension(
+    "door",
+    kinds=(
+            KindOfTest("seal-line", place="part", order=19),
+            KindOfTest("free-modes", "dashpot.extensions.door.read_modes:read_modes", place="part", order=20),
+    ),
+    handlers={
+        "text": {
+            "dashpot.extensions.door.closing_result:ClosingResult": "dashpot.extensions.door.closing_text:closed",
+            "dashpot.extensions.door.result:DoorResult": "dashpot.extensions.door.text:door",
+        },
+        "figure": {
+            "dashpot.extensions.door.result:DoorResult": "dashpot.extensions.door.figure:door",
+            "dashpot.extensions.door.closing_result:ClosingResult": "dashpot.extensions.door.closing_figure:closing",
+        },
+    },
+)  # fmt: skip

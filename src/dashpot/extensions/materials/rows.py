@@ -1,0 +1,112 @@
+"""The rows of the tests of materials."""
+
+from dashpot.registry.row import Extension, KindOfTest
+
+EXTENSION = Extension(
+    "materials",
+    kinds=(
+            KindOfTest(
+                "cld", "dashpot.extensions.materials.cld.read:read_cld", "dashpot.extensions.materials.cld.fit_files:cld_files", meant="cld",
+                place="judged",
+                nouns={
+                    "dashpot.extensions.materials.cld.datamodel:CompressionTest": "",
+                    "dashpot.extensions.materials.cld.datamodel:CLD": "dashpot.extensions.materials.cld.figure:cld",
+                },
+                pages={"dashpot.extensions.materials.cld.fit_files:Pieces": "dashpot.extensions.materials.cld.page:page"},
+                panel="dashpot.extensions.materials.cld.app_form",
+                checks="dashpot.extensions.materials.cld.checks",
+                row="dashpot.extensions.materials.cld.lot_row:row",
+                columns=(
+                    "cld_at_m", "cld_force_N", "cld_force_se_N", "cld_per_100mm_N", "cld_slope_N_per_m",
+                    "cld_hysteresis", "cld_softening", "cld_set_m",
+                ),
+                examples="dashpot.extensions.materials.cld.examples:EXAMPLES", order=11,
+        ),
+            KindOfTest(
+                "indentation", "dashpot.extensions.materials.indentation.read:read_indentation",
+                "dashpot.extensions.materials.indentation.fit_files:indent_file", meant="indentation", place="judged",
+                nouns={
+                    "dashpot.extensions.materials.indentation.datamodel:IndentationTest": "",
+                    "dashpot.extensions.materials.indentation.datamodel:IndentationFit": "dashpot.extensions.materials.indentation.figure:indentation",
+                },
+                pages={"dashpot.extensions.materials.indentation.datamodel:IndentationFit": "dashpot.extensions.materials.indentation.page:page"},
+                panel="dashpot.extensions.materials.indentation.app_form", alone=True,
+                checks="dashpot.extensions.materials.indentation.checks",
+                row="dashpot.extensions.materials.indentation.lot_row:row", needs="mass",
+                says="give the indenter's mass (--mass, or the column 'mass' of --manifest)",
+                columns=(
+                    "indent_modulus_Pa", "indent_modulus_low_Pa", "indent_modulus_high_Pa",
+                    "indent_depth_m", "restitution", "contact_s",
+                ),
+                examples="dashpot.extensions.materials.indentation.examples:EXAMPLES", order=12,
+        ),
+            KindOfTest(
+                "rod", "dashpot.reading.readers.frf:read_frf", "dashpot.extensions.materials.rod.fit_files:rod_files", meant="rod",
+                nouns={"dashpot.extensions.materials.rod.datamodel:RodModulus": "dashpot.extensions.materials.rod.figure:rod"},
+                pages={"dashpot.extensions.materials.rod.fit_files:Rod": "dashpot.extensions.materials.rod.page:page"},
+                panel="dashpot.extensions.materials.rod.app_form", alone=True,
+                checks="dashpot.extensions.materials.rod.checks",
+                examples="dashpot.extensions.materials.rod.examples:EXAMPLES", order=13,
+        ),
+            KindOfTest(
+                "stress-strain", "dashpot.extensions.materials.hyperelastic.read:read_stress_strain",
+                "dashpot.extensions.materials.hyperelastic.fit_files:hyperelastic_files", meant="stress-strain", place="judged",
+                nouns={
+                    "dashpot.extensions.materials.hyperelastic.datamodel:StressStrainTest": "",
+                    "dashpot.extensions.materials.hyperelastic.datamodel:HyperelasticFit": "dashpot.extensions.materials.hyperelastic.figure:hyperelastic",
+                },
+                pages={"dashpot.extensions.materials.hyperelastic.datamodel:HyperelasticFit": "dashpot.extensions.materials.hyperelastic.page:page"},
+                panel="dashpot.extensions.materials.hyperelastic.app_form",
+                checks="dashpot.extensions.materials.hyperelastic.checks",
+                examples="dashpot.extensions.materials.hyperelastic.examples:EXAMPLES", order=14,
+        ),
+            KindOfTest(
+                "csr", "dashpot.extensions.materials.csr.read:read_csr", "dashpot.extensions.materials.csr.fit_files:csr_files", meant="csr",
+                place="judged",
+                nouns={
+                    "dashpot.extensions.materials.csr.datamodel:CounterforceTest": "",
+                    "dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.figure:csr",
+                    "dashpot.extensions.materials.csr.lifetime_prediction:Aged": "dashpot.extensions.materials.csr.figure:aged",
+                },
+                pages={"dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.page:page"},
+                checks="dashpot.extensions.materials.csr.checks",
+                row="dashpot.extensions.materials.csr.lot_row:row",
+                columns=(
+                    "csr_loss_per_decade", "csr_chemical_time_s", "csr_chemical_time_low_s",
+                    "csr_activation_J_per_mol",
+                ),
+                examples="dashpot.extensions.materials.csr.examples:EXAMPLES",
+                fits="dashpot.extensions.materials.csr.fit:fit_aging", takes=("temperatures", "machine"),
+                predict="dashpot.extensions.materials.csr.lifetime_prediction:predict_aged", asked="dashpot.extensions.materials.csr.options:AgingAsked",
+                follow="predict FILE --temperature 70degC --until 50%", order=15,
+        ),
+            KindOfTest(
+                "slam", "dashpot.extensions.materials.slam.read:read_slams", "dashpot.extensions.materials.slam.fit_files:slam_files", meant="slam",
+                place="judged",
+                nouns={
+                    "dashpot.extensions.materials.slam.datamodel:SlamTest": "",
+                    "dashpot.extensions.materials.slam.datamodel:SlamFit": "dashpot.extensions.materials.slam.figure:slams",
+                    "dashpot.extensions.materials.slam.prediction:Slam": "dashpot.extensions.materials.slam.figure:slam",
+                },
+                panel="dashpot.extensions.materials.slam.app_form",
+                checks="dashpot.extensions.materials.slam.checks",
+                examples="dashpot.extensions.materials.slam.examples:EXAMPLES",
+                fits="dashpot.extensions.materials.slam.fit:fit_slams", takes=("mass", "slam", "memory", "specimen"), order=16,
+        ),
+    ),
+    handlers={
+        "text": {
+            "dashpot.extensions.materials.cld.fit_files:Pieces": "dashpot.extensions.materials.cld.text:cld",
+            "dashpot.extensions.materials.hyperelastic.datamodel:HyperelasticFit": "dashpot.extensions.materials.hyperelastic.text:hyperelastic",
+            "dashpot.extensions.materials.indentation.datamodel:IndentationFit": "dashpot.text_output.results:indentation",
+            "dashpot.extensions.materials.rod.fit_files:Rod": "dashpot.extensions.materials.rod.text:rod",
+        },
+        "fit command": {
+            "rod": "dashpot.extensions.materials.rod.fit_handler:run",
+            "cld": "dashpot.extensions.materials.cld.fit_handler:run",
+            "stress-strain": "dashpot.extensions.materials.hyperelastic.fit_handler:run",
+            "indentation": "dashpot.extensions.materials.indentation.fit_handler:run",
+            "slam": "dashpot.extensions.materials.slam.fit_handler:run",
+        },
+    },
+)  # fmt: skip

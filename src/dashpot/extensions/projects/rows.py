@@ -1,0 +1,10 @@
+"""The rows of kept projects."""
+
+from dashpot.registry.row import Command, Extension
+
+EXTENSION = Extension(
+    "projects",
+    commands=(
+        Command("verify", "Many tests", "Recompute a project and check every hash.", "dashpot.extensions.projects.command", order=7),
+    ),
+)  # fmt: skip

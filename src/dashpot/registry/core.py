@@ -1,0 +1,88 @@
+"""The rows of the core: the paper's own tests, commands, formats and solver inputs."""
+
+from dashpot.registry.row import Command, Extension, FileFormat, KindOfTest
+
+_PAIR = (
+    "say of which test (--pair, or the column 'hammer' of --manifest), or fit both with dashpot fit"
+)
+
+EXTENSION = Extension(
+    "core",
+    kinds=(
+            KindOfTest(
+                "relaxation", "dashpot.reading.readers.relaxation:read_relaxation", "dashpot.workflow.fit_bench_tests:fit_files", place="test", meant="bench",
+                nouns={
+                    "dashpot.datamodel.relaxation:RelaxationTest": "",
+                    "dashpot.datamodel.relaxation:RampHold": "dashpot.plot.relaxation:segments",
+                },
+                pages={
+                    "dashpot.datamodel.fit:Fit": "dashpot.report.result_pages.solid_page:page",
+                    "dashpot.workflow.vibration.impact_tests:Identified": "dashpot.report.result_pages.solid_page:identified_page",
+                    "dashpot.workflow.response.frf_prediction:Prediction": (
+                        "dashpot.report.result_pages.frf_pages:prediction_page"
+                    ),
+                },
+                checks="dashpot.preprocessing.checks", order=0,
+        ),
+            KindOfTest(
+                "impact", "dashpot.reading.readers.impact:read_impact", "dashpot.workflow.vibration.impact_tests:impact_files",
+                place="hammer", says=_PAIR, resonates=True, meant="hits",
+                nouns={"dashpot.datamodel.impact:ImpactTest": ""},
+                pages={
+                    "dashpot.workflow.vibration.modes:Modes": "dashpot.report.result_pages.frf_pages:modes_page",
+                    "dashpot.workflow.vibration.impact_tests:Agreement": "dashpot.report.result_pages.frf_pages:agreement_page",
+                },
+                checks="dashpot.vibration.impact.checks", order=1,
+        ),
+            KindOfTest(
+                "frf", "dashpot.reading.readers.frf:read_frf", "dashpot.extensions.modes.measured_modes:modes_files",
+                place="response", says=_PAIR, resonates=True, meant="modes", also="rod",
+                nouns={"dashpot.datamodel.frf:FRF": "dashpot.plot.frf_figure:frf"},
+                pages={
+                    "dashpot.extensions.modes.mass_series_files:ModesByMass": "dashpot.report.result_pages.frf_pages:masses_page",
+                },
+                checks="dashpot.vibration.modal.checks", order=2,
+        ),
+            KindOfTest(
+                "transmissibility", "dashpot.reading.readers.frf:read_frf",
+                "dashpot.extensions.modes.measured_modes:modes_files", place="base", meant="modes", also="rod", order=3,
+        ),
+    ),
+    handlers={
+        "text": {
+            "dashpot.planning.plan:Plan": "dashpot.text_output.frequency_table:plainly",
+            "dashpot.datamodel.fit:Fit": "dashpot.text_output.results:fit",
+            "dashpot.workflow.vibration.impact_tests:Agreement": "dashpot.text_output.results:agreement",
+            "dashpot.workflow.vibration.impact_tests:Identified": "dashpot.text_output.identification:identified",
+            "dashpot.workflow.vibration.impact_tests:ImpactResult": "dashpot.text_output.results:impact",
+            "dashpot.workflow.response.frf_prediction:Prediction": "dashpot.text_output.results:prediction",
+            "dashpot.workflow.study:Study": "dashpot.text_output.results:study",
+        },
+        "fit command": {
+            "bench": "dashpot.cli.fit_handlers.bench_tests:run",
+            "hits": "dashpot.cli.fit_handlers.hits:run",
+            "joint": "dashpot.cli.fit_handlers.joint:run",
+        },
+    },
+    commands=(
+        Command("inspect", "Work", "What a file is, how it was read, what is unclear.", "dashpot.cli.inspect", order=0),
+        Command("fit", "Work", "The model behind any records: solid, modes, law.", "dashpot.cli.fit", order=1),
+        Command("predict", "Work", "How a fitted solid vibrates, under a mass or in a door.", "dashpot.cli.predict", order=2),
+        Command("compare", "Work", "A prediction with a measurement, two FRFs, two lots.", "dashpot.cli.compare", order=3),
+        Command("report", "Work", "The main job: a seal and its hammer test on one page.", "dashpot.cli.report", order=4),
+        Command("export", "Work", "A solid or law as input for ten solvers.", "dashpot.cli.export", order=5),
+        Command("plan", "Before the test", "How well a test will measure, before it is run.", "dashpot.cli.plan", order=8),
+        Command("simulate", "Before the test", "A test of a known seal, stamped 'simulated'.", "dashpot.cli.simulate", order=10),
+        Command("demo", "Learn", "The whole story on two seals; --files to try by hand.", "dashpot.cli.demo", order=11),
+    ),
+    formats=(
+        FileFormat("text", "dashpot.reading.formats.text"),
+        FileFormat("plugin_format", "dashpot.reading.formats.plugin_format", sandboxed=True),
+    ),
+    solver_inputs={
+        "nastran": "dashpot.export.decks.nastran",
+        "abaqus": "dashpot.export.decks.abaqus",
+        "statespace": "dashpot.export.decks.statespace",
+        "csv": "dashpot.export.decks.csv",
+    },
+)  # fmt: skip

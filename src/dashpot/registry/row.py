@@ -1,0 +1,216 @@
+"""The rows by which the core knows a kind of test, a command, a format, a solver input.
+
+References are words, ``"package.module:name"``, imported when they are needed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal, NamedTuple, TypeAlias
+
+Meant: TypeAlias = Literal[
+    "bench",
+    "hits",
+    "modes",
+    "level",
+    "rod",
+    "cld",
+    "stress-strain",
+    "indentation",
+    "csr",
+    "slam",
+    "plug-in",
+]
+"""What records of one kind are fitted as."""
+
+
+Place: TypeAlias = Literal[
+    "", "test", "hammer", "response", "base", "bench", "level", "judged", "part"
+]
+"""Where the app takes a kind."""
+
+
+class Example(NamedTuple):
+    """A file to learn on: the kind that it is recognised as, if any, and what writes it."""
+
+    kind: str
+    caption: str
+    write: Callable[[], str]
+
+
+@dataclass(frozen=True)
+class Piece:
+    """What a lot knows of one file besides what stands in it, SI.
+
+    Attributes
+    ----------
+    options : ReadOptions
+    temperature, mass : float or None
+        Of the test, and of what moves in it.
+    length, radius : float or None
+        Of the piece in contact, and of the tip of an indenter.
+    compression : float or None
+        The nominal one.
+    """
+
+    options: Any
+    temperature: float | None = None
+    mass: float | None = None
+    length: float | None = None
+    radius: float | None = None
+    compression: float | None = None
+
+
+@dataclass(frozen=True)
+class KindOfTest:
+    """A kind of test.
+
+    Attributes
+    ----------
+    name : str
+        As a file is recognised; of a test that is said to be one, such as a rod, its command.
+    reader : str
+        From a file to its record.
+    fit : str
+        From files to what is found; empty where nothing is.
+    nouns : mapping of str to str
+        Records and results that are of this kind alone, each with its figure, if it has one; those
+        with a schema are read back from their documents.
+    meant : str
+        What its files are fitted as, if nothing else is given: a word of
+        :mod:`dashpot.workflow.fit_routing`; empty of what is not fitted.
+    checks : str
+        The module of what it is asked.
+    place : str
+        Where the app takes it: ``"test"`` and ``"hammer"`` of a job, ``"response"`` (of a mass to a
+        force) and ``"base"`` (to a motion), that or one of several levels, ``"bench"`` and
+        ``"level"`` fitted by themselves, ``"judged"`` too, by their kind alone, ``"part"`` of a
+        door; empty where it does not.
+    pages : mapping of str to str
+        Results of this kind whose page is laid out by hand, each with what does it.
+    panel : str
+        The module of what the app asks of it beside its files (``ASKS``), and of its fit by what
+        was answered (``answered``); empty where nothing is asked.
+    also : str
+        The kind that no file says it is, as which one of this kind may be taken.
+    alone : bool
+        Whether its fit takes one file.
+    row : str
+        Its own row in a lot: from a file and what is known of its piece to result and numbers.
+    columns : tuple of str
+        Which no other kind has, of that row.
+    needs : str
+        What has to be known of the piece before.
+    says : str
+        In a lot, which word it waits for; by default who wants it.
+    resonates : bool
+        Whether a lot finds a resonance in the file alone.
+    examples : str
+        Its example files, each with a caption and what writes it.
+    fits : str
+        From records to what is found, where the fit of a kind takes no more than `takes`.
+    takes : tuple of str
+        What of the options of ``dashpot fit`` its fit takes.
+    predict : str
+        From what was found, and what `asked` holds, to a result, where it predicts by itself.
+    asked : str
+        The noun whose fields are the options of ``dashpot predict`` for it alone.
+    follow : str
+        What is typed next; FILE stands for where the fit was kept.
+    order : int
+        Where it stands among all kinds: the order of columns and of examples.
+    """
+
+    name: str
+    reader: str = ""
+    fit: str = ""
+    nouns: Mapping[str, str] = field(default_factory=dict)
+    meant: Meant | Literal[""] = ""
+    checks: str = ""
+    place: Place = ""
+    pages: Mapping[str, str] = field(default_factory=dict)
+    panel: str = ""
+    also: str = ""
+    alone: bool = False
+    row: str = ""
+    columns: tuple[str, ...] = ()
+    needs: str = ""
+    says: str = ""
+    resonates: bool = False
+    examples: str = ""
+    fits: str = ""
+    takes: tuple[str, ...] = ()
+    predict: str = ""
+    asked: str = ""
+    follow: str = ""
+    order: int = 0
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command of the command line.
+
+    Attributes
+    ----------
+    name, group, help : str
+        As ``dashpot --help`` lists it.
+    module : str
+        The module that holds ``command``.
+    order : int
+        Where it stands among all commands.
+    """
+
+    name: str
+    group: str
+    help: str
+    module: str
+    order: int = 0
+
+
+@dataclass(frozen=True)
+class FileFormat:
+    """A file format.
+
+    Attributes
+    ----------
+    name, module : str
+        Its name, and the module that holds ``read(raw, options)``.
+    marks : tuple of bytes
+        First bytes of its files.
+    sandboxed : bool
+        Whether a library parses it, in a child process with limits.
+    sheets : bool
+        Whether its sheets or groups have names.
+    """
+
+    name: str
+    module: str
+    marks: tuple[bytes, ...] = ()
+    sandboxed: bool = False
+    sheets: bool = False
+
+
+@dataclass(frozen=True)
+class Extension:
+    """What one package adds to the core; the core's own rows are one, too.
+
+    Attributes
+    ----------
+    name : str
+    kinds : tuple of KindOfTest
+    handlers : mapping of str to mapping of str to str
+        For a task of the core (``"text"``, ``"figure"``, ``"fit command"``), the function that does
+        it for a type (``"package.module:Class"``) or for a name.
+    commands : tuple of Command
+    formats : tuple of FileFormat
+    solver_inputs : mapping of str to str
+        A solver, and the module that holds the function of this name, ``FORMS`` and ``SUFFIX``.
+    """
+
+    name: str
+    kinds: tuple[KindOfTest, ...] = ()
+    handlers: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    commands: tuple[Command, ...] = ()
+    formats: tuple[FileFormat, ...] = ()
+    solver_inputs: Mapping[str, str] = field(default_factory=dict)
