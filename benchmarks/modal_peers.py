@@ -10,7 +10,7 @@ import numpy as np
 from frf_peers import HAVE_EMA, HAVE_PYFRF, quietly, without_offset
 
 from dashpot.datamodel.frf import FRF
-from dashpot.extensions.modes.datamodel import FRFSet, ModeShape
+from dashpot.datamodel.frf_set import FRFSet, ModeShape
 from dashpot.extensions.modes.mode_shapes import mac
 from dashpot.extensions.modes.stabilisation import stabilisation
 from dashpot.reading.read_options import ReadOptions

@@ -28,6 +28,7 @@ from dashpot.datamodel.base_excitation import ShakenTest
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.fit_diagnostics import Explanation
 from dashpot.datamodel.frf import FRF, Hit, Mode
+from dashpot.datamodel.frf_set import ModeShape
 from dashpot.datamodel.parameter_estimate import Nuisance
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import Shift, TemperatureShifts
@@ -53,7 +54,6 @@ from dashpot.extensions.materials.indentation.datamodel import IndentationFit
 from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.extensions.materials.rod import checks as rod
 from dashpot.extensions.materials.slam import checks as slam
-from dashpot.extensions.modes.datamodel import ModeShape
 from dashpot.extensions.modes.stabilisation import DAMPING, Stabilisation
 from dashpot.fitting.checks import relaxation, solid
 from dashpot.fitting.fractional_model import checks as fractional

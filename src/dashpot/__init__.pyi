@@ -1,19 +1,24 @@
-from dashpot.extensions import batch as _batch
+from dashpot.extensions import batch as _batch_package
 
 from . import files as files
 from . import plot as plot
 from . import simulation as simulation
 from . import solids as solids
 from . import systems as systems
-from .api.fit import fit as fit
+from ._signatures import compare as compare
+from ._signatures import fit as fit
+from ._signatures import predict as predict
+from ._signatures import read as read
+from ._signatures import simulate as simulate
+from .api.fit import fit as _fit
 from .api.plan_simulate import plan as plan
-from .api.plan_simulate import simulate as simulate
-from .api.predict_compare import compare as compare
+from .api.plan_simulate import simulate as _simulate
+from .api.predict_compare import compare as _compare
 from .api.predict_compare import export as export
-from .api.predict_compare import predict as predict
+from .api.predict_compare import predict as _predict
 from .api.predict_compare import report as report
 from .api.read_save import inspect as inspect
-from .api.read_save import read as read
+from .api.read_save import read as _read
 from .api.read_save import save as save
 from .base import errors as errors
 from .base.checks import Check as Check
@@ -28,6 +33,7 @@ from .base.version import __version__ as __version__
 from .datamodel.fit import Fit as Fit
 from .datamodel.frf import FRF as FRF
 from .datamodel.frf import Mode as Mode
+from .datamodel.frf_set import FRFSet as FRFSet
 from .datamodel.impact import ImpactTest as ImpactTest
 from .datamodel.machine import Machine as Machine
 from .datamodel.relaxation import RampHold as RampHold
@@ -51,7 +57,6 @@ from .extensions.materials.hyperelastic.datamodel import StressStrainTest as Str
 from .extensions.materials.indentation.datamodel import IndentationFit as IndentationFit
 from .extensions.materials.indentation.datamodel import IndentationTest as IndentationTest
 from .extensions.materials.slam.datamodel import SlamTest as SlamTest
-from .extensions.modes.datamodel import FRFSet as FRFSet
 from .extensions.modes.mass_series_files import ModesByMass as ModesByMass
 from .solids.maxwell import GeneralizedMaxwell as GeneralizedMaxwell
 from .vibration.comparison.comparison import Comparison as Comparison
@@ -60,4 +65,4 @@ from .workflow.study import Study as Study
 from .workflow.vibration.impact_tests import Agreement as Agreement
 from .workflow.vibration.modes import Modes as Modes
 
-lots = _batch
+lots = _batch_package

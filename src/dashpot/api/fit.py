@@ -2,49 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from inspect import signature
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, overload
+from typing import Any, Literal, TypeAlias
 
-from dashpot.base.choices import AmplitudeLawAsked, ElasticKindAsked, FamilyAsked, ImpactLawAsked
+from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.datamodel.base_excitation import ShakenTest
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.frf_set import FRFSet
 from dashpot.datamodel.impact import ImpactTest
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance, CreepTest, LoadHold
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
-from dashpot.extensions.modes.datamodel import FRFSet
-from dashpot.extensions.modes.measured_modes import modes_of
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
-from dashpot.registry import KINDS, load, row_of
+from dashpot.registry import FITS, KINDS, load, row_of
 from dashpot.workflow.fit_bench_tests import BenchAsked, fit_records
-from dashpot.workflow.fit_routing import BENCH, Fitted, route
-from dashpot.workflow.job import Cuts, HammerChoices, RodChoices, known_of_a_test
+from dashpot.workflow.fit_routing import BENCH, route
+from dashpot.workflow.job import Cuts, HammerChoices
 from dashpot.workflow.shift_options import ShiftChoices
 from dashpot.workflow.vibration.impact_tests import identified, modes_of_hits
 from dashpot.workflow.vibration.measured_frf import measured_frf
 from dashpot.workflow.vibration.modes import Modes
-
-if TYPE_CHECKING:
-    from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep
-    from dashpot.extensions.amplitude.fit_files import Levels
-    from dashpot.extensions.materials.cld.datamodel import CompressionTest
-    from dashpot.extensions.materials.cld.fit_files import Pieces
-    from dashpot.extensions.materials.csr.datamodel import Aging, CounterforceTest
-    from dashpot.extensions.materials.hyperelastic.datamodel import (
-        HyperelasticFit,
-        StressStrainTest,
-    )
-    from dashpot.extensions.materials.indentation.datamodel import IndentationFit, IndentationTest
-    from dashpot.extensions.materials.slam.datamodel import SlamFit, SlamTest
-    from dashpot.extensions.modes.mass_series_files import ModesByMass
-    from dashpot.solids.part_geometry import Block, Disc
 
 Arms: TypeAlias = int | Literal["auto"]
 Elastic: TypeAlias = Literal["auto", "linear", "nonlinear", "by-depth"]
@@ -55,130 +39,6 @@ OnBench: TypeAlias = (
 Vibration: TypeAlias = ImpactTest | ShakenTest | FRF | FRFSet
 
 
-@overload
-def fit(
-    first: Vibration,
-    second: Vibration,
-    /,
-    *more: Vibration,
-    levels: Sequence[Quantity],
-    mass: Quantity | None = ...,
-    seals: float = ...,
-    band: Range | None = ...,
-    resonance_at: Sequence[Quantity] = ...,
-) -> Levels: ...
-@overload
-def fit(
-    record: Vibration,
-    /,
-    *,
-    mass: Quantity,
-    density: Quantity,
-    shape: str | Disc | Block,
-    arms: Arms = ...,
-    model: str = ...,
-    band: Range | None = ...,
-    lubricated: bool = ...,
-    mass_sd: Quantity | None = ...,
-    poisson: float | None = ...,
-) -> Fit: ...
-@overload
-def fit(
-    first: Vibration,
-    second: Vibration,
-    /,
-    *more: Vibration,
-    mass: list[Quantity] | tuple[Quantity, ...],
-    seals: float = ...,
-    band: Range | None = ...,
-) -> ModesByMass: ...
-@overload
-def fit(
-    first: OnBench | Vibration | Fit,
-    /,
-    *more: OnBench | Vibration | Fit,
-    mass: Quantity,
-    seals: float = ...,
-    seal_mass: Quantity | None = ...,
-    arms: Arms = ...,
-    model: str = ...,
-    band: Range | None = ...,
-    compression: Quantity | None = ...,
-    known: KnownSolid | None = ...,
-    rig: HammerRig | None = ...,
-    machine: Machine | None = ...,
-    impact_temperature: Quantity | None = ...,
-    hammer: HammerChoices | None = ...,
-) -> Fit: ...
-@overload
-def fit(
-    first: Vibration,
-    /,
-    *more: Vibration,
-    band: Range | None = ...,
-    hammer: HammerChoices | None = ...,
-) -> Modes: ...
-@overload
-def fit(
-    first: OnBench,
-    /,
-    *more: OnBench,
-    arms: Arms = ...,
-    model: str = ...,
-    elastic: Elastic = ...,
-    method: Literal["full", "hold"] = ...,
-    thorough: bool = ...,
-    filter: str | None = ...,
-    cuts: Cuts | None = ...,
-    machine: Machine | None = ...,
-    cycle: int | None = ...,
-    reference: Quantity | None = ...,
-    shift: str = ...,
-    vertical: str = ...,
-    only: Quantity | None = ...,
-) -> Fit: ...
-@overload
-def fit(
-    first: CompressionTest,
-    /,
-    *more: CompressionTest,
-    compression: Quantity | None = ...,
-    between: Range | None = ...,
-    force_limits: Range | None = ...,
-    memory: Fit | Sequence[Fit] = ...,
-    cycle: int | None = ...,
-) -> Pieces: ...
-@overload
-def fit(
-    first: StressStrainTest,
-    /,
-    *more: StressStrainTest,
-    model: str = ...,
-    terms: int | Literal["auto"] = ...,
-    poisson: float | None = ...,
-    memory: Fit | None = ...,
-    stretches: tuple[float, float] | None = ...,
-    temperature: Quantity | None = ...,
-    cycle: int | None = ...,
-) -> HyperelasticFit: ...
-@overload
-def fit(
-    first: CounterforceTest, /, *more: CounterforceTest, machine: Machine | None = ...
-) -> Aging: ...
-@overload
-def fit(
-    first: SlamTest,
-    /,
-    *more: SlamTest,
-    mass: Quantity,
-    slam: Quantity | Sequence[Quantity] = ...,
-    memory: Fit | Sequence[Fit] = ...,
-    speed_sd: float = ...,
-) -> SlamFit: ...
-@overload
-def fit(record: IndentationTest, /, *, model: str = ...) -> IndentationFit: ...
-@overload
-def fit(record: AmplitudeSweep, /, *, model: str = ...) -> AmplitudeFit: ...
 def fit(*records: Any, **how: Any) -> Any:
     """Fit the model that suits the records; several records are of one part.
 
@@ -236,12 +96,13 @@ def fit(*records: Any, **how: Any) -> Any:
     masses = len(mass) if isinstance(mass, list | tuple) else int(mass is not None)
     rod = how.get("density") is not None or how.get("shape") is not None
     meant = route(kinds, masses=masses, levels=bool(levels), rod=rod)
-    row = KINDS[next(iter(kinds.values()))] if meant not in _FITS else None
-    fitted = _FITS[meant] if row is None else load(row.fits)
+    row = FITS.get(meant)
+    word = row.records if row is not None else ""
+    fitted = load(word or KINDS[next(iter(kinds.values()))].fits)
     taken = signature(fitted).parameters.keys() - {"records"}
     strange = sorted(how.keys() - taken)
     if strange:
-        what, takes = _CALLED.get(meant, meant), ", ".join(sorted(taken))
+        what, takes = row.title if row and word else meant, ", ".join(sorted(taken))
         raise FitError(f"{strange[0]}= does not suit {what}. It takes {takes}")
     return fitted(list(records), **how)
 
@@ -297,12 +158,12 @@ def _name(record: Any, place: int, known: Mapping[str, str]) -> str:
     return name if name not in known else f"{name} ({place})"
 
 
-_VIBRATION = (ImpactTest, ShakenTest, FRF, FRFSet)
+VIBRATION_RECORDS = (ImpactTest, ShakenTest, FRF, FRFSet)
 
 # -- what each meaning of `route` is done by ------------------------------------------------------
 
 
-def _bench(
+def fit_bench_tests(
     records: list[Any],
     *,
     arms: Arms = "auto",
@@ -319,6 +180,7 @@ def _bench(
     vertical: Any = "auto",
     only: Quantity | None = None,
 ) -> Fit:
+    """Fit the solid of tests on a bench."""
     by_depth = elastic == "by-depth"
     shifting = ShiftChoices(
         at=si(only, "temperature"), reference=si(reference, "temperature"), law=shift,
@@ -332,36 +194,15 @@ def _bench(
     return fit_records(records, asked)[0]
 
 
-def _hits(
+def fit_hits(
     records: list[Any], *, band: Range | None = None, hammer: HammerChoices | None = None
 ) -> Modes:
+    """Fit modes to hits without a mass."""
     found, _ = modes_of_hits(_one(records), hammer=hammer, band=si_range(band, "frequency"))
     return found
 
 
-def _modes(records: list[Any], *, band: Range | None = None) -> Modes:
-    return modes_of(set_of(records), band=si_range(band, "frequency"))[0]
-
-
-def _masses(
-    records: list[Any],
-    *,
-    mass: Sequence[Quantity],
-    seals: float = 1.0,
-    band: Range | None = None,
-) -> ModesByMass:
-    from dashpot.extensions.modes.mass_series_files import modes_under
-
-    return modes_under(
-        [set_of([one]) for one in records],
-        [si(one, "mass") for one in mass],
-        list(kinds_of(records)),
-        seals=seals,
-        band=si_range(band, "frequency"),
-    )
-
-
-def _joint(
+def fit_jointly(
     records: list[Any],
     *,
     mass: Quantity | Sequence[Quantity],
@@ -377,11 +218,12 @@ def _joint(
     impact_temperature: Quantity | None = None,
     hammer: HammerChoices | None = None,
 ) -> Fit:
+    """Fit the solid of vibration under a mass, alone or with tests on a bench."""
     (block,) = mass if isinstance(mass, list | tuple) else (mass,)
     kilograms, hertz = si(block, "mass"), si_range(band, "frequency")
     bench = machine and machine.on_bench
     tests = [prepared(one, bench) for one in records if kind_of(one) in BENCH]
-    struck = [one for one in records if isinstance(one, _VIBRATION)]
+    struck = [one for one in records if isinstance(one, VIBRATION_RECORDS)]
     frf = frf_of(struck, mass=kilograms, band=hertz, hammer=hammer)
     found = identified(
         frf,
@@ -401,151 +243,6 @@ def _joint(
         rig=(rig or HammerRig()).on(machine),
     )
     return replace(found.fit, evidence=replace(found.fit.evidence, checks=found.checks))
-
-
-def _level(
-    records: list[Any],
-    *,
-    levels: Sequence[Quantity] = (),
-    mass: Quantity | None = None,
-    seals: float = 1.0,
-    band: Range | None = None,
-    model: AmplitudeLawAsked = "auto",
-    resonance_at: Sequence[Quantity] = (),
-    machine: Machine | None = None,
-) -> Levels | AmplitudeFit:
-    from dashpot.extensions.amplitude.fit_files import frfs_at_levels, hits_at_levels, of_amplitude
-
-    at = [si(one, "force") for one in resonance_at]
-    kilograms, hertz = si(mass, "mass"), si_range(band, "frequency")
-    if any(isinstance(one, _VIBRATION) for one in records):
-        known_of_a_test(machine, tests=0, add="recorded loops")
-    if all(isinstance(one, ImpactTest) for one in records):
-        return hits_at_levels(records, levels, mass=kilograms, band=hertz, at=at)
-    if all(isinstance(one, FRF) for one in records):
-        return frfs_at_levels(records, levels, mass=kilograms, seals=seals, band=hertz, at=at)
-    if len(records) > 1:
-        raise FitError(
-            "one amplitude sweep is fitted at a time; only FRFs of several levels, or hits, go "
-            "together"
-        )
-    return of_amplitude(records[0], law=model, machine=machine).fit  # type: ignore[return-value]  # of a sweep
-
-
-def _rod(
-    records: list[Any],
-    *,
-    mass: Quantity,
-    density: Quantity | None = None,
-    shape: str | Disc | Block | None = None,
-    arms: Arms = "auto",
-    model: FamilyAsked = "maxwell",
-    band: Range | None = None,
-    lubricated: bool = False,
-    mass_sd: Quantity | None = None,
-    poisson: float | None = None,
-    hammer: HammerChoices | None = None,
-) -> Fit:
-    from dashpot.extensions.materials.rod.fit_files import rod_under
-
-    if density is None or shape is None:
-        raise FitError(
-            "a rod's density and shape turn motion into a modulus. Give both: density=1100, "
-            'shape="disc:20mm,20mm"'
-        )
-    kilograms, hertz = si(mass, "mass"), si_range(band, "frequency")
-    if poisson is None and not isinstance(shape, str):
-        own = {one.name: one.default for one in fields(shape)}.get("poisson")
-        poisson = None if getattr(shape, "poisson", own) == own else shape.poisson
-    found = rod_under(
-        frf_of(records, mass=kilograms, band=hertz, hammer=hammer),
-        mass=kilograms,
-        density=float(density),
-        rod=RodChoices(**shape_words(shape), lubricated=lubricated),
-        arms=arms,
-        family=model,
-        band=hertz,
-        mass_sd=si(mass_sd, "mass"),
-        poisson=poisson,
-    )
-    if found.fit is None:
-        raise FitError(found.reason)
-    return found.fit
-
-
-def _cld(
-    records: list[Any],
-    *,
-    compression: Quantity | None = None,
-    between: Range | None = None,
-    force_limits: Range | None = None,
-    memory: Fit | Sequence[Fit] = (),
-    cycle: int | None = None,
-    machine: Machine | None = None,
-) -> Pieces:
-    from dashpot.extensions.materials.cld.fit_files import cld_of
-
-    return cld_of(
-        records,
-        at=compression,
-        between=between,
-        limits=si_range(force_limits, "force"),
-        memory=[memory] if isinstance(memory, Fit) else list(memory),
-        cycle=cycle,
-        names=list(kinds_of(records)),
-        machine=machine,
-    )
-
-
-def _stress_strain(
-    records: list[Any],
-    *,
-    model: ElasticKindAsked = "auto",
-    terms: int | Literal["auto"] = "auto",
-    poisson: float | None = None,
-    memory: Fit | None = None,
-    stretches: tuple[float, float] | None = None,
-    temperature: Quantity | None = None,
-    cycle: int | None = None,
-) -> HyperelasticFit:
-    from dashpot.extensions.materials.hyperelastic.fit import fit_hyperelastic
-    from dashpot.fitting.parameters import memory_of
-
-    return fit_hyperelastic(
-        records,
-        law=model,
-        terms=terms,
-        poisson=poisson,
-        memory=None if memory is None else memory_of(memory.model),
-        cycle=cycle,
-        stretches=stretches,
-        temperature=si(temperature, "temperature"),
-    )
-
-
-def _indentation(records: list[Any], *, model: ImpactLawAsked = "auto") -> IndentationFit:
-    from dashpot.extensions.materials.indentation.fit import fit_indentation
-
-    if len(records) > 1:
-        raise FitError(
-            f"one hit of an indenter is fitted at a time, and there are {len(records)}. For a "
-            "table of all: dp.batch(FOLDER)"
-        )
-    return fit_indentation(records[0], law=model)
-
-
-_FITS: Mapping[Fitted, Callable[..., Any]] = {
-    "bench": _bench, "hits": _hits, "modes": _modes, "masses": _masses, "joint": _joint,
-    "level": _level, "rod": _rod, "cld": _cld, "stress-strain": _stress_strain,
-    "indentation": _indentation,
-}  # fmt: skip
-_CALLED: Mapping[Fitted, str] = {
-    "bench": "tests on a bench", "hits": "hits without a mass", "modes": "FRFs without a mass",
-    "masses": "FRFs under several masses", "joint": "vibration under a mass",
-    "level": "amplitudes and levels", "rod": "a rod", "cld": "load deflection",
-    "stress-strain": "stress over strain", "indentation": "an indenter's hit",
-}  # fmt: skip
-"""What an option may not suit."""
 
 
 # -- what several verbs make of a record ----------------------------------------------------------

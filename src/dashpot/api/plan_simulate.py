@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal, overload
+from typing import TYPE_CHECKING, Any, Literal
 
 from dashpot.base.choices import Method
 from dashpot.base.errors import DataError
@@ -14,9 +14,6 @@ from dashpot.datamodel.machine import Machine
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 if TYPE_CHECKING:
-    from dashpot.datamodel.impact import ImpactTest
-    from dashpot.datamodel.relaxation import RelaxationTest
-    from dashpot.extensions.curves.datamodel.creep import CreepTest
     from dashpot.planning.plan import Plan
     from dashpot.solids.shift_laws import TemperatureLaw
 
@@ -91,46 +88,6 @@ def plan(
     )
 
 
-@overload
-def simulate(
-    what: Literal["relaxation"],
-    *,
-    seal: str | Fit | Solid = ...,
-    depth: Quantity = ...,
-    ramp: Quantity = ...,
-    hold: Quantity = ...,
-    rate: Quantity | None = ...,
-    temperature: Quantity | None = ...,
-    noise_free: bool = ...,
-    seed: int = ...,
-) -> RelaxationTest: ...
-@overload
-def simulate(
-    what: Literal["creep"],
-    *,
-    seal: str | Fit | Solid = ...,
-    load: Quantity = ...,
-    ramp: Quantity = ...,
-    hold: Quantity = ...,
-    rate: Quantity | None = ...,
-    temperature: Quantity | None = ...,
-    noise_free: bool = ...,
-    seed: int = ...,
-) -> CreepTest: ...
-@overload
-def simulate(
-    what: Literal["impact"],
-    *,
-    seal: str | Fit | Solid = ...,
-    mass: Quantity | None = ...,
-    seals: float = ...,
-    hits: int = ...,
-    hit_length: Quantity | None = ...,
-    rate: Quantity | None = ...,
-    temperature: Quantity | None = ...,
-    noise_free: bool = ...,
-    seed: int = ...,
-) -> ImpactTest: ...
 def simulate(
     what: Literal["relaxation", "creep", "impact"],
     *,

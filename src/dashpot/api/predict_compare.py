@@ -5,42 +5,30 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, overload
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from dashpot.api.fit import Arms, Vibration, frf_of, kind_of, prepared, shape_words
 from dashpot.api.read_save import Place
 from dashpot.base.choices import Method
 from dashpot.base.errors import DataError
 from dashpot.base.plausibility import SIZES
+from dashpot.base.result_mixins import Judged
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.frf_set import FRFSet
 from dashpot.datamodel.impact import ImpactTest
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.modes.datamodel import FRFSet
-from dashpot.registry import load, row_of
+from dashpot.registry import find_handler, load, row_of
 from dashpot.workflow.job import Cuts, HammerChoices, LevelChoices, PartChoices
 from dashpot.workflow.response.frf_prediction import BAND, Prediction, prediction
 from dashpot.workflow.vibration.impact_tests import Agreement, agreement
 
 if TYPE_CHECKING:
-    from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
-    from dashpot.extensions.amplitude.fit_files import Levels
-    from dashpot.extensions.amplitude.level_results import LevelFit
-    from dashpot.extensions.batch.comparison import LotComparison
-    from dashpot.extensions.batch.lot import Lot
-    from dashpot.extensions.door.closing_result import ClosingResult
-    from dashpot.extensions.door.door_model import Door
-    from dashpot.extensions.door.result import DoorResult
-    from dashpot.extensions.materials.csr.datamodel import Aging
-    from dashpot.extensions.materials.csr.lifetime_prediction import Aged
-    from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
-    from dashpot.extensions.materials.slam.prediction import Slam
     from dashpot.solids.maxwell import Solid
     from dashpot.solids.part_geometry import Geometry
-    from dashpot.vibration.comparison.comparison import Comparison
     from dashpot.workflow.study import Study
 
 Records: TypeAlias = RelaxationTest | RampHold | Sequence[RelaxationTest | RampHold]
@@ -50,55 +38,6 @@ To: TypeAlias = Literal[
 ]  # fmt: skip
 
 
-@overload
-def predict(
-    solid: Fit,
-    /,
-    *,
-    mass: Quantity,
-    seals: float = ...,
-    seal_mass: Quantity | None = ...,
-    band: Range = ...,
-    lines: int = ...,
-    quantity: str = ...,
-    base: bool | str = ...,
-    relative: bool = ...,
-    compression: Quantity | None = ...,
-    temperature: Quantity | None = ...,
-    shape: str | Geometry | None = ...,
-    level: Quantity | Sequence[Quantity] = ...,
-    sweep: AmplitudeSweep | None = ...,
-    height: Quantity | None = ...,
-    record: Records = ...,
-    machine: Machine | None = ...,
-) -> Prediction: ...
-@overload
-def predict(solid: Fit, /, *, slam: Quantity, mass: Quantity, seals: float = ...) -> Slam: ...
-@overload
-def predict(
-    solid: Solid,
-    /,
-    *,
-    mass: Quantity,
-    seals: float = ...,
-    band: Range = ...,
-    lines: int = ...,
-    quantity: str = ...,
-) -> FRF: ...
-@overload
-def predict(
-    solid: Aging, /, *, temperature: Quantity, until: str | Sequence[str] = ...
-) -> Aged: ...
-@overload
-def predict(solid: Aging, /, *, temperature: Quantity, until: str, new: Fit) -> Fit: ...
-@overload
-def predict(
-    solid: Door, /, *, close: Quantity, temperature: Quantity | None = ...
-) -> ClosingResult: ...
-@overload
-def predict(
-    solid: Door, /, *, band: Range = ..., temperature: Quantity | None = ...
-) -> DoorResult: ...
 def predict(solid: Any, /, **how: Any) -> Any:
     """Predict how a solid vibrates under a mass, on a moving base, at a level, or in a door.
 
@@ -138,35 +77,15 @@ def predict(solid: Any, /, **how: Any) -> Any:
     >>> round(predicted.modes[0].frequency, 1)
     12.2
     """
-    from dashpot.extensions.door.door_model import Door
-
     row = row_of(solid)
     if row is not None and row.predict:
         return load(row.predict)(solid, **how)
-    if isinstance(solid, Door):
-        return _door(solid, **how)
-    if isinstance(solid, Fit) and "slam" in how:
-        slammed: Slam = load("dashpot.extensions.materials.slam.prediction:predict_slam")(
-            solid, **how
-        )
-        return slammed
+    special = find_handler("predict", solid) or next(
+        filter(None, (find_handler("predict with option", option) for option in how)), None
+    )
+    if special is not None:
+        return special(solid, **how)
     return _under_mass(solid, **how) if isinstance(solid, Fit) else _bare(solid, **how)
-
-
-def _door(
-    door: Door,
-    *,
-    band: Range | None = None,
-    close: Quantity | None = None,
-    temperature: Quantity | None = None,
-) -> DoorResult | ClosingResult:
-    from dashpot.extensions.door.analyse_file import door_file
-    from dashpot.extensions.door.closing_from_file import close_file
-
-    kelvin = si(temperature, "temperature")
-    if close is not None:
-        return close_file(door, si(close, "velocity"), temperature=kelvin)
-    return door_file(door, band=si_range(band, "frequency"), temperature=kelvin)
 
 
 def _bare(
@@ -203,7 +122,7 @@ def _under_mass(
     temperature: Quantity | None = None,
     shape: str | Geometry | None = None,
     level: Quantity | Sequence[Quantity] = (),
-    sweep: AmplitudeSweep | None = None,
+    sweep: Any = None,
     height: Quantity | None = None,
     record: Records = (),
     machine: Machine | None = None,
@@ -217,10 +136,8 @@ def _under_mass(
         raise DataError("sweep= is what a level does to the part: add level=")
     swept = None
     if sweep is not None:
-        from dashpot.extensions.amplitude.amplitude_response import swept_by
-        from dashpot.extensions.amplitude.fit import fit_amplitude
-
-        swept = swept_by(fit_amplitude(sweep), sweep, choices, unit=found.unit, part=part)
+        fit_sweep = find_handler("predict with sweep", sweep)
+        swept = fit_sweep(sweep, choices, unit=found.unit, part=part)
     return prediction(
         found,
         _behind(record, machine),
@@ -247,24 +164,6 @@ def _behind(record: Records, machine: Machine | None = None) -> list[RampHold]:
     return [prepared(one, machine) for one in tests]
 
 
-@overload
-def compare(
-    one: Fit | Prediction,
-    other: Vibration,
-    /,
-    *,
-    mass: Quantity | None = ...,
-    seals: float | None = ...,
-    seal_mass: Quantity | None = ...,
-    band: Range | None = ...,
-    compression: Quantity | None = ...,
-    record: Records = ...,
-    hammer: HammerChoices | None = ...,
-) -> Agreement: ...
-@overload
-def compare(one: FRF, other: FRF, /, *, band: Range | None = ...) -> Comparison: ...
-@overload
-def compare(one: Lot, other: Lot, /, *, quantities: Sequence[str] = ...) -> LotComparison: ...
 def compare(one: Any, other: Any, /, **how: Any) -> Any:
     """Hold a prediction against a measurement, an FRF against an FRF, or a lot against a lot.
 
@@ -290,20 +189,18 @@ def compare(one: Any, other: Any, /, **how: Any) -> Any:
     >>> dp.compare(found, hits, mass="114.8g", seals=2).verdict.use
     'do not use'
     """
-    from dashpot.extensions.batch.lot import Lot
-
-    if isinstance(one, Lot) and isinstance(other, Lot):
-        from dashpot.extensions.batch.comparison import compared
-
-        names = tuple(how.pop("quantities", ()))
-        return compared(("the first lot", one), ("the second lot", other), names, **how)
+    special = find_handler("compare", one)
+    if special is not None and type(one) is type(other):
+        return special(one, other, **how)
     if isinstance(one, FRF) and isinstance(other, FRF):
         from dashpot.vibration.comparison import compare as room
 
         band = si_range(how.pop("band", None), "frequency")
         return room.compare(one, other, band=band, **how)
     measured = isinstance(other, ImpactTest | FRF) or (
-        not isinstance(other, FRFSet | Lot) and kind_of(other) == "impact"
+        not isinstance(other, FRFSet)
+        and find_handler("compare", other) is None
+        and kind_of(other) == "impact"
     )
     if isinstance(one, Fit | Prediction) and measured:
         return _agreement(one, other, **how)
@@ -426,7 +323,7 @@ def report(
 
 
 def export(
-    solid: Fit | Solid | HyperelasticFit | LevelFit | Levels,
+    solid: Fit | Solid | Judged,
     path: Place | None = None,
     /,
     *,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict, TypeVar, Unpack, overload
+from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar, Unpack
 
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.result_mixins import verb
@@ -12,21 +12,9 @@ from dashpot.base.units import Quantity, si
 from dashpot.datamodel.specimen import Specimen
 from dashpot.reading.read_options import ReadOptions, load_profile
 from dashpot.reading.readers.detect_kind import called, recognise
-from dashpot.registry import KINDS, load
+from dashpot.registry import KINDS, find_handler, load
 
 if TYPE_CHECKING:
-    from dashpot.datamodel.frf import FRF
-    from dashpot.datamodel.impact import ImpactTest
-    from dashpot.datamodel.relaxation import RelaxationTest
-    from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
-    from dashpot.extensions.curves.datamodel.creep import CreepCompliance, CreepTest
-    from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
-    from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
-    from dashpot.extensions.materials.cld.datamodel import CompressionTest
-    from dashpot.extensions.materials.csr.datamodel import CounterforceTest
-    from dashpot.extensions.materials.hyperelastic.datamodel import StressStrainTest
-    from dashpot.extensions.materials.indentation.datamodel import IndentationTest
-    from dashpot.extensions.materials.slam.datamodel import SlamTest
     from dashpot.workflow.inspections import InspectedFile
 
 Place: TypeAlias = str | Path
@@ -79,7 +67,6 @@ class How(TypedDict, total=False):
     impact_velocity: Quantity
 
 
-_INDENTER = ("mass", "radius", "radius_error", "drop_height", "impact_velocity")
 _TEXT = {"skip": "skip_rows"}
 _TAKEN: Mapping[str, Callable[[Any], Any]] = {
     "units": dict, "axis": str, "calibration": str, "rate": lambda rate: si(rate, "frequency"),
@@ -88,42 +75,6 @@ _TAKEN: Mapping[str, Callable[[Any], Any]] = {
 """What is said under the names that the reading options have, and what they take of it."""
 
 
-@overload
-def read(path: Place, *, kind: Literal["relaxation"], **how: Unpack[How]) -> RelaxationTest: ...
-@overload
-def read(
-    path: Place, *, kind: Literal["creep"], **how: Unpack[How]
-) -> CreepTest | CreepCompliance: ...
-@overload
-def read(
-    path: Place, *, kind: Literal["dma", "master-curve"], **how: Unpack[How]
-) -> DynamicTest: ...
-@overload
-def read(path: Place, *, kind: Literal["modulus"], **how: Unpack[How]) -> RelaxationModulus: ...
-@overload
-def read(
-    path: Place | Sequence[Place], *, kind: Literal["impact"], **how: Unpack[How]
-) -> ImpactTest: ...
-@overload
-def read(path: Place, *, kind: Literal["frf", "transmissibility"], **how: Unpack[How]) -> FRF: ...
-@overload
-def read(path: Place, *, kind: Literal["cld"], **how: Unpack[How]) -> CompressionTest: ...
-@overload
-def read(
-    path: Place, *, kind: Literal["stress-strain"], **how: Unpack[How]
-) -> StressStrainTest: ...
-@overload
-def read(path: Place, *, kind: Literal["csr"], **how: Unpack[How]) -> CounterforceTest: ...
-@overload
-def read(path: Place, *, kind: Literal["slam"], **how: Unpack[How]) -> SlamTest: ...
-@overload
-def read(path: Place, *, kind: Literal["indentation"], **how: Unpack[How]) -> IndentationTest: ...
-@overload
-def read(
-    path: Place, *, kind: Literal["strain-sweep", "cyclic"], **how: Unpack[How]
-) -> AmplitudeSweep: ...
-@overload
-def read(path: Place | Sequence[Place], *, kind: str | None = ..., **how: Unpack[How]) -> Any: ...
 def read(path: Place | Sequence[Place], *, kind: str | None = None, **how: Any) -> Any:
     """Read a record, or a stored result, as what it is.
 
@@ -165,16 +116,12 @@ def read(path: Place | Sequence[Place], *, kind: str | None = None, **how: Any) 
         from dashpot.workflow.json_files import stored
 
         return stored(path)
-    if found.kind in _OWN:
-        return load(_OWN[found.kind])(path)
+    if found.kind == "profile":
+        return load_profile(path)
+    read_whole = find_handler("read", found.kind)
+    if read_whole is not None:
+        return read_whole(path)
     return _record(path, found.kind, options, how)
-
-
-_OWN = {
-    "door": "extensions.door.read:read_door", "lot": "extensions.batch.lot:Lot.read",
-    "profile": "reading.read_options:load_profile",
-}  # fmt: skip
-"""What is no test and no document, and who reads it."""
 
 
 def _options(how: Mapping[str, Any], kind: str | None) -> ReadOptions:
@@ -214,8 +161,9 @@ def _record(path: Place, kind: str, options: ReadOptions, how: Mapping[str, Any]
             f'dp.inspect("{path}")'
         )
     given: dict[str, Any] = {"options": options}
-    if kind in _SPECIAL:
-        return _SPECIAL[kind](path, given, how)
+    special = _SPECIAL.get(kind) or find_handler("read record", kind)
+    if special is not None:
+        return special(path, given, how)
     if "specimen" in how:
         given["specimen"] = how["specimen"]
     return load(KINDS[kind].reader)(path, **given)
@@ -229,52 +177,11 @@ def _impact(path: Place, given: dict[str, Any], _: Mapping[str, Any]) -> Any:
     return load(KINDS["impact"].reader)(path, **given)
 
 
-def _frf(path: Place, given: dict[str, Any], _: Mapping[str, Any]) -> Any:
-    from dashpot.extensions.modes.read_frf_set import read_frfs
-
-    found = read_frfs([path], **given)
-    return found if len(found.points) > 1 else found.frfs[0]
-
-
 def _transmissibility(path: Place, given: dict[str, Any], _: Mapping[str, Any]) -> Any:
     return load(KINDS["transmissibility"].reader)(path, **given)
 
 
-def _stress_strain(path: Place, given: dict[str, Any], how: Mapping[str, Any]) -> Any:
-    from dashpot.extensions.materials.hyperelastic.options import MODES
-
-    word = how.get("test", "uniaxial")
-    if word not in MODES:
-        raise ReadError(f"test='{word}': expected one of {', '.join(MODES)}")
-    read_it = load(KINDS["stress-strain"].reader)
-    return read_it(path, MODES[word].mode, pressed=MODES[word].pressed, **given)
-
-
-def _indentation(path: Place, given: dict[str, Any], how: Mapping[str, Any]) -> Any:
-    from dashpot.extensions.materials.indentation.indenter import Indenter
-
-    if "mass" not in how:
-        raise ReadError(
-            f"{Path(path).name} is a hit of an indenter, whose mass makes forces of its motion. "
-            f'Give it: dp.read("{Path(path).name}", mass="5g")'
-        )
-    indenter = Indenter(**{name: how[name] for name in _INDENTER if name in how})
-    return load(KINDS["indentation"].reader)(path, indenter=indenter, **given)
-
-
-def _loops(path: Place, given: dict[str, Any], _: Mapping[str, Any]) -> Any:
-    from dashpot.extensions.amplitude.preprocess import sweep_of_loops
-    from dashpot.reading.raw_file import about
-
-    record = load(KINDS["cyclic"].reader)(path, **given)
-    with about(Path(path).name):
-        return sweep_of_loops(record)
-
-
-_SPECIAL = {
-    "impact": _impact, "frf": _frf, "transmissibility": _transmissibility,
-    "stress-strain": _stress_strain, "indentation": _indentation, "cyclic": _loops,
-}  # fmt: skip
+_SPECIAL = {"impact": _impact, "transmissibility": _transmissibility}
 """Kinds whose readers want to know something else than the options and the specimen."""
 
 
@@ -288,10 +195,9 @@ def _several(paths: Sequence[Path], options: ReadOptions, how: Mapping[str, Any]
 
             return read_shaken(paths, options)
         return load(KINDS["impact"].reader)(paths, options=options)
-    if have == {"frf"}:
-        from dashpot.extensions.modes.read_frf_set import read_frfs
-
-        return read_frfs(paths, options=options)
+    read_set = find_handler("read several", next(iter(have))) if len(have) == 1 else None
+    if read_set is not None:
+        return read_set(paths, options=options)
     if len(paths) == 1:
         return read(paths[0], kind=options.kind, **how)
     said = "; ".join(f"{path.name} is {called(kind)}" for path, kind in kinds.items())

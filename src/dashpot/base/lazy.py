@@ -30,6 +30,8 @@ def names_of(
         if isinstance(line, ast.ImportFrom)
         for alias in line.names
     }
+    # ``_name``: where a name is whose signature another line of the stub names
+    homes |= {name[1:]: homes.pop(name) for name in list(homes) if name[1:] in homes}
 
     for line in stub.body:  # ``public = _imported``: another public name of what a line imports
         if isinstance(line, ast.Assign):

@@ -23,7 +23,7 @@ from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.extensions.materials.slam.options import SlamAsked
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from dashpot.reading.read_options import ReadOptions
-from dashpot.registry import KINDS, find_handler, load, takers
+from dashpot.registry import FITS, KINDS, load, takers
 from dashpot.workflow.job import Job, LevelJob, RodChoices
 from dashpot.workflow.shift_options import ShiftChoices
 
@@ -178,7 +178,7 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
     if meant in {"hits", "modes"}:
         _refuse_what_needs_a_mass(context)
     _refuse_unused(context, meant)
-    run: Callable[[Given], Outcome] = find_handler("fit command", meant) or load(GENERIC)
+    run: Callable[[Given], Outcome] = load(FITS[meant].files if meant in FITS else GENERIC)
     tell(found)
     return run(Given(files, kinds, said))
 
@@ -203,44 +203,6 @@ def _refuse_what_needs_a_mass(context: click.Context) -> None:
             )
 
 
-_OF_BENCH = frozenset({
-    "model", "arms", "elastic", "method", "cuts", "machine", "filter", "thorough", "shifting",
-    "save_shifts", "temperatures", "specimen",
-})  # fmt: skip
-USED: dict[str, frozenset[str]] = {
-    "bench": _OF_BENCH,
-    "joint": _OF_BENCH | {
-        "mass", "seals", "seal_mass", "band", "compression", "rig", "hammer", "known",
-        "stiffness_table", "impact_temperature",
-    },
-    "hits": frozenset({"mass", "band", "hammer"}),
-    "modes": frozenset({"band", "motion"}),
-    "masses": frozenset({"mass", "seals", "band"}),
-    "level": frozenset({"model", "machine", "mass", "seals", "band", "levels", "at", "motion"}),
-    "rod": frozenset({
-        "model", "arms", "mass", "band", "rig", "hammer", "rod", "density", "poisson",
-        "temperatures", "specimen",
-    }),
-    "cld": frozenset({
-        "compression", "between", "force_limits", "machine", "memory", "temperatures", "specimen",
-    }),
-    "stress-strain": frozenset({
-        "model", "memory", "test", "poisson", "stretches", "terms", "measures", "temperatures",
-    }),
-    "indentation": frozenset({"model", "mass", "indenter"}),
-    "slam": frozenset({"mass", "memory", "slam", "temperatures", "specimen"}),
-}  # fmt: skip
-"""Which options each fit uses beside those of reading and result, as the verb receives them."""
-_FITS = {
-    "bench": "tests on a bench", "joint": "the solid under one mass",
-    "hits": "hammer hits without a mass", "modes": "the modes of FRFs",
-    "masses": "FRFs under several masses", "level": "tests at several amplitudes",
-    "rod": "a rod under a mass", "cld": "load deflection", "stress-strain": "stress over strain",
-    "indentation": "the hit of an indenter", "slam": "slams",
-}  # fmt: skip
-"""What each of those fits is of."""
-
-
 def _refuse_unused(context: click.Context, meant: str) -> None:
     """Refuse an option that the fit of these records does not use.
 
@@ -248,16 +210,16 @@ def _refuse_unused(context: click.Context, meant: str) -> None:
     ------
     click.UsageError
     """
-    used = USED.get(meant)
-    if used is None:  # a kind of the register alone, which says what it takes
+    if meant not in FITS:  # a kind of the registry alone, which says what it takes
         return
+    used = set(FITS[meant].options)
     for one in command.options:
         shared = one.group in {options.READING, options.RESULT}
         if shared or one.names & used or not one.typed(context):
             continue
-        *others, last = [_FITS[fit] for fit in USED if one.names & USED[fit]]
+        *others, last = [fit.command_title for fit in FITS.values() if one.names & set(fit.options)]
         suited = f"{', '.join(others)} or {last}" if others else last
         raise click.UsageError(
             f"{one.flag} is for {suited}. Here it would change nothing, as these files are fitted "
-            f"as {_FITS[meant]}: leave it out."
+            f"as {FITS[meant].command_title}: leave it out."
         )

@@ -19,6 +19,7 @@ from dashpot.registry.row import (
     Example,
     Extension,
     FileFormat,
+    FitRow,
     KindOfTest,
     Meant,
     Piece,
@@ -29,10 +30,33 @@ if TYPE_CHECKING:
     from dashpot.base.form_fields import Ask
 
 __all__ = [
-    "COMMANDS", "EXTENSIONS", "FIGURES", "FIT_FILES", "FORMATS", "KINDS", "PREDICTED", "RESPONSES",
-    "SOLVER_INPUTS", "Command", "Example", "Extension", "FileFormat", "KindOfTest", "Meant",
-    "Piece", "Place", "asks_of", "figure_of", "find_handler", "load", "page_of", "row_of", "takers",
-]  # fmt: skip
+    "COMMANDS",
+    "EXTENSIONS",
+    "FIGURES",
+    "FITS",
+    "FIT_FILES",
+    "FORMATS",
+    "KINDS",
+    "PREDICTED",
+    "RESPONSES",
+    "SOLVER_INPUTS",
+    "Command",
+    "Example",
+    "Extension",
+    "FileFormat",
+    "FitRow",
+    "KindOfTest",
+    "Meant",
+    "Piece",
+    "Place",
+    "asks_of",
+    "figure_of",
+    "find_handler",
+    "load",
+    "page_of",
+    "row_of",
+    "takers",
+]
 
 _PACKAGE = "dashpot.extensions"
 
@@ -69,6 +93,16 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType(
     }
 )
 """Every kind of test, in the order in which columns and examples stand."""
+
+FITS: Mapping[str, FitRow] = MappingProxyType(
+    {
+        fit.name: fit
+        for fit in sorted(
+            (fit for extension in EXTENSIONS for fit in extension.fits), key=lambda fit: fit.order
+        )
+    }
+)
+"""Every fit that records may mean, but for those that the row of a kind says whole."""
 
 COMMANDS: Mapping[str, Command] = MappingProxyType(
     {

@@ -1,10 +1,15 @@
 """The rows of the core: the paper's own tests, commands, formats and solver inputs."""
 
-from dashpot.registry.row import Command, Extension, FileFormat, KindOfTest
+from dashpot.registry.row import Command, Extension, FileFormat, FitRow, KindOfTest
 
 _PAIR = (
     "say of which test (--pair, or the column 'hammer' of --manifest), or fit both with dashpot fit"
 )
+
+_BENCH = (
+    "model", "arms", "elastic", "method", "cuts", "machine", "filter", "thorough", "shifting",
+    "save_shifts", "temperatures", "specimen",
+)  # fmt: skip
 
 EXTENSION = Extension(
     "core",
@@ -58,11 +63,6 @@ EXTENSION = Extension(
             "dashpot.workflow.response.frf_prediction:Prediction": "dashpot.text_output.results:prediction",
             "dashpot.workflow.study:Study": "dashpot.text_output.results:study",
         },
-        "fit command": {
-            "bench": "dashpot.cli.fit_handlers.bench_tests:run",
-            "hits": "dashpot.cli.fit_handlers.hits:run",
-            "joint": "dashpot.cli.fit_handlers.joint:run",
-        },
     },
     commands=(
         Command("inspect", "Work", "What a file is, how it was read, what is unclear.", "dashpot.cli.inspect", order=0),
@@ -85,4 +85,27 @@ EXTENSION = Extension(
         "statespace": "dashpot.export.decks.statespace",
         "csv": "dashpot.export.decks.csv",
     },
+    fits=(
+        FitRow(
+            "bench", "dashpot.api.fit:fit_bench_tests",
+            "dashpot.cli.fit_handlers.bench_tests:run",
+            "tests on a bench", "tests on a bench", order=0,
+            options=_BENCH,
+        ),
+        FitRow(
+            "joint", "dashpot.api.fit:fit_jointly",
+            "dashpot.cli.fit_handlers.joint:run",
+            "vibration under a mass", "the solid under one mass", order=1,
+            options=(
+                *_BENCH, "mass", "seals", "seal_mass", "band", "compression", "rig", "hammer",
+                "known", "stiffness_table", "impact_temperature",
+            ),
+        ),
+        FitRow(
+            "hits", "dashpot.api.fit:fit_hits",
+            "dashpot.cli.fit_handlers.hits:run",
+            "hits without a mass", "hammer hits without a mass", order=2,
+            options=("mass", "band", "hammer"),
+        ),
+    ),
 )  # fmt: skip

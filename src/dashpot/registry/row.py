@@ -192,6 +192,33 @@ class FileFormat:
 
 
 @dataclass(frozen=True)
+class FitRow:
+    """A fit that records may mean, together and with what was said of them.
+
+    Attributes
+    ----------
+    name : str
+        A word of :func:`dashpot.workflow.fit_routing.route`.
+    records, files : str
+        The function of records (Python), and that of a request of ``dashpot fit``.
+    title, command_title : str
+        What its records are called where an option does not suit them, in Python and in a terminal.
+    options : tuple of str
+        The options of ``dashpot fit`` that it uses beside those of reading and result.
+    order : int
+        Where it stands among all.
+    """
+
+    name: str
+    records: str
+    files: str
+    title: str
+    command_title: str
+    options: tuple[str, ...] = ()
+    order: int = 0
+
+
+@dataclass(frozen=True)
 class Extension:
     """What one package adds to the core; the core's own rows are one, too.
 
@@ -200,8 +227,12 @@ class Extension:
     name : str
     kinds : tuple of KindOfTest
     handlers : mapping of str to mapping of str to str
-        For a task of the core (``"text"``, ``"figure"``, ``"fit command"``), the function that does
-        it for a type (``"package.module:Class"``) or for a name.
+        For a task of the core, the function that does it for a type (``"package.module:Class"``) or
+        for a name: ``"text"`` and ``"figure"`` of a result; ``"read"`` a file of a kind that is no
+        record, ``"read record"`` one whose reader asks for more, ``"read several"`` files of one
+        kind; ``"predict"`` from a model, ``"predict with option"`` and ``"predict with sweep"``
+        from a fit; ``"compare"`` two of a type.
+    fits : tuple of FitRow
     commands : tuple of Command
     formats : tuple of FileFormat
     solver_inputs : mapping of str to str
@@ -211,6 +242,7 @@ class Extension:
     name: str
     kinds: tuple[KindOfTest, ...] = ()
     handlers: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    fits: tuple[FitRow, ...] = ()
     commands: tuple[Command, ...] = ()
     formats: tuple[FileFormat, ...] = ()
     solver_inputs: Mapping[str, str] = field(default_factory=dict)

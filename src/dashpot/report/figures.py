@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from dashpot import plot
-from dashpot.extensions.modes.datamodel import FRFSet
+from dashpot.datamodel.frf_set import FRFSet
 from dashpot.extensions.modes.stabilisation import stabilisation
 from dashpot.plot.picture import Panel, joint_pen
 from dashpot.plot.svg import checked, strip, swatch

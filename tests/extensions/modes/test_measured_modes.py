@@ -10,7 +10,7 @@ import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import rounded
 from dashpot.datamodel.frf import FRF, Mode
-from dashpot.extensions.modes.datamodel import FRFSet
+from dashpot.datamodel.frf_set import FRFSet
 from dashpot.extensions.modes.mode_shapes import phase_collinearity, phase_deviation
 from dashpot.extensions.modes.read_frf_set import read_frfs
 from dashpot.reading.readers.frf import read_frf

@@ -1,6 +1,6 @@
 """The rows of tests at several amplitudes."""
 
-from dashpot.registry.row import Extension, KindOfTest
+from dashpot.registry.row import Extension, FitRow, KindOfTest
 
 EXTENSION = Extension(
     "amplitude",
@@ -24,14 +24,25 @@ EXTENSION = Extension(
         ),
     ),
     handlers={
+        "predict with sweep": {
+            "dashpot.extensions.amplitude.datamodel:AmplitudeSweep": "dashpot.extensions.amplitude.api:fit_sweep",
+        },
+        "read record": {
+            "cyclic": "dashpot.extensions.amplitude.api:read_loops",
+        },
         "text": {
             "dashpot.extensions.amplitude.hits_by_amplitude:HitLevels": "dashpot.text_output.results:amplitude",
             "dashpot.extensions.amplitude.level_results:LevelFit": "dashpot.text_output.results:amplitude",
             "dashpot.extensions.amplitude.datamodel:AmplitudeFit": "dashpot.text_output.results:amplitude",
             "dashpot.extensions.amplitude.fit_files:Levels": "dashpot.text_output.results:levels",
         },
-        "fit command": {
-            "level": "dashpot.extensions.amplitude.fit_handler:run",
-        },
     },
+    fits=(
+        FitRow(
+            "level", "dashpot.extensions.amplitude.api:fit_levels",
+            "dashpot.extensions.amplitude.fit_handler:run",
+            "amplitudes and levels", "tests at several amplitudes", order=5,
+            options=("model", "machine", "mass", "seals", "band", "levels", "at", "motion"),
+        ),
+    ),
 )  # fmt: skip

@@ -14,6 +14,7 @@ from dashpot.base.units import Quantity
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from dashpot.extensions.batch.comparison import LotComparison
     from dashpot.extensions.batch.lot import Lot
     from dashpot.fitting.fit_many import Many
 
@@ -122,3 +123,17 @@ def _arrays(
         units, time=(time, "time"), displacement=(displacement, "length"), force=(forces, "force")
     )
     return fit_many(t, F, displacement=x, ramp=ramp, **how)
+
+
+def compare_lots(first: Lot, second: Lot, /, *, quantities: Sequence[str] = ()) -> LotComparison:
+    """Compare the quantities of two lots."""
+    from dashpot.extensions.batch.comparison import compared
+
+    return compared(("the first lot", first), ("the second lot", second), tuple(quantities))
+
+
+def read_lot(folder: Place) -> Lot:
+    """Read the lot that a batch wrote into a folder."""
+    from dashpot.extensions.batch.lot import Lot
+
+    return Lot.read(folder)

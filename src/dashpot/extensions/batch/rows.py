@@ -5,6 +5,12 @@ from dashpot.registry.row import Command, Extension
 EXTENSION = Extension(
     "batch",
     handlers={
+        "compare": {
+            "dashpot.extensions.batch.lot:Lot": "dashpot.extensions.batch.api:compare_lots",
+        },
+        "read": {
+            "lot": "dashpot.extensions.batch.api:read_lot",
+        },
         "text": {
             "dashpot.extensions.batch.comparison:LotComparison": "dashpot.text_output.frequency_table:plainly",
         },

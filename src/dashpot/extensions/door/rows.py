@@ -9,6 +9,12 @@ EXTENSION = Extension(
             KindOfTest("free-modes", "dashpot.extensions.door.read_modes:read_modes", place="part", order=20),
     ),
     handlers={
+        "predict": {
+            "dashpot.extensions.door.door_model:Door": "dashpot.extensions.door.api:predict_door",
+        },
+        "read": {
+            "door": "dashpot.extensions.door.read:read_door",
+        },
         "text": {
             "dashpot.extensions.door.closing_result:ClosingResult": "dashpot.extensions.door.closing_text:closed",
             "dashpot.extensions.door.result:DoorResult": "dashpot.extensions.door.text:door",

@@ -1,6 +1,6 @@
 """The rows of the tests of materials."""
 
-from dashpot.registry.row import Extension, KindOfTest
+from dashpot.registry.row import Extension, FitRow, KindOfTest
 
 EXTENSION = Extension(
     "materials",
@@ -95,18 +95,59 @@ EXTENSION = Extension(
         ),
     ),
     handlers={
+        "predict with option": {
+            "slam": "dashpot.extensions.materials.slam.prediction:predict_slam",
+        },
+        "read record": {
+            "stress-strain": "dashpot.extensions.materials.hyperelastic.api:read_stress_strain_record",
+            "indentation": "dashpot.extensions.materials.indentation.api:read_hit_record",
+        },
         "text": {
             "dashpot.extensions.materials.cld.fit_files:Pieces": "dashpot.extensions.materials.cld.text:cld",
             "dashpot.extensions.materials.hyperelastic.datamodel:HyperelasticFit": "dashpot.extensions.materials.hyperelastic.text:hyperelastic",
             "dashpot.extensions.materials.indentation.datamodel:IndentationFit": "dashpot.text_output.results:indentation",
             "dashpot.extensions.materials.rod.fit_files:Rod": "dashpot.extensions.materials.rod.text:rod",
         },
-        "fit command": {
-            "rod": "dashpot.extensions.materials.rod.fit_handler:run",
-            "cld": "dashpot.extensions.materials.cld.fit_handler:run",
-            "stress-strain": "dashpot.extensions.materials.hyperelastic.fit_handler:run",
-            "indentation": "dashpot.extensions.materials.indentation.fit_handler:run",
-            "slam": "dashpot.extensions.materials.slam.fit_handler:run",
-        },
     },
+    fits=(
+        FitRow(
+            "rod", "dashpot.extensions.materials.rod.api:fit_rod",
+            "dashpot.extensions.materials.rod.fit_handler:run",
+            "a rod", "a rod under a mass", order=6,
+            options=(
+                "model", "arms", "mass", "band", "rig", "hammer", "rod", "density", "poisson",
+                "temperatures", "specimen",
+            ),
+        ),
+        FitRow(
+            "cld", "dashpot.extensions.materials.cld.api:fit_load_deflection",
+            "dashpot.extensions.materials.cld.fit_handler:run",
+            "load deflection", "load deflection", order=7,
+            options=(
+                "compression", "between", "force_limits", "machine", "memory", "temperatures",
+                "specimen",
+            ),
+        ),
+        FitRow(
+            "stress-strain", "dashpot.extensions.materials.hyperelastic.api:fit_stress_strain",
+            "dashpot.extensions.materials.hyperelastic.fit_handler:run",
+            "stress over strain", "stress over strain", order=8,
+            options=(
+                "model", "memory", "test", "poisson", "stretches", "terms", "measures",
+                "temperatures",
+            ),
+        ),
+        FitRow(
+            "indentation", "dashpot.extensions.materials.indentation.api:fit_hit",
+            "dashpot.extensions.materials.indentation.fit_handler:run",
+            "an indenter's hit", "the hit of an indenter", order=9,
+            options=("model", "mass", "indenter"),
+        ),
+        FitRow(
+            "slam", "",
+            "dashpot.extensions.materials.slam.fit_handler:run",
+            "slams", "slams", order=10,
+            options=("mass", "memory", "slam", "temperatures", "specimen"),
+        ),
+    ),
 )  # fmt: skip

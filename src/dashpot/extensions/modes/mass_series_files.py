@@ -15,7 +15,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.result_mixins import Judged, Series, columns
 from dashpot.base.serialisation import Documented
 from dashpot.base.units import in_unit, written
-from dashpot.extensions.modes.datamodel import FRFSet
+from dashpot.datamodel.frf_set import FRFSet
 from dashpot.extensions.modes.mass_series import SeveralMasses, several_masses
 from dashpot.extensions.modes.measured_modes import MeasuredMode, MeasuredModes, modes_of
 from dashpot.extensions.modes.read_frf_set import read_frfs

@@ -12,7 +12,7 @@ from dashpot.base.checks import Check
 from dashpot.base.choices import OverBase
 from dashpot.base.errors import DataError
 from dashpot.datamodel.frf import FRF, Mode
-from dashpot.extensions.modes.datamodel import FRFSet, ModeShape
+from dashpot.datamodel.frf_set import FRFSet, ModeShape
 from dashpot.extensions.modes.mode_shapes import mac, phase_collinearity, phase_deviation
 from dashpot.extensions.modes.multi_point import shapes_of, within
 from dashpot.extensions.modes.read_frf_set import read_frfs

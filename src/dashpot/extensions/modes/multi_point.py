@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.errors import DataError
 from dashpot.datamodel.frf import FRF, Kind, Mode
-from dashpot.extensions.modes.datamodel import FRFSet, ModeShape
+from dashpot.datamodel.frf_set import FRFSet, ModeShape
 from dashpot.vibration.modal.frf_lines import FRFLines
 from dashpot.vibration.modal.peaks import mount_band
 from dashpot.vibration.modal.rational_fraction import find_poles

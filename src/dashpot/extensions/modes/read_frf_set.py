@@ -9,8 +9,8 @@ from pathlib import Path
 
 from dashpot.base.errors import DataError, ReadError
 from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.frf_set import FRFSet
 from dashpot.extensions.formats.uff import SEGMENT
-from dashpot.extensions.modes.datamodel import FRFSet
 from dashpot.reading.columns.amplitude_phase_pairs import two_signals
 from dashpot.reading.columns.kind_detection import FileKind
 from dashpot.reading.columns.role_assignment import score

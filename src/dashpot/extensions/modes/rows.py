@@ -1,17 +1,33 @@
 """The rows of modes of several points, masses and hits."""
 
-from dashpot.registry.row import Extension
+from dashpot.registry.row import Extension, FitRow
 
 EXTENSION = Extension(
     "modes",
     handlers={
+        "read record": {
+            "frf": "dashpot.extensions.modes.api:read_frf_record",
+        },
+        "read several": {
+            "frf": "dashpot.extensions.modes.read_frf_set:read_frfs",
+        },
         "text": {
             "dashpot.extensions.modes.measured_modes:MeasuredModes": "dashpot.text_output.modes:modes",
             "dashpot.extensions.modes.mass_series_files:ModesByMass": "dashpot.text_output.modes:modes_by_mass",
         },
-        "fit command": {
-            "modes": "dashpot.extensions.modes.fit_handler:run",
-            "masses": "dashpot.extensions.modes.fit_handler:under_masses",
-        },
     },
+    fits=(
+        FitRow(
+            "modes", "dashpot.extensions.modes.api:fit_modes",
+            "dashpot.extensions.modes.fit_handler:run",
+            "FRFs without a mass", "the modes of FRFs", order=3,
+            options=("band", "motion"),
+        ),
+        FitRow(
+            "masses", "dashpot.extensions.modes.api:fit_mass_series",
+            "dashpot.extensions.modes.fit_handler:under_masses",
+            "FRFs under several masses", "FRFs under several masses", order=4,
+            options=("mass", "seals", "band"),
+        ),
+    ),
 )  # fmt: skip

@@ -18,7 +18,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.errors import DataError, FitError
 from dashpot.datamodel.frf import FRF, Mode
-from dashpot.extensions.modes.datamodel import FRFSet
+from dashpot.datamodel.frf_set import FRFSet
 from dashpot.extensions.modes.multi_point import mode_at, shapes_of, within
 from dashpot.numerics.inference.covariance_estimate import estimate, white_noise
 from dashpot.numerics.least_squares.problem import ordinary

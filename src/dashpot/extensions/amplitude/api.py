@@ -1,0 +1,74 @@
+"""Tests at several amplitudes, as Python asks for them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dashpot.api.fit import VIBRATION_RECORDS
+from dashpot.base.choices import AmplitudeLawAsked
+from dashpot.base.errors import FitError
+from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.impact import ImpactTest
+from dashpot.datamodel.machine import Machine
+from dashpot.extensions.amplitude.datamodel import AmplitudeFit
+from dashpot.extensions.amplitude.fit_files import Levels
+from dashpot.registry import KINDS, load
+from dashpot.workflow.job import known_of_a_test
+
+if TYPE_CHECKING:
+    from dashpot.extensions.amplitude.amplitude_response import SweptPart
+    from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
+    from dashpot.workflow.job import LevelChoices, PartChoices
+
+
+def fit_levels(
+    records: list[Any],
+    *,
+    levels: Sequence[Quantity] = (),
+    mass: Quantity | None = None,
+    seals: float = 1.0,
+    band: Range | None = None,
+    model: AmplitudeLawAsked = "auto",
+    resonance_at: Sequence[Quantity] = (),
+    machine: Machine | None = None,
+) -> Levels | AmplitudeFit:
+    """Fit the law of tests at several amplitudes."""
+    from dashpot.extensions.amplitude.fit_files import frfs_at_levels, hits_at_levels, of_amplitude
+
+    at = [si(one, "force") for one in resonance_at]
+    kilograms, hertz = si(mass, "mass"), si_range(band, "frequency")
+    if any(isinstance(one, VIBRATION_RECORDS) for one in records):
+        known_of_a_test(machine, tests=0, add="recorded loops")
+    if all(isinstance(one, ImpactTest) for one in records):
+        return hits_at_levels(records, levels, mass=kilograms, band=hertz, at=at)
+    if all(isinstance(one, FRF) for one in records):
+        return frfs_at_levels(records, levels, mass=kilograms, seals=seals, band=hertz, at=at)
+    if len(records) > 1:
+        raise FitError(
+            "one amplitude sweep is fitted at a time; only FRFs of several levels, or hits, go "
+            "together"
+        )
+    return of_amplitude(records[0], law=model, machine=machine).fit  # type: ignore[return-value]  # of a sweep
+
+
+def fit_sweep(
+    sweep: AmplitudeSweep, choices: LevelChoices, *, unit: str, part: PartChoices | None
+) -> SweptPart:
+    """Fit an amplitude sweep, and return what a level does to the part after it."""
+    from dashpot.extensions.amplitude.amplitude_response import swept_by
+    from dashpot.extensions.amplitude.fit import fit_amplitude
+
+    return swept_by(fit_amplitude(sweep), sweep, choices, unit=unit, part=part)
+
+
+def read_loops(path: str | Path, given: dict[str, Any], _: Mapping[str, Any]) -> Any:
+    """Read recorded loops as a sweep of amplitude."""
+    from dashpot.extensions.amplitude.preprocess import sweep_of_loops
+    from dashpot.reading.raw_file import about
+
+    record = load(KINDS["cyclic"].reader)(path, **given)
+    with about(Path(path).name):
+        return sweep_of_loops(record)

@@ -1,0 +1,25 @@
+"""A door, as Python asks for it."""
+
+from __future__ import annotations
+
+from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.extensions.door.closing_result import ClosingResult
+from dashpot.extensions.door.door_model import Door
+from dashpot.extensions.door.result import DoorResult
+
+
+def predict_door(
+    door: Door,
+    *,
+    band: Range | None = None,
+    close: Quantity | None = None,
+    temperature: Quantity | None = None,
+) -> DoorResult | ClosingResult:
+    """Predict how a door vibrates on its seal, or how it closes at a speed of its edge."""
+    from dashpot.extensions.door.analyse_file import door_file
+    from dashpot.extensions.door.closing_from_file import close_file
+
+    kelvin = si(temperature, "temperature")
+    if close is not None:
+        return close_file(door, si(close, "velocity"), temperature=kelvin)
+    return door_file(door, band=si_range(band, "frequency"), temperature=kelvin)

@@ -1,0 +1,37 @@
+"""Load deflection, as Python asks for it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from dashpot.api.fit import kinds_of
+from dashpot.base.units import Quantity, Range, si_range
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.machine import Machine
+from dashpot.extensions.materials.cld.fit_files import Pieces
+
+
+def fit_load_deflection(
+    records: list[Any],
+    *,
+    compression: Quantity | None = None,
+    between: Range | None = None,
+    force_limits: Range | None = None,
+    memory: Fit | Sequence[Fit] = (),
+    cycle: int | None = None,
+    machine: Machine | None = None,
+) -> Pieces:
+    """Evaluate tests of load over deflection."""
+    from dashpot.extensions.materials.cld.fit_files import cld_of
+
+    return cld_of(
+        records,
+        at=compression,
+        between=between,
+        limits=si_range(force_limits, "force"),
+        memory=[memory] if isinstance(memory, Fit) else list(memory),
+        cycle=cycle,
+        names=list(kinds_of(records)),
+        machine=machine,
+    )

@@ -1,0 +1,54 @@
+"""Stress over strain, as Python asks for it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+from dashpot.base.choices import ElasticKindAsked
+from dashpot.base.errors import ReadError
+from dashpot.base.units import Quantity, si
+from dashpot.datamodel.fit import Fit
+from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
+from dashpot.registry import KINDS, load
+
+
+def fit_stress_strain(
+    records: list[Any],
+    *,
+    model: ElasticKindAsked = "auto",
+    terms: int | Literal["auto"] = "auto",
+    poisson: float | None = None,
+    memory: Fit | None = None,
+    stretches: tuple[float, float] | None = None,
+    temperature: Quantity | None = None,
+    cycle: int | None = None,
+) -> HyperelasticFit:
+    """Fit an elastic law to tests of stress over strain."""
+    from dashpot.extensions.materials.hyperelastic.fit import fit_hyperelastic
+    from dashpot.fitting.parameters import memory_of
+
+    return fit_hyperelastic(
+        records,
+        law=model,
+        terms=terms,
+        poisson=poisson,
+        memory=None if memory is None else memory_of(memory.model),
+        cycle=cycle,
+        stretches=stretches,
+        temperature=si(temperature, "temperature"),
+    )
+
+
+def read_stress_strain_record(
+    path: str | Path, given: dict[str, Any], how: Mapping[str, Any]
+) -> Any:
+    """Read a test of stress over strain."""
+    from dashpot.extensions.materials.hyperelastic.options import MODES
+
+    word = how.get("test", "uniaxial")
+    if word not in MODES:
+        raise ReadError(f"test='{word}': expected one of {', '.join(MODES)}")
+    read_it = load(KINDS["stress-strain"].reader)
+    return read_it(path, MODES[word].mode, pressed=MODES[word].pressed, **given)

@@ -1,0 +1,40 @@
+"""A hit of an indenter, as Python asks for it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from dashpot.base.choices import ImpactLawAsked
+from dashpot.base.errors import FitError, ReadError
+from dashpot.extensions.materials.indentation.datamodel import IndentationFit
+from dashpot.registry import KINDS, load
+
+
+def fit_hit(records: list[Any], *, model: ImpactLawAsked = "auto") -> IndentationFit:
+    """Fit the law of one hit of an indenter."""
+    from dashpot.extensions.materials.indentation.fit import fit_indentation
+
+    if len(records) > 1:
+        raise FitError(
+            f"one hit of an indenter is fitted at a time, and there are {len(records)}. For a "
+            "table of all: dp.batch(FOLDER)"
+        )
+    return fit_indentation(records[0], law=model)
+
+
+_INDENTER = ("mass", "radius", "radius_error", "drop_height", "impact_velocity")
+
+
+def read_hit_record(path: str | Path, given: dict[str, Any], how: Mapping[str, Any]) -> Any:
+    """Read a hit of an indenter whose mass is stated."""
+    from dashpot.extensions.materials.indentation.indenter import Indenter
+
+    if "mass" not in how:
+        raise ReadError(
+            f"{Path(path).name} is a hit of an indenter, whose mass makes forces of its motion. "
+            f'Give it: dp.read("{Path(path).name}", mass="5g")'
+        )
+    indenter = Indenter(**{name: how[name] for name in _INDENTER if name in how})
+    return load(KINDS["indentation"].reader)(path, indenter=indenter, **given)

@@ -1,0 +1,56 @@
+"""A rod under a mass, as Python asks for it."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any
+
+from dashpot.api.fit import Arms, frf_of, shape_words
+from dashpot.base.choices import FamilyAsked
+from dashpot.base.errors import FitError
+from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.datamodel.fit import Fit
+from dashpot.solids.part_geometry import Block, Disc
+from dashpot.workflow.job import HammerChoices, RodChoices
+
+
+def fit_rod(
+    records: list[Any],
+    *,
+    mass: Quantity,
+    density: Quantity | None = None,
+    shape: str | Disc | Block | None = None,
+    arms: Arms = "auto",
+    model: FamilyAsked = "maxwell",
+    band: Range | None = None,
+    lubricated: bool = False,
+    mass_sd: Quantity | None = None,
+    poisson: float | None = None,
+    hammer: HammerChoices | None = None,
+) -> Fit:
+    """Fit the solid of a rod under a mass."""
+    from dashpot.extensions.materials.rod.fit_files import rod_under
+
+    if density is None or shape is None:
+        raise FitError(
+            "a rod's density and shape turn motion into a modulus. Give both: density=1100, "
+            'shape="disc:20mm,20mm"'
+        )
+    kilograms, hertz = si(mass, "mass"), si_range(band, "frequency")
+    if poisson is None and not isinstance(shape, str):
+        own = {one.name: one.default for one in fields(shape)}.get("poisson")
+        poisson = None if getattr(shape, "poisson", own) == own else shape.poisson
+    found = rod_under(
+        frf_of(records, mass=kilograms, band=hertz, hammer=hammer),
+        mass=kilograms,
+        density=float(density),
+        rod=RodChoices(**shape_words(shape), lubricated=lubricated),
+        arms=arms,
+        family=model,
+        band=hertz,
+        mass_sd=si(mass_sd, "mass"),
+        poisson=poisson,
+    )
+    if found.fit is None:
+        raise FitError(found.reason)
+    return found.fit
