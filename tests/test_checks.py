@@ -1288,8 +1288,8 @@ TEMPERATURE = [
     Case("temperature_steady", lambda x: several.temperature_steady([warming(x)]), 0.99, 1.01),
     Case("temperature_steady", lambda x: several.temperature_steady([warming(-x)]), None, 1.01),
     Case("shifts_told_apart", whole(several.shifts_told_apart), 3, 2),
-    Case("temperature_tested", lambda x: several.temperature_tested(TESTED, 300 + x), 0, 0.01),
-    Case("temperature_tested", lambda x: several.temperature_tested(TESTED, 270 - x), 0, 0.01),
+    Case("temperature_tested", lambda x: records.temperature_tested(TESTED, 300 + x), 0, 0.01),
+    Case("temperature_tested", lambda x: records.temperature_tested(TESTED, 270 - x), 0, 0.01),
 ]
 
 
@@ -1726,7 +1726,7 @@ LIMITS = {
     },
     "extensions/curves/temperatures": {
         "thermorheologically_simple": 0.0027, "stiffness_of_one_seal": 0.15,
-        "temperature_steady": 1, "shifts_told_apart": 3, "temperature_tested": 0,
+        "temperature_steady": 1, "shifts_told_apart": 3,
     },
     "fitting/identification": {
         "lines_explained": 2, "relaxation_still_explained": 1.3, "mass_believable": 2.5,
@@ -1783,7 +1783,7 @@ LIMITS = {
         "closing_informed": 1.0, "line_holds_sideways": 0,
         "shear_usual": 1.5,
     },
-    "datamodel": {"numbers_unambiguous": 0},
+    "datamodel": {"numbers_unambiguous": 0, "temperature_tested": 0},
     "vibration": {
         "seal_mass_negligible": 0.02, "mass_of_a_block": 1e-3, "compression_tested": 1,
     },

@@ -31,9 +31,9 @@ from dashpot.datamodel.seal_line import SealLine
 from dashpot.datamodel.specimen import Specimen
 from dashpot.export import FORMS, NEEDS, SUFFIXES, TARGETS, UNIT_SYSTEMS
 from dashpot.export import deck as decks
+from dashpot.export.nonlinear_elements import CARRIERS
 from dashpot.export.unit_systems import packed, text
 from dashpot.extensions import solver_inputs
-from dashpot.extensions.amplitude.nonlinear_elements import CARRIERS
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.dynamic.fit import fit_dynamic
 from dashpot.solids.maxwell import GeneralizedMaxwell

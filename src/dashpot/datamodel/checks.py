@@ -1,4 +1,4 @@
-"""What the files behind a result leave open, as a criterion."""
+"""What the files behind a result leave open, and how far its temperatures reach, as criteria."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from collections.abc import Iterable
 
 from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.provenance import Source
+from dashpot.base.units import celsius
+from dashpot.datamodel.shift_factors import TemperatureShifts
 
 _SHOWN = 3
 """Cautions that are told one by one."""
@@ -36,3 +38,16 @@ def caution_checks(sources: Iterable[Source]) -> tuple[Check, ...]:
     several = len({one.file for one in files}) > 1
     said = [f"{one.file}: {note}" if several else note for one in files for note in one.cautions]
     return (numbers_unambiguous(tuple(said)),) if said else ()
+
+
+@criterion("K beyond the tested range", "<=", 0.0, "by definition")
+def temperature_tested(moved: TemperatureShifts, temperature: float) -> Finding:
+    """The temperature asked for lies within those tested."""
+    low, high = moved.tested
+    return Finding(
+        f"{celsius(temperature)} lies within the tested {celsius(low)} to {celsius(high)}",
+        max(low - temperature, temperature - high, 0.0),
+        instead=f"{celsius(temperature)} lies outside the tested {celsius(low)} to "
+        f"{celsius(high)}. The {moved.law.kind.upper()} law is extrapolated",
+        remedy="Test at that temperature.",
+    )

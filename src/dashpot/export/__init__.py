@@ -7,7 +7,7 @@ bare :class:`~dashpot.solids.maxwell.Solid` or of a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from importlib import import_module
 from inspect import signature
@@ -20,10 +20,7 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.export.deck import DeckText
 from dashpot.export.deck_validation import PROBLEMS, option_of
 from dashpot.export.unit_systems import UNIT_SYSTEMS
-from dashpot.extensions.amplitude.level_results import LevelFit
-from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
-from dashpot.extensions.materials.hyperelastic.material_cards import hyperelastic_card
-from dashpot.registry import SOLVER_INPUTS
+from dashpot.registry import SOLVER_INPUTS, find_handler
 from dashpot.solids.maxwell import Solid
 
 _MODULES = {name: import_module(SOLVER_INPUTS[name]) for name in DECKS}
@@ -73,7 +70,7 @@ def reads(target: str, argument: str) -> bool:
 
 def deck_for(
     target: str,
-    found: Solid | Fit | LevelFit | HyperelasticFit,
+    found: object,
     *,
     seals: float = 1.0,
     compression: float | None = None,
@@ -85,7 +82,7 @@ def deck_for(
     Parameters
     ----------
     target : str
-    found : Solid or Fit or LevelFit or HyperelasticFit
+    found : Solid, Fit or another result that a row names
         Of one seal; of a material, whose card is written.
     seals : float
     compression : float, optional
@@ -100,39 +97,81 @@ def deck_for(
     ExportError
         If there is no such target, it takes no such choice, or refuses the fit.
     """
-    write = TARGETS.get(target) or _plugged(target)
-    material = isinstance(found, HyperelasticFit)
-    known = signature(hyperelastic_card if material else write).parameters
+    find_writer(target)
+    export = find_handler("export", found)
+    if export is None:
+        raise ExportError(f"a {type(found).__name__} has no deck")
     made = {name: value for name, value in choices.items() if value is not None}
-    for name in made:
+    deck: DeckText = export(
+        target, found, seals=seals, compression=compression, temperature=temperature, **made
+    )
+    return deck
+
+
+def refuse_untaken(
+    target: str, write: Callable[..., DeckText], choices: Collection[str], *, elsewhere: bool = True
+) -> None:
+    """Raise where what writes a deck does not take a choice.
+
+    Raises
+    ------
+    ExportError
+        It lists the solvers whose decks take it where `elsewhere`.
+    """
+    known = signature(write).parameters
+    for name in choices:
         if name not in known:
-            raise ExportError(f"{target} decks take no {_asked_as(name, elsewhere=not material)}")
-    if isinstance(found, HyperelasticFit):
-        if seals != 1 or compression is not None:
-            raise ExportError("a material card takes no --seals and no --compression")
-        return hyperelastic_card(target, found, temperature=temperature, **made)  # type: ignore[arg-type]
-    if isinstance(found, Solid):
-        if compression is not None:
-            raise ExportError("a bare solid has no elastic law; leave out --compression")
-        made.setdefault("specimen", Specimen(temperature=temperature))
-        return write(seals * found, **made)
-    here = _of_seals(found, seals, compression)
-    if temperature is not None:
-        made["specimen"] = replace(here.specimen, temperature=temperature)
-    return write(here, **made)
+            raise ExportError(f"{target} decks take no {_asked_as(name, elsewhere=elsewhere)}")
 
 
-def _of_seals(found: Fit | LevelFit, seals: float, compression: float | None) -> Fit | LevelFit:
-    """The fit of so many seals, side by side, at a compression."""
+def export_solid(
+    target: str,
+    solid: Solid,
+    *,
+    seals: float,
+    compression: float | None,
+    temperature: float | None,
+    **choices: object,
+) -> DeckText:
+    """Return the deck of so many bare solids in parallel."""
+    write = find_writer(target)
+    refuse_untaken(target, write, choices)
     if compression is not None:
-        if isinstance(found, LevelFit):
-            raise ExportError("FRFs at levels are of one compression; leave out --compression")
-        found = found.at_compression(compression)
-    return found if seals == 1 else found.in_parallel(seals)
+        raise ExportError("a bare solid has no elastic law; leave out --compression")
+    choices.setdefault("specimen", Specimen(temperature=temperature))
+    return write(seals * solid, **choices)
 
 
-def _plugged(target: str) -> Callable[..., DeckText]:
-    """The target that a plug-in brings."""
+def export_fit(
+    target: str,
+    fit: Fit,
+    *,
+    seals: float,
+    compression: float | None,
+    temperature: float | None,
+    **choices: object,
+) -> DeckText:
+    """Return the deck of the fit of so many seals in parallel, at a compression."""
+    write = find_writer(target)
+    refuse_untaken(target, write, choices)
+    here = fit if compression is None else fit.at_compression(compression)
+    if seals != 1:
+        here = here.in_parallel(seals)
+    if temperature is not None:
+        choices["specimen"] = replace(here.specimen, temperature=temperature)
+    return write(here, **choices)
+
+
+def find_writer(target: str) -> Callable[..., DeckText]:
+    """Return what writes the decks of a solver, of the built-in ones or of a plug-in.
+
+    Raises
+    ------
+    ExportError
+        If there is no such solver.
+    """
+    if target in TARGETS:
+        return TARGETS[target]
     from dashpot.base.plugins import named, offered_too
     from dashpot.export.plugin_decks import target_of
 
@@ -147,5 +186,5 @@ def _plugged(target: str) -> Callable[..., DeckText]:
 
 __all__ = [
     "FORMS", "NEEDS", "PROBLEMS", "SUFFIXES", "TARGETS", "UNIT_SYSTEMS", "DeckText", "deck_for",
-    "hyperelastic_card", "reads",
+    "export_fit", "export_solid", "find_writer", "reads", "refuse_untaken",
 ]  # fmt: skip

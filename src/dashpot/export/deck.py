@@ -6,10 +6,11 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypeAlias
+from typing import Protocol, TypeAlias
 
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import ExportError
+from dashpot.base.provenance import Source, Step
 from dashpot.base.units import written
 from dashpot.base.version import byline
 from dashpot.datamodel.fit import Fit
@@ -17,14 +18,42 @@ from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
 from dashpot.export.checks import nominal_informed, rows_informed
 from dashpot.export.frequency_tables import Damping, Table, tabulate
+from dashpot.export.nonlinear_elements import Beside
 from dashpot.export.temperature_shift_cards import law_lines
 from dashpot.export.unit_systems import UnitSystem, one_line, text
-from dashpot.extensions.amplitude.level_results import LevelFit
-from dashpot.extensions.amplitude.nonlinear_elements import Beside
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+from dashpot.solids.rate_independent import RateIndependent
 
-Exportable: TypeAlias = Solid | Fit | LevelFit
+
+class NonlinearFit(Protocol):
+    """A fit of a linear solid, and of sliders and a cubic spring in parallel with it."""
+
+    @property
+    def solid(self) -> Solid: ...  # noqa: D102
+    @property
+    def beside(self) -> tuple[RateIndependent, ...]: ...  # noqa: D102
+    @property
+    def amplitudes(self) -> tuple[float, float]: ...  # noqa: D102
+    @property
+    def identity(self) -> str: ...  # noqa: D102
+    @property
+    def band(self) -> tuple[float, float]: ...  # noqa: D102
+    @property
+    def specimen(self) -> Specimen: ...  # noqa: D102
+    @property
+    def source(self) -> tuple[Source, ...]: ...  # noqa: D102
+    @property
+    def steps(self) -> tuple[Step, ...]: ...  # noqa: D102
+    @property
+    def checks(self) -> tuple[Check, ...]: ...  # noqa: D102
+    @property
+    def verdict(self) -> Verdict: ...  # noqa: D102
+    @property
+    def sound(self) -> str: ...  # noqa: D102
+
+
+Exportable: TypeAlias = Solid | Fit | NonlinearFit
 """What can be exported: a bare solid, or a fit that brings its pedigree along."""
 
 NOT_VERIFIED = "not solver-verified: no solver of this kind runs in dashpot's tests"
@@ -63,7 +92,7 @@ class Deck:
     specimen : Specimen
     form : str
         ``"prony"`` is a material card of relative moduli; every other form is of a part.
-    fit : Fit or LevelFit or None
+    fit : Fit or NonlinearFit or None
         Where the solid comes from; None for a bare one.
     overrides : tuple of str
         What was wrong and written all the same, one sentence each.
@@ -73,7 +102,7 @@ class Deck:
     units: UnitSystem
     specimen: Specimen
     form: str = ""
-    fit: Fit | LevelFit | None = None
+    fit: Fit | NonlinearFit | None = None
     overrides: tuple[str, ...] = ()
 
     def of(self, solid: Solid) -> Deck:
@@ -117,7 +146,9 @@ class Deck:
     @cached_property
     def beside(self) -> Beside:
         """Sliders and a cubic spring beside the arms, deck units; empty of a linear solid."""
-        return Beside.of(self.fit, self.units)
+        if self.fit is None or isinstance(self.fit, Fit):
+            return Beside(self.units)
+        return Beside(self.units, self.fit.beside, self.fit.amplitudes)
 
     @property
     def prony(self) -> list[tuple[float, float]]:
@@ -329,8 +360,7 @@ class Deck:
             lines.append("source: a model in memory; no file is known to stand behind it")
             lines += scaled
         else:
-            found = self.fit.identity if isinstance(self.fit, Fit) else _levels_of(self.fit)
-            lines.append(f"fit: {', '.join([found, *scaled])}")
+            lines.append(f"fit: {', '.join([self.fit.identity, *scaled])}")
             lines += [f"source: {each.file} sha256 {each.sha256}" for each in self.fit.source]
             if any(each.simulated for each in self.fit.source):
                 lines.append("SIMULATED: the test behind this deck was made by a virtual rig")
@@ -341,11 +371,3 @@ class Deck:
             return "valid band: not stated; nothing marks what is extrapolated"
         band = f"valid band: {self.band[0]:.4g} to {self.band[1]:.4g} Hz"
         return f"{band}; whatever lies outside is EXTRAPOLATED from the fitted arms"
-
-
-def _levels_of(fit: LevelFit) -> str:
-    levels = ", ".join(f"{one:.4g}" for one in fit.levels)
-    return (
-        f"FRFs of a mass of {fit.mass:.6g} kg at the levels {levels} (N, or m/s^2 of a base), "
-        f"which leaves {100 * fit.residual:.2g} % of F/X"
-    )

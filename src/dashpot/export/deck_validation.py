@@ -13,12 +13,12 @@ from dashpot.base.arrays import LEAST, MOST
 from dashpot.base.errors import DataError, ExportError
 from dashpot.base.sentences import paragraph
 from dashpot.base.status import Status
+from dashpot.datamodel.checks import temperature_tested
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.specimen import Specimen
-from dashpot.export.deck import Deck, DeckText, Exportable
+from dashpot.export.deck import Deck, DeckText, Exportable, NonlinearFit
 from dashpot.export.unit_systems import NO_UNITS, unit_system
-from dashpot.extensions.amplitude.level_results import LevelFit
-from dashpot.extensions.curves.temperatures.checks import temperature_tested
+from dashpot.solids.maxwell import Solid
 
 PROBLEMS = MappingProxyType(
     {
@@ -125,7 +125,7 @@ def open_deck(
 
     Parameters
     ----------
-    solid : Solid or Fit or LevelFit
+    solid : Solid or Fit or NonlinearFit
     target, form : str
         ``"prony"`` is a material card of relative moduli; every other form is of a part.
     forms : sequence of str
@@ -150,10 +150,10 @@ def open_deck(
     system = unit_system(units)
     if isinstance(solid, Fit):
         solid = _at(solid, specimen)
-    if isinstance(solid, Fit | LevelFit):
-        deck = Deck(solid.solid, system, specimen or solid.specimen, form, solid)
-    else:
+    if isinstance(solid, Solid):
         deck = Deck(solid, system, specimen or Specimen(), form)
+    else:
+        deck = Deck(solid.solid, system, specimen or solid.specimen, form, solid)
     deck.beside.refuse_unless_held(target, form)
     unknown = sorted(set(allow) - set(PROBLEMS) - {"all"})
     if unknown:
@@ -276,7 +276,7 @@ def _problems(deck: Deck) -> dict[str, str]:
     return found
 
 
-def _doubt(fit: Fit | LevelFit) -> str | None:
+def _doubt(fit: Fit | NonlinearFit) -> str | None:
     """Why not every parameter of a fit is identified, or None: never of one whose verdict is "use".
 
     What is called so may be used: an arm that single data cannot place still adds up to limits that
@@ -284,7 +284,7 @@ def _doubt(fit: Fit | LevelFit) -> str | None:
     """
     if fit.checks and fit.verdict.use == "use":
         return None
-    if isinstance(fit, LevelFit) or _dense(fit):
+    if not isinstance(fit, Fit) or _dense(fit):
         # the parts are judged together, by what they leave unexplained
         return fit.verdict.says if fit.verdict.use == "do not use" else None
     if fit.status not in (Status.CONVERGED, Status.FEWER_ARMS):

@@ -63,6 +63,10 @@ EXTENSION = Extension(
             "dashpot.workflow.response.frf_prediction:Prediction": "dashpot.text_output.results:prediction",
             "dashpot.workflow.study:Study": "dashpot.text_output.results:study",
         },
+        "export": {
+            "dashpot.solids.maxwell:Solid": "dashpot.export:export_solid",
+            "dashpot.datamodel.fit:Fit": "dashpot.export:export_fit",
+        },
     },
     commands=(
         Command("inspect", "Work", "What a file is, how it was read, what is unclear.", "dashpot.cli.inspect", order=0),

@@ -19,8 +19,8 @@ from dashpot import workflow
 from dashpot.base.checks import Check
 from dashpot.base.errors import ExportError, ReadError
 from dashpot.export import FORMS, TARGETS, UNIT_SYSTEMS, deck_for
+from dashpot.export.nonlinear_elements import CARRIERS
 from dashpot.extensions.amplitude.level_results import LevelFit
-from dashpot.extensions.amplitude.nonlinear_elements import CARRIERS
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.networks import spring

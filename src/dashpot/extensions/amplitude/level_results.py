@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple, TypeAlias, overload
+from typing import Any, NamedTuple, NoReturn, TypeAlias, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray
 from dashpot.base.checks import Check, Checked
+from dashpot.base.errors import ExportError
 from dashpot.base.number_format import counted
 from dashpot.base.provenance import Source, Step
 from dashpot.base.reported_values import Fact
@@ -207,6 +208,24 @@ class LevelFit(ByValue, Described, Checked, Documented):
             return np.full((2, *here.shape), np.nan)
         drawn = np.array([np.asarray(follows(*draw), dtype=float) for draw in self.draws])
         return np.asarray(2 * here - np.quantile(drawn, [0.975, 0.025], axis=0))
+
+    @property
+    def identity(self) -> str:
+        """The FRFs that it was fitted to, by which a solver input names it."""
+        levels = ", ".join(f"{one:.4g}" for one in self.levels)
+        return (
+            f"FRFs of a mass of {self.mass:.6g} kg at the levels {levels} (N, or m/s^2 of a base), "
+            f"which leaves {100 * self.residual:.2g} % of F/X"
+        )
+
+    def at_compression(self, compression: float) -> NoReturn:  # noqa: ARG002
+        """Refuse every compression but that of the tests.
+
+        Raises
+        ------
+        ExportError
+        """
+        raise ExportError("FRFs at levels are of one compression; leave out --compression")
 
     def in_parallel(self, count: float) -> LevelFit:
         """So many seals side by side, as one; a fraction is a shorter piece."""

@@ -12,11 +12,11 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
+from dashpot.datamodel.checks import temperature_tested
 from dashpot.datamodel.compression_limits import refuse_far
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.free_modes import FreeModes
 from dashpot.datamodel.seal_line import SealLine, SealSection, Shear
-from dashpot.extensions.curves.temperatures.checks import temperature_tested
 from dashpot.extensions.door import checks as asked
 from dashpot.extensions.door.assembly import BODY, DOOR, Assembly, implied_mass
 from dashpot.extensions.door.door_model import Door, DoorPoint, SealChoice

@@ -108,6 +108,9 @@ EXTENSION = Extension(
             "dashpot.extensions.materials.indentation.datamodel:IndentationFit": "dashpot.text_output.results:indentation",
             "dashpot.extensions.materials.rod.fit_files:Rod": "dashpot.extensions.materials.rod.text:rod",
         },
+        "export": {
+            "dashpot.extensions.materials.hyperelastic.datamodel:HyperelasticFit": "dashpot.extensions.materials.hyperelastic.material_cards:export_law",
+        },
     },
     fits=(
         FitRow(

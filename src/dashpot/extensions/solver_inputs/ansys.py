@@ -12,10 +12,10 @@ from dashpot.datamodel.seal_line import Shear, Stations
 from dashpot.export.deck import Deck, DeckText
 from dashpot.export.deck_validation import target
 from dashpot.export.frequency_tables import Table
+from dashpot.export.nonlinear_elements import CARRIERS
 from dashpot.export.seal_line_springs import SpringRow, row_of
 from dashpot.export.temperature_shift_cards import ansys_shift
 from dashpot.export.unit_systems import text
-from dashpot.extensions.amplitude.nonlinear_elements import CARRIERS
 
 FORMS = ("arms", "table", "prony")
 SUFFIX = "mac"

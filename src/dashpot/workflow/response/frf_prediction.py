@@ -20,6 +20,7 @@ from dashpot.base.reported_values import Fact
 from dashpot.base.result_mixins import Judged, Series
 from dashpot.base.serialisation import Documented
 from dashpot.datamodel.bounds import FRFBounds
+from dashpot.datamodel.checks import temperature_tested
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.datamodel.machine import Machine
@@ -33,7 +34,6 @@ from dashpot.extensions.amplitude.amplitude_response import (
     swept_part,
 )
 from dashpot.extensions.amplitude.preloaded_response import PreloadedLevel, preloaded_levels
-from dashpot.extensions.curves.temperatures.checks import temperature_tested
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.psd import read_psd
 from dashpot.solids.maxwell import Solid

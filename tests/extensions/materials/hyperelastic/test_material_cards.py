@@ -12,8 +12,9 @@ import pytest
 from kit.rubber import MEMORY, loaded
 
 from dashpot.base.errors import ExportError
-from dashpot.export import deck_for, hyperelastic_card
+from dashpot.export import deck_for
 from dashpot.extensions.materials.hyperelastic.fit import fit_hyperelastic
+from dashpot.extensions.materials.hyperelastic.material_cards import hyperelastic_card
 from dashpot.extensions.materials.hyperelastic.strain_energy import SHEARING, Hyperelastic
 
 pytestmark = pytest.mark.once

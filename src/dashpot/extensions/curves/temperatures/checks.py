@@ -115,16 +115,3 @@ def shifts_told_apart(count: int) -> Finding:
         "Two cannot show arms that shift apart, and no law can be extended beyond them",
         "Test at a third temperature, between them or beyond.",
     )
-
-
-@criterion("K beyond the tested range", "<=", 0.0, "by definition")
-def temperature_tested(moved: TemperatureShifts, temperature: float) -> Finding:
-    """The temperature asked for lies within those tested."""
-    low, high = moved.tested
-    return Finding(
-        f"{celsius(temperature)} lies within the tested {celsius(low)} to {celsius(high)}",
-        max(low - temperature, temperature - high, 0.0),
-        instead=f"{celsius(temperature)} lies outside the tested {celsius(low)} to "
-        f"{celsius(high)}. The {moved.law.kind.upper()} law is extrapolated",
-        remedy="Test at that temperature.",
-    )

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from dashpot.base.errors import ExportError
 from dashpot.base.units import Quantity, si, written
 from dashpot.base.version import byline
+from dashpot.export import refuse_untaken
 from dashpot.export.deck import NOT_VERIFIED, DeckText
 from dashpot.export.deck_validation import overlooked
 from dashpot.export.unit_systems import UnitSystem, one_line, text, unit_system
@@ -139,6 +140,22 @@ def hyperelastic_card(
     made = DeckText("\n".join([*(f"{comment} {one_line(line)}" for line in header), *body, ""]))
     made.verdict, made.checks, made.overrides = fit.verdict, fit.checks, overrides
     return made
+
+
+def export_law(
+    target: str,
+    fit: HyperelasticFit,
+    *,
+    seals: float,
+    compression: float | None,
+    temperature: float | None,
+    **choices: Any,
+) -> DeckText:
+    """Return the material card of a hyperelastic law with what `dashpot export` asks for."""
+    refuse_untaken(target, hyperelastic_card, choices, elsewhere=False)
+    if seals != 1 or compression is not None:
+        raise ExportError("a material card takes no --seals and no --compression")
+    return hyperelastic_card(target, fit, temperature=temperature, **choices)
 
 
 def _bulk(law: Hyperelastic, stated: float | None) -> tuple[float, str]:

@@ -9,9 +9,9 @@ import numpy as np
 
 from dashpot.base.errors import ExportError
 from dashpot.export.unit_systems import UnitSystem, text
-from dashpot.extensions.amplitude.level_results import Elements, LevelFit
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.nonlinear_springs import Cubic
+from dashpot.solids.rate_independent import RateIndependent
 
 CARRIERS = MappingProxyType(
     {
@@ -47,15 +47,8 @@ class Beside:
     """
 
     units: UnitSystem
-    parts: Elements = ()
+    parts: tuple[RateIndependent, ...] = ()
     amplitudes: tuple[float, float] = (0.0, 0.0)
-
-    @classmethod
-    def of(cls, fit: object, units: UnitSystem) -> Beside:
-        """What stands beside the arms of a fit."""
-        if not isinstance(fit, LevelFit):
-            return cls(units)
-        return cls(units, fit.beside, fit.amplitudes)
 
     @property
     def sliders(self) -> tuple[tuple[float, float, float], ...]:
