@@ -1288,8 +1288,6 @@ TEMPERATURE = [
     Case("temperature_steady", lambda x: several.temperature_steady([warming(x)]), 0.99, 1.01),
     Case("temperature_steady", lambda x: several.temperature_steady([warming(-x)]), None, 1.01),
     Case("shifts_told_apart", whole(several.shifts_told_apart), 3, 2),
-    Case("temperature_tested", lambda x: records.temperature_tested(TESTED, 300 + x), 0, 0.01),
-    Case("temperature_tested", lambda x: records.temperature_tested(TESTED, 270 - x), 0, 0.01),
 ]
 
 
@@ -1599,6 +1597,8 @@ RECORDS = [
         0,
         1,
     ),
+    Case("temperature_tested", lambda x: records.temperature_tested(TESTED, 300 + x), 0, 0.01),
+    Case("temperature_tested", lambda x: records.temperature_tested(TESTED, 270 - x), 0, 0.01),
 ]
 STAGES = {
     "export": EXPORT,

@@ -112,17 +112,16 @@ def command(
     **choices: Any,
 ) -> Outcome:
     """Write the deck of a fit, or the card of a law."""
-    from dashpot.extensions.amplitude.level_results import LevelFit
     from dashpot.solids.maxwell import Solid
 
-    found = workflow.read_exported(fit)
+    found: Any = workflow.read_exported(fit)
     if isinstance(found, dp.Fit):
         added = _described(found.specimen, specimen)
         found = replace(found, provenance=replace(found.provenance, specimen=added))
-    elif isinstance(found, LevelFit):
-        found = replace(found, specimen=_described(found.specimen, specimen))
     elif isinstance(found, Solid):
         choices["specimen"] = specimen
+    elif hasattr(found, "specimen"):
+        found = replace(found, specimen=_described(found.specimen, specimen))
     if target is None:
         raise click.UsageError(_unsaid(found, units, specimen, allow))
     if line is None and choices["first_id"] is not None:

@@ -52,6 +52,7 @@ __all__ = [
     "asks_of",
     "figure_of",
     "find_handler",
+    "list_names",
     "load",
     "page_of",
     "row_of",
@@ -167,6 +168,11 @@ def find_handler(task: str, subject: object) -> Any:
         names = [_type_name(kind) for kind in type(subject).__mro__]
     word = next((words[name] for name in names if name in words), None)
     return load(word) if word else None
+
+
+def list_names(task: str) -> tuple[str, ...]:
+    """Return every type or name for which a row says who does a task."""
+    return tuple(_HANDLERS.get(task, {}))
 
 
 def takers(option: str) -> str:

@@ -232,6 +232,9 @@ class Extension:
         record, ``"read record"`` one whose reader asks for more, ``"read several"`` files of one
         kind; ``"predict"`` from a model, ``"predict with option"`` and ``"predict with sweep"``
         from a fit; ``"compare"`` two of a type.
+        ``"export"``: the input of a solver for a result.
+        ``"document"``: the class that a document of this schema is read into.
+        ``"read document"``: from the values of a document of this schema to the fields of its class.
     fits : tuple of FitRow
     commands : tuple of Command
     formats : tuple of FileFormat

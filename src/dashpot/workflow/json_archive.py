@@ -19,10 +19,8 @@ from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import AtDepth
 from dashpot.datamodel.shift_factors import TemperatureShifts
-from dashpot.extensions.amplitude.level_results import LevelFit
-from dashpot.extensions.modes.measured_modes import MeasuredModes
 from dashpot.planning.plan import Plan
-from dashpot.registry import KINDS, load
+from dashpot.registry import KINDS, find_handler, list_names, load
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.friction import Jenkins
@@ -41,8 +39,8 @@ from dashpot.workflow.vibration.impact_tests import ImpactResult
 _OF_THE_JOB: dict[str, type[Documented]] = {
     noun.schema: noun
     for noun in (
-        GeneralizedMaxwell, FractionalZener, Parallel, Fit, ImpactResult, MeasuredModes,
-        Inspections, Comparison, Plan, Job, Study,
+        GeneralizedMaxwell, FractionalZener, Parallel, Fit, ImpactResult, Inspections, Comparison,
+        Plan, Job, Study,
     )
 }  # fmt: skip
 
@@ -52,12 +50,13 @@ def schemas() -> dict[str, type[Documented]]:
     """What each versioned schema name holds, those of every kind included, which it loads."""
     of_kinds = (load(noun) for kind in KINDS.values() for noun in kind.nouns)
     kept = (one for one in of_kinds if issubclass(one, Documented) and one.schema and one.read_back)
-    return {**_OF_THE_JOB, **{noun.schema: noun for noun in kept}}
+    others = {name: find_handler("document", name) for name in list_names("document")}
+    return {**_OF_THE_JOB, **others, **{noun.schema: noun for noun in kept}}
 
 
 def _noun_of(name: str) -> type[Documented] | None:
     """What a schema name holds; no kind is loaded for what the main job keeps."""
-    return _OF_THE_JOB.get(name) or schemas().get(name)
+    return _OF_THE_JOB.get(name) or find_handler("document", name) or schemas().get(name)
 
 
 def to_json(noun: object, *, indent: int | None = 2) -> str:
@@ -140,12 +139,6 @@ def _opened(text: str | bytes) -> tuple[type[Documented], dict[str, Any]]:
             f'the document\'s "schema" is {name!r}; this version of dashpot reads '
             f"{', '.join(sorted(schemas()))}"
         )
-    if kind is LevelFit and "model" not in found:
-        what = "a law of stiffness and loss" if "law" in found else "hits of different height"
-        raise ReadError(
-            f"the {name} document holds {what}, which has no force along a path: arms and sliders "
-            "are what 'dashpot fit' finds of FRFs of one mass at several levels"
-        )
     return kind, found
 
 
@@ -166,7 +159,7 @@ def _laid_out(kind: Any, value: Any) -> Any:
     noun = _noun_in(kinds, value)
     if noun is None:
         return {key: _laid_out(Any, item) for key, item in value.items()}
-    hints, found = _hints(noun), fields_of(noun, _FILLED.get(noun, dict)(value))
+    hints, found = _hints(noun), fields_of(noun, _find_completion(noun)(value))
     laid = {name: _laid_out(hints[name], item) for name, item in found.items()}
     # the decoder knows no noun of which there are several kinds
     return _converted(noun, laid) if _CHOSEN.keys() & kinds else laid
@@ -198,6 +191,13 @@ def _noun_in(kinds: Sequence[Any], value: dict[str, Any]) -> type | None:
         if isinstance(kind, type) and is_dataclass(kind):
             return kind
     return None
+
+
+@cache
+def _find_completion(noun: type) -> Callable[[dict[str, Any]], dict[str, Any]]:
+    """Return what adds to the values of a document what its keys leave out."""
+    other = find_handler("read document", getattr(noun, "schema", ""))
+    return _FILLED.get(noun) or other or dict
 
 
 @cache
@@ -319,13 +319,6 @@ def _inspected(found: dict[str, Any]) -> dict[str, Any]:
     return rest | {"refusal": account["error"]}
 
 
-def _levels(found: dict[str, Any]) -> dict[str, Any]:
-    """A fit of levels; chance is not in the file."""
-    cubic = found["cubic"]
-    beside = [*found["sliders"], *([] if cubic is None else [{"k3": cubic["k3"]}])]
-    return found | {"beside": beside, "draws": [], "orders": list(found["orders"].items())}
-
-
 _FILLED: dict[type, Callable[[dict[str, Any]], dict[str, Any]]] = {
     GeneralizedMaxwell: _model,
     Fit: _fit,
@@ -335,6 +328,5 @@ _FILLED: dict[type, Callable[[dict[str, Any]], dict[str, Any]]] = {
     # the bare contract does not say how long the seal was held
     EndOfHold: lambda found: {"time": np.nan} | found,
     InspectedFile: _inspected,
-    LevelFit: _levels,
 }
 """What is more of a noun than its keys turned back."""

@@ -6,11 +6,9 @@ from pathlib import Path
 
 from dashpot.base.errors import ReadError
 from dashpot.datamodel.fit import Fit
-from dashpot.extensions.amplitude.level_results import LevelFit
-from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
 from dashpot.reading.raw_file import like_json, open_raw
 from dashpot.reading.readers.detect_kind import called, used
-from dashpot.solids.maxwell import Solid
+from dashpot.registry import find_handler
 from dashpot.workflow.json_archive import from_json
 
 A_FIT = "a fit, as 'dashpot fit FILE -o fit.json' writes it"
@@ -46,8 +44,8 @@ def read_fit(path: str | Path) -> Fit:
     return _a_fit(path, stored(path, hint=f"; expected {A_FIT}"))
 
 
-def read_exported(path: str | Path) -> Solid | Fit | LevelFit | HyperelasticFit:
-    """Return a solid, or a fit: of one, of levels, of a hyperelastic law; ``-`` is stdin.
+def read_exported(path: str | Path) -> object:
+    """Return a solid or a fit of which a row says who exports it; ``-`` is stdin.
 
     Raises
     ------
@@ -55,7 +53,7 @@ def read_exported(path: str | Path) -> Solid | Fit | LevelFit | HyperelasticFit:
         If it holds something else.
     """
     found = stored(path, hint=f"; expected {A_FIT}, or of FRFs at several levels")
-    return found if isinstance(found, Solid | LevelFit | HyperelasticFit) else _a_fit(path, found)
+    return found if find_handler("export", found) else _a_fit(path, found)
 
 
 def _a_fit(path: str | Path, found: object) -> Fit:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray
 from dashpot.base.checks import Check, Checked
-from dashpot.base.errors import ExportError
+from dashpot.base.errors import ExportError, ReadError
 from dashpot.base.number_format import counted
 from dashpot.base.provenance import Source, Step
 from dashpot.base.reported_values import Fact
@@ -306,6 +306,25 @@ class LevelFit(ByValue, Described, Checked, Documented):
                 f"{written(share, 'N/mm', '+.3g')} at the largest amplitude"
             ),
         )
+
+
+def complete_document(found: dict[str, Any]) -> dict[str, Any]:
+    """Return the fields of a fit from its document, without the draws of chance.
+
+    Raises
+    ------
+    ReadError
+        If the document is of another fit over amplitude.
+    """
+    if "model" not in found:
+        what = "a law of stiffness and loss" if "law" in found else "hits of different height"
+        raise ReadError(
+            f"the {LevelFit.schema} document holds {what}, which has no force along a path: arms "
+            "and sliders are what 'dashpot fit' finds of FRFs of one mass at several levels"
+        )
+    cubic = found["cubic"]
+    beside = [*found["sliders"], *([] if cubic is None else [{"k3": cubic["k3"]}])]
+    return found | {"beside": beside, "draws": [], "orders": list(found["orders"].items())}
 
 
 def _k3(_: GeneralizedMaxwell, beside: Elements) -> float:

@@ -36,6 +36,9 @@ EXTENSION = Extension(
             "dashpot.extensions.amplitude.datamodel:AmplitudeFit": "dashpot.text_output.results:amplitude",
             "dashpot.extensions.amplitude.fit_files:Levels": "dashpot.text_output.results:levels",
         },
+        "read document": {
+            "dashpot/levels@1": "dashpot.extensions.amplitude.level_results:complete_document",
+        },
         "export": {
             "dashpot.extensions.amplitude.level_results:LevelFit": "dashpot.export:export_fit",
         },

@@ -15,6 +15,9 @@ EXTENSION = Extension(
             "dashpot.extensions.modes.measured_modes:MeasuredModes": "dashpot.text_output.modes:modes",
             "dashpot.extensions.modes.mass_series_files:ModesByMass": "dashpot.text_output.modes:modes_by_mass",
         },
+        "document": {
+            "dashpot/modes@1": "dashpot.extensions.modes.measured_modes:MeasuredModes",
+        },
     },
     fits=(
         FitRow(
