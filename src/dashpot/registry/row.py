@@ -234,7 +234,7 @@ class Extension:
         from a fit; ``"compare"`` two of a type.
         ``"export"``: the input of a solver for a result.
         ``"document"``: the class that a document of this schema is read into.
-        ``"read document"``: from the values of a document of this schema to the fields of its class.
+        ``"read document"``: from the values of a document of this schema to fields of its class.
     fits : tuple of FitRow
     commands : tuple of Command
     formats : tuple of FileFormat
