@@ -4,9 +4,24 @@ A :class:`~dashpot.plot.picture.Picture` is a frozen value, what is drawn before
 :func:`save` writes it as SVG, PNG or PDF; :func:`to_svg` gives the text of the first,
 :func:`to_figure` a :class:`matplotlib.figure.Figure`. matplotlib is loaded for PNG and PDF only.
 
-The names stand in ``__init__.pyi``; each is imported when it is first used.
+The names stand in ``__init__.pyi``, those of an extension in its rows; each is imported when it is
+first used.
 """
 
-from dashpot.base.lazy import names_of
+from typing import Any
 
-__getattr__, __dir__, __all__ = names_of(__name__, __file__)
+from dashpot.base.lazy import names_of
+from dashpot.registry import find_handler, list_names
+
+_find, _, _core = names_of(__name__, __file__)
+
+__all__ = sorted([*_core, *list_names("plot")])  # noqa: PLE0605
+
+
+def __getattr__(name: str) -> Any:
+    """Return what draws a figure: of the core, or of an extension."""
+    return find_handler("plot", name) or _find(name)
+
+
+def __dir__() -> list[str]:
+    return __all__

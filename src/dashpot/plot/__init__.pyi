@@ -1,17 +1,4 @@
-from dashpot.extensions.amplitude.figure import amplitude_sweep as amplitude_sweep
-from dashpot.extensions.amplitude.figure import frfs_at_levels as frfs_at_levels
-from dashpot.extensions.amplitude.figure import level as level
-from dashpot.extensions.amplitude.figure import loops as loops
-from dashpot.extensions.curves.creep.figure import creep as creep
-from dashpot.extensions.curves.superposition.figure import superposition as superposition
-from dashpot.extensions.curves.temperatures.figure import temperatures as temperatures
-from dashpot.extensions.curves.time_curve_figure import modulus as modulus
-from dashpot.extensions.door.closing_figure import closing as closing
-from dashpot.extensions.door.figure import door as door
-from dashpot.extensions.materials.cld.figure import cld as cld
-from dashpot.extensions.materials.hyperelastic.figure import hyperelastic as hyperelastic
-from dashpot.extensions.materials.indentation.figure import indentation as indentation
-from dashpot.extensions.materials.rod.figure import rod as rod
+from collections.abc import Callable
 
 from .bench_tests_figure import bench as bench
 from .columns_figure import columns as columns
@@ -24,8 +11,6 @@ from .frf_figure import nyquist as nyquist
 from .frf_figure import resonance as resonance
 from .impact import hits as hits
 from .matplotlib_writer import to_figure as to_figure
-from .modal import several_masses as several_masses
-from .modal import stabilisation as stabilisation
 from .overview import hero as hero
 from .picture import Picture as Picture
 from .provenance_stamp import stamp as stamp
@@ -35,3 +20,5 @@ from .solid import elastic_law as elastic_law
 from .solid import spectrum as spectrum
 from .solid import stiffness as stiffness
 from .svg import to_svg as to_svg
+
+def __getattr__(name: str) -> Callable[..., Picture]: ...

@@ -3,25 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.extensions.curves.creep.figure import creep
-from dashpot.extensions.curves.datamodel.creep import CreepCompliance, LoadHold
-from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
-from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
-from dashpot.extensions.curves.datamodel.superposition import Superposition
-from dashpot.extensions.curves.superposition.figure import superposition
-from dashpot.extensions.curves.temperatures.figure import temperatures
-from dashpot.extensions.curves.time_curve_figure import modulus
 from dashpot.plot.picture import Picture
 from dashpot.plot.relaxation import fit
-from dashpot.plot.solid import stiffness
-
-Record = RampHold | DynamicTest | RelaxationModulus | LoadHold | CreepCompliance | Superposition
+from dashpot.registry import find_handler
 
 
-def bench(found: Fit, records: Sequence[Record], *, alternatives: Sequence[Fit] = ()) -> Picture:
+def bench(found: Fit, records: Sequence[Any], *, alternatives: Sequence[Fit] = ()) -> Picture:
     """Return the figure that suits the records that a fit was made from.
 
     Parameters
@@ -33,14 +24,11 @@ def bench(found: Fit, records: Sequence[Record], *, alternatives: Sequence[Fit] 
         Of one ramp and hold: fits of other numbers of arms, drawn with it.
     """
     first = records[0]
-    if isinstance(first, Superposition):
-        return superposition(first, found)
-    if isinstance(first, RelaxationModulus):
-        return modulus(found, first)
-    if isinstance(first, LoadHold | CreepCompliance):
-        return creep(found, first)
-    if isinstance(first, DynamicTest):
-        return stiffness(found, data=first)
-    if found.temperatures is not None:
-        return temperatures(found, [one for one in records if isinstance(one, RampHold)])
-    return fit(found, first, alternatives=alternatives)
+    draw, shown = find_handler("fit figure", first), first
+    if draw is None and found.temperatures is not None:
+        draw = find_handler("fit figure", found.temperatures)
+        shown = [one for one in records if isinstance(one, RampHold)]
+    if draw is None:
+        return fit(found, first, alternatives=alternatives)
+    drawn: Picture = draw(found, shown)
+    return drawn

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import in_unit, written
 from dashpot.datamodel.bounds import StiffnessBounds
 from dashpot.datamodel.fit import Fit
-from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.plot.dynamic_stiffness_figure import FREQUENCY, LABELS, averaged, quantities
 from dashpot.plot.frf_figure import BOUND, INTERVAL
 from dashpot.plot.picture import (
@@ -38,6 +37,17 @@ from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
 
 SECANT = Pen("ref", 1.4, (6, 3))
 RESONANCE = Pen("ref", 1.4, (2, 3))
+
+
+class StiffnessSweep(Protocol):
+    """Storage and loss that were measured over frequency."""
+
+    @property
+    def frequency(self) -> FloatArray: ...  # noqa: D102
+    @property
+    def storage(self) -> FloatArray: ...  # noqa: D102
+    @property
+    def loss(self) -> FloatArray: ...  # noqa: D102
 
 
 def spectrum(fit: Fit, *, joint: Fit | None = None, stamp: str = "") -> Picture:
@@ -125,7 +135,7 @@ def stiffness(
     unseen: StiffnessBounds | None = None,
     joint: Fit | None = None,
     measured: DynamicStiffness | None = None,
-    data: DynamicTest | None = None,
+    data: StiffnessSweep | None = None,
     mark: float | None = None,
     stamp: str = "",
 ) -> Picture:
@@ -142,7 +152,7 @@ def stiffness(
         The fit to relaxation and FRF together.
     measured : DynamicStiffness, optional
         Stiffness of one seal straight from the FRF, drawn as points where it is good.
-    data : DynamicTest, optional
+    data : StiffnessSweep, optional
         The sweep that was fitted, drawn as points.
     mark : float, optional
         A frequency to point at, such as the measured resonance, Hz.
@@ -249,7 +259,7 @@ def _stems(one: Fit, pen: Pen, label: str) -> list[Mark]:
 def _frequencies(
     fit: Fit,
     measured: DynamicStiffness | None,
-    data: DynamicTest | None,
+    data: StiffnessSweep | None,
     unseen: StiffnessBounds | None,
     mark: float | None,
 ) -> FloatArray:
@@ -262,7 +272,7 @@ def _frequencies(
     return np.geomspace(fit.band[0] / 3, max(tops), 300)
 
 
-def _sweep(data: DynamicTest, name: str, factor: float) -> Dots:
+def _sweep(data: StiffnessSweep, name: str, factor: float) -> Dots:
     """What was measured of it."""
     values = data.loss / data.storage if name == "loss_factor" else factor * getattr(data, name)
     return Dots(data.frequency, np.asarray(values), "measured", "measured")

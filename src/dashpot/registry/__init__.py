@@ -140,7 +140,9 @@ FIGURES = {
 } | _HANDLERS.get("figure", {})
 """What draws each record and result."""
 
-_PAGES = {noun: page for kind in KINDS.values() for noun, page in kind.pages.items()}
+_PAGES = {
+    noun: page for kind in KINDS.values() for noun, page in kind.pages.items()
+} | _HANDLERS.get("page", {})
 
 PREDICTED = tuple(kind for kind in KINDS.values() if kind.predict)
 """Kinds whose fit predicts by itself, and not as a solid."""

@@ -43,9 +43,6 @@ EXTENSION = Extension(
                 "frf", "dashpot.reading.readers.frf:read_frf", "dashpot.extensions.modes.measured_modes:modes_files",
                 place="response", says=_PAIR, resonates=True, meant="modes", also="rod",
                 nouns={"dashpot.datamodel.frf:FRF": "dashpot.plot.frf_figure:frf"},
-                pages={
-                    "dashpot.extensions.modes.mass_series_files:ModesByMass": "dashpot.report.result_pages.frf_pages:masses_page",
-                },
                 checks="dashpot.vibration.modal.checks", order=2,
         ),
             KindOfTest(
@@ -63,6 +60,7 @@ EXTENSION = Extension(
             "dashpot.workflow.response.frf_prediction:Prediction": "dashpot.text_output.results:prediction",
             "dashpot.workflow.study:Study": "dashpot.text_output.results:study",
         },
+        "html": {"dashpot.workflow.study:Study": "dashpot.report:write_study"},
         "export": {
             "dashpot.solids.maxwell:Solid": "dashpot.export:export_solid",
             "dashpot.datamodel.fit:Fit": "dashpot.export:export_fit",

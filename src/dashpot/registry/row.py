@@ -232,6 +232,9 @@ class Extension:
         record, ``"read record"`` one whose reader asks for more, ``"read several"`` files of one
         kind; ``"predict"`` from a model, ``"predict with option"`` and ``"predict with sweep"``
         from a fit; ``"compare"`` two of a type.
+        ``"plot"``: a figure of `dashpot.plot` by its name. ``"fit figure"``: from a fit and a
+        record, or the tests of its temperatures. ``"pole figure"``: from a measured FRF.
+        ``"page"``: from a result to what its page holds. ``"html"``: to a page of its own look.
         ``"export"``: the input of a solver for a result.
         ``"document"``: the class that a document of this schema is read into.
         ``"read document"``: from the values of a document of this schema to fields of its class.

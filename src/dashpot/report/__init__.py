@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, TypeGuard
+from typing import Any
 
 from dashpot.base.provenance import Step
 from dashpot.base.result_mixins import Judged
 from dashpot.plot.picture import Picture
+from dashpot.registry import find_handler
 from dashpot.report import first_screen, result_page, summary, tables
 from dashpot.report.figures import figures_of
 from dashpot.report.page_frame import COLOURS, environment, frame
 from dashpot.workflow.recommendation import recommendation
 from dashpot.workflow.study import Study
 
-if TYPE_CHECKING:
-    from dashpot.extensions.door.closing_result import ClosingResult
-    from dashpot.extensions.door.result import DoorResult
-
-__all__ = ["door_html", "html", "paged"]
+__all__ = ["html", "paged", "write_study"]
 
 
 def html(
@@ -46,39 +43,24 @@ def html(
     str
         The text of the file; the same study gives the same text.
     """
-    if isinstance(study, Study):
-        return _rendered("report.html", _contents(study))
-    if _of_a_door(study):
-        return door_html(study)
+    write = find_handler("html", study)
+    if write is not None:
+        return str(write(study))
     return _rendered("judged.html", result_page.contents(study, lead=lead, beside=beside))
+
+
+def write_study(study: Study) -> str:
+    """Return the report of a study."""
+    return _rendered("report.html", _contents(study))
 
 
 def paged(found: object) -> bool:
     """Whether a result has a page."""
-    return isinstance(found, Study) or result_page.paged(found) or _of_a_door(found)
-
-
-def _of_a_door(found: object) -> TypeGuard[DoorResult | ClosingResult]:
-    # a report of a seal loads nothing of doors
-    from dashpot.extensions.door.closing_result import ClosingResult
-    from dashpot.extensions.door.result import DoorResult
-
-    return isinstance(found, DoorResult | ClosingResult)
+    return find_handler("html", found) is not None or result_page.paged(found)
 
 
 def _rendered(name: str, contents: dict[str, Any]) -> str:
     return str(environment("dashpot.report").get_template(name).render(contents))
-
-
-def door_html(*results: DoorResult | ClosingResult) -> str:
-    """Return the page of a door: how it vibrates, how it closes, or both."""
-    from dashpot.extensions.door import page
-    from dashpot.extensions.door.closing_result import ClosingResult
-    from dashpot.extensions.door.result import DoorResult
-
-    found = next((one for one in results if isinstance(one, DoorResult)), None)
-    closed = next((one for one in results if isinstance(one, ClosingResult)), None)
-    return _rendered("door.html", page.contents(found, closed))
 
 
 def _contents(study: Study) -> dict[str, Any]:

@@ -7,10 +7,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from dashpot import plot
-from dashpot.datamodel.frf_set import FRFSet
-from dashpot.extensions.modes.stabilisation import stabilisation
 from dashpot.plot.picture import Panel, joint_pen
 from dashpot.plot.svg import checked, strip, swatch
+from dashpot.registry import find_handler
 from dashpot.vibration.systems.frf_prediction import predict_frf
 from dashpot.workflow.study import Study
 
@@ -160,7 +159,7 @@ def _of_relaxation(study: Study) -> Iterator[plot.Picture]:
     yield plot.segments(study.prepared)
     yield plot.fit(study.fit, study.prepared, alternatives=study.alternatives)
     if study.further and study.fit.temperatures is not None:
-        yield plot.temperatures(study.fit, (study.prepared, *study.further))
+        yield plot.bench(study.fit, (study.prepared, *study.further))
     law = study.fit.elastic_law
     if law is not None and law.kind != "linear":
         at = None if study.at_rest is None else study.at_rest.point.compression
@@ -202,5 +201,5 @@ def chart_of(study: Study) -> plot.Picture | None:
     if study.measured is None or study.measured.quantity.over_base:
         return None
     band = None if study.comparison is None else study.comparison.band
-    chart = stabilisation(FRFSet((study.measured,)), band=band)
-    return plot.stabilisation(chart, study.measured.modes(band=band))
+    draw = find_handler("pole figure", study.measured)
+    return None if draw is None else draw(study.measured, band=band)

@@ -9,10 +9,6 @@ from html import escape
 
 from dashpot import plot
 from dashpot.datamodel.fit import Fit
-from dashpot.extensions.amplitude.fit_files import Levels
-from dashpot.extensions.materials.cld.fit_files import Pieces
-from dashpot.extensions.materials.rod.fit_files import Rod
-from dashpot.extensions.modes.mass_series_files import ModesByMass
 from dashpot.plot import Picture
 from dashpot.reading.readers.inspect import Inspection
 from dashpot.registry import figure_of
@@ -39,19 +35,8 @@ picture.register(Study, plot.hero)
 
 
 @picture.register
-def _(noun: Pieces) -> Picture:
-    return plot.cld(noun.pieces)
-
-
-@picture.register
 def _(noun: Identified) -> Picture:
     return plot.stiffness(noun.fit)
-
-
-@picture.register
-def _(noun: Rod) -> Picture:
-    named = plot.stamp(noun.frf.source, mass=noun.mass)
-    return plot.rod(noun.modulus, fit=noun.fit, stamp=named)
 
 
 @picture.register
@@ -80,16 +65,6 @@ def _(noun: Prediction) -> Picture:
         intervals=[one.magnitude for one in noun.preloaded],
         stamp=plot.stamp(fit.source, fit.specimen, **rig),
     )
-
-
-@picture.register
-def _(noun: Levels) -> Picture:
-    return plot.level(noun.fit, noun.records)
-
-
-@picture.register
-def _(noun: ModesByMass) -> Picture:
-    return plot.several_masses(noun.together, [one.frf for one in noun.tests])
 
 
 @picture.register

@@ -8,6 +8,7 @@ from dashpot.extensions.door.analyse_file import open_door as open_door
 from dashpot.extensions.door.analyse_file import shear_of as shear_of
 from dashpot.extensions.door.closing_from_file import ClosingResult as ClosingResult
 from dashpot.extensions.door.closing_from_file import close_file as close_file
+from dashpot.extensions.door.page import door_html as door_html
 from dashpot.extensions.door.read import read_door as read_door
 from dashpot.extensions.materials.cld.datamodel import CLD as CLD
 from dashpot.extensions.materials.cld.datamodel import RateLaw as RateLaw
@@ -40,7 +41,6 @@ from dashpot.planning.assumed_seal import SupposedSeal as SupposedSeal
 from dashpot.planning.plan import plan as plan
 from dashpot.planning.planned_ramp_hold import Bench as Bench
 from dashpot.reading.readers.inspect import inspect_file as inspect_file
-from dashpot.report import door_html as door_html
 from dashpot.report import html as html
 from dashpot.report.result_pages.solid_page import over_frequency as over_frequency
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -47,6 +48,9 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
 from dashpot.vibration.impact.amplitude_trend import DECAYED
 
+if TYPE_CHECKING:
+    from dashpot.extensions.amplitude.fit_files import Levels
+
 _HEIGHT = 240.0
 _WIDE = 860.0
 _THIN = Pen("fit", 1.2)
@@ -83,6 +87,11 @@ def level(
         return loops(first, found, stamp=stamp)
     assert isinstance(first, AmplitudeSweep)  # noqa: S101
     return amplitude_sweep(first, found, stamp=stamp)
+
+
+def draw_levels(found: Levels) -> Picture:
+    """Return the figure of a fit over amplitude with its records."""
+    return level(found.fit, found.records)
 
 
 def loops(test: RelaxationTest, fit: AmplitudeFit | None = None, *, stamp: str = "") -> Picture:

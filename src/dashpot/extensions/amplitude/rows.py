@@ -36,6 +36,15 @@ EXTENSION = Extension(
             "dashpot.extensions.amplitude.datamodel:AmplitudeFit": "dashpot.text_output.results:amplitude",
             "dashpot.extensions.amplitude.fit_files:Levels": "dashpot.text_output.results:levels",
         },
+        "figure": {
+            "dashpot.extensions.amplitude.fit_files:Levels": "dashpot.extensions.amplitude.figure:draw_levels",
+        },
+        "plot": {
+            "amplitude_sweep": "dashpot.extensions.amplitude.figure:amplitude_sweep",
+            "frfs_at_levels": "dashpot.extensions.amplitude.figure:frfs_at_levels",
+            "level": "dashpot.extensions.amplitude.figure:level",
+            "loops": "dashpot.extensions.amplitude.figure:loops",
+        },
         "read document": {
             "dashpot/levels@1": "dashpot.extensions.amplitude.level_results:complete_document",
         },

@@ -32,4 +32,20 @@ EXTENSION = Extension(
                 checks="dashpot.extensions.curves.creep.checks", order=10,
         ),
     ),
+    handlers={
+        "fit figure": {
+            "dashpot.extensions.curves.datamodel.superposition:Superposition": "dashpot.extensions.curves.superposition.figure:draw_fit",
+            "dashpot.extensions.curves.datamodel.modulus:RelaxationModulus": "dashpot.extensions.curves.time_curve_figure:modulus",
+            "dashpot.extensions.curves.datamodel.creep:LoadHold": "dashpot.extensions.curves.creep.figure:creep",
+            "dashpot.extensions.curves.datamodel.creep:CreepCompliance": "dashpot.extensions.curves.creep.figure:creep",
+            "dashpot.extensions.curves.datamodel.dynamic:DynamicTest": "dashpot.extensions.curves.dynamic.figure:draw_sweep",
+            "dashpot.datamodel.shift_factors:TemperatureShifts": "dashpot.extensions.curves.temperatures.figure:temperatures",
+        },
+        "plot": {
+            "creep": "dashpot.extensions.curves.creep.figure:creep",
+            "modulus": "dashpot.extensions.curves.time_curve_figure:modulus",
+            "superposition": "dashpot.extensions.curves.superposition.figure:superposition",
+            "temperatures": "dashpot.extensions.curves.temperatures.figure:temperatures",
+        },
+    },
 )  # fmt: skip

@@ -37,6 +37,7 @@ from dashpot.report.attachments import Attachment, attachment
 from dashpot.report.figures import Drawn, drawn
 from dashpot.report.first_screen import NBSP, Light
 from dashpot.report.page_content import Fold, Topic, lights
+from dashpot.report.page_frame import environment
 from dashpot.report.result_page import judgement, text_of
 from dashpot.report.tables import TextTable
 
@@ -85,6 +86,14 @@ class ModesTable(NamedTuple):
     parts: tuple[tuple[str, str], ...]
     note: str
     more: int
+
+
+def door_html(*results: DoorResult | ClosingResult) -> str:
+    """Return the page of a door: how it vibrates, how it closes, or both."""
+    found = next((one for one in results if isinstance(one, DoorResult)), None)
+    closed = next((one for one in results if isinstance(one, ClosingResult)), None)
+    template = environment("dashpot.extensions.door").get_template("door.html")
+    return str(template.render(contents(found, closed)))
 
 
 def contents(found: DoorResult | None, closed: ClosingResult | None) -> dict[str, Any]:

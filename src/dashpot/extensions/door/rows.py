@@ -19,6 +19,14 @@ EXTENSION = Extension(
             "dashpot.extensions.door.closing_result:ClosingResult": "dashpot.extensions.door.closing_text:closed",
             "dashpot.extensions.door.result:DoorResult": "dashpot.extensions.door.text:door",
         },
+        "html": {
+            "dashpot.extensions.door.result:DoorResult": "dashpot.extensions.door.page:door_html",
+            "dashpot.extensions.door.closing_result:ClosingResult": "dashpot.extensions.door.page:door_html",
+        },
+        "plot": {
+            "closing": "dashpot.extensions.door.closing_figure:closing",
+            "door": "dashpot.extensions.door.figure:door",
+        },
         "figure": {
             "dashpot.extensions.door.result:DoorResult": "dashpot.extensions.door.figure:door",
             "dashpot.extensions.door.closing_result:ClosingResult": "dashpot.extensions.door.closing_figure:closing",

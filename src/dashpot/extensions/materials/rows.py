@@ -108,6 +108,16 @@ EXTENSION = Extension(
             "dashpot.extensions.materials.indentation.datamodel:IndentationFit": "dashpot.text_output.results:indentation",
             "dashpot.extensions.materials.rod.fit_files:Rod": "dashpot.extensions.materials.rod.text:rod",
         },
+        "figure": {
+            "dashpot.extensions.materials.cld.fit_files:Pieces": "dashpot.extensions.materials.cld.figure:draw_pieces",
+            "dashpot.extensions.materials.rod.fit_files:Rod": "dashpot.extensions.materials.rod.figure:draw_rod",
+        },
+        "plot": {
+            "cld": "dashpot.extensions.materials.cld.figure:cld",
+            "hyperelastic": "dashpot.extensions.materials.hyperelastic.figure:hyperelastic",
+            "indentation": "dashpot.extensions.materials.indentation.figure:indentation",
+            "rod": "dashpot.extensions.materials.rod.figure:rod",
+        },
         "export": {
             "dashpot.extensions.materials.hyperelastic.datamodel:HyperelasticFit": "dashpot.extensions.materials.hyperelastic.material_cards:export_law",
         },

@@ -15,6 +15,19 @@ EXTENSION = Extension(
             "dashpot.extensions.modes.measured_modes:MeasuredModes": "dashpot.text_output.modes:modes",
             "dashpot.extensions.modes.mass_series_files:ModesByMass": "dashpot.text_output.modes:modes_by_mass",
         },
+        "page": {
+            "dashpot.extensions.modes.mass_series_files:ModesByMass": "dashpot.extensions.modes.page:masses_page",
+        },
+        "figure": {
+            "dashpot.extensions.modes.mass_series_files:ModesByMass": "dashpot.extensions.modes.figure:draw_masses",
+        },
+        "pole figure": {
+            "dashpot.datamodel.frf:FRF": "dashpot.extensions.modes.figure:draw_poles",
+        },
+        "plot": {
+            "several_masses": "dashpot.extensions.modes.figure:several_masses",
+            "stabilisation": "dashpot.extensions.modes.figure:stabilisation",
+        },
         "document": {
             "dashpot/modes@1": "dashpot.extensions.modes.measured_modes:MeasuredModes",
         },

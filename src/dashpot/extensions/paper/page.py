@@ -48,7 +48,7 @@ def paper_page(found: Reproduced) -> str:
         "parts": {part: (PARTS[part], statements(found.rows, part)) for part in PARTS},
         "link": held("application/json", json.dumps(found.document, indent=2)),
     }
-    return str(environment("dashpot.report").get_template("paper.html").render(contents))
+    return str(environment("dashpot.extensions.paper").get_template("paper.html").render(contents))
 
 
 def paper_pictures(found: Reproduced) -> dict[str, Picture]:

@@ -9,7 +9,6 @@ from typing import Any
 from dashpot.base.number_format import counted, hertz, rounded, seals, shown
 from dashpot.base.reported_values import Fact
 from dashpot.base.units import in_unit
-from dashpot.extensions.modes.mass_series_files import ModesByMass
 from dashpot.report.first_screen import NBSP, Row
 from dashpot.report.page_content import Fold, Group, KindPage, Topic, lights, row, who
 from dashpot.report.tables import TextTable
@@ -133,23 +132,3 @@ def agreement_page(found: Agreement) -> KindPage:
                     TextTable(("", "predicted", "measured", "difference"), differ)),),
         name="comparison",
     )  # fmt: skip
-
-
-def masses_page(found: ModesByMass) -> KindPage:
-    """What the page of one solid under several masses holds."""
-    of = found.together
-    facts = tuple(
-        Group(shown(mass, "g", digits=4), tuple(mode_rows(mode)))
-        for mass, mode in zip(of.masses, of.modes, strict=True)
-    )
-    return KindPage(
-        about=f"one solid under {counted(len(of.masses), 'mass').replace('masss', 'masses')}",
-        strip=(("Masses", ", ".join(shown(one, "g", digits=4) for one in of.masses)),),
-        lights=lights(found.checks, Topic("FRFs"), Topic("One solid", {"one_solid"})),
-        answers="The response under each mass",
-        picture=found.plot(),
-        told="Resonance under each mass",
-        groups=facts,
-        sources=tuple(dict.fromkeys(s for one in found.tests for s in one.frf.source)),
-        name="masses",
-    )

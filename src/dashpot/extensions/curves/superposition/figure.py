@@ -41,6 +41,11 @@ _THIN = Pen("measured", 1.3)
 """The fit beneath the samples, whose colours say more."""
 
 
+def draw_fit(fit: Fit, data: Superposition) -> Picture:
+    """Return the figure of a fit to a master curve."""
+    return superposition(data, fit)
+
+
 def superposition(data: Superposition, fit: Fit | None = None, *, stamp: str = "") -> Picture:
     """A master curve, coloured from cold to warm, its shifts and their law, and van Gurp-Palmen.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,6 +27,9 @@ from dashpot.plot.picture import (
 )
 from dashpot.plot.provenance_stamp import stamp as stamped
 from dashpot.plot.style import sequential
+
+if TYPE_CHECKING:
+    from dashpot.extensions.materials.cld.fit_files import Pieces
 
 _FIRST = Pen("ref", 1.4, (2, 3)), "first cycle"
 _EARLIER = Pen("ref", 1.1), "other cycles"
@@ -76,6 +80,11 @@ def cld(
     return Picture(
         "cld", caption, ((panel,),), 1, stamp or stamped(sources_of(pieces), first.specimen)
     )
+
+
+def draw_pieces(found: Pieces) -> Picture:
+    """Return the figure of pieces that were fitted together."""
+    return cld(found.pieces)
 
 
 def _curves(pieces: Sequence[CLD]) -> tuple[list[Line], list[Tag]]:

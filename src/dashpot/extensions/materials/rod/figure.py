@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from dashpot.base.units import in_unit
@@ -9,6 +11,10 @@ from dashpot.datamodel.fit import Fit
 from dashpot.extensions.materials.rod.datamodel import RodModulus
 from dashpot.plot.dynamic_stiffness_figure import FREQUENCY
 from dashpot.plot.picture import FIT, Area, Dots, Line, Mark, Panel, Picture, Scale, Span, around
+from dashpot.plot.provenance_stamp import stamp as stamped
+
+if TYPE_CHECKING:
+    from dashpot.extensions.materials.rod.fit_files import Rod
 
 
 def rod(found: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Picture:
@@ -67,3 +73,8 @@ def rod(found: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Pictur
         "sensors, masses and lengths together."
     )
     return Picture("rod", caption, tuple((one,) for one in panels), 2, stamp, width=900.0)
+
+
+def draw_rod(found: Rod) -> Picture:
+    """Return the figure of a rod under a mass, stamped with its test."""
+    return rod(found.modulus, fit=found.fit, stamp=stamped(found.frf.source, mass=found.mass))

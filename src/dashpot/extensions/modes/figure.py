@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,8 +11,10 @@ from dashpot.base.number_format import rounded, shown
 from dashpot.base.reported_values import NORMAL
 from dashpot.base.units import in_unit
 from dashpot.datamodel.frf import FRF, Kind, Mode
+from dashpot.datamodel.frf_set import FRFSet
 from dashpot.extensions.modes.mass_series import SeveralMasses
 from dashpot.extensions.modes.stabilisation import DAMPING, FREQUENCY, NEW, SHAPE, Stabilisation
+from dashpot.extensions.modes.stabilisation import stabilisation as find_poles
 from dashpot.plot.picture import (
     MEASURED,
     Dots,
@@ -27,6 +30,9 @@ from dashpot.plot.picture import (
     around_log,
 )
 from dashpot.plot.style import sequential
+
+if TYPE_CHECKING:
+    from dashpot.extensions.modes.mass_series_files import ModesByMass
 
 FOUND = Pen("fit", 1.2, (7, 4))
 BEHIND = Pen("line", 1.4)
@@ -141,3 +147,13 @@ def several_masses(found: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = ""
         "beside those of the one linear solid that comes closest."
     )
     return Picture("masses", caption, tuple((one,) for one in panels), 3, stamp, width=1100.0)
+
+
+def draw_masses(found: ModesByMass) -> Picture:
+    """Return the figure of modes under several masses, of what was fitted."""
+    return several_masses(found.together, [one.frf for one in found.tests])
+
+
+def draw_poles(frf: FRF, *, band: tuple[float, float] | None = None) -> Picture:
+    """Return the stabilisation chart of an FRF with its modes."""
+    return stabilisation(find_poles(FRFSet((frf,)), band=band), frf.modes(band=band))

@@ -1,0 +1,28 @@
+"""The page of one solid under several masses."""
+
+from __future__ import annotations
+
+from dashpot.base.number_format import counted, shown
+from dashpot.extensions.modes.mass_series_files import ModesByMass
+from dashpot.report.page_content import Group, KindPage, Topic, lights
+from dashpot.report.result_pages.frf_pages import mode_rows
+
+
+def masses_page(found: ModesByMass) -> KindPage:
+    """What the page of one solid under several masses holds."""
+    of = found.together
+    facts = tuple(
+        Group(shown(mass, "g", digits=4), tuple(mode_rows(mode)))
+        for mass, mode in zip(of.masses, of.modes, strict=True)
+    )
+    return KindPage(
+        about=f"one solid under {counted(len(of.masses), 'mass').replace('masss', 'masses')}",
+        strip=(("Masses", ", ".join(shown(one, "g", digits=4) for one in of.masses)),),
+        lights=lights(found.checks, Topic("FRFs"), Topic("One solid", {"one_solid"})),
+        answers="The response under each mass",
+        picture=found.plot(),
+        told="Resonance under each mass",
+        groups=facts,
+        sources=tuple(dict.fromkeys(s for one in found.tests for s in one.frf.source)),
+        name="masses",
+    )
