@@ -61,6 +61,7 @@ EXTENSION = Extension(
             "dashpot.workflow.study:Study": "dashpot.text_output.results:study",
         },
         "html": {"dashpot.workflow.study:Study": "dashpot.report:write_study"},
+        "deck terms": {"dashpot.datamodel.fit:Fit": "dashpot.report.attachments:find_terms"},
         "export": {
             "dashpot.solids.maxwell:Solid": "dashpot.export:export_solid",
             "dashpot.datamodel.fit:Fit": "dashpot.export:export_fit",

@@ -236,6 +236,7 @@ class Extension:
         record, or the tests of its temperatures. ``"pole figure"``: from a measured FRF.
         ``"page"``: from a result to what its page holds. ``"html"``: to a page of its own look.
         ``"export"``: the input of a solver for a result.
+        ``"deck terms"``: from a result to what the decks on its page are asked for.
         ``"document"``: the class that a document of this schema is read into.
         ``"read document"``: from the values of a document of this schema to fields of its class.
     fits : tuple of FitRow

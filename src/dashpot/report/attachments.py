@@ -3,28 +3,56 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, Protocol
 
+from dashpot.base.checks import Verdict
 from dashpot.base.errors import DashpotError, ExportError
 from dashpot.base.number_format import where
 from dashpot.base.units import in_unit
 from dashpot.datamodel.fit import Fit
 from dashpot.export import SUFFIXES, DeckText, deck_for, reads
-from dashpot.extensions.amplitude.level_results import LevelFit
-from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
+from dashpot.export.deck import NonlinearFit
+from dashpot.registry import find_handler
 from dashpot.report.page_frame import held
 from dashpot.workflow.json_archive import from_json
-
-Exported: TypeAlias = Fit | LevelFit | HyperelasticFit
-"""What ``dashpot export`` writes a deck of."""
 
 _SYSTEM = "mm-t-s"
 _SOLVERS = {"nastran": "Nastran", "abaqus": "Abaqus"}
 """Of the decks that a page holds, and how a link calls them."""
 _UNSTATED = {"temperature": "temperature", "length": "contact length"}
 """What a deck should say of its specimen, and does without, marked."""
+
+
+class Exported(Protocol):
+    """A result whose page holds decks."""
+
+    @property
+    def verdict(self) -> Verdict: ...  # noqa: D102
+
+
+@dataclass(frozen=True)
+class DeckTerms:
+    """What the decks on the page of a result are asked for.
+
+    Attributes
+    ----------
+    band : (float, float) or None
+        Where they hold, Hz; None of a law without frequencies.
+    choices : mapping of str to str
+        Of the target.
+    unstated : tuple of str
+        What is not known of the specimen, and allowed by name.
+    reason : str
+        Why there is no deck where none could be made.
+    """
+
+    band: tuple[float, float] | None
+    choices: Mapping[str, str] = field(default_factory=dict)
+    unstated: tuple[str, ...] = ()
+    reason: str = "the tests do not determine every parameter"
 
 
 class Attachment(NamedTuple):
@@ -75,7 +103,21 @@ def exported(document: str) -> Exported | None:
         found = from_json(document)
     except DashpotError:
         return None
-    return found if isinstance(found, Exported) else None
+    judged: Exported | None = found if find_handler("deck terms", found) else None
+    return judged
+
+
+def find_terms(found: Fit | NonlinearFit) -> DeckTerms:
+    """Return what the decks of a fit are asked for: those of a part, or of a material."""
+    material = isinstance(found, Fit) and found.unit == "Pa"
+    wanted = ["temperature"] if material else list(_UNSTATED)
+    unstated = tuple(name for name in wanted if getattr(found.specimen, name) is None)
+    return DeckTerms(found.band, {"form": "prony"} if material else {}, unstated)
+
+
+def _terms_of(found: Exported) -> DeckTerms:
+    terms: DeckTerms = find_handler("deck terms", found)(found)
+    return terms
 
 
 def decks(found: Exported, compression: float | None = None) -> tuple[AttachedDeck, ...]:
@@ -86,7 +128,7 @@ def decks(found: Exported, compression: float | None = None) -> tuple[AttachedDe
 
     Parameters
     ----------
-    found : Fit, LevelFit or HyperelasticFit
+    found : Fit or another result that a row names
     compression : float, optional
         About which the deck is of small vibration, m.
     """
@@ -98,19 +140,18 @@ def decks(found: Exported, compression: float | None = None) -> tuple[AttachedDe
         depth = f"{round(in_unit(compression, 'mm'), 4)}mm"
         said["compression"] = depth
         options += ["--compression", depth]
-    if isinstance(found, Fit) and found.unit == "Pa":
-        said["form"] = "prony"
-        options += ["--form", "prony"]
+    terms = _terms_of(found)
+    said |= terms.choices
+    options += [word for name, value in terms.choices.items() for word in (f"--{name}", value)]
     of_band: dict[str, Any] = {}
-    if not said.get("form") and not isinstance(found, HyperelasticFit):
-        of_band["frequency_range"] = _inside(found.band)
-    unknown = tuple(_missing(found))
-    options += [word for name in unknown for word in ("--allow", name)]
+    if terms.band and not terms.choices:
+        of_band["frequency_range"] = _inside(terms.band)
+    options += [word for name in terms.unstated for word in ("--allow", name)]
     made = []
     for target in _SOLVERS:
         band = of_band if reads(target, "frequency_range") else {}
         try:
-            text = deck_for(target, found, units=_SYSTEM, allow=unknown, **said, **band)
+            text = deck_for(target, found, units=_SYSTEM, allow=terms.unstated, **said, **band)
         except ExportError:
             continue
         ends = [word for low, high in band.values() for word in ("--band", f"{low!r}:{high!r}Hz")]
@@ -122,19 +163,12 @@ def about(found: Exported, made: Sequence[AttachedDeck]) -> str:
     """Where the decks hold, and what they miss; why there is none."""
     if found.verdict.use == "do not use":
         return ""
+    terms = _terms_of(found)
     if not made:
-        volume = isinstance(found, HyperelasticFit) and found.law.bulk_modulus is None
-        why = (
-            "the change of volume was not tested. Give a bulk modulus when you export it"
-            if volume
-            else "the tests do not determine every parameter"
-        )
-        return f"No deck is here, because {why}."
+        return f"No deck is here, because {terms.reason}."
     unknown = " and ".join(words for name, words in _UNSTATED.items() if name in made[0].options)
     asked = f" Before you use one, state {unknown}." if unknown else ""
-    if isinstance(found, HyperelasticFit):
-        return asked.strip()
-    return f"Decks are valid {where(found.band)}.{asked}"
+    return f"Decks are valid {where(terms.band)}.{asked}" if terms.band else asked.strip()
 
 
 def attached(made: Sequence[AttachedDeck], document: str) -> list[Attachment]:
@@ -152,15 +186,6 @@ def attached(made: Sequence[AttachedDeck], document: str) -> list[Attachment]:
             )
         )
     return files
-
-
-def _missing(found: Exported) -> list[str]:
-    """What of the specimen a deck says, and nobody stated."""
-    if isinstance(found, HyperelasticFit):
-        return [] if found.temperature is not None else ["temperature"]
-    material = isinstance(found, Fit) and found.unit == "Pa"
-    wanted = ["temperature"] if material else list(_UNSTATED)
-    return [name for name in wanted if getattr(found.specimen, name) is None]
 
 
 def _inside(band: tuple[float, float]) -> tuple[float, float]:

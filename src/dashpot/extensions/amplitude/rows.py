@@ -48,6 +48,9 @@ EXTENSION = Extension(
         "read document": {
             "dashpot/levels@1": "dashpot.extensions.amplitude.level_results:complete_document",
         },
+        "deck terms": {
+            "dashpot.extensions.amplitude.level_results:LevelFit": "dashpot.report.attachments:find_terms",
+        },
         "export": {
             "dashpot.extensions.amplitude.level_results:LevelFit": "dashpot.export:export_fit",
         },

@@ -118,6 +118,9 @@ EXTENSION = Extension(
             "indentation": "dashpot.extensions.materials.indentation.figure:indentation",
             "rod": "dashpot.extensions.materials.rod.figure:rod",
         },
+        "deck terms": {
+            "dashpot.extensions.materials.hyperelastic.datamodel:HyperelasticFit": "dashpot.extensions.materials.hyperelastic.page:find_terms",
+        },
         "export": {
             "dashpot.extensions.materials.hyperelastic.datamodel:HyperelasticFit": "dashpot.extensions.materials.hyperelastic.material_cards:export_law",
         },

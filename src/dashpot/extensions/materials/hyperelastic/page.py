@@ -5,8 +5,18 @@ from __future__ import annotations
 from dashpot.base.number_format import counted, rounded
 from dashpot.base.units import written
 from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
+from dashpot.report.attachments import DeckTerms
 from dashpot.report.page_content import Fold, KindPage, Topic, group, lights, tried
 from dashpot.report.tables import TextTable
+
+
+def find_terms(found: HyperelasticFit) -> DeckTerms:
+    """Return what the cards on its page are asked for."""
+    unstated = () if found.temperature is not None else ("temperature",)
+    if found.law.bulk_modulus is not None:
+        return DeckTerms(None, unstated=unstated)
+    untested = "the change of volume was not tested. Give a bulk modulus when you export it"
+    return DeckTerms(None, unstated=unstated, reason=untested)
 
 
 def page(found: HyperelasticFit) -> KindPage:
