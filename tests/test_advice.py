@@ -17,7 +17,7 @@ from dashpot.cli._deprecations import FORMER
 ROOM = Path(dp.__file__).parent
 NOT_TYPED = {
     "cli/_deprecations.py": "the words of former commands stand there",
-    "extensions/formats/sandbox/parent_process.py": "what the parent says to its own child",
+    "reading/sandbox/parent_process.py": "what the parent says to its own child",
 }
 """Files whose words no user types, and why."""
 OF_CSS = re.compile(

@@ -5,7 +5,7 @@ import sys
 from dashpot.cli import main
 
 if getattr(sys, "frozen", False):
-    from dashpot.extensions.formats.sandbox.parent_process import frozen_support
+    from dashpot.reading.sandbox.parent_process import frozen_support
 
     frozen_support()
 main(prog_name="dashpot")

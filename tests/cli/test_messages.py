@@ -106,7 +106,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
 }
 """Which commands can print what stands in a room, a file or a function; the longest name counts."""
 OURS = {
-    "extensions/formats/sandbox/parent_process.py": {"--read-for-dashpot"},
+    "reading/sandbox/parent_process.py": {"--read-for-dashpot"},
     "plot/svg.py": {"--panel"},
 }
 """Words that look like options and reach no user."""

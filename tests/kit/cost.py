@@ -189,8 +189,8 @@ KEPT: Mapping[str, int] = MappingProxyType({
     "reading/test_bombs.py::test_a_bomb_costs_a_gibibyte_and_half_a_minute_at_most": 2,
     "reading/test_bombs.py::test_data_of_another_file_is_refused": 2,
     "reading/test_bombs.py::test_what_is_linked_twice_is_read_once": 0,
-    "extensions/formats/test_child.py::test_a_child_that_is_led_astray_is_not_believed": 3,
-    "extensions/formats/test_child.py::test_whatever_it_does_is_a_sentence": 2,
+    "reading/test_child.py::test_a_child_that_is_led_astray_is_not_believed": 3,
+    "reading/test_child.py::test_whatever_it_does_is_a_sentence": 2,
     "reading/test_fuzz.py::test_long_and_strange": 0,  # test_wounded_text
     "reading/test_fuzz.py::test_wounded_instruments": 5,
     "reading/test_kinds.py::test_a_reader_takes_its_kind_and_says_of_others_what_they_are": 90,

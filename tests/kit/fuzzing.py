@@ -177,7 +177,7 @@ class _Parsers:
         return self.kept[key]
 
     def _parsed(self, what, function, raw, options):
-        from dashpot.extensions.formats.sandbox import child_process, message_protocol
+        from dashpot.reading.sandbox import child_process, message_protocol
 
         try:
             if self.apart:
@@ -196,7 +196,7 @@ def main() -> None:
     import resource
 
     from dashpot.extensions.formats import workbook
-    from dashpot.extensions.formats.sandbox import limits, parent_process
+    from dashpot.reading.sandbox import limits, parent_process
 
     parsers = parent_process.in_child = workbook.in_child = _Parsers(parent_process.in_child)
     resource.setrlimit(resource.RLIMIT_AS, (limits.MEMORY, limits.MEMORY))

@@ -140,7 +140,7 @@ def fuzz() -> None:
         atheris.instrument_imports(include=["dashpot"]),
     ):
         from dashpot.extensions.formats import workbook
-        from dashpot.extensions.formats.sandbox import parent_process
+        from dashpot.reading.sandbox import parent_process
     parsers = parent_process.in_child = workbook.in_child = _Parsers(parent_process.in_child)
     path = Path(tempfile.mkdtemp()) / "fuzz"
 

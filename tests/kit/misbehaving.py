@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from dashpot.base.errors import DataError
-from dashpot.extensions.formats.sandbox import limits
 from dashpot.reading.raw_file import Raw
 from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.sandbox import limits
 from dashpot.reading.table import Column, FileTable, Question, in_memory
 
 

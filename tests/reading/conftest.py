@@ -9,8 +9,8 @@ import pytest
 
 from dashpot.base.errors import DashpotError, ReadError
 from dashpot.extensions.formats import workbook
-from dashpot.extensions.formats.sandbox import child_process, message_protocol, parent_process
 from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.sandbox import child_process, message_protocol, parent_process
 
 CHILDREN = {"test_bombs", "test_child"}
 """Whose subject is the child itself."""

@@ -383,7 +383,7 @@ def test_text_loads_no_heavy_library(tmp_path: Path) -> None:
         "from dashpot.reading.readers.inspect import inspect_file; "
         f"read_relaxation({str(path)!r}); inspect_file({str(path)!r}); "
         "print([m for m in ('scipy', 'matplotlib', 'h5py', 'pyuff', 'nptdms', 'jinja2', "
-        "'subprocess', 'dashpot.extensions.formats.sandbox') "
+        "'subprocess', 'dashpot.reading.sandbox') "
         "if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -13,7 +13,6 @@ import pytest
 
 from dashpot.base.errors import ReadError
 from dashpot.extensions.formats import tdms
-from dashpot.extensions.formats.sandbox import message_protocol
 from dashpot.reading.columns import kind_detection, role_assignment, vocabulary
 from dashpot.reading.columns.kind_detection import kind_of
 from dashpot.reading.columns.role_assignment import score, suited
@@ -21,6 +20,7 @@ from dashpot.reading.columns.vocabulary import FIRST, SECOND, Role, has_word, ma
 from dashpot.reading.raw_file import Raw
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.inspect import inspect_file
+from dashpot.reading.sandbox import message_protocol
 from dashpot.reading.table import Column, FileTable, in_memory
 from dashpot.reading.text import decimal_marks, dialect, header
 from dashpot.reading.text.dialect import COLUMNS, LONGEST, is_overlong

@@ -239,6 +239,7 @@ class Extension:
         ``"deck terms"``: from a result to what the decks on its page are asked for.
         ``"document"``: the class that a document of this schema is read into.
         ``"read document"``: from the values of a document of this schema to fields of its class.
+        from a fit; ``"compare"`` two of a type; ``"calibrate"`` a table by a file of its maker.
     fits : tuple of FitRow
     commands : tuple of Command
     formats : tuple of FileFormat

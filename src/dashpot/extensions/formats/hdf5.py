@@ -12,7 +12,6 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.extensions.formats.array_table import Named, gather, names_start, numbers, stated_rate
-from dashpot.extensions.formats.sandbox import limits
 from dashpot.reading.columns.unit_factors import (
     factors_among,
     names_factor,
@@ -21,6 +20,7 @@ from dashpot.reading.columns.unit_factors import (
 )
 from dashpot.reading.raw_file import Raw, extra
 from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.sandbox import limits
 from dashpot.reading.table import FileTable
 
 _UNIT = ("unit", "units", "Unit", "Units", "unit_string", "UNIT")

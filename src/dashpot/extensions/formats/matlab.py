@@ -18,10 +18,10 @@ import numpy as np
 
 from dashpot.base.errors import ReadError
 from dashpot.extensions.formats.array_table import Named, gather, names_start, numbers, stated_rate
-from dashpot.extensions.formats.sandbox import limits
 from dashpot.reading.columns.unit_factors import factors_among, names_factor
 from dashpot.reading.raw_file import Raw
 from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.sandbox import limits
 from dashpot.reading.table import FileTable
 
 _DATA = ("data", "values", "value", "y", "signal")

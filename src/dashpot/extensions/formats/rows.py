@@ -4,6 +4,11 @@ from dashpot.registry.row import Extension, FileFormat
 
 EXTENSION = Extension(
     "formats",
+    handlers={
+        "calibrate": {
+            "dashpot.reading.table:FileTable": "dashpot.extensions.formats.ati:calibrated",
+        },
+    },
     formats=(
         FileFormat("lvm", "dashpot.extensions.formats.lvm", marks=(b"LabVIEW Measurement",)),
         FileFormat("hdf5", "dashpot.extensions.formats.hdf5", marks=(b"\x89HDF\r\n\x1a\n", b"MATLAB 7.3 MAT-file",), sandboxed=True, sheets=True),

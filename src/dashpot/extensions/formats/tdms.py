@@ -20,10 +20,10 @@ from dashpot.extensions.formats.array_table import (
     stated_rate,
     window_line,
 )
-from dashpot.extensions.formats.sandbox import limits
 from dashpot.reading.columns.unit_factors import factors_among
 from dashpot.reading.raw_file import Raw, extra
 from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.sandbox import limits
 from dashpot.reading.table import Column, FileTable, in_memory
 
 _UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit", "Units")

@@ -9,9 +9,9 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from dashpot.base.errors import ReadError
-from dashpot.extensions.formats.sandbox import limits
 from dashpot.reading.raw_file import Raw
 from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.sandbox import limits
 from dashpot.reading.table import Column, FileTable, in_memory
 
 _LARGEST = 1 << 28

@@ -8,12 +8,12 @@ from dataclasses import replace
 
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
-from dashpot.extensions.formats.sandbox.parent_process import in_child
 from dashpot.extensions.formats.workbook_sheets import HIDDEN, listed, sheets
 from dashpot.reading.columns.kind_detection import kind_of
 from dashpot.reading.formats import text
 from dashpot.reading.raw_file import Raw
 from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.sandbox.parent_process import in_child
 from dashpot.reading.table import FileTable
 from dashpot.reading.text.cells import EITHER_WAY
 

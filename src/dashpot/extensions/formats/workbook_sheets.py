@@ -12,9 +12,9 @@ from typing import Any, BinaryIO
 
 from dashpot.base.errors import ReadError
 from dashpot.extensions.formats.hidden_cells import hidden
-from dashpot.extensions.formats.sandbox import limits
 from dashpot.reading.raw_file import Raw, extra
 from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.sandbox import limits
 
 HIDDEN = "hidden/"
 """What no name of a sheet begins with."""

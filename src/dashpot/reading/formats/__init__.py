@@ -10,7 +10,7 @@ from dashpot.base.errors import ReadError
 from dashpot.reading.raw_file import Raw, about
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.table import FileTable
-from dashpot.registry import FORMATS
+from dashpot.registry import FORMATS, find_handler
 
 _PLUGGED = "plugin_format"
 _MAGIC = tuple((mark, form.name) for form in FORMATS.values() for mark in form.marks)
@@ -42,9 +42,8 @@ def read_table(raw: Raw, options: ReadOptions) -> FileTable:
         table = _table(raw, options)
     if options.calibration is None:
         return table
-    from dashpot.extensions.formats.ati import calibrated
-
-    return calibrated(table, raw, options)
+    calibrated: FileTable = find_handler("calibrate", table)(table, raw, options)
+    return calibrated
 
 
 def _table(raw: Raw, options: ReadOptions) -> FileTable:
@@ -62,7 +61,7 @@ def _table(raw: Raw, options: ReadOptions) -> FileTable:
     try:
         if not FORMATS[name].sandboxed:
             return reader(raw, options)
-        from dashpot.extensions.formats.sandbox.parent_process import in_child
+        from dashpot.reading.sandbox.parent_process import in_child
 
         return in_child(called or name, reader, raw, options)
     except (MemoryError, OSError) as error:

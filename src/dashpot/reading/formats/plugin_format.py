@@ -11,10 +11,10 @@ from dashpot.base import plugins
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.plugins import Plugin
-from dashpot.extensions.formats.sandbox.limits import within
 from dashpot.reading.columns.header_names import part_unit
 from dashpot.reading.raw_file import Raw
 from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.sandbox.limits import within
 from dashpot.reading.table import Column, FileTable, in_memory
 
 API = 1

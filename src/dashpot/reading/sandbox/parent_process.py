@@ -16,10 +16,10 @@ from typing import BinaryIO, TypeVar, cast
 
 from dashpot.base.errors import ReadError
 from dashpot.base.subprocesses import interpreter, one_thread
-from dashpot.extensions.formats.sandbox import limits, message_protocol
 from dashpot.reading import time_budget
 from dashpot.reading.raw_file import Raw
 from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.sandbox import limits, message_protocol
 
 A = TypeVar("A", bound=message_protocol.Answer)
 _MARK = "--read-for-dashpot"
@@ -33,7 +33,7 @@ def frozen_support() -> None:
     second one into a child.
     """
     if sys.argv[1:] == [_MARK]:
-        from dashpot.extensions.formats.sandbox.child_process import main
+        from dashpot.reading.sandbox.child_process import main
 
         main()
     _frozen_children[:] = [_MARK]
@@ -123,10 +123,10 @@ def _command() -> list[str]:
             raise ReadError(
                 "this packed program cannot start the reader of this format; export the test as "
                 "text (its maker: call "
-                "dashpot.extensions.formats.sandbox.parent_process.frozen_support first)"
+                "dashpot.reading.sandbox.parent_process.frozen_support first)"
             )
         return [sys.executable, *_frozen_children]
-    return interpreter("dashpot.extensions.formats.sandbox.child_process", "-W", "ignore")
+    return interpreter("dashpot.reading.sandbox.child_process", "-W", "ignore")
 
 
 def _death(what: str, code: int, seconds: float | None) -> str:

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import BinaryIO
 
 from dashpot.base.errors import DashpotError, ReadError
-from dashpot.extensions.formats.sandbox import limits, message_protocol
 from dashpot.reading.raw_file import Raw
 from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.sandbox import limits, message_protocol
 
 _LONGEST = 2000
 

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any, BinaryIO, TypeAlias, get_args
 
 from dashpot.base.provenance import Caution
-from dashpot.extensions.formats.sandbox.limits import LARGEST, within
+from dashpot.reading.sandbox.limits import LARGEST, within
 from dashpot.reading.table import Column, Content, FileTable, Question, in_memory
 
 Answer: TypeAlias = FileTable | dict[str, bytes]

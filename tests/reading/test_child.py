@@ -18,11 +18,11 @@ import pytest
 from kit import misbehaving
 
 from dashpot.base.errors import ReadError
-from dashpot.extensions.formats.sandbox import limits, parent_process
-from dashpot.extensions.formats.sandbox.parent_process import in_child
 from dashpot.reading import time_budget
 from dashpot.reading.raw_file import Raw
 from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.sandbox import limits, parent_process
+from dashpot.reading.sandbox.parent_process import in_child
 
 RAW = Raw("a.bin", None, bytes(range(8)))
 
@@ -158,7 +158,7 @@ def test_the_keyboard_ends_parent_and_child(tmp_path: Path) -> None:
     code = (
         "import signal\n"
         "from kit import misbehaving\n"
-        "from dashpot.extensions.formats.sandbox.parent_process import in_child\n"
+        "from dashpot.reading.sandbox.parent_process import in_child\n"
         "from dashpot.reading.read_options import ReadOptions\n"
         "from dashpot.reading.raw_file import Raw\n"
         # what runs in the background may have been told to ignore the keyboard
@@ -188,7 +188,7 @@ def test_a_packed_program_starts_itself(monkeypatch: pytest.MonkeyPatch, tmp_pat
     path = os.pathsep.join(sys.path)
     program.write_text(
         f"#!/bin/sh\nPYTHONPATH='{path}' exec {sys.executable} -c 'from "
-        "dashpot.extensions.formats.sandbox.parent_process "
+        "dashpot.reading.sandbox.parent_process "
         'import frozen_support; frozen_support()\' "$@"\n'
     )
     program.chmod(0o755)
