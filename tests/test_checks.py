@@ -54,6 +54,7 @@ from dashpot.extensions.materials.indentation.datamodel import IndentationFit
 from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.extensions.materials.rod import checks as rod
 from dashpot.extensions.materials.slam import checks as slam
+from dashpot.extensions.modes import checks as modal
 from dashpot.extensions.modes.stabilisation import DAMPING, Stabilisation
 from dashpot.fitting.checks import relaxation, solid
 from dashpot.fitting.fractional_model import checks as fractional
@@ -86,7 +87,6 @@ from dashpot.vibration.impact.amplitude_trend import RegressionLine
 from dashpot.vibration.impact.estimators import Estimator, Spectra
 from dashpot.vibration.impact.exponential_window import ExponentialWindow
 from dashpot.vibration.impact.rocking import Combination
-from dashpot.vibration.modal import checks as modal
 from dashpot.vibration.modal.peaks import Peak
 from dashpot.vibration.systems.frf_prediction import moving_mass, predict_frf
 from dashpot.vibration.systems.operating_point import OperatingPoint
@@ -1626,7 +1626,7 @@ STAGES = {
     "extensions/door": SEALS,
     "vibration/comparison": COMPARISON,
     "vibration/impact": IMPACT,
-    "vibration/modal": MODAL,
+    "extensions/modes": MODAL,
     "workflow": WORKFLOW,
 }
 #: what each value that the cases give is held against, where the criterion itself sets the limit
@@ -1800,7 +1800,7 @@ LIMITS = {
         "rocking_cancelled": 0.05, "hits_centred": 0.25,
         "mass_line": 0.05,
     },
-    "vibration/modal": {
+    "extensions/modes": {
         "modes_stable": 5, "modes_explain_lines": 4, "points_share_modes": 0.2,
     },
     "workflow": {

@@ -10,13 +10,13 @@ from dashpot.extensions.door.closing import ClosingDoor as ClosingDoor
 from dashpot.extensions.door.closing_analysis import Closing as Closing
 from dashpot.extensions.door.closing_analysis import close_door as close_door
 from dashpot.extensions.door.closing_setup import ClosingSetup as ClosingSetup
-from dashpot.extensions.modes.mode_shapes import mac as mac
 from dashpot.extensions.modes.stabilisation import stabilisation as stabilisation
 from dashpot.solids.part_geometry import Block as Block
 from dashpot.solids.part_geometry import Bulb as Bulb
 from dashpot.solids.part_geometry import Bush as Bush
 from dashpot.solids.part_geometry import Disc as Disc
 from dashpot.vibration.comparison.compare import infer_mass as infer_mass
+from dashpot.vibration.modal.modal_assurance import mac as mac
 from dashpot.vibration.systems.bodies import Body as Body
 from dashpot.vibration.systems.bodies import Mount as Mount
 from dashpot.vibration.systems.bodies import planar_body as planar_body

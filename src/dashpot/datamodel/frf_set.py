@@ -119,7 +119,7 @@ class FRFSet(ByValue):
         DataError
             If the band holds too few lines.
         """
-        found: tuple[ModeShape, ...] = verb("extensions.modes.multi_point", "find_shapes")(
+        found: tuple[ModeShape, ...] = verb("vibration.modal.multi_point", "find_shapes")(
             self, band=band, count=count
         )
         return found

@@ -44,6 +44,10 @@ EXTENSION = Extension(
                 place="response", says=_PAIR, resonates=True, meant="modes", also="rod",
                 nouns={"dashpot.datamodel.frf:FRF": "dashpot.plot.frf_figure:frf"},
                 checks="dashpot.vibration.modal.checks", order=2,
+                pages={
+                    "dashpot.extensions.modes.mass_series_files:ModesByMass": "dashpot.report.result_pages.frf_pages:masses_page",
+                },
+                checks="dashpot.extensions.modes.checks", order=2,
         ),
             KindOfTest(
                 "transmissibility", "dashpot.reading.readers.frf:read_frf",

@@ -240,6 +240,8 @@ class Extension:
         ``"document"``: the class that a document of this schema is read into.
         ``"read document"``: from the values of a document of this schema to fields of its class.
         from a fit; ``"compare"`` two of a type; ``"calibrate"`` a table by a file of its maker.
+        from a fit; ``"compare"`` two of a type; ``"calibrate"`` a table by a file of its maker;
+        ``"leave one out"`` of the hits behind a fit in turn.
     fits : tuple of FitRow
     commands : tuple of Command
     formats : tuple of FileFormat

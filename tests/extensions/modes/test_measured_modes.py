@@ -11,12 +11,12 @@ from dashpot.base.errors import DataError
 from dashpot.base.number_format import rounded
 from dashpot.datamodel.frf import FRF, Mode
 from dashpot.datamodel.frf_set import FRFSet
+from dashpot.extensions.modes.checks import STABLE
 from dashpot.extensions.modes.mode_shapes import phase_collinearity, phase_deviation
 from dashpot.extensions.modes.read_frf_set import read_frfs
 from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.write import frf_uff, write_frf
 from dashpot.vibration.impact.checks import modes_within_band
-from dashpot.vibration.modal.checks import STABLE
 from dashpot.workflow import modes_by_mass, modes_files
 from dashpot.workflow.vibration.modes import modes_told
 

@@ -10,11 +10,10 @@ all other hits, over the lines about the resonance,
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from dashpot.base.serialisation import Documented
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.impact import ImpactTest
@@ -23,36 +22,13 @@ from dashpot.fitting.identification.identify import identify
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.frf_prediction import predict_frf
 from dashpot.workflow.job import HammerChoices
+from dashpot.workflow.vibration.impact_tests import LeftOut
 from dashpot.workflow.vibration.measured_frf import average
 
 _FEWEST, _MOST = 3, 8
 """Hits that are asked, of which one is left out."""
 _ABOUT = 2.3
 """Times the resonance to either side."""
-
-
-@dataclass(frozen=True)
-class LeftOut(Documented):
-    """How well hits are predicted by a fit that has not seen them.
-
-    Attributes
-    ----------
-    error : float
-        Mean over the hits of the rms error, over the rms of the measured accelerance.
-    hits : int
-        Each left out once.
-    frequency : (float, float)
-        Least and largest error of the peak's frequency, Hz.
-    height : (float, float)
-        And of its height, relative.
-    """
-
-    keys = ("error", "hits", "frequency_error_hz=frequency", "height_error=height")
-
-    error: float
-    hits: int
-    frequency: tuple[float, float]
-    height: tuple[float, float]
 
 
 def left_out(

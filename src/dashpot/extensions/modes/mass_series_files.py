@@ -16,11 +16,11 @@ from dashpot.base.result_mixins import Judged, Series, columns
 from dashpot.base.serialisation import Documented
 from dashpot.base.units import in_unit, written
 from dashpot.datamodel.frf_set import FRFSet
+from dashpot.extensions.modes.checks import one_solid
 from dashpot.extensions.modes.mass_series import SeveralMasses, several_masses
 from dashpot.extensions.modes.measured_modes import MeasuredMode, MeasuredModes, modes_of
 from dashpot.extensions.modes.read_frf_set import read_frfs
 from dashpot.reading.read_options import ReadOptions
-from dashpot.vibration.modal.checks import one_solid
 
 
 class UnderMass(NamedTuple):

@@ -13,8 +13,8 @@ from dashpot.base.choices import OverBase
 from dashpot.base.errors import DataError
 from dashpot.datamodel.frf import FRF, Mode
 from dashpot.datamodel.frf_set import FRFSet, ModeShape
-from dashpot.extensions.modes.mode_shapes import mac, phase_collinearity, phase_deviation
-from dashpot.extensions.modes.multi_point import shapes_of, within
+from dashpot.extensions.modes.checks import modes_explain_lines, modes_stable, points_share_modes
+from dashpot.extensions.modes.mode_shapes import phase_collinearity, phase_deviation
 from dashpot.extensions.modes.read_frf_set import read_frfs
 from dashpot.extensions.modes.stabilisation import Stabilisation, stabilisation
 from dashpot.reading.read_options import ReadOptions
@@ -24,7 +24,8 @@ from dashpot.vibration.impact.checks import (
     record_long_enough,
     resonance,
 )
-from dashpot.vibration.modal.checks import modes_explain_lines, modes_stable, points_share_modes
+from dashpot.vibration.modal.modal_assurance import mac
+from dashpot.vibration.modal.multi_point import shapes_of, within
 from dashpot.workflow.vibration.impact_tests import finite
 from dashpot.workflow.vibration.measured_frf import as_measured, judged, with_polarity
 from dashpot.workflow.vibration.modes import ImpactMode, Modes

@@ -5,6 +5,9 @@ from dashpot.registry.row import Extension, FitRow
 EXTENSION = Extension(
     "modes",
     handlers={
+        "leave one out": {
+            "dashpot.datamodel.impact:ImpactTest": "dashpot.extensions.modes.leave_one_out:left_out",
+        },
         "read record": {
             "frf": "dashpot.extensions.modes.api:read_frf_record",
         },

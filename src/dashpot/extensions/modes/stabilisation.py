@@ -21,9 +21,9 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, IndexArray
 from dashpot.datamodel.frf import Mode
 from dashpot.datamodel.frf_set import FRFSet
-from dashpot.extensions.modes.mode_shapes import mac
-from dashpot.extensions.modes.multi_point import lines_of, together, within
 from dashpot.vibration.modal.frf_lines import FRFLines
+from dashpot.vibration.modal.modal_assurance import mac
+from dashpot.vibration.modal.multi_point import lines_of, together, within
 from dashpot.vibration.modal.pole_trial import MOST_DAMPED
 
 HIGHEST = 30

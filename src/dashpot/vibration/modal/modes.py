@@ -19,9 +19,9 @@ from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.errors import DataError, FitError
 from dashpot.datamodel.frf import FRF, Mode
 from dashpot.datamodel.frf_set import FRFSet
-from dashpot.extensions.modes.multi_point import mode_at, shapes_of, within
 from dashpot.numerics.inference.covariance_estimate import estimate, white_noise
 from dashpot.numerics.least_squares.problem import ordinary
+from dashpot.vibration.modal.multi_point import mode_at, shapes_of, within
 from dashpot.vibration.modal.peaks import run_about
 
 FEWEST_LINES = 5  # in the half-power band, for its width to be read

@@ -19,9 +19,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
-from dashpot.extensions.modes.mode_shapes import mac
 from dashpot.numerics.least_squares.levenberg_marquardt import Objective, descend
 from dashpot.vibration.modal.frf_lines import FRFLines, kernel
+from dashpot.vibration.modal.modal_assurance import mac
 from dashpot.vibration.modal.pole_trial import MOST_DAMPED, RATIOS, Ground, PoleTrial, Scan, scans
 
 STEPS = 60

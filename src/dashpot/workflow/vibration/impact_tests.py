@@ -26,11 +26,11 @@ from dashpot.datamodel.impact import ImpactTest
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.modes.leave_one_out import LeftOut, left_out
 from dashpot.fitting.identification.prior_knowledge import BenchFit, HammerRig
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.base_excitation import read_shaken
 from dashpot.reading.readers.impact import read_impact
+from dashpot.registry import find_handler
 from dashpot.vibration.comparison.compare import compare, infer_mass
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.dynamic_stiffness import (
@@ -227,6 +227,30 @@ def held_against(
     )
 
 
+@dataclass(frozen=True)
+class LeftOut(Documented):
+    """How well hits are predicted by a fit that has not seen them.
+
+    Attributes
+    ----------
+    error : float
+        Mean over the hits of the rms error, over the rms of the measured accelerance.
+    hits : int
+        Each left out once.
+    frequency : (float, float)
+        Least and largest error of the peak's frequency, Hz.
+    height : (float, float)
+        And of its height, relative.
+    """
+
+    keys = ("error", "hits", "frequency_error_hz=frequency", "height_error=height")
+
+    error: float
+    hits: int
+    frequency: tuple[float, float]
+    height: tuple[float, float]
+
+
 @dataclass(frozen=True, repr=False)
 class Agreement(Judged, Documented):
     """What ``dashpot compare`` found.
@@ -353,9 +377,12 @@ def compare_files(
     impact, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
     tests = prepared_files(records, options=options_with)
     held = agreement(found, frf, tests=tests, mass=mass, band=band, **asked)
-    if not (held.in_sample and impact is not None and tests):
+    if not (held.in_sample and tests):
         return held
-    unseen = left_out(
+    leave_out = find_handler("leave one out", impact)
+    if leave_out is None:
+        return held
+    unseen = leave_out(
         impact, tests, found, mass=held.mass, seals=held.seals, choices=hammer, band=band,
         compression=asked.get("compression"),
     )  # fmt: skip
