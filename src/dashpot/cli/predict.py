@@ -193,7 +193,7 @@ def _keep(found: workflow.Prediction, path: str) -> None:
     elif suffix == "json":
         write(path, printed(found) + "\n")
     elif suffix in {"csv", path.lower()}:
-        write(path, write_frf(found.by_level[0].frf if found.by_level else found.frf))
+        write(path, write_frf(found.written))
     else:
         raise click.UsageError(f"-o {path}: a prediction is written as .csv, .json or .html.")
 

@@ -55,6 +55,9 @@ EXTENSION = Extension(
         ),
     ),
     handlers={
+        "figure": {
+            "dashpot.workflow.response.frf_prediction:Prediction": "dashpot.report.notebook:draw_prediction",
+        },
         "text": {
             "dashpot.planning.plan:Plan": "dashpot.text_output.frequency_table:plainly",
             "dashpot.datamodel.fit:Fit": "dashpot.text_output.results:fit",

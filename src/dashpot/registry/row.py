@@ -241,7 +241,8 @@ class Extension:
         ``"read document"``: from the values of a document of this schema to fields of its class.
         from a fit; ``"compare"`` two of a type; ``"calibrate"`` a table by a file of its maker.
         from a fit; ``"compare"`` two of a type; ``"calibrate"`` a table by a file of its maker;
-        ``"leave one out"`` of the hits behind a fit in turn.
+        ``"leave one out"`` of the hits behind a fit in turn;
+        ``"read sweep"`` that tells what levels do, and ``"predict at levels"`` by it.
     fits : tuple of FitRow
     commands : tuple of Command
     formats : tuple of FileFormat

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import singledispatch
 from html import escape
+from typing import Any
 
 from dashpot import plot
 from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF
 from dashpot.plot import Picture
 from dashpot.reading.readers.inspect import Inspection
 from dashpot.registry import figure_of
@@ -50,29 +53,28 @@ def _(noun: Agreement) -> Picture:
 
 
 @picture.register
-def _(noun: Prediction) -> Picture:
-    levels = noun.by_level or ()
-    still = "predicted at a vanishing level" if levels else "predicted"
-    fit, rig = noun.fit, {"mass": noun.mass, "seals": noun.seals}
-    return plot.frf(
-        noun.frf,
-        *(one.frf for one in levels),
-        labels=(still, *(f"at {one.level:.4g} {one.unit}" for one in levels)),
-        band=noun.limits,
-        interval=noun.interval,
-        informed=fit.band,
-        ordered=bool(levels),
-        intervals=[one.magnitude for one in noun.preloaded],
-        stamp=plot.stamp(fit.source, fit.specimen, **rig),
-    )
-
-
-@picture.register
 def _(noun: Inspection) -> Picture:
     names = [f"{one.name or one.number} [{one.unit or '?'}]" for one in noun.columns]
     roles = [one.role for one in noun.columns]
     stamp = f"{noun.file}{', SIMULATED' * noun.simulated}"
     return plot.columns(names, roles, noun.course, stamp=stamp)
+
+
+def draw_prediction(
+    prediction: Prediction, *levels: FRF, labels: Sequence[str] = ("predicted",), **how: Any
+) -> Picture:
+    """Return the picture of a prediction, and of FRFs at levels."""
+    fit, rig = prediction.fit, {"mass": prediction.mass, "seals": prediction.seals}
+    return plot.frf(
+        prediction.frf,
+        *levels,
+        labels=labels,
+        band=prediction.limits,
+        interval=prediction.interval,
+        informed=fit.band,
+        stamp=plot.stamp(fit.source, fit.specimen, **rig),
+        **how,
+    )
 
 
 def html(noun: object) -> str:

@@ -10,10 +10,10 @@ import pytest
 import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import NORMAL
+from dashpot.extensions.amplitude.level_text import prediction
 from dashpot.extensions.amplitude.preloaded_mass import PreloadedMass
 from dashpot.extensions.amplitude.preloaded_response import _known
 from dashpot.solids.elastic import ElasticLaw
-from dashpot.text_output.results import prediction
 
 pytestmark = pytest.mark.once
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,9 +14,12 @@ from dashpot.base.reported_values import Fact
 from dashpot.extensions.amplitude.datamodel import AmplitudeFit
 from dashpot.extensions.amplitude.fit_files import Levels
 from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels
+from dashpot.extensions.amplitude.level_prediction import LevelPrediction
 from dashpot.extensions.amplitude.level_results import Elements, LevelFit
-from dashpot.plot.picture import unit_of
-from dashpot.report.page_content import KindPage, Topic, group, lights, who
+from dashpot.plot.picture import Picture, unit_of
+from dashpot.report import notebook
+from dashpot.report.page_content import Group, KindPage, Topic, group, lights, row, who
+from dashpot.report.result_pages import frf_pages
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
 
@@ -51,6 +55,28 @@ def page(found: Levels) -> KindPage:
         groups=(group("", numbers(found)),),
         note=beyond(found),
         sources=tuple(dict.fromkeys(found.source)),
+    )
+
+
+def prediction_page(found: LevelPrediction) -> KindPage:
+    """Return what the page of a prediction at levels holds."""
+    plain = frf_pages.prediction_page(found)
+    levels = (
+        Group(f"At {level.level:.4g} {level.unit}", tuple(row(fact) for fact in level.facts))
+        for level in found.preloaded
+    )
+    return replace(plain, groups=(plain.groups[0], *levels, *plain.groups[1:]))
+
+
+def draw_prediction(found: LevelPrediction) -> Picture:
+    """Return the picture of a prediction at levels."""
+    names = (f"at {level.level:.4g} {level.unit}" for level in found.by_level)
+    return notebook.draw_prediction(
+        found,
+        *(level.frf for level in found.by_level),
+        labels=("predicted at a vanishing level", *names),
+        ordered=True,
+        intervals=[level.magnitude for level in found.preloaded],
     )
 
 

@@ -13,7 +13,10 @@ EXTENSION = Extension(
                     "dashpot.extensions.amplitude.datamodel:AmplitudeFit": "",
                     "dashpot.extensions.amplitude.level_results:LevelFit": "",
                 },
-                pages={"dashpot.extensions.amplitude.fit_files:Levels": "dashpot.extensions.amplitude.page:page"},
+                pages={
+                    "dashpot.extensions.amplitude.fit_files:Levels": "dashpot.extensions.amplitude.page:page",
+                    "dashpot.extensions.amplitude.level_prediction:LevelPrediction": "dashpot.extensions.amplitude.page:prediction_page",
+                },
                 checks="dashpot.extensions.amplitude.checks", order=6,
         ),
             KindOfTest(
@@ -24,6 +27,15 @@ EXTENSION = Extension(
         ),
     ),
     handlers={
+        "read sweep": {
+            "dashpot.workflow.job:LevelChoices": "dashpot.extensions.amplitude.amplitude_response:swept_part",
+        },
+        "predict at levels": {
+            "dashpot.workflow.job:LevelChoices": "dashpot.extensions.amplitude.level_prediction:LevelModel",
+        },
+        "figure": {
+            "dashpot.extensions.amplitude.level_prediction:LevelPrediction": "dashpot.extensions.amplitude.page:draw_prediction",
+        },
         "predict with sweep": {
             "dashpot.extensions.amplitude.datamodel:AmplitudeSweep": "dashpot.extensions.amplitude.api:fit_sweep",
         },
@@ -31,6 +43,7 @@ EXTENSION = Extension(
             "cyclic": "dashpot.extensions.amplitude.api:read_loops",
         },
         "text": {
+            "dashpot.extensions.amplitude.level_prediction:LevelPrediction": "dashpot.extensions.amplitude.level_text:prediction",
             "dashpot.extensions.amplitude.hits_by_amplitude:HitLevels": "dashpot.text_output.results:amplitude",
             "dashpot.extensions.amplitude.level_results:LevelFit": "dashpot.text_output.results:amplitude",
             "dashpot.extensions.amplitude.datamodel:AmplitudeFit": "dashpot.text_output.results:amplitude",

@@ -96,8 +96,6 @@ def prediction_page(found: Prediction) -> KindPage:
         picture=found.plot(),
         told=f"{weight[:1].upper()}{weight[1:]}",
         groups=(Group("Peak", tuple(peak)),
-                *(Group(f"At {one.level:.4g} {one.unit}", tuple(row(fact) for fact in one.facts))
-                  for one in found.preloaded),
                 *(Group(f"Mode {i}", tuple(mode_rows(one)))
                   for i, one in enumerate(found.modes[:3], start=1))),
         note=("Hatched: what the relaxation test does not exclude." if bounds is not None else

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
@@ -25,19 +25,10 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.extensions.amplitude.amplitude_response import (
-    VANISHING,
-    Anchor,
-    AtLevel,
-    SweptPart,
-    level_of,
-    swept_part,
-)
-from dashpot.extensions.amplitude.preloaded_response import PreloadedLevel, preloaded_levels
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.psd import read_psd
+from dashpot.registry import find_handler
 from dashpot.solids.maxwell import Solid
-from dashpot.vibration.checks import compression_tested
 from dashpot.vibration.systems.frf_prediction import (
     isolation_frequency,
     model_modes,
@@ -160,16 +151,10 @@ class Prediction(Judged, Documented):
     rival : RivalModes or None
     of_part : bool
         Of a part of a material, not of the fit itself.
-    levels : tuple of AtLevel
-        The resonance at each level that was asked for, by a sweep; all else is of a vanishing one.
-    swept : SweptPart or None
-        The sweep behind them.
     shaken : ShakenMass or None
         Over a base that shakes at random.
     isolation : float or None
         Above it the mass moves less than its base, Hz.
-    preloaded : tuple of PreloadedLevel
-        The resonance at each level, by an elastic law that bends.
 
     Examples
     --------
@@ -180,12 +165,12 @@ class Prediction(Judged, Documented):
     """
 
     schema = "dashpot/prediction@1"
-    keys = (
+    keys: ClassVar[tuple[str, ...]] = (
         "mass", "moving_mass", "seals", "temperature=fit.specimen.temperature", "kind=frf.quantity",
         "frf.unit", "*at_rest.told", "peak=largest", "modes", "alternative=rival",
         "band_hz=fit.band", "extrapolated", "frequency_hz=frf.frequency", "frf.value.real",
-        "frf.value.imag", "limits=limited", "levels=by_level?", "sweep=swept?", "random=shaken?",
-        "isolation_hz=isolation?", "verdict",
+        "frf.value.imag", "limits=limited", "random=shaken?", "isolation_hz=isolation?",
+        "verdict",
     )  # fmt: skip
 
     fit: Fit
@@ -202,17 +187,13 @@ class Prediction(Judged, Documented):
     at_rest: AtRest
     rival: RivalModes | None = None
     of_part: bool = False
-    levels: tuple[AtLevel, ...] = ()
-    swept: SweptPart | None = None
     shaken: ShakenMass | None = None
     isolation: float | None = None
-    preloaded: tuple[PreloadedLevel, ...] = ()
 
     @property
     def facts(self) -> tuple[Fact, ...]:
-        """Frequency, damping ratio and residue of each mode, and what each level makes of it."""
-        of: tuple[Mode | PreloadedLevel, ...] = (*self.modes, *self.preloaded)
-        return tuple(fact for one in of for fact in one.facts)
+        """Frequency, damping ratio and residue of each mode."""
+        return tuple(fact for mode in self.modes for fact in mode.facts)
 
     @property
     def series(self) -> Series:
@@ -253,9 +234,39 @@ class Prediction(Judged, Documented):
         return any(not low <= mode.frequency <= high for mode in self.modes)
 
     @property
-    def by_level(self) -> tuple[AtLevel, ...] | tuple[PreloadedLevel, ...] | None:
-        """`levels`, where one was asked for."""
-        return self.levels or self.preloaded or None
+    def written(self) -> FRF:
+        """The FRF that a table holds."""
+        return self.frf
+
+
+class LevelResponse(Protocol):
+    """What a level makes of a mass on seals."""
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """Those of the levels."""
+
+    def complete(self, plain: Prediction) -> Prediction:
+        """Return the prediction with its levels."""
+
+
+class LevelModel(Protocol):
+    """What a level does to parts, as a row of the registry names it."""
+
+    def measured_peak(self, kind: Kind) -> Callable[[Solid, float, float], float] | None:
+        """Return the resonance of a mass at the level of the user's; None by a vanishing one."""
+
+    def respond(
+        self,
+        rig: MassOnSeals,
+        part: PartChoices | None,
+        *,
+        scale: float,
+        about: float,
+        frequency: FloatArray,
+        compression: float | None,
+    ) -> LevelResponse:
+        """Return the resonance at each level: of `scale` parts, `about` a frequency, Hz."""
 
 
 def predict_files(
@@ -290,7 +301,10 @@ def predict_files(
         If a machine is described and no test was made on it, or a record is not what was fitted.
     """
     known_of_a_test(machine, tests=len(records), add="the record (--record)")
-    swept = swept_part(at_level or LevelChoices(), unit=found.unit, part=part, options=options)
+    swept = None
+    if at_level is not None and at_level != LevelChoices():
+        read_sweep = find_handler("read sweep", at_level)
+        swept = read_sweep(at_level, unit=found.unit, part=part, options=options)
     tests = prepared_files(records, machine=machine, options=options)
     return prediction(found, tests, mass=mass, part=part, at_level=at_level, swept=swept, **asked)
 
@@ -311,7 +325,7 @@ def prediction(
     temperature: float | None = None,
     part: PartChoices | None = None,
     at_level: LevelChoices | None = None,
-    swept: SweptPart | None = None,
+    swept: object = None,
     base_psd: str | None = None,
 ) -> Prediction:
     """Predict the FRF of a mass on a fitted seal.
@@ -340,8 +354,8 @@ def prediction(
         The geometry of a part, where the fit is of a material's modulus.
     at_level : LevelChoices, optional
         How far the part is moved.
-    swept : SweptPart, optional
-        What a sweep says that this does to it.
+    swept : object, optional
+        What a sweep says that this does to it, of the extension that predicts at levels.
     base_psd : str, optional
         A file, or a word such as ``"0.01g^2/Hz"``: how the base shakes at random.
 
@@ -352,13 +366,14 @@ def prediction(
     """
     SIZES["mass"].refuse(mass)
     asked = _related(kind, base=base or base_psd is not None, relative=relative)
-    choices, band = at_level or LevelChoices(), band or BAND
+    band, level_model = band or BAND, _level_model(at_level, swept)
     moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
     here = found if temperature is None else found.at_temperature(temperature)
     stiffer, of_part = 1.0, part is not None and part != PartChoices()
     if part is not None and of_part:
         _refuse_records(tests)
-        material, measured = here.solid, _measured_at(swept, choices, asked)
+        material = here.solid
+        measured = None if level_model is None else level_model.measured_peak(asked)
         here = found = applied(part, here, seals=seals, base=asked.over_base, peak=measured)
         stiffer = float(
             abs(here.solid.complex_stiffness(omega=1.0) / material.complex_stiffness(omega=1.0))
@@ -366,26 +381,28 @@ def prediction(
     rests = at_rest(here, mass=moving, seals=seals, compression=compression)
     # over a base, mounts that weigh something couple the mass to it
     coupled = entrained(seal_mass, seals) if asked.over_base else 0.0
-    on = _OnSeals(here, rests, moving, seals, coupled, asked)
+    on = MassOnSeals(here, rests, moving, seals, coupled, asked)
     frf = on.frf(np.linspace(*band, lines))
     bounded = _bounds(on, found, tests, temperature=temperature)
     limited = on.limited(frf, bounded)
     peak, at_edge = on.peak(frf)
     about = on.modes[0].frequency if on.modes else peak[0]
-    anchor = _anchor(swept, choices, part, on.solid, kind=asked, scale=seals * stiffer)
-    levels = on.at(swept, choices.levels, frf, scale=seals * stiffer, about=about, anchor=anchor)
-    bent = () if swept else on.preloaded(choices.levels, frf, about=about, compression=compression)
+    levels = None
+    if level_model is not None:
+        levels = level_model.respond(
+            on, part, scale=seals * stiffer, about=about,
+            frequency=frf.frequency[frf.frequency > 0], compression=compression,
+        )  # fmt: skip
     checks = (
         # what the test must inform is the resonance, inside the band or not
         *_led_by(on, mass=mass, band=band, felt=about if at_edge else peak[0]),
-        *(() if swept is None else (*swept.covered(levels), *swept.checks)),
-        *(compression_tested(one.deepest, rests.point.depth) for one in bent),
+        *(() if levels is None else levels.checks),
         *found.checks,
         *_asked_of(found, temperature),
         noted,
         *family_checks(here, rests.point, mass=moving, seals=seals),
     )
-    return Prediction(
+    plain = Prediction(
         here,
         mass,
         moving,
@@ -400,12 +417,18 @@ def prediction(
         rests,
         on.rival,
         of_part,
-        levels,
-        swept,
         on.shaken(base_psd, bounded),
         on.isolation,
-        bent,
     )
+    return plain if levels is None else levels.complete(plain)
+
+
+def _level_model(choices: LevelChoices | None, swept: object) -> LevelModel | None:
+    """What a level does to the parts; None where none is asked for."""
+    if choices is None or not choices.levels:
+        return None
+    model: LevelModel = find_handler("predict at levels", choices)(choices, swept)
+    return model
 
 
 def _related(kind: str | None, *, base: bool, relative: bool) -> Kind:
@@ -439,7 +462,7 @@ def _refuse_records(tests: Sequence[RampHold]) -> None:
 
 
 @dataclass(frozen=True)
-class _OnSeals:
+class MassOnSeals:
     """A mass on seals: the fit of one, where they rest, and what of them moves along."""
 
     fit: Fit
@@ -456,6 +479,7 @@ class _OnSeals:
 
     @cached_property
     def modes(self) -> tuple[Mode, ...]:
+        """Those of the mass on them."""
         return model_modes(self.solid, self.mass)
 
     @property
@@ -466,6 +490,7 @@ class _OnSeals:
         return isolation_frequency(self.solid, self.mass - self.coupled)
 
     def frf(self, frequency: FloatArray) -> FRF:
+        """Return the FRF at some frequencies, Hz."""
         frf = predict_frf(self.solid, mass=self.mass, frequency=frequency, kind=self.kind)
         if self.coupled > 0:
             frf = on_heavy_mounts(frf, mass=self.mass, coupled=self.coupled)
@@ -530,52 +555,9 @@ class _OnSeals:
             return ShakenMass(response, "white noise", None, limits)
         return ShakenMass(response, base.source[0].file, (float(f[0]), float(f[-1])), limits)
 
-    def at(
-        self,
-        swept: SweptPart | None,
-        levels: Sequence[str],
-        frf: FRF,
-        *,
-        scale: float,
-        about: float,
-        anchor: Anchor | None = None,
-    ) -> tuple[AtLevel, ...]:
-        """The resonance at each level; of no sweep at none."""
-        if swept is None:
-            return ()
-        return swept.at(
-            self.solid,
-            [level_of(word, self.kind) for word in levels],
-            scale=scale,
-            mass=self.mass,
-            kind=self.kind,
-            about=about,
-            frequency=frf.frequency[frf.frequency > 0],
-            coupled=self.coupled,
-            anchor=anchor,
-        )
-
-    def preloaded(
-        self, levels: Sequence[str], frf: FRF, *, about: float, compression: float | None
-    ) -> tuple[PreloadedLevel, ...]:
-        """The resonance at each level, by the elastic law of the fit."""
-        if not levels:
-            return ()
-        return preloaded_levels(
-            self.fit,
-            [level_of(word, self.kind) for word in levels],
-            mass=self.mass,
-            seals=self.seals,
-            kind=self.kind,
-            about=about,
-            frequency=frf.frequency[frf.frequency > 0],
-            compression=compression,
-            coupled=self.coupled,
-        )
-
 
 def _bounds(
-    on: _OnSeals,
+    on: MassOnSeals,
     found: Fit,
     tests: Sequence[RampHold],
     *,
@@ -598,7 +580,7 @@ def _bounds(
 
 
 def _led_by(
-    on: _OnSeals, *, mass: float, band: tuple[float, float], felt: float
+    on: MassOnSeals, *, mass: float, band: tuple[float, float], felt: float
 ) -> tuple[Check, ...]:
     """A mass in a wrong unit first; then a solid that is not known at the peak."""
     informed = [prediction_informed(felt, on.fit.band)]
@@ -612,45 +594,3 @@ def _asked_of(found: Fit, temperature: float | None) -> tuple[Check, ...]:
     if temperature is None or found.temperatures is None:
         return ()
     return (temperature_tested(found.temperatures, temperature),)
-
-
-def _anchor(
-    swept: SweptPart | None,
-    choices: LevelChoices,
-    part: PartChoices | None,
-    solid: Solid,
-    *,
-    kind: Kind,
-    scale: float,
-) -> Anchor | None:
-    """The resonance that told the geometry, and the strain there; None where a shape did."""
-    if swept is None or part is None or part.resonance is None or part.resonance_mass is None:
-        return None
-    if not choices.resonance_level:
-        return Anchor(part.resonance, swept.fitted_at)
-    how = {
-        "scale": scale, "mass": part.resonance_mass, "kind": kind,
-        "level": level_of(choices.resonance_level, kind),
-    }  # fmt: skip
-    factor = swept.factors[0]
-    _, _, moved = swept.peak(solid, swept.law, factor, about=part.resonance, **how)
-    return Anchor(part.resonance, moved / swept.stretch(factor))
-
-
-def _measured_at(
-    swept: SweptPart | None, choices: LevelChoices, kind: Kind
-) -> Callable[[Solid, float, float], float] | None:
-    """The resonance of a mass at the level at which that of the user was measured.
-
-    None where the solid was measured as the resonance was: by a vanishing motion.
-    """
-    if swept is None or not (choices.resonance_level or swept.fitted_at):
-        return None
-    level = level_of(choices.resonance_level, kind) if choices.resonance_level else VANISHING
-
-    def peak(solid: Solid, factor: float, mass: float) -> float:
-        about = model_modes(solid, mass)[0].frequency
-        how = {"scale": factor, "mass": mass, "level": level, "kind": kind}
-        return swept.peak(solid, swept.law, swept.factors[0], about=about, **how)[0]
-
-    return peak

@@ -1,0 +1,157 @@
+"""The prediction of a mass on seals at levels: by a sweep, or by an elastic law that bends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import ClassVar
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.reported_values import Fact
+from dashpot.datamodel.frf import FRF, Kind
+from dashpot.extensions.amplitude.amplitude_response import (
+    VANISHING,
+    Anchor,
+    AtLevel,
+    SweptPart,
+    level_of,
+)
+from dashpot.extensions.amplitude.preloaded_response import PreloadedLevel, preloaded_levels
+from dashpot.solids.maxwell import Solid
+from dashpot.vibration.checks import compression_tested
+from dashpot.vibration.systems.frf_prediction import model_modes
+from dashpot.workflow.job import LevelChoices, PartChoices
+from dashpot.workflow.response.frf_prediction import MassOnSeals, Prediction
+
+
+@dataclass(frozen=True, repr=False)
+class LevelPrediction(Prediction):
+    """A prediction, and the resonance at each level that was asked for; all else is of none.
+
+    Attributes
+    ----------
+    levels : tuple of AtLevel
+        By a sweep.
+    swept : SweptPart or None
+        The sweep behind them.
+    preloaded : tuple of PreloadedLevel
+        By an elastic law that bends.
+    """
+
+    keys: ClassVar[tuple[str, ...]] = tuple(
+        key
+        for old in Prediction.keys
+        for key in (
+            ("levels=by_level?", "sweep=swept?", old) if old == "random=shaken?" else (old,)
+        )
+    )
+
+    levels: tuple[AtLevel, ...] = ()
+    swept: SweptPart | None = None
+    preloaded: tuple[PreloadedLevel, ...] = ()
+
+    @property
+    def facts(self) -> tuple[Fact, ...]:
+        """Those of each mode, and what each level makes of it."""
+        return (*super().facts, *(fact for level in self.preloaded for fact in level.facts))
+
+    @property
+    def by_level(self) -> tuple[AtLevel, ...] | tuple[PreloadedLevel, ...]:
+        """The resonance at each level, by whatever tells it."""
+        return self.levels or self.preloaded
+
+    @property
+    def written(self) -> FRF:
+        """The FRF at the first level."""
+        return self.by_level[0].frf
+
+    def __repr__(self) -> str:
+        return super().__repr__().removeprefix("Level")
+
+
+@dataclass(frozen=True)
+class LevelResponse:
+    """The resonance at each level, and its checks."""
+
+    levels: tuple[AtLevel, ...]
+    swept: SweptPart | None
+    preloaded: tuple[PreloadedLevel, ...]
+    checks: tuple[Check, ...]
+
+    def complete(self, plain: Prediction) -> LevelPrediction:
+        """Return the prediction with its levels."""
+        own = {one.name: getattr(plain, one.name) for one in fields(plain)}
+        return LevelPrediction(
+            **own, levels=self.levels, swept=self.swept, preloaded=self.preloaded
+        )
+
+
+@dataclass(frozen=True)
+class LevelModel:
+    """What levels do to parts, by a sweep if there is one, or by the elastic law of the fit."""
+
+    choices: LevelChoices
+    swept: SweptPart | None
+
+    def measured_peak(self, kind: Kind) -> Callable[[Solid, float, float], float] | None:
+        """Return the resonance of a mass at the level at which that of the user was measured.
+
+        None where the solid was measured as the resonance was: by a vanishing motion.
+        """
+        swept, typed = self.swept, self.choices.resonance_level
+        if swept is None or not (typed or swept.fitted_at):
+            return None
+        level = level_of(typed, kind) if typed else VANISHING
+
+        def peak(solid: Solid, factor: float, mass: float) -> float:
+            about = model_modes(solid, mass)[0].frequency
+            how = {"scale": factor, "mass": mass, "level": level, "kind": kind}
+            return swept.peak(solid, swept.law, swept.factors[0], about=about, **how)[0]
+
+        return peak
+
+    def respond(
+        self,
+        rig: MassOnSeals,
+        part: PartChoices | None,
+        *,
+        scale: float,
+        about: float,
+        frequency: FloatArray,
+        compression: float | None,
+    ) -> LevelResponse:
+        """Return the resonance at each level: of `scale` parts, `about` a frequency, Hz."""
+        anchor = self._anchor(part, rig.solid, kind=rig.kind, scale=scale)
+        levels = [level_of(word, rig.kind) for word in self.choices.levels]
+        if self.swept is not None:
+            found = self.swept.at(
+                rig.solid, levels, scale=scale, mass=rig.mass, kind=rig.kind, about=about,
+                frequency=frequency, coupled=rig.coupled, anchor=anchor,
+            )  # fmt: skip
+            checks = (*self.swept.covered(found), *self.swept.checks)
+            return LevelResponse(found, self.swept, (), checks)
+        bent = preloaded_levels(
+            rig.fit, levels, mass=rig.mass, seals=rig.seals, kind=rig.kind, about=about,
+            frequency=frequency, compression=compression, coupled=rig.coupled,
+        )  # fmt: skip
+        depth = rig.rests.point.depth
+        pressed = tuple(compression_tested(level.deepest, depth) for level in bent)
+        return LevelResponse((), None, bent, pressed)
+
+    def _anchor(
+        self, part: PartChoices | None, solid: Solid, *, kind: Kind, scale: float
+    ) -> Anchor | None:
+        """The resonance that told the geometry, and the strain there; None where a shape did."""
+        swept, typed = self.swept, self.choices.resonance_level
+        if swept is None or part is None or part.resonance is None or part.resonance_mass is None:
+            return None
+        if not typed:
+            return Anchor(part.resonance, swept.fitted_at)
+        how = {
+            "scale": scale, "mass": part.resonance_mass, "kind": kind,
+            "level": level_of(typed, kind),
+        }  # fmt: skip
+        factor = swept.factors[0]
+        _, _, moved = swept.peak(solid, swept.law, factor, about=part.resonance, **how)
+        return Anchor(part.resonance, moved / swept.stretch(factor))
