@@ -71,7 +71,7 @@ class LevelPrediction(Prediction):
 
 
 @dataclass(frozen=True)
-class LevelResponse:
+class LevelResonances:
     """The resonance at each level, and its checks."""
 
     levels: tuple[AtLevel, ...]
@@ -88,7 +88,7 @@ class LevelResponse:
 
 
 @dataclass(frozen=True)
-class LevelModel:
+class LevelEffect:
     """What levels do to parts, by a sweep if there is one, or by the elastic law of the fit."""
 
     choices: LevelChoices
@@ -120,7 +120,7 @@ class LevelModel:
         about: float,
         frequency: FloatArray,
         compression: float | None,
-    ) -> LevelResponse:
+    ) -> LevelResonances:
         """Return the resonance at each level: of `scale` parts, `about` a frequency, Hz."""
         anchor = self._anchor(part, rig.solid, kind=rig.kind, scale=scale)
         levels = [level_of(word, rig.kind) for word in self.choices.levels]
@@ -130,14 +130,14 @@ class LevelModel:
                 frequency=frequency, coupled=rig.coupled, anchor=anchor,
             )  # fmt: skip
             checks = (*self.swept.covered(found), *self.swept.checks)
-            return LevelResponse(found, self.swept, (), checks)
+            return LevelResonances(found, self.swept, (), checks)
         bent = preloaded_levels(
             rig.fit, levels, mass=rig.mass, seals=rig.seals, kind=rig.kind, about=about,
             frequency=frequency, compression=compression, coupled=rig.coupled,
         )  # fmt: skip
         depth = rig.rests.point.depth
         pressed = tuple(compression_tested(level.deepest, depth) for level in bent)
-        return LevelResponse((), None, bent, pressed)
+        return LevelResonances((), None, bent, pressed)
 
     def _anchor(
         self, part: PartChoices | None, solid: Solid, *, kind: Kind, scale: float

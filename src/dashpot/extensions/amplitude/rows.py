@@ -31,7 +31,7 @@ EXTENSION = Extension(
             "dashpot.workflow.job:LevelChoices": "dashpot.extensions.amplitude.amplitude_response:swept_part",
         },
         "predict at levels": {
-            "dashpot.workflow.job:LevelChoices": "dashpot.extensions.amplitude.level_prediction:LevelModel",
+            "dashpot.workflow.job:LevelChoices": "dashpot.extensions.amplitude.level_prediction:LevelEffect",
         },
         "figure": {
             "dashpot.extensions.amplitude.level_prediction:LevelPrediction": "dashpot.extensions.amplitude.page:draw_prediction",

@@ -239,7 +239,7 @@ class Prediction(Judged, Documented):
         return self.frf
 
 
-class LevelResponse(Protocol):
+class PredictedLevels(Protocol):
     """What a level makes of a mass on seals."""
 
     @property
@@ -250,7 +250,7 @@ class LevelResponse(Protocol):
         """Return the prediction with its levels."""
 
 
-class LevelModel(Protocol):
+class LevelPredictor(Protocol):
     """What a level does to parts, as a row of the registry names it."""
 
     def measured_peak(self, kind: Kind) -> Callable[[Solid, float, float], float] | None:
@@ -265,7 +265,7 @@ class LevelModel(Protocol):
         about: float,
         frequency: FloatArray,
         compression: float | None,
-    ) -> LevelResponse:
+    ) -> PredictedLevels:
         """Return the resonance at each level: of `scale` parts, `about` a frequency, Hz."""
 
 
@@ -366,14 +366,14 @@ def prediction(
     """
     SIZES["mass"].refuse(mass)
     asked = _related(kind, base=base or base_psd is not None, relative=relative)
-    band, level_model = band or BAND, _level_model(at_level, swept)
+    band, predictor = band or BAND, _level_predictor(at_level, swept)
     moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
     here = found if temperature is None else found.at_temperature(temperature)
     stiffer, of_part = 1.0, part is not None and part != PartChoices()
     if part is not None and of_part:
         _refuse_records(tests)
         material = here.solid
-        measured = None if level_model is None else level_model.measured_peak(asked)
+        measured = None if predictor is None else predictor.measured_peak(asked)
         here = found = applied(part, here, seals=seals, base=asked.over_base, peak=measured)
         stiffer = float(
             abs(here.solid.complex_stiffness(omega=1.0) / material.complex_stiffness(omega=1.0))
@@ -388,8 +388,8 @@ def prediction(
     peak, at_edge = on.peak(frf)
     about = on.modes[0].frequency if on.modes else peak[0]
     levels = None
-    if level_model is not None:
-        levels = level_model.respond(
+    if predictor is not None:
+        levels = predictor.respond(
             on, part, scale=seals * stiffer, about=about,
             frequency=frf.frequency[frf.frequency > 0], compression=compression,
         )  # fmt: skip
@@ -423,12 +423,12 @@ def prediction(
     return plain if levels is None else levels.complete(plain)
 
 
-def _level_model(choices: LevelChoices | None, swept: object) -> LevelModel | None:
+def _level_predictor(choices: LevelChoices | None, swept: object) -> LevelPredictor | None:
     """What a level does to the parts; None where none is asked for."""
     if choices is None or not choices.levels:
         return None
-    model: LevelModel = find_handler("predict at levels", choices)(choices, swept)
-    return model
+    found: LevelPredictor = find_handler("predict at levels", choices)(choices, swept)
+    return found
 
 
 def _related(kind: str | None, *, base: bool, relative: bool) -> Kind:
