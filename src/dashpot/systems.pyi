@@ -10,6 +10,7 @@ from dashpot.extensions.door.closing import ClosingDoor as ClosingDoor
 from dashpot.extensions.door.closing_analysis import Closing as Closing
 from dashpot.extensions.door.closing_analysis import close_door as close_door
 from dashpot.extensions.door.closing_setup import ClosingSetup as ClosingSetup
+from dashpot.extensions.door.energy_shares import energy_shares as energy_shares
 from dashpot.extensions.modes.stabilisation import stabilisation as stabilisation
 from dashpot.solids.part_geometry import Block as Block
 from dashpot.solids.part_geometry import Bulb as Bulb
@@ -21,7 +22,6 @@ from dashpot.vibration.systems.bodies import Body as Body
 from dashpot.vibration.systems.bodies import Mount as Mount
 from dashpot.vibration.systems.bodies import planar_body as planar_body
 from dashpot.vibration.systems.bodies import point_mass as point_mass
-from dashpot.vibration.systems.energy import energy_shares as energy_shares
 from dashpot.vibration.systems.frf_prediction import isolation_frequency as isolation_frequency
 from dashpot.vibration.systems.frf_prediction import predict_frf as predict_frf
 from dashpot.vibration.systems.random_base import random_base as random_base

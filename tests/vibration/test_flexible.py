@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
 from dashpot.datamodel.free_modes import FreeModes
+from dashpot.extensions.door.energy_shares import energy_shares
 from dashpot.solids import networks as net
 from dashpot.solids.demo_seals import BROAD, PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.systems.bodies import Body, Mount, Point, planar_body, point_mass
 from dashpot.vibration.systems.complex_modes import complex_modes, newton_modes
-from dashpot.vibration.systems.energy import energy_shares
 from dashpot.vibration.systems.random_base import random_response
 from dashpot.vibration.systems.system import System
 

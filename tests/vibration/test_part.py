@@ -14,11 +14,11 @@ import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
 from dashpot.extensions.amplitude.fit import fit_amplitude
+from dashpot.extensions.amplitude.payne_softening import Softening
 from dashpot.extensions.amplitude.response_solver import response_at_level
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.dynamic.fit import fit_dynamic
 from dashpot.solids.part_geometry import Block, Bulb, Bush, Disc, bonded_block, bonded_cylinder
-from dashpot.solids.payne_softening import Softening
 from dashpot.vibration.systems.bodies import Mount, point_mass
 from dashpot.vibration.systems.frf_prediction import geometry_factor, mass_for_peak
 from dashpot.vibration.systems.system import System

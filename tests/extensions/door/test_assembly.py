@@ -12,13 +12,13 @@ from dashpot.datamodel.free_modes import FreeModes
 from dashpot.datamodel.seal_line import Joint, SealLine, SealSection
 from dashpot.extensions.door.assembly import Assembly, rigid_of
 from dashpot.extensions.door.door_model import Door, ModesChoice, RigidPart, SealChoice, Support
+from dashpot.extensions.door.energy_shares import energy_shares
 from dashpot.extensions.door.modes import basis_error, oscillations
 from dashpot.simulation.free_plate import free_plate
 from dashpot.solids import networks as net
 from dashpot.solids.demo_seals import BROAD
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.vibration.systems.complex_modes import complex_modes
-from dashpot.vibration.systems.energy import energy_shares
 
 WIDTH, HEIGHT, MASS = 1.1, 1.2, 25.0
 PLATE = RigidPart(

@@ -11,6 +11,7 @@ from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.choices import AmplitudeLaw, words
 from dashpot.extensions.amplitude.checks import MATTERS
 from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
+from dashpot.extensions.amplitude.payne_softening import softened
 from dashpot.numerics.inference.covariance_estimate import estimate, white_noise
 from dashpot.numerics.inference.model_order import bic, deviance
 from dashpot.numerics.least_squares.nnls import linear
@@ -24,7 +25,6 @@ from dashpot.numerics.least_squares.problem import (
     stacked,
 )
 from dashpot.solids.friction import slipping_share
-from dashpot.solids.payne_softening import softened
 
 LAWS = words(AmplitudeLaw)
 """Kraus's law as a factor or beside the solid, a cubic spring, and both."""

@@ -18,10 +18,10 @@ from dashpot.base.result_mixins import Described, Series, arrays
 from dashpot.base.serialisation import Documented
 from dashpot.base.units import in_unit, read_in, written
 from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.amplitude.payne_softening import Softening, softened
 from dashpot.solids.friction import Kraus
 from dashpot.solids.maxwell import Solid
 from dashpot.solids.nonlinear_springs import Cubic
-from dashpot.solids.payne_softening import Softening, softened
 from dashpot.solids.rate_independent import AmplitudeDependent, InParallel, Since
 
 

@@ -11,8 +11,8 @@ from dashpot.base.serialisation import Documented
 from dashpot.datamodel.free_modes import FreeModes
 from dashpot.datamodel.seal_line import Shear
 from dashpot.extensions.door.assembly import DOOR, Assembly
+from dashpot.extensions.door.energy_shares import EnergyShare, energy_shares
 from dashpot.vibration.systems.complex_modes import ComplexMode, complex_modes, newton_modes
-from dashpot.vibration.systems.energy import EnergyShare, energy_shares
 from dashpot.vibration.systems.system import System
 
 _STATES = 1200
