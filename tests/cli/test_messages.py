@@ -41,7 +41,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "fitting/fit_options.py:refuse_shifts": ("fit",),
     "fitting/fit_options.py:_refuse_law": ("fit",),
     "fitting/fit_options.py:_refuse_family": ("fit", "report"),
-    "extensions/curves/temperatures/test_temperatures.py:checked_temperatures": ("fit",),
+    "fitting/tests_at_temperatures.py:checked_temperatures": ("fit",),
     "fitting/fractional_model/family_selection.py:checked_family": ("fit", "report"),
     "fitting/fractional_model/family_selection.py:refuse_beside_shifts": ("fit", "report"),
     "fitting/identification/": ("fit", "report"),

@@ -27,7 +27,6 @@ from dashpot.base.units import written
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import AtDepth
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.extensions.curves.temperatures.test_temperatures import checked_temperatures
 from dashpot.fitting.checks.relaxation import separable
 from dashpot.fitting.checks.solid import arms_enough
 from dashpot.fitting.nonlinear_ramp.elastic_law_estimate import RampLaw
@@ -36,6 +35,7 @@ from dashpot.fitting.nonlinear_ramp.fit_construction import depth_error, held_ra
 from dashpot.fitting.nonlinear_ramp.hold_then_ramp import MAX_ARMS, follow
 from dashpot.fitting.pipeline import asked_arms
 from dashpot.fitting.relaxation_data import RelaxationData
+from dashpot.fitting.tests_at_temperatures import checked_temperatures
 from dashpot.fitting.uncertainty.rig_sensitivity import moved_by_clocks, moved_by_rig
 from dashpot.numerics.inference.covariance_estimate import Estimate
 from dashpot.preprocessing.prepare_tests import Tests, ramp_holds

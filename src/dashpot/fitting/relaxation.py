@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Literal, TypedDict
 
 import numpy as np
@@ -18,10 +17,6 @@ from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.extensions.curves.temperatures.test_temperatures import (
-    checked_temperatures,
-    reference_of,
-)
 from dashpot.fitting.check_suite import Residuals, solid_checks
 from dashpot.fitting.checks import relaxation as checks
 from dashpot.fitting.checks.solid import (
@@ -31,7 +26,7 @@ from dashpot.fitting.checks.solid import (
     order_agreed,
 )
 from dashpot.fitting.delay_correction import LateMotion, soundest
-from dashpot.fitting.design_matrix import NUISANCE, Design, block_of, bound, solid_of
+from dashpot.fitting.design_matrix import NUISANCE, Design, solid_of
 from dashpot.fitting.filter_bias import filter_bias
 from dashpot.fitting.fit_construction import (
     UNJUDGED,
@@ -41,7 +36,7 @@ from dashpot.fitting.fit_construction import (
     point_estimate,
     provenance_of,
 )
-from dashpot.fitting.fit_data import First, FitData, data_of, weighed
+from dashpot.fitting.fit_data import First, data_of, weighed
 from dashpot.fitting.fit_options import Asked, checked_design, refuse_shifts
 from dashpot.fitting.fractional_model.family_selection import (
     ChosenElement,
@@ -51,13 +46,14 @@ from dashpot.fitting.fractional_model.family_selection import (
     named,
     refuse_beside_shifts,
 )
-from dashpot.fitting.linearity import Gate, Holds, gated
+from dashpot.fitting.linearity import Gate, Holds
 from dashpot.fitting.nonlinear_ramp import checks as ramp_checks
 from dashpot.fitting.nuisance_priors import delay_prior, material, priors
 from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.fitting.relaxation_likelihood import fitted_data, held_data
 from dashpot.fitting.replicates import refuse_copies
+from dashpot.fitting.tests_at_temperatures import checked_temperatures, reference_of
 from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra
 from dashpot.fitting.uncertainty.band_limits import band_of_hold
 from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_hold, spectra_of_holds
@@ -65,11 +61,11 @@ from dashpot.fitting.uncertainty.rig_sensitivity import moved_by_clocks, moved_b
 from dashpot.fitting.uncertainty.solution_covariance import SolutionEstimate
 from dashpot.fitting.uncertainty.valid_band import informed_band
 from dashpot.preprocessing.prepare_tests import Tests, ramp_holds
+from dashpot.registry import find_handler
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 if TYPE_CHECKING:
-    from dashpot.extensions.curves.temperatures.marginalised_data import Own
     from dashpot.fitting.nonlinear_ramp.elastic_law_estimate import RampLaw
 
 
@@ -79,10 +75,6 @@ class _HoldArguments(TypedDict):
     time: float
     own: GeneralizedMaxwell
     dof: float
-
-
-# arms that a test may have by itself, where it is one of several temperatures
-_OWN_ARMS = 6
 
 
 def fit(
@@ -157,7 +149,7 @@ def fit(
         What the factor b_T of the stiffnesses may be, where the tests are of several temperatures.
     shift_law : "auto", "wlf", "arrhenius" or "free"
         The law laid through their shift factors a_T: by default by BIC, from three temperatures
-        on (``dashpot.extensions.curves.temperatures``).
+        on.
     reference : float, optional
         The tested temperature whose solid is returned, K; by default that nearest to 23 degC.
 
@@ -182,7 +174,9 @@ def fit(
     reference = si(reference, "temperature")
     if len(temperatures) > 1:
         at = reference_of(temperatures, reference)
-        found = _of_temperatures(records, asked, vertical=vertical, shift_law=shift_law, at=at)
+        refuse_beside_shifts(family)
+        fit_shifted = find_handler("fit at several temperatures", records[0])
+        found = fit_shifted(records, asked, vertical=vertical, shift_law=shift_law, reference=at)
         return _with_law(found, law)
     here = len(temperatures) == 1 and reference in {None, *temperatures.tolist()}
     refuse_shifts("the tests are", vertical, shift_law, None if here else reference)
@@ -245,25 +239,6 @@ def followed(test: RampHold, found: Fit) -> Fit:
     return _point(as_recorded, first, design, arms)
 
 
-def _of_temperatures(
-    records: Sequence[RampHold], asked: Asked, *, vertical: Vertical, shift_law: ShiftLaw, at: int
-) -> Fit:
-    """Return the fit of one solid that moves with temperature, at the `at`-th of them."""
-    refuse_beside_shifts(asked.family)
-    from dashpot.extensions.curves.temperatures.fit_temperatures import fit_thermal  # few need it
-
-    return fit_thermal(
-        [_own(record, asked.law, thorough=asked.thorough) for record in records],
-        arms=asked.count,
-        max_arms=asked.max_arms,
-        vertical=vertical,
-        shift_law=shift_law,
-        reference=at,
-        intervals=asked.intervals,
-        thorough=asked.thorough,
-    )
-
-
 def _of_one_temperature(records: Sequence[RampHold], design: Design, asked: Asked) -> Fit:
     """Return the fit of a linear solid, or of a bent ramp where no linear solid is sound."""
     late, first, one, gate = LateMotion.of(records, design), None, None, None
@@ -291,29 +266,6 @@ def _of_one_temperature(records: Sequence[RampHold], design: Design, asked: Aske
         doubts = [record.depth_doubt for record in records]
         both = replace(both, best=both.best.with_depth_doubt(doubts))
     return _assembled(late, both, design, gate, thorough=asked.thorough)
-
-
-def _own(record: RampHold, law: RampLawAsked, *, thorough: bool) -> Own:
-    """Return one test of several temperatures with its own free fit; a bent ramp with its law."""
-    from dashpot.extensions.curves.temperatures.marginalised_data import Own
-
-    kelvin = record.specimen.temperature or 0.0
-    data = data_of([record], Design("full"))
-    asked = Asked("auto", _OWN_ARMS, thorough=thorough)
-    gate = gated(Holds([record]), data, asked)
-    bend = law == "nonlinear"
-    if law == "linear" or record.loading_start is not None or (gate.sound and not bend):
-        return Own.of(record, kelvin, gate.first, None)
-    bent = _law_of([record], law)
-    if bent.sound and not bend:
-        return Own.of(record, kelvin, gate.first, None)
-    block = block_of(
-        record, terms=("offset", "drift"), index=0, start=record.settled.start, law=bent.law
-    )
-    held = FitData(
-        [block], [block.exact], in_time=True, bind=partial(bound, [record], [block], Design("full"))
-    )
-    return Own.of(record, kelvin, weighed(held, _OWN_ARMS), bent.law)
 
 
 def _law_of(records: Sequence[RampHold], law: RampLawAsked, arms: int | None = None) -> RampLaw:

@@ -244,6 +244,9 @@ class Extension:
         ``"leave one out"`` of the hits behind a fit in turn;
         ``"read sweep"`` that tells what levels do, and ``"predict at levels"`` by it.
     fits : tuple of FitRow
+        For a task of the core (``"text"``, ``"figure"``, ``"fit command"``), the function that does
+        it for a type (``"package.module:Class"``) or for a name. ``"fit at several temperatures"``:
+        from prepared tests, options and shift choices to a fit, by the type of the first test.
     commands : tuple of Command
     formats : tuple of FileFormat
     solver_inputs : mapping of str to str

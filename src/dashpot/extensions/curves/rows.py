@@ -46,6 +46,8 @@ EXTENSION = Extension(
             "modulus": "dashpot.extensions.curves.time_curve_figure:modulus",
             "superposition": "dashpot.extensions.curves.superposition.figure:superposition",
             "temperatures": "dashpot.extensions.curves.temperatures.figure:temperatures",
+        "fit at several temperatures": {
+            "dashpot.datamodel.relaxation:RampHold": "dashpot.extensions.curves.temperatures.fit_temperatures:fit_records",
         },
     },
 )  # fmt: skip

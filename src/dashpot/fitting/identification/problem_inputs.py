@@ -11,7 +11,6 @@ from dashpot.base.choices import Method, words
 from dashpot.base.errors import DataError, FitError
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.extensions.curves.temperatures.test_temperatures import temperatures_of
 from dashpot.fitting.fractional_model.family_selection import refuse_beside_shifts
 from dashpot.fitting.identification.likelihood import (
     UNCHANGED,
@@ -23,6 +22,7 @@ from dashpot.fitting.nuisance_priors import Prior
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.fitting.relaxation_likelihood import relaxation_data
+from dashpot.fitting.tests_at_temperatures import temperatures_of
 from dashpot.vibration.systems.operating_point import OperatingPoint, operating_point
 
 # a block on a workshop balance: 0.1 g of 100 g

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.checks import Check
-from dashpot.base.choices import ShiftLaw, Vertical
+from dashpot.base.choices import RampLawAsked, ShiftLaw, Vertical
 from dashpot.datamodel.band_error import BandError
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence, OrderScore
 from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate, parameter_names
+from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.extensions.curves.shift_law_fit import LawThroughShifts
 from dashpot.extensions.curves.superposition.checks import of_shifts, overlap
@@ -39,7 +41,11 @@ from dashpot.fitting.checks.solid import (
     optimum_found,
     order_agreed,
 )
+from dashpot.fitting.design_matrix import Design, block_of, bound
 from dashpot.fitting.fit_construction import FoundSolid, assembled
+from dashpot.fitting.fit_data import FitData, data_of, weighed
+from dashpot.fitting.fit_options import Asked
+from dashpot.fitting.linearity import Holds, gated
 from dashpot.fitting.pipeline import FURTHER, certified
 from dashpot.fitting.relaxation_likelihood import relaxation_data
 from dashpot.fitting.replicates import end_stiffnesses
@@ -66,6 +72,55 @@ class Thermal(NamedTuple):
 
     best: ThermalOptimum
     knowledge: Knowledge
+
+
+# arms that a test may have by itself, where it is one of several temperatures
+_OWN_ARMS = 6
+
+
+def fit_records(
+    records: Sequence[RampHold],
+    asked: Asked,
+    *,
+    vertical: Vertical,
+    shift_law: ShiftLaw,
+    reference: int,
+) -> Fit:
+    """Fit one solid that moves with temperature to ramps and holds, as :func:`fit_thermal`."""
+    return fit_thermal(
+        [_fit_alone(record, asked.law, thorough=asked.thorough) for record in records],
+        arms=asked.count,
+        max_arms=asked.max_arms,
+        vertical=vertical,
+        shift_law=shift_law,
+        reference=reference,
+        intervals=asked.intervals,
+        thorough=asked.thorough,
+    )
+
+
+def _fit_alone(record: RampHold, law: RampLawAsked, *, thorough: bool) -> Own:
+    """Return one test of several temperatures with its own free fit; a bent ramp with its law."""
+    kelvin = record.specimen.temperature or 0.0
+    data = data_of([record], Design("full"))
+    gate = gated(Holds([record]), data, Asked("auto", _OWN_ARMS, thorough=thorough))
+    bend = law == "nonlinear"
+    if law == "linear" or record.loading_start is not None or (gate.sound and not bend):
+        return Own.of(record, kelvin, gate.first, None)
+    from dashpot.fitting.nonlinear_ramp.elastic_law_selection import (
+        ramp_law,  # a sound linear fit needs none
+    )
+
+    bent = ramp_law([record], law=law)
+    if bent.sound and not bend:
+        return Own.of(record, kelvin, gate.first, None)
+    block = block_of(
+        record, terms=("offset", "drift"), index=0, start=record.settled.start, law=bent.law
+    )
+    held = FitData(
+        [block], [block.exact], in_time=True, bind=partial(bound, [record], [block], Design("full"))
+    )
+    return Own.of(record, kelvin, weighed(held, _OWN_ARMS), bent.law)
 
 
 def fit_thermal(

@@ -18,7 +18,7 @@ from dashpot.extensions.curves.temperatures.starting_points import (
     candidates,
     first_shifts,
 )
-from dashpot.extensions.curves.temperatures.test_temperatures import temperatures_of
+from dashpot.fitting.tests_at_temperatures import temperatures_of
 from dashpot.numerics.inference.model_order import DECISIVE, Choice, choose
 
 # what is known of how arms shift apart: two temperatures hardly tell, three do
