@@ -234,7 +234,7 @@ def stuck_gauge(share: float) -> Check:
     held = test.hold
     first, count = held.start + 2000, round(share * (held.stop - held.start))
     x[first : first + count] = x[first]
-    return preparation.travel_renewed(test, x)
+    return creep.travel_renewed(test, x)
 
 
 def quantised() -> np.ndarray:
@@ -435,8 +435,8 @@ def slipped(times: float) -> Check:
 
 
 PREPARATION = [
-    Case("load_begins_at_rest", whole(lambda n: preparation.load_begins_at_rest(load(n))), 5, 4),
-    Case("load_held", lambda x: preparation.load_held(load(change=x / 0.89)), 0.0199, 0.0201),
+    Case("load_begins_at_rest", whole(lambda n: creep.load_begins_at_rest(load(n))), 5, 4),
+    Case("load_held", lambda x: creep.load_held(load(change=x / 0.89)), 0.0199, 0.0201),
     Case("baseline_recorded", whole(baseline), 5, 4),
     Case(
         "contact_found",

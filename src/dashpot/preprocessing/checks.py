@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
@@ -25,9 +25,6 @@ from dashpot.signals.noise import median_of_three, spikes, usual_scatter
 from dashpot.signals.segments import MotionSegment, RampHoldCycle
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 
-if TYPE_CHECKING:
-    from dashpot.extensions.curves.datamodel.creep import LoadHold
-
 LAW = "by law; a tenth for noise and drift"
 MIN_QUANTA = 20.0
 MAX_PRELOAD = 0.05
@@ -39,10 +36,6 @@ MIN_HOLD_OVER_RAMP = 10.0
 MIN_RAMP_SAMPLES = 10.0
 FLAT_SAMPLES = 5.0
 MAX_UNRESOLVED = 0.125
-# of the travel, before the load: k_inf is then about half as wrong
-MAX_STIR = 0.01
-# of a held load; a controller that hunts by more moves the part with it
-MAX_LOAD_CHANGE = 0.02
 # K that a temperature may be misread by, and that a chamber may drift over a record
 MAX_MISREAD, MAX_WARMED = 1.0, 1.0
 # a loss, in noises, that the weights of the ramp's rows may not count: behind plates that step by
@@ -61,6 +54,26 @@ MAX_PAST_MISFIT, MAX_FACE_OFF = 0.03, 0.01
 # of the depth, which the plate may have moved by between rows that are missing
 MAX_PAST_JUMP = 0.1
 JUMPED = "The clock jumped, or the record was interrupted. Later times and slow arms are not known"
+
+
+class ClockedTest(Protocol):
+    """The clock of a test with an onset and a hold, of a motion or of a load."""
+
+    @property
+    def time(self) -> FloatArray:
+        """Of every sample, s."""
+
+    @property
+    def onset(self) -> float:
+        """When the ramp begins, s."""
+
+    @property
+    def ramp_time(self) -> float:
+        """How long it takes, s; 0 of a step."""
+
+    @property
+    def hold(self) -> slice:
+        """The samples of the hold."""
 
 
 # -- what the file says of the temperature --------------------------------------------------------
@@ -340,7 +353,7 @@ def samples_unbroken(test: RampHold) -> Finding:
     otherwise=f"at most {MAX_LEAP} for a leap of an even clock; stop if it is longer than all the "
     "rest",
 )
-def clock_steady(test: RampHold | LoadHold, time: FloatArray | None = None) -> Finding:
+def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
     """The clock runs on without a jump.
 
     That is from onset to the end of the hold; for an even clock over the whole of `time`, by
@@ -807,75 +820,3 @@ def _answer_of(solid: GeneralizedMaxwell, test: RampHold) -> FloatArray:
     arms = zip(solid.k, solid.tau, strict=True)
     answers = [k * arm_response(test.time, x, tau) for k, tau in arms]
     return np.asarray(solid.k_inf * x + np.sum(answers, axis=0))
-
-
-# -- a creep test ---------------------------------------------------------------------------------
-
-
-@criterion("samples", ">=", MIN_BASELINE, "our choice: the fewest that have a scatter")
-def load_begins_at_rest(test: LoadHold) -> Finding:
-    """The record shows the part at rest before the load: the zero of the displacement."""
-    before = int(np.searchsorted(test.time, test.onset))
-    count = f"{before} sample{'s' * (before != 1)}"
-    zero = f"{before} samples before the load give the zero of the displacement"
-    third = before // 3
-    # under a load that is on record the part may move
-    unloaded = before and float(np.ptp(test.load[:before])) < MAX_PRELOAD * test.level
-    if before >= MIN_BASELINE and unloaded:
-        first, last = test.displacement[:third], test.displacement[before - third : before]
-        travel = float(np.ptp(test.displacement))
-        moved = abs(median(last) - median(first)) / travel
-        chance = 4 * test.displacement_noise * np.sqrt(2 / third)
-        return Finding(
-            f"{zero}, and move by {100 * moved:.2g} % of the travel",
-            float(before),
-            "The part still moves under an earlier load",
-            "Let it rest, or record that load too.",
-            faulted=moved > max(MAX_STIR, chance / travel),
-        )
-    return Finding(
-        zero,
-        float(before),
-        instead=f"The record has {count} before the load; at least {MIN_BASELINE:.0f} are needed. "
-        "The file's own zero is taken for that of the unloaded part",
-        remedy="Start the record a second before the load.",
-    )
-
-
-@criterion("part of the hold", "<=", MAX_FROZEN, "our choice: a shorter stretch moves no stiffness")
-def travel_renewed(test: LoadHold, displacement: FloatArray) -> Finding:
-    """The displacement is read anew from sample to sample while the load is held.
-
-    Of a load that is held nothing else is expected than that it stands. `displacement` is of the
-    same samples as it stands in the file.
-    """
-    x, time = displacement[test.hold], test.time[test.hold]
-    turn = 1.0 if (x - x.mean()) @ test.displacement[test.hold] >= 0 else -1.0
-    # what creeps rises; it is turned, for what relaxes falls
-    found = frozen_runs(-turn * x, since=time - test.ramp_end)
-    if not len(found):
-        return Finding("The displacement stands at no value while it should scatter or change", 0.0)
-    first, last = found[np.argmax(np.diff(found)[:, 0])]
-    share = float(np.sum(np.diff(found) + 1)) / len(x)
-    return Finding(
-        f"The displacement has one and the same value for {last - first + 1} samples, from "
-        f"{time[first]:.4g} to {time[last]:.4g} s",
-        share,
-        f"Its other samples rule that out: it was not read for {100 * share:.2g} % of the hold",
-        "Repeat the test.",
-    )
-
-
-@criterion("change in the hold / load", "<=", MAX_LOAD_CHANGE, grade="note")
-def load_held(test: LoadHold) -> Finding:
-    """The load stays what it is held at, or the fit follows it."""
-    held = test.load[test.hold]
-    settled = held[len(held) // 10 :]
-    change = float(np.ptp(settled)) / test.level
-    return Finding(
-        f"The load changes by {100 * change:.2g} % while it is held",
-        change,
-        "The fit uses the recorded force, so the result is valid. A curve of displacement over "
-        "load is not",
-        "Hold the load more evenly.",
-    )

@@ -10,17 +10,11 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from dashpot.base.version import byline
-from dashpot.extensions.curves.creep.simulation import CreepTruth
 from dashpot.simulation.impact import ImpactTruth
-from dashpot.simulation.motion import MotionTruth
-from dashpot.simulation.relaxation import RelaxationTruth
+from dashpot.simulation.rig import RigTruth
 from dashpot.simulation.transducer import Instrument
 
-Truth: TypeAlias = RelaxationTruth | CreepTruth | ImpactTruth | MotionTruth
-_KINDS = {
-    RelaxationTruth: "relaxation", CreepTruth: "creep", ImpactTruth: "impact",
-    MotionTruth: "motion",
-}  # fmt: skip
+Truth: TypeAlias = RigTruth | ImpactTruth
 
 
 def stamp(truth: Truth) -> tuple[str, ...]:
@@ -38,8 +32,7 @@ def truth_json(truth: Truth, *, instrument: Instrument | None = None) -> str:
     The same truth, written twice, is the same text. Complex numbers are ``[re, im]``; what
     is unlimited is null. The `instrument` is that of a record in gauge voltages.
     """
-    kind = _KINDS[type(truth)]
-    body = {"schema": "dashpot/truth@1", "simulated": True, "kind": kind, **_plain(truth)}
+    body = {"schema": "dashpot/truth@1", "simulated": True, "kind": truth.kind, **_plain(truth)}
     if instrument is not None:
         body["instrument"] = _plain(instrument)
     return json.dumps(body, indent=2, allow_nan=False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import pi
+from typing import ClassVar
 
 import numpy as np
 
@@ -256,6 +257,8 @@ class ImpactTruth:
     climate : Climate or None
         What made `model` of the seal at the reference; None if no temperature was stated.
     """
+
+    kind: ClassVar[str] = "impact"
 
     model: GeneralizedMaxwell
     mass: float

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -22,6 +23,8 @@ _PRESSED, _RELEASED = 0.5, 0.05
 
 class MotionTruth(RigTruth):
     """What really happened on the virtual rig under a motion."""
+
+    kind: ClassVar[str] = "motion"
 
 
 @dataclass(frozen=True)

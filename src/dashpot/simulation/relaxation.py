@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -29,6 +30,8 @@ class RelaxationTruth(RigTruth):
     contact : float
         Plate position at first contact, m.
     """
+
+    kind: ClassVar[str] = "relaxation"
 
     depth: float
     ramp_time: float

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from math import pi, tan
+from typing import ClassVar
 
 import numpy as np
 
@@ -176,6 +177,8 @@ class RigTruth(ByValue):
 
     Attributes
     ----------
+    kind : str
+        Of which kind of test it is.
     model : GeneralizedMaxwell
         The seal at the temperature of the test, before any softening.
     rig : Rig
@@ -186,6 +189,8 @@ class RigTruth(ByValue):
     climate : Climate or None
         What made `model` of the seal at the reference; None if no temperature was stated.
     """
+
+    kind: ClassVar[str]
 
     model: GeneralizedMaxwell
     rig: Rig

@@ -16,17 +16,13 @@ the longest hold.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, runs
-from dashpot.datamodel.relaxation import RampHold
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit.log_tau_descent import Stack
-
-if TYPE_CHECKING:
-    from dashpot.extensions.curves.datamodel.creep import LoadHold
 
 _PER_DECADE = 2
 _PLAUSIBLE = 0.1
@@ -34,8 +30,24 @@ _LEARNED = 0.5
 _FREQUENCIES_PER_DECADE = 20
 
 
+class HeldTest(Protocol):
+    """The times of a ramp and hold, of a motion or of a load."""
+
+    @property
+    def time(self) -> FloatArray:
+        """Of every sample, s."""
+
+    @property
+    def ramp_time(self) -> float:
+        """How long the ramp takes, s."""
+
+    @property
+    def hold_time(self) -> float:
+        """How long the hold lasts, s."""
+
+
 def informed_band(
-    tests: Sequence[RampHold | LoadHold],
+    tests: Sequence[HeldTest],
     blocks: Sequence[DataBlock],
     *,
     stiffness: float,

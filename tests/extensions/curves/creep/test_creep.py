@@ -14,10 +14,10 @@ import dashpot as dp
 from dashpot.base.errors import DataError, FitError
 from dashpot.extensions.curves.creep.compliance import measured_compliance
 from dashpot.extensions.curves.creep.fit import fit_creep as fit
+from dashpot.extensions.curves.creep.load_noise import felt
 from dashpot.extensions.curves.creep.preprocess import load_hold
 from dashpot.extensions.curves.creep.read import read_creep
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance, CreepTest
-from dashpot.fitting.uncertainty.load_noise import felt
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.interconversion import (

@@ -6,17 +6,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.number_format import rounded
 from dashpot.extensions.curves.checks import FOLLOWED
 from dashpot.fitting.checks.relaxation import largest_rms
 from dashpot.fitting.checks.solid import arms_said
+from dashpot.preprocessing.checks import MAX_FROZEN, MAX_PRELOAD
+from dashpot.preprocessing.contact import MIN_BASELINE
+from dashpot.signals.frozen import frozen_runs
 
 if TYPE_CHECKING:
     from dashpot.extensions.curves.datamodel.creep import LoadHold
     from dashpot.solids.interconversion import CreepSpectrum
 
+# of the travel, before the load: k_inf is then about half as wrong
+MAX_STIR = 0.01
+# of a held load; a controller that hunts by more moves the part with it
+MAX_LOAD_CHANGE = 0.02
 # of the displacement at rest that the hold did not show
 MAX_TO_COME = 0.05
 # a difference of BIC below which two solids are as good
@@ -31,6 +38,75 @@ DRIFTS = 2.0
 FINE_ENOUGH = 1e-3
 # a departure from proportion at the highest level that matters, and how surely
 BENT, SURELY = 0.03, 3.0
+
+
+@criterion("samples", ">=", MIN_BASELINE, "our choice: the fewest that have a scatter")
+def load_begins_at_rest(test: LoadHold) -> Finding:
+    """The record shows the part at rest before the load: the zero of the displacement."""
+    before = int(np.searchsorted(test.time, test.onset))
+    count = f"{before} sample{'s' * (before != 1)}"
+    zero = f"{before} samples before the load give the zero of the displacement"
+    third = before // 3
+    # under a load that is on record the part may move
+    unloaded = before and float(np.ptp(test.load[:before])) < MAX_PRELOAD * test.level
+    if before >= MIN_BASELINE and unloaded:
+        first, last = test.displacement[:third], test.displacement[before - third : before]
+        travel = float(np.ptp(test.displacement))
+        moved = abs(median(last) - median(first)) / travel
+        chance = 4 * test.displacement_noise * np.sqrt(2 / third)
+        return Finding(
+            f"{zero}, and move by {100 * moved:.2g} % of the travel",
+            float(before),
+            "The part still moves under an earlier load",
+            "Let it rest, or record that load too.",
+            faulted=moved > max(MAX_STIR, chance / travel),
+        )
+    return Finding(
+        zero,
+        float(before),
+        instead=f"The record has {count} before the load; at least {MIN_BASELINE:.0f} are needed. "
+        "The file's own zero is taken for that of the unloaded part",
+        remedy="Start the record a second before the load.",
+    )
+
+
+@criterion("part of the hold", "<=", MAX_FROZEN, "our choice: a shorter stretch moves no stiffness")
+def travel_renewed(test: LoadHold, displacement: FloatArray) -> Finding:
+    """The displacement is read anew from sample to sample while the load is held.
+
+    Of a load that is held nothing else is expected than that it stands. `displacement` is of the
+    same samples as it stands in the file.
+    """
+    x, time = displacement[test.hold], test.time[test.hold]
+    turn = 1.0 if (x - x.mean()) @ test.displacement[test.hold] >= 0 else -1.0
+    # what creeps rises; it is turned, for what relaxes falls
+    found = frozen_runs(-turn * x, since=time - test.ramp_end)
+    if not len(found):
+        return Finding("The displacement stands at no value while it should scatter or change", 0.0)
+    first, last = found[np.argmax(np.diff(found)[:, 0])]
+    share = float(np.sum(np.diff(found) + 1)) / len(x)
+    return Finding(
+        f"The displacement has one and the same value for {last - first + 1} samples, from "
+        f"{time[first]:.4g} to {time[last]:.4g} s",
+        share,
+        f"Its other samples rule that out: it was not read for {100 * share:.2g} % of the hold",
+        "Repeat the test.",
+    )
+
+
+@criterion("change in the hold / load", "<=", MAX_LOAD_CHANGE, grade="note")
+def load_held(test: LoadHold) -> Finding:
+    """The load stays what it is held at, or the fit follows it."""
+    held = test.load[test.hold]
+    settled = held[len(held) // 10 :]
+    change = float(np.ptp(settled)) / test.level
+    return Finding(
+        f"The load changes by {100 * change:.2g} % while it is held",
+        change,
+        "The fit uses the recorded force, so the result is valid. A curve of displacement over "
+        "load is not",
+        "Hold the load more evenly.",
+    )
 
 
 @criterion("last third / first third", ">=", 0.8, "our choice: scatter", grade="stop")

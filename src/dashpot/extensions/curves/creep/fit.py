@@ -33,6 +33,7 @@ from dashpot.datamodel.parameter_estimate import Nuisance
 from dashpot.datamodel.relaxation import quantum
 from dashpot.extensions.curves.checks import plateau_told
 from dashpot.extensions.curves.creep import checks
+from dashpot.extensions.curves.creep.load_noise import load_rows
 from dashpot.extensions.curves.creep.preprocess import OF_A_COUNT, load_hold
 from dashpot.extensions.curves.creep.retardation_spectrum import FLOW, GLASS, Retarded, spectrum_of
 from dashpot.extensions.curves.datamodel.creep import Creep, CreepCompliance, CreepTest, LoadHold
@@ -59,7 +60,6 @@ from dashpot.fitting.relaxation_likelihood import noise_power
 from dashpot.fitting.uncertainty.band_limits import band_of_curve
 from dashpot.fitting.uncertainty.curve_data import ENOUGH, CurveData, curve_data
 from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_curve, spectra_of_curve
-from dashpot.fitting.uncertainty.load_noise import load_rows
 from dashpot.fitting.uncertainty.solution_covariance import SolutionEstimate, estimated, rounding
 from dashpot.fitting.uncertainty.valid_band import informed_band
 from dashpot.numerics.design_matrices.block import DataBlock, retarding

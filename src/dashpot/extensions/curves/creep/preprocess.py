@@ -14,8 +14,9 @@ from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import quantum
+from dashpot.extensions.curves.creep import checks
 from dashpot.extensions.curves.datamodel.creep import STRAIGHT, CreepTest, LoadHold
-from dashpot.preprocessing import checks
+from dashpot.preprocessing.checks import clock_steady, of_temperature
 from dashpot.signals.noise import scatter, without_spikes
 from dashpot.signals.segments import cycles_of, find_segments
 
@@ -99,8 +100,8 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
         checks.load_begins_at_rest(record),
         checks.load_held(record),
         checks.travel_renewed(record, test.displacement),
-        checks.clock_steady(record),
-        *checks.of_temperature(test.specimen),
+        clock_steady(record),
+        *of_temperature(test.specimen),
     )
     return replace(record, checks=answers)
 

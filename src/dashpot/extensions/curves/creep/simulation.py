@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import cos, exp, sin, sqrt
+from typing import ClassVar
 
 import numpy as np
 
@@ -29,6 +30,8 @@ class CreepTruth(RigTruth):
     ramp_time, hold_time, recovery_time : float
         As commanded, s.
     """
+
+    kind: ClassVar[str] = "creep"
 
     load: float
     ramp_time: float
