@@ -435,8 +435,6 @@ def slipped(times: float) -> Check:
 
 
 PREPARATION = [
-    Case("load_begins_at_rest", whole(lambda n: creep.load_begins_at_rest(load(n))), 5, 4),
-    Case("load_held", lambda x: creep.load_held(load(change=x / 0.89)), 0.0199, 0.0201),
     Case("baseline_recorded", whole(baseline), 5, 4),
     Case(
         "contact_found",
@@ -477,7 +475,6 @@ PREPARATION = [
     ),
     Case("samples_unbroken", lambda x: preparation.samples_unbroken(pause(x)), 0.1999, 0.2001),
     Case("readings_renewed", stuck, 20 / 4001, 21 / 4001),
-    Case("travel_renewed", stuck_gauge, 19 / 3901, 20 / 3901),
     Case("spikes_absent", whole(lambda n: preparation.spikes_absent(spiked(n))), 0, 1),
     Case(
         "temperature_as_stated",
@@ -727,6 +724,9 @@ CURVES = [
     Case("bands_meet", lambda x: curves.bands_meet((x, 100.0), (0.1, 1.0)), 9.99, 10.01),
 ]
 CREEP = [
+    Case("load_begins_at_rest", whole(lambda n: creep.load_begins_at_rest(load(n))), 5, 4),
+    Case("load_held", lambda x: creep.load_held(load(change=x / 0.89)), 0.0199, 0.0201),
+    Case("travel_renewed", stuck_gauge, 19 / 3901, 20 / 3901),
     Case(
         "compliance_rises",
         lambda x: creep.compliance_rises(np.repeat([1.0, 1.0, x], 3)),
@@ -1643,12 +1643,11 @@ LIMITS = {
         "acceleration_not_large": 1e4, "hammer_sampled": 50, "hammer_not_oversampled": 2.5e5,
     },
     "preprocessing": {
-        "load_begins_at_rest": 5, "load_held": 0.02,
         "baseline_recorded": 5, "contact_found": 0.01, "preload_absent": 0.05, "single_loading": 1,
         "ramp_recorded": 1.1,
         "history_explained": 0.03, "face_recovered": 0.01, "history_forgotten": 0.005,
         "overshoot_small": 0.05, "samples_unbroken": 0.2, "spikes_absent": 0,
-        "readings_renewed": 0.005, "travel_renewed": 0.005,
+        "readings_renewed": 0.005,
         "clock_steady": 0.25,
         "temperature_as_stated": 1, "temperature_held": 1,
         "columns_plausible": 0.03, "motion_resolved": 0.125, "motion_measured": 0,
@@ -1696,6 +1695,7 @@ LIMITS = {
         "bands_meet": 10,
     },
     "extensions/curves/creep": {
+        "load_begins_at_rest": 5, "load_held": 0.02, "travel_renewed": 0.005,
         "compliance_rises": 0.8,
         "compliance_followed": 0.05,
         "creep_finished": 0.05,
@@ -1819,13 +1819,14 @@ GRADES = {
         "extensions/materials/cld": {"unloading_recorded", "length_given"},
         "preprocessing": {
             "baseline_recorded", "single_loading", "overshoot_small", "range_used",
-            "hold_outlasts_ramp", "load_held", "motion_resolved", "preload_absent",
+            "hold_outlasts_ramp", "motion_resolved", "preload_absent",
         },
         "fitting": {
             "hold_long_enough", "tau_inside_window", "residuals_random", "step_bias",
             "fast_arm_visible", "drift_told_from_arm", "order_agreed", "hold_and_full_agree",
         },
         "extensions/curves": {"instrument_stiff"},
+        "extensions/curves/creep": {"load_held"},
         "fitting/identification": {"dashpot_not_missed", "cables_described"},
         "extensions/curves/temperatures": {"shifts_told_apart"},
         "extensions/amplitude": {"level_matters"},
