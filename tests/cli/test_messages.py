@@ -52,6 +52,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "vibration/impact/checks.py:_relative_cause": MEASURED,
     "vibration/impact/base_excitation.py": MEASURED,
     "extensions/curves/creep/": ("fit", "report"),
+    "extensions/curves/fit_records.py": ("fit",),
     "extensions/modes/": ("fit",),
     "export/": ("export",),
     "report/attachments.py": ("export",),

@@ -87,7 +87,6 @@ NAMED = {
     "signals/": "what the moves of a record show",
     "api/": "what a type checker knows of each, and the words that its reader and its fit take",
     "workflow/example_files.py": "what an example is",
-    "workflow/fit_bench_tests.py": "which tests of a bench are fitted together",
 }
 """Where a kind of file is named, and why; everybody else asks the register."""
 

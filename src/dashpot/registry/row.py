@@ -247,6 +247,7 @@ class Extension:
         For a task of the core (``"text"``, ``"figure"``, ``"fit command"``), the function that does
         it for a type (``"package.module:Class"``) or for a name. ``"fit at several temperatures"``:
         from prepared tests, options and shift choices to a fit, by the type of the first test.
+        ``"fit records"``: from tests of a bench, of which one is of the type, to fit and records.
     commands : tuple of Command
     formats : tuple of FileFormat
     solver_inputs : mapping of str to str

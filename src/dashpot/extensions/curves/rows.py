@@ -46,6 +46,13 @@ EXTENSION = Extension(
             "modulus": "dashpot.extensions.curves.time_curve_figure:modulus",
             "superposition": "dashpot.extensions.curves.superposition.figure:superposition",
             "temperatures": "dashpot.extensions.curves.temperatures.figure:temperatures",
+        "fit records": {
+            "dashpot.extensions.curves.datamodel.dynamic:DynamicTest": "dashpot.extensions.curves.fit_records:fit_curves",
+            "dashpot.extensions.curves.datamodel.modulus:RelaxationModulus": "dashpot.extensions.curves.fit_records:fit_curves",
+            "dashpot.extensions.curves.datamodel.creep:CreepTest": "dashpot.extensions.curves.fit_records:fit_curves",
+            "dashpot.extensions.curves.datamodel.creep:LoadHold": "dashpot.extensions.curves.fit_records:fit_curves",
+            "dashpot.extensions.curves.datamodel.creep:CreepCompliance": "dashpot.extensions.curves.fit_records:fit_curves",
+        },
         "fit at several temperatures": {
             "dashpot.datamodel.relaxation:RampHold": "dashpot.extensions.curves.temperatures.fit_temperatures:fit_records",
         },

@@ -1,0 +1,187 @@
+"""Which fit suits which curve of a bench: sweeps, relaxation moduli, creep."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
+from typing import TYPE_CHECKING, Any
+
+from dashpot.base.errors import FitError
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.datamodel.specimen import Specimen
+from dashpot.fitting.fit_options import refuse_shifts
+from dashpot.reading.raw_file import about
+from dashpot.registry import row_of
+from dashpot.workflow.fit_bench_tests import Bench, BenchAsked, Record, prepare_ramps
+from dashpot.workflow.job import known_of_a_test
+from dashpot.workflow.shift_options import ShiftChoices, shifted_ramps
+
+if TYPE_CHECKING:
+    from dashpot.extensions.curves.datamodel.creep import CreepCompliance, CreepTest, LoadHold
+    from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
+    from dashpot.extensions.curves.datamodel.superposition import Superposition
+    from dashpot.extensions.curves.superposition.isotherms import Measured
+
+
+def fit_curves(
+    tests: Sequence[Bench], asked: BenchAsked, *, name: str = ""
+) -> tuple[Fit, tuple[Record, ...]]:
+    """Fit one solid to tests of which one at least is no ramp and hold.
+
+    A sweep is fitted alone or with ramps and holds of the same part; a relaxation modulus, or a
+    creep test, alone; sweeps or moduli at several temperatures by their master curve.
+    """
+    curves, crept, pressed = (
+        _select_kind(tests, one) for one in ("modulus", "creep", "relaxation")
+    )
+    if curves:
+        _refuse_beside_modulus(asked, others=len(tests) - len(curves))
+        from dashpot.extensions.curves.modulus.fit import fit_modulus
+
+        with _name_file(name):
+            curve: Any = shift_to_one(curves, asked.shifting, asked.specimen)
+            return fit_modulus(curve, arms=asked.arms, thorough=asked.thorough), (curve,)
+    if crept:
+        _refuse_beside_creep(asked, others=len(tests) - len(crept))
+        return _fit_creep(crept, asked, name)
+    prepared = prepare_ramps(pressed, asked, among_others=True)
+    return _fit_sweeps(_select_kind(tests, "dma"), prepared, asked)
+
+
+def _select_kind(tests: Sequence[Bench], name: str) -> list[Any]:
+    """Return the tests of one kind, by the word of the registry."""
+    return [one for one in tests if (row := row_of(one)) is not None and row.name == name]
+
+
+def _name_file(name: str) -> AbstractContextManager[None]:
+    """Return what puts the name of a file before an error."""
+    return about(name) if name else nullcontext()
+
+
+def _refuse_beside_modulus(asked: BenchAsked, *, others: int) -> None:
+    """Refuse what belongs to a ramp, and tests that are no moduli."""
+    known_of_a_test(asked.machine, tests=0, add="a ramp and hold")
+    asked.cuts.refuse_several(0)
+    if others:
+        raise FitError(
+            "a relaxation modulus is fitted alone, or with others at other temperatures: fit "
+            "the other tests one by one"
+        )
+    usual = asked.nothing_of("method", "depth_law", "family")
+    if asked.filter or asked.law == "nonlinear" or not usual:
+        raise FitError(
+            "a relaxation modulus is fitted without --method hold, --elastic, --filter and "
+            "--model: it is the response to a step already, of a linear solid with arms"
+        )
+
+
+def _refuse_beside_creep(asked: BenchAsked, *, others: int) -> None:
+    """Refuse what is of ramps and holds, and tests that are none of creep."""
+    asked.cuts.refuse_several(0)
+    if others or asked.filter or asked.depth_law:
+        raise FitError(
+            "a creep test is fitted alone, or with others at other temperatures, without "
+            "--filter and --elastic by-depth"
+        )
+    if not asked.nothing_of("method", "law", "family"):
+        raise FitError(
+            "a creep test is fitted to its recorded force and to a linear solid with arms: "
+            "leave out --method, --elastic and --model"
+        )
+
+
+def _fit_creep(
+    tests: Sequence[CreepTest | LoadHold | CreepCompliance], asked: BenchAsked, name: str
+) -> tuple[Fit, tuple[Record, ...]]:
+    """Fit one creep test, or the master curve of several; `name` is the first file's."""
+    from dashpot.extensions.curves.creep.compliance import measured_compliance
+    from dashpot.extensions.curves.creep.fit import fit_creep
+    from dashpot.extensions.curves.creep.preprocess import load_hold
+    from dashpot.extensions.curves.datamodel.creep import CreepTest, LoadHold
+    from dashpot.extensions.curves.datamodel.superposition import Superposition
+
+    raw = sum(isinstance(one, CreepTest) for one in tests)
+    known_of_a_test(asked.machine, tests=raw, add="a creep test as it was recorded")
+    # a load that is not held says itself of which file it is
+    held = [load_hold(one, asked.machine) if isinstance(one, CreepTest) else one for one in tests]
+    with _name_file(name):
+        record: Any = held[0]
+        if len(held) > 1 or not isinstance(record, LoadHold):
+            curves = [
+                measured_compliance(one) if isinstance(one, LoadHold) else one for one in held
+            ]
+            record = shift_to_one(curves, asked.shifting, asked.specimen)
+        if isinstance(record, LoadHold) and asked.shifting.at is not None:
+            raise FitError(
+                "--only picks one of several temperatures, and this creep test is of one: leave "
+                "it out"
+            )
+        if not isinstance(record, Superposition) and asked.shifting.at is None:
+            refuse_shifts("a creep test is", **shifted_ramps(asked.shifting))
+        return fit_creep(record, arms=asked.arms, thorough=asked.thorough), (record,)
+
+
+def _fit_sweeps(
+    sweeps: Sequence[DynamicTest], tests: tuple[RampHold, ...], asked: BenchAsked
+) -> tuple[Fit, tuple[Record, ...]]:
+    """Fit a sweep, or a master curve, with the ramps and holds of the same part."""
+    if asked.depth_law or asked.method == "hold" or (tests and len(sweeps) > 1):
+        raise FitError(
+            "a dynamic sweep is fitted alone, with others at other temperatures, or with "
+            "relaxation tests of the same part, without --elastic by-depth and --method hold"
+        )
+    if asked.law != "auto" or (asked.filter and not tests):
+        raise FitError(
+            "a dynamic sweep is of a linear solid, and nothing of it is filtered: leave out "
+            "--elastic "
+            "and --filter, which are for ramps and holds"
+        )
+    from dashpot.extensions.curves.dynamic.fit import fit_dynamic
+
+    sweep: Any = shift_to_one(sweeps, asked.shifting, asked.specimen)
+    found = fit_dynamic(
+        sweep, arms=asked.arms, tests=tests, thorough=asked.thorough, family=asked.family
+    )
+    return found, (sweep, *tests)
+
+
+def shift_to_one(
+    tests: Sequence[Measured],
+    choices: ShiftChoices,
+    specimen: Specimen | None,
+) -> Measured | Superposition:
+    """Return the test as it is, the part of one temperature, or the master curve of them all.
+
+    Raises
+    ------
+    FitError
+        If the choices exclude each other, or the tests.
+    """
+    first, at = tests[0], choices.at
+    if first.several_temperatures and specimen is not None and specimen.temperature is not None:
+        raise FitError(
+            "the file says the temperature of every sample, so --temperature has nothing to add: "
+            "--only takes one of them alone, --reference moves the master curve of them all"
+        )
+    alone = len(tests) == 1 and choices == ShiftChoices(at=at)
+    if at is not None:
+        if not alone:
+            raise FitError(
+                "--only takes one temperature out of a file of several; leave out --reference, "
+                "--shift, --vertical and --shifts, which shift them all, and other files"
+            )
+        return first.at(at)
+    if alone and not first.several_temperatures:
+        return first
+    from dashpot.extensions.curves.superposition.read_shift_factors import read_shifts
+    from dashpot.extensions.curves.superposition.superpose import superpose
+
+    known = () if choices.shifts is None else read_shifts(choices.shifts)
+    return superpose(
+        tests,
+        reference=choices.reference,
+        law=choices.law,
+        vertical=choices.vertical,
+        shifts=known,
+    )
