@@ -35,7 +35,6 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "datamodel/specimen.py:each_specimen": ("fit", "report"),
     "fitting/": ("fit", "predict", "report"),
     "extensions/curves/dynamic/": ("fit",),
-    "extensions/curves/dynamic/read.py": READING,
     "extensions/curves/modulus/fit.py": ("fit",),
     "extensions/curves/superposition/": ("fit",),
     "fitting/fit_options.py:refuse_shifts": ("fit",),

@@ -11,10 +11,10 @@ import numpy.typing as npt
 from dashpot.base.arrays import ByValue, FloatArray, IndexArray, frozen
 from dashpot.base.errors import DataError
 from dashpot.base.plausibility import SIZES
-from dashpot.base.result_mixins import verb
 from dashpot.base.units import Quantity, si
 from dashpot.base.validators import not_negative
 from dashpot.datamodel.fit import Fit
+from dashpot.registry import find_handler
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid
 
@@ -447,9 +447,14 @@ class SealLine(ByValue):
     def mounts(self, body: str, pitch: Quantity, *, ground: str = "ground") -> Any:
         """Return its :class:`~dashpot.vibration.systems.bodies.Mount` elements, one a station.
 
-        As :func:`dashpot.extensions.door.mounts.line_mounts`.
+        Parameters
+        ----------
+        body, ground : str
+            What it lies between.
+        pitch : str or float
+            Wanted distance of the mounts, m.
         """
-        return verb("extensions.door.mounts", "line_mounts")(self, body, pitch, ground=ground)
+        return find_handler("mounts", self)(self, body, pitch, ground=ground)
 
     def _piece(self, along: FloatArray) -> IndexArray:
         """Between which two points a place lies, by the first of them."""

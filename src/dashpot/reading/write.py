@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Protocol
 
 import numpy as np
 
@@ -21,10 +22,10 @@ from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
 from dashpot.datamodel.trajectory import Trajectory
-from dashpot.extensions.curves.datamodel.creep import CreepTest
-from dashpot.extensions.formats.uff import COHERENCE, FRF_
 from dashpot.reading.raw_file import extra
 
+_FRF, _COHERENCE = 4, 6
+"""Function types of UFF's dataset 58."""
 _NUMERATOR = {
     Kind.RECEPTANCE: (8, "m"),
     Kind.MOBILITY: (11, "m/s"),
@@ -33,8 +34,32 @@ _NUMERATOR = {
 _ID = 80
 
 
+class ForceTest(Protocol):
+    """Displacement and force over time, whichever of them is held."""
+
+    @property
+    def time(self) -> FloatArray:
+        """In s."""
+
+    @property
+    def displacement(self) -> FloatArray:
+        """In m."""
+
+    @property
+    def force(self) -> FloatArray:
+        """In N."""
+
+    @property
+    def specimen(self) -> Specimen:
+        """What was tested."""
+
+    @property
+    def source(self) -> Source | None:
+        """The file that it is of."""
+
+
 def write_relaxation(
-    test: RelaxationTest | CreepTest,
+    test: ForceTest,
     path: str | Path | None = None,
     *,
     comments: Sequence[str] = (),
@@ -204,14 +229,14 @@ def frf_uff(frf: FRF, *, title: str = "dashpot FRF") -> bytes:
                           program="dashpot"),
         pyuff.prepare_164(units_code=1, units_description="SI: m, N, K", temp_mode=1, length=1.0,
                           force=1.0, temp=1.0, temp_offset=0.0),
-        {**common, "func_type": FRF_, "ord_data_type": 6, "data": motion.value,
+        {**common, "func_type": _FRF, "ord_data_type": 6, "data": motion.value,
          "ordinate_spec_data_type": number, "ordinate_axis_lab": motion.quantity.value,
          "ordinate_axis_units_lab": unit, "orddenom_spec_data_type": 13,
          "orddenom_axis_lab": "force", "orddenom_axis_units_lab": "N"},
     ]  # fmt: skip
     if motion.coherence is not None:
         sets.append(
-            {**common, "func_type": COHERENCE, "ord_data_type": 4, "data": motion.coherence,
+            {**common, "func_type": _COHERENCE, "ord_data_type": 4, "data": motion.coherence,
              "ordinate_axis_lab": "coherence", "ordinate_axis_units_lab": "NONE"}
         )  # fmt: skip
     with TemporaryDirectory() as folder:  # pyuff writes to a path only

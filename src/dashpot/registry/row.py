@@ -247,7 +247,10 @@ class Extension:
         For a task of the core (``"text"``, ``"figure"``, ``"fit command"``), the function that does
         it for a type (``"package.module:Class"``) or for a name. ``"fit at several temperatures"``:
         from prepared tests, options and shift choices to a fit, by the type of the first test.
-        ``"fit records"``: from tests of a bench, of which one is of the type, to fit and records.
+        ``"roles"``: from an opened file of a kind to the roles of its columns. ``"table rule"``:
+        from a table and options to those that read it as of a kind, or None. ``"mounts"``: from a
+        line of seals to its mounts. ``"fit records"``: from tests of a bench, of which one is of
+        the type, to fit and records.
     commands : tuple of Command
     formats : tuple of FileFormat
     solver_inputs : mapping of str to str

@@ -11,13 +11,13 @@ from dashpot.base.errors import ReadError
 from dashpot.base.units import in_unit
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
-from dashpot.extensions.curves.dynamic.read import NAMED, amplitude_column, parts_of, sweep_columns
 from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.kind_detection import ONE_FREQUENCY, groups
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.header_specimen import stated_specimen
+from dashpot.reading.readers.sweep_columns import NAMED, amplitude_column, parts_of, sweep_columns
 
 _WARMER = 10.0
 """K that a rubber does not warm by itself from one visit of an amplitude to the next."""

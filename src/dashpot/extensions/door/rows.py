@@ -15,6 +15,7 @@ EXTENSION = Extension(
         "read": {
             "door": "dashpot.extensions.door.read:read_door",
         },
+        "mounts": {"dashpot.datamodel.seal_line:SealLine": "dashpot.extensions.door.mounts:line_mounts"},
         "text": {
             "dashpot.extensions.door.closing_result:ClosingResult": "dashpot.extensions.door.closing_text:closed",
             "dashpot.extensions.door.result:DoorResult": "dashpot.extensions.door.text:door",

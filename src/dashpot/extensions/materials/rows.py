@@ -102,6 +102,7 @@ EXTENSION = Extension(
             "stress-strain": "dashpot.extensions.materials.hyperelastic.api:read_stress_strain_record",
             "indentation": "dashpot.extensions.materials.indentation.api:read_hit_record",
         },
+        "table rule": {"csr": "dashpot.extensions.materials.csr.table_rule:counterforce"},
         "text": {
             "dashpot.extensions.materials.cld.fit_files:Pieces": "dashpot.extensions.materials.cld.text:cld",
             "dashpot.extensions.materials.hyperelastic.datamodel:HyperelasticFit": "dashpot.extensions.materials.hyperelastic.text:hyperelastic",

@@ -16,7 +16,6 @@ import numpy.typing as npt
 from dashpot.base import units
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
-from dashpot.extensions.materials.csr.table_rule import counterforce
 from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.amplitude_phase_pairs import two_signals
 from dashpot.reading.columns.response_units import ratio
@@ -24,6 +23,7 @@ from dashpot.reading.columns.role_assignment import accelerations, find_column, 
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions, flag
 from dashpot.reading.table import FileTable
+from dashpot.registry import find_handler
 
 FileKind: TypeAlias = Literal[
     "relaxation", "impact", "frf", "transmissibility", "dma", "master-curve", "strain-sweep",
@@ -257,6 +257,11 @@ class _NamedColumns:
     def _folded(self) -> frozenset[str]:
         return frozenset(map(vocabulary.plain, self.spoken))
 
+    def ruled(self, kind: FileKind) -> bool:
+        """Whether the rule of a kind finds its columns."""
+        find_columns = find_handler("table rule", kind)
+        return find_columns is not None and find_columns(self.table, self.options) is not None
+
     def spectral(self) -> bool:
         return any(
             "spectral density" in name or ("psd" in name and "psd" in vocabulary.tokens(name))
@@ -330,7 +335,7 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
     (
         "csr",
         "it has force over hours, and no displacement",
-        lambda s: counterforce(s.table, s.options) is not None,
+        lambda s: s.ruled("csr"),
     ),
     (
         "modulus",

@@ -14,8 +14,6 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.result_mixins import Pictured, Series
-from dashpot.extensions.curves.creep import read
-from dashpot.extensions.curves.dynamic.read import amplitude_column, sweep_columns, swept
 from dashpot.reading.columns.kind_detection import RAMP, RECOGNISED, SWEEPS
 from dashpot.reading.columns.role_assignment import Assigned, accelerations, assign, find_column
 from dashpot.reading.columns.vocabulary import Role
@@ -28,8 +26,10 @@ from dashpot.reading.readers.channels import Opened
 from dashpot.reading.readers.detect_kind import Recognised, look, recognise_opened, used
 from dashpot.reading.readers.frf import settled
 from dashpot.reading.readers.rubber_limits import refuse_sizes_of_rubber
+from dashpot.reading.readers.sweep_columns import amplitude_column, sweep_columns, swept
 from dashpot.reading.readers.time_columns import own_clocks, since_the_step
 from dashpot.reading.table import FileTable, Loaded, Question
+from dashpot.registry import find_handler
 
 COURSE_ROWS = 400
 """Rows that an inspection keeps for a picture."""
@@ -340,7 +340,8 @@ def _usual(kind: str) -> tuple[Role, ...]:
 
 def _roles_of(file: Opened, kind: str, *, clocked: bool) -> list[Role]:
     """The roles that a file of a kind should fill, without a time or a hammer it does not need."""
-    wanted = read.roles(file) if kind == "creep" else _usual(kind)
+    find_roles = find_handler("roles", kind)
+    wanted = find_roles(file) if find_roles else _usual(kind)
     if kind in SWEEPS:
         with suppress(ReadError):  # what is lacking is asked of the caller
             wanted = tuple(one.role for one in sweep_columns(file)[0])

@@ -1,0 +1,332 @@
+"""The columns of a sweep: frequency, and a complex modulus in parts or by its size and angle."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray, median
+from dashpot.base.errors import ReadError
+from dashpot.base.units import si_unit
+from dashpot.reading.columns import vocabulary
+from dashpot.reading.columns.kind_detection import amplitude_named, kind_of
+from dashpot.reading.columns.role_assignment import Assigned, assign, handle, list_columns, quoted
+from dashpot.reading.columns.vocabulary import Role
+from dashpot.reading.readers import channels
+from dashpot.reading.readers.channels import Channel, Opened
+from dashpot.reading.readers.header_specimen import temperatures_of_segments
+from dashpot.reading.table import Loaded, Question
+
+_ROLES: tuple[Role, ...] = ("frequency", "storage", "loss")
+_AMPLITUDES: tuple[Role, ...] = ("strain", "displacement")
+NAMED = ("storage", "magnitude")
+"""Options that say that a file is a sweep."""
+_ROUNDED = 1.05
+"""What a loss factor may be of loss over storage, for the digits printed and the harmonics."""
+_FAR = 1.5
+"""What it may be before it is asked which of them is right, and moduli of two blocks likewise."""
+_A_SWEEP = 3
+"""Frequencies of a block, at least."""
+
+
+def sweep_columns(file: Opened) -> tuple[list[Assigned], int | None]:
+    """The columns by role, and that of the loss factor if there is no loss and no loss angle.
+
+    Storage stands beside loss, loss factor or loss angle; where no column is storage, the size
+    of the complex modulus stands beside one of the last two.
+
+    Raises
+    ------
+    ReadError
+        If a column is not found, or one could be storage or the size.
+    """
+    found = _parts(file)
+    columns = channels.answered(file, list(found.values()), _hint(file, found))
+    _told_apart(file, columns)
+    ratio = next((one.index for one in columns if one.role == "loss_factor"), None)
+    columns = [one for one in columns if one.role != "loss_factor"]
+    temperature = file.one_column("temperature")
+    return [*columns, temperature] if temperature else columns, ratio
+
+
+def swept(file: Opened) -> tuple[Loaded, dict[Role, FloatArray], str, list[str]]:
+    """Return what a sweep holds, as :func:`parts_of`.
+
+    Raises
+    ------
+    ReadError
+        With what the file leaves open.
+    """
+    wanted, ratio = sweep_columns(file)
+    found = parts_of(file, channels.with_units(file, wanted), ratio)
+    if "temperature" not in found[1] and temperatures_of_segments(file, found[0]) is None:
+        refuse_unlike_blocks(*found[:2])
+    return found
+
+
+def refuse_unlike_blocks(loaded: Loaded, values: Mapping[Role, FloatArray]) -> None:
+    """Ask for one block where no temperature parts blocks that sweep the same frequencies.
+
+    Raises
+    ------
+    ReadError
+        If the moduli of one are half as much again as those of another, or more.
+    """
+    whole: BoolArray = np.all(np.isfinite(loaded.values), axis=1)
+    blocks = [np.flatnonzero(part) for part in _blocks(loaded, whole)]
+    sweeps = [
+        (np.log(values["frequency"][at]), np.log(values["storage"][at]))
+        for at in blocks
+        if len(at) >= _A_SWEEP
+        and min(values["frequency"][at].min(), values["storage"][at].min()) > 0
+    ]
+    for f, storage in sweeps[1:]:
+        order = np.argsort(sweeps[0][0])
+        first, known = sweeps[0][0][order], sweeps[0][1][order]
+        within = (f >= first[0]) & (f <= first[-1])
+        if not within.any() or len(set(f.tolist())) < _A_SWEEP:
+            continue
+        times = math.exp(median(np.abs(storage - np.interp(f, first, known))[within]))
+        if times >= _FAR:
+            raise ReadError(
+                f"its blocks sweep the same frequencies, and their moduli differ {times:.3g} "
+                "times, but no column and no title says a temperature: read one block with --part "
+                "segment=1, or add a column of the temperature"
+            )
+
+
+def _blocks(loaded: Loaded, whole: BoolArray) -> list[BoolArray]:
+    """Which of the whole rows stand in each block."""
+    of_row = np.searchsorted(np.array(loaded.starts), np.arange(len(whole)), side="right")
+    return [of_row[whole] == number for number in range(1, len(loaded.starts) + 1)]
+
+
+def amplitude_column(file: Opened) -> Assigned:
+    """Return the column of the amplitude of a sweep: of strain, else of displacement.
+
+    Raises
+    ------
+    ReadError
+        If there is none, or several could be it.
+    """
+    named = amplitude_named(file.table, file.options)
+    for role in _AMPLITUDES:
+        found = assign(file.table, role, named)
+        if isinstance(found, Assigned):
+            return found
+        if found.choices:
+            raise ReadError(found.says)
+    raise ReadError(
+        "no column of strain or displacement amplitude was found; name it with "
+        "--column strain=NAME or displacement=NAME; the columns are "
+        f"{list_columns(file.table.columns)}"
+    )
+
+
+def _parts(file: Opened) -> dict[Role, Assigned | Question]:
+    """The columns of frequency and of the modulus: with loss, loss factor or loss angle."""
+    table, options = file.table, file.options
+    found = {role: assign(table, role, options) for role in _ROLES}
+    other = _in_place_of_loss(file)
+    size = file.column("complex_modulus")
+    size = None if options.storage else size
+    apart = _both(found) and not options.loss_factor
+    if options.loss or apart or other is None:
+        if size and not apart:
+            _no_size_alone(file, table.columns[size.index].name)
+        return found
+    if isinstance(other, Question):
+        return {**found, "loss": other, "storage": size or found["storage"]}
+    del found["loss"]
+    found[other.role] = other
+    if size and _is_size(file, size, found):
+        found["storage"] = size
+    return found
+
+
+def _hint(file: Opened, found: Mapping[Role, Assigned | Question]) -> str:
+    """What the file is instead, where a column is not found."""
+    if not any(isinstance(answer, Question) for answer in found.values()):
+        return ""
+    kind, reason = kind_of(file.table, file.options)
+    return "" if kind in {"dma", "unclear"} else f" (it is not a DMA test: {reason})"
+
+
+def _told_apart(file: Opened, columns: Sequence[Assigned]) -> None:
+    """Refuse one column for storage and loss."""
+    both = [one.index for one in columns if one.role in {"storage", "loss"}]
+    if len(both) == len(set(both)):
+        return
+    raise ReadError(
+        f"only '{file.table.columns[both[0]].name}' could be storage or loss, and it is not both; "
+        "expected a column of each, or of storage and loss factor, or of |K*| and loss angle: name "
+        "the columns with --column ROLE=NAME (storage, loss, loss-factor; magnitude, phase)"
+    )
+
+
+def _both(found: Mapping[Role, Assigned | Question]) -> bool:
+    """Whether storage and loss are columns of their own."""
+    pair = [found["storage"], found["loss"]]
+    at = {one.index for one in pair if isinstance(one, Assigned)}
+    return len(at) == len(pair)
+
+
+def _in_place_of_loss(file: Opened) -> Assigned | Question | None:
+    """The column of the loss factor, or else of the loss angle, whose name may be given.
+
+    Where several could be the one, or the other, what to ask.
+    """
+    roles: list[Role] = ["loss_factor", "loss_angle"]
+    if file.options.phase and not file.options.loss_factor:
+        roles.reverse()
+    for role in roles:
+        found = assign(file.table, role, file.options)
+        if isinstance(found, Assigned) or found.choices:
+            return found
+    return None
+
+
+def _no_size_alone(file: Opened, name: str) -> None:
+    """Refuse the size of the complex modulus without its angle."""
+    if vocabulary.says_size(name) or file.options.magnitude:
+        raise ReadError(
+            f"'{name}' is the size |K*|, and no column is its loss angle or loss factor; "
+            "expected one of these beside it (--column phase=NAME or loss-factor=NAME), or "
+            "storage and loss"
+        )
+
+
+def _is_size(file: Opened, size: Assigned, found: Mapping[Role, Assigned | Question]) -> bool:
+    """Whether a column is the size of the complex modulus: its name, or the user, says so.
+
+    Raises
+    ------
+    ReadError
+        If the name says neither that nor storage.
+    """
+    columns, storage = file.table.columns, found["storage"]
+    if file.options.magnitude or vocabulary.says_size(columns[size.index].name):
+        named = isinstance(storage, Assigned) and storage.index != size.index
+        return bool(file.options.magnitude) or not named
+    if isinstance(storage, Question) or (
+        vocabulary.matches(columns[storage.index].name).get("storage", 0.0) < 1.5
+    ):
+        name = handle(columns, size.index)
+        raise ReadError(
+            f"{quoted(columns, size.index)} could be the storage part K' or the size |K*|, "
+            "which "
+            f'is larger by 1 / cos(delta); say which: --column storage="{name}" or --column '
+            f'magnitude="{name}"'
+        )
+    return False
+
+
+def parts_of(
+    file: Opened, chosen: Sequence[Channel], ratio: int | None
+) -> tuple[Loaded, dict[Role, FloatArray], str, list[str]]:
+    """Return what was loaded, the values in SI by role with storage and loss, their unit and notes.
+
+    K' = |K*| cos delta and K'' = K' tan delta, where the file has these instead.
+
+    Raises
+    ------
+    ReadError
+        If storage and loss are of two kinds, or an angle is not that of a solid.
+    """
+    of = {c.role: c for c in chosen}
+    base = of["storage" if "storage" in of else "complex_modulus"]
+    indexes = [c.index for c in chosen] + ([] if ratio is None else [ratio])
+    beside = file.column("loss_factor") if "loss" in of else None
+    columns = [*indexes, *([beside.index] if beside else [])]
+    loaded = channels.load(file.table, columns, file.options.segment)
+    told = loaded.values[:, -1]
+    loaded = replace(loaded, values=loaded.values[:, : len(indexes)])
+    loaded = channels.filled_down(loaded, [c.role for c in chosen])
+    rows, gaps = channels.whole_rows(loaded)
+    values = channels.by_role(rows, chosen)
+    warmth = [of["temperature"]] if "temperature" in of else []
+    notes = [*file.table.notes, *gaps, *channels.rivals(file, warmth)]
+    if "loss" in of:
+        if base.unit.dimension != of["loss"].unit.dimension:
+            raise ReadError(
+                f"storage is a {base.unit.dimension} and loss a {of['loss'].unit.dimension}; "
+                "expected both in one kind of unit, such as MPa or N/mm"
+            )
+        if beside is not None:
+            told = told[np.isfinite(loaded.values).all(axis=1)]
+            notes += _contradicted(file, of["loss"].index, beside.index, told, values)
+        return loaded, values, si_unit(base.unit.dimension).word, notes
+    if ratio is None:
+        angle = of["loss_angle"]
+        tangent = np.tan(_solid_angle(file, angle, values["loss_angle"]))
+        says = f"the tangent of '{file.table.columns[angle.index].name}'"
+    else:
+        factor = file.table.columns[ratio]
+        tangent, says = rows[:, -1] / (100 if factor.unit == "%" else 1), f"'{factor.name}'"
+    if base.role == "complex_modulus":
+        values["storage"] = values["complex_modulus"] / np.sqrt(1 + tangent**2)
+        notes.append(
+            f"storage is '{file.table.columns[base.index].name}', taken as the size |K*|, times "
+            ""
+            "the cosine of the loss angle; if it is storage itself, name it with --column "
+            "storage=NAME"
+        )
+    values["loss"] = values["storage"] * tangent
+    notes.append(f"loss is storage times {says}")
+    return loaded, values, si_unit(base.unit.dimension).word, notes
+
+
+def _contradicted(
+    file: Opened, loss: int, factor: int, told: FloatArray, values: Mapping[Role, FloatArray]
+) -> list[str]:
+    """Say if a column of loss factors is not loss over storage; ask which is right if by far."""
+    columns = file.table.columns
+    told = told / (100 if columns[factor].unit == "%" else 1)
+    sound = np.isfinite(told) & (told > 0) & (values["storage"] > 0) & (values["loss"] > 0)
+    if not sound.any():
+        return []
+    times = median((told * values["storage"] / np.where(sound, values["loss"], 1.0))[sound])
+    if max(times, 1 / times) <= _ROUNDED:
+        return []
+    says = (
+        f"{quoted(columns, factor)} is {times:.3g} times loss over storage, "
+        f"{quoted(columns, loss)} over the other"
+    )
+    if max(times, 1 / times) <= _FAR or file.options.loss:
+        return [f"{says}; the loss was taken"]
+    raise ReadError(
+        f"{says}: a unit or a column is wrong; say which is right: --column "
+        f'loss="{handle(columns, loss)}" or --column loss-factor="{handle(columns, factor)}"'
+    )
+
+
+def _solid_angle(file: Opened, one: Channel, angle: FloatArray) -> FloatArray:
+    """Refuse what is no loss angle of a solid, and ask for a unit that is likely the other one."""
+    name, degree = quoted(file.table.columns, one.index), math.pi / 180
+    low, high = float(angle.min(initial=0.0)), float(angle.max(initial=0.0))
+    raw = high / one.unit.factor
+    if low < 0:
+        raise ReadError(
+            f"{name} falls to {low / degree:.3g} deg; expected the loss angle, by which the force "
+            "leads the motion, of 0 to 90 deg: if it is the angle of the motion to the force, "
+            "write it into the file with its sign turned"
+        )
+    if one.unit.word == "rad" and raw >= math.pi / 2:
+        raise ReadError(
+            f"{name} goes to {raw:.3g} rad, where a loss angle stays below 1.57: is the unit deg? "
+            'Then add --units "phase=deg"'
+        )
+    if one.unit.word != "rad" and 0 < raw < math.pi / 2 and not channels.is_stated(file, one):
+        raise ReadError(
+            f"{name} goes to no more than {raw:.3g} deg: is the unit rad? Then add "
+            '--units "phase=rad"; if it is meant so, say it: --units "phase=deg"'
+        )
+    if high >= math.pi / 2:
+        raise ReadError(
+            f"{name} goes to {high / degree:.3g} deg; expected the loss angle of a solid, of 0 to "
+            "90 deg: leave out the lines beyond, where the machine or a mass resonates"
+        )
+    return angle
