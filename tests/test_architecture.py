@@ -93,7 +93,7 @@ def test_what_a_noun_offers_is_found_by_its_name_and_in_one_way():
         for module, name in re.findall(r'verb\("([\w.]+)", "(\w+)"\)', file.read_text("utf-8")):
             offered[module, name] = file.relative_to(ROOT / "src" / "dashpot").as_posix()
             assert callable(getattr(import_module(f"dashpot.{module}"), name))
-    records = {f"datamodel/{name}.py" for name in ("frf", "impact", "relaxation", "seal_line")}
+    records = {f"datamodel/{name}.py" for name in ("frf", "impact", "relaxation")}
     rooms = {"base/result_mixins.py", "plot/picture.py", "extensions/materials/csr/datamodel.py"}
     rooms |= {"datamodel/frf_set.py"}
     assert set(offered.values()) == rooms | records

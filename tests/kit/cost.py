@@ -66,9 +66,9 @@ KEPT: Mapping[str, int] = MappingProxyType({
     "extensions/door/test_closing.py::test_the_interval_holds_a_seal_whose_fast_arms_look_like_clocks": 0,  # test_arms_that_the_ramp_hides_can_only_harden_the_seal
     "extensions/door/test_closing.py::test_what_limits_no_fast_arm_leaves_the_least_speed_open": 0,
     "extensions/door/test_read_modes.py::test_dataset_55_in_mm_t_s_is_the_same": 0,  # reading/test_formats.py::test_uff_units
-    "numerics/test_batch.py::test_doubtful_records_have_the_optimum_of_their_own_fit": 1,
-    "numerics/test_batch.py::test_each_record_has_the_optimum_of_its_own_fit": 5,
-    "numerics/test_batch.py::test_quiet_and_noisy_records_have_the_sse_of_every_sample": 5,
+    "extensions/batch/arrays/test_batched_solver.py::test_doubtful_records_have_the_optimum_of_their_own_fit": 1,
+    "extensions/batch/arrays/test_batched_solver.py::test_each_record_has_the_optimum_of_its_own_fit": 5,
+    "extensions/batch/arrays/test_batched_solver.py::test_quiet_and_noisy_records_have_the_sse_of_every_sample": 5,
     "numerics/test_profile.py::test_profile_is_the_brute_force_refit": 1,
     "numerics/test_reduced.py::test_the_band_on_an_uneven_clock": 0,
     "numerics/test_separable.py::test_no_order_left_out_could_have_gained": 6,
@@ -93,7 +93,7 @@ KEPT: Mapping[str, int] = MappingProxyType({
     "fitting/test_bands.py::test_the_bands_hold_the_truth": 0,  # test_the_truth_lies_in_the_unseen_arm_band
     "fitting/test_bands.py::test_the_limits_over_a_base_are_those_of_the_set_of_stiffnesses": 1,
     "fitting/test_bands.py::test_the_measured_frf_lies_in_the_band": 0,
-    "fitting/test_batching.py::test_errors_are_the_scatter_of_the_estimates": 2,
+    "extensions/batch/arrays/test_batching.py::test_errors_are_the_scatter_of_the_estimates": 2,
     "fitting/test_bounds_on_trials.py::test_the_bounds_hold_on_a_few_kinds": 1,
     "extensions/curves/creep/test_creep.py::test_a_part_that_moves_before_the_load_has_no_zero": 0,  # test_a_step_at_the_first_sample_needs_no_baseline
     "extensions/curves/creep/test_creep.py::test_creep_tests_at_several_temperatures_are_one_seal": 0,

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from dashpot.extensions.batch.comparison import LotComparison
+    from dashpot.extensions.batch.arrays.fit_many import Many
     from dashpot.extensions.batch.lot import Lot
-    from dashpot.fitting.fit_many import Many
 
 
 @overload
@@ -117,7 +117,7 @@ def _arrays(
     **how: Any,
 ) -> Many:
     from dashpot.base.array_units import arrays_in_si
-    from dashpot.fitting.fit_many import fit_many
+    from dashpot.extensions.batch.arrays.fit_many import fit_many
 
     t, x, F = arrays_in_si(
         units, time=(time, "time"), displacement=(displacement, "length"), force=(forces, "force")

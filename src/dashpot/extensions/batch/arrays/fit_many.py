@@ -15,17 +15,17 @@ from dashpot.base.checks import status_of
 from dashpot.base.choices import Method
 from dashpot.base.errors import DataError
 from dashpot.base.status import Status
-from dashpot.fitting.uncertainty.batched_standard_errors import many_errors
-from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.design_matrices.hold import hold_block
-from dashpot.numerics.design_matrices.recorded_motion import recorded_block
-from dashpot.numerics.design_matrices.shared_sampling import (
+from dashpot.extensions.batch.arrays.batched_solver import ManySolutions, solve_each, solve_many
+from dashpot.extensions.batch.arrays.batched_standard_errors import many_errors
+from dashpot.extensions.batch.arrays.shared_sampling import (
     Family,
     hold_family,
     recorded_family,
     shares_correlation,
 )
-from dashpot.numerics.exponential_fit.batched_solver import ManySolutions, solve_each, solve_many
+from dashpot.numerics.design_matrices.block import DataBlock
+from dashpot.numerics.design_matrices.hold import hold_block
+from dashpot.numerics.design_matrices.recorded_motion import recorded_block
 
 # fewer records than this are done sooner one by one than what they share is made
 _STACK = 4

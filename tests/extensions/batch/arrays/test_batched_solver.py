@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from dashpot.base.errors import DataError, FitError
+from dashpot.extensions.batch.arrays.batched_solver import solve_each, solve_many
+from dashpot.extensions.batch.arrays.shared_sampling import Family, hold_family, recorded_family
 from dashpot.numerics.design_matrices.recorded_motion import recorded_block
-from dashpot.numerics.design_matrices.shared_sampling import Family, hold_family, recorded_family
-from dashpot.numerics.exponential_fit.batched_solver import solve_each, solve_many
 from dashpot.numerics.exponential_fit.variable_projection import solve
 
 TIME = np.arange(3001) / 100

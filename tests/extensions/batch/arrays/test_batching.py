@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.status import Status
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
-from dashpot.fitting.fit_many import fit_many
+from dashpot.extensions.batch.arrays.fit_many import fit_many
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
 from dashpot.solids.maxwell import GeneralizedMaxwell

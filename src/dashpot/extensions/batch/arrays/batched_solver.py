@@ -18,12 +18,13 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ByValue, FloatArray, IndexArray
 from dashpot.base.errors import FitError
+from dashpot.extensions.batch.arrays.grid_search import POINTS, GridSearch
+from dashpot.extensions.batch.arrays.shared_sampling import Family, Reduced
+from dashpot.extensions.batch.arrays.simultaneous_descent import descend_together, points_at
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.data_compression import PLAIN
-from dashpot.numerics.design_matrices.shared_sampling import Family, Reduced
 from dashpot.numerics.exponential_fit.arm_insertion import DOUBT
-from dashpot.numerics.exponential_fit.log_tau_descent import StackTrial, descend_together, points_at
-from dashpot.numerics.exponential_fit.starting_points import POINTS, GridSearch
+from dashpot.numerics.exponential_fit.log_tau_descent import StackTrial
 from dashpot.numerics.exponential_fit.variable_projection import Solution, solve
 
 CHUNK = 128

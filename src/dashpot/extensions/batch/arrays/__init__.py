@@ -1,0 +1,1 @@
+"""Many records on one clock, fitted side by side."""

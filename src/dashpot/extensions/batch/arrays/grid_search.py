@@ -1,0 +1,73 @@
+"""Where many records start: the best of all sets of grid points."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
+from dashpot.extensions.batch.arrays.shared_sampling import Family, Reduced
+
+#: grid points by number of arms: every set of them is tried; more arms have too many sets, and go
+#: one by one
+POINTS = {1: 72, 2: 40, 3: 24}
+
+
+class GridSearch:
+    """The best set of grid points for each record: all sets at once, on swept Gram matrices."""
+
+    def __init__(self, family: Family, arms: int) -> None:
+        self.family = family
+        self.log_tau = np.linspace(*family.template.bounds, POINTS[arms])
+        self.sets = np.array(list(combinations(range(POINTS[arms]), arms)))
+        self.inverse: FloatArray | None = None
+
+    def gains(self, reduced: Reduced) -> FloatArray:
+        """What each set explains of each record, (sets, R); zero without positive coefficients."""
+        gram, with_fixed, with_grid = self.family.moments(self.log_tau, reduced)
+        q = self.family.fixed_count
+        across = np.linalg.solve(gram[:q, :q], gram[:q, q:])
+        swept = gram[q:, q:] - gram[q:, :q] @ across
+        length = np.sqrt(np.maximum(np.diagonal(swept), 1e-14 * np.diagonal(gram)[q:]))
+        moment = (with_grid - with_fixed @ across) / length
+        if self.inverse is None:
+            cosine = swept / length / length[:, None]
+            parts = cosine[self.sets[:, :, None], self.sets[:, None, :]]
+            distinct = np.linalg.eigvalsh(parts)[:, 0] > 1e-7
+            self.sets = self.sets[distinct]
+            self.inverse = np.linalg.inv(parts[distinct])
+        # one row per set: whole rows of records are picked, added and compared
+        picked = [moment.T[column] for column in self.sets.T]
+        gain, positive = np.zeros(picked[0].shape), np.ones(picked[0].shape, dtype=bool)
+        for i, row in enumerate(picked):
+            beta = sum(self.inverse[:, i, j, None] * other for j, other in enumerate(picked))
+            positive &= beta > 0
+            gain += beta * row
+        return gain * positive
+
+    def best(self, gain: FloatArray) -> tuple[FloatArray, BoolArray]:
+        """Return ln tau (R, N) of the best set of each record, and whether it explains anything."""
+        best = np.argmax(gain, axis=0)
+        return self.log_tau[self.sets[best]], gain[best, np.arange(gain.shape[1])] > 0
+
+    def peaks(self, gain: FloatArray, count: int) -> Iterator[tuple[FloatArray, BoolArray]]:
+        """Yield what `best` says of the second, third, ... highest local maximum of each record."""
+        left = gain * (gain >= np.maximum.reduce([gain[beside] for beside in self.beside.T]))
+        records = np.arange(gain.shape[1])
+        for _ in range(count):
+            left[np.argmax(left, axis=0), records] = 0.0
+            yield self.best(left)
+
+    @cached_property
+    def beside(self) -> IndexArray:
+        """The sets next to each set, shape (sets, 3^N); itself where there is none."""
+        size = len(self.log_tau) + 2
+        shape = (size,) * self.sets.shape[1]
+        row = np.full(size ** len(shape), -1)
+        row[np.ravel_multi_index((self.sets + 1).T, shape)] = np.arange(len(self.sets))
+        around = np.indices((3,) * len(shape)).reshape(len(shape), -1)
+        found = row[np.ravel_multi_index(self.sets.T[:, :, None] + around[:, None], shape)]
+        return np.where(found < 0, np.arange(len(self.sets))[:, None], found)

@@ -1,0 +1,90 @@
+"""From a start of each of many records to its nearest optimum, all at once."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.extensions.batch.arrays.shared_sampling import Family, Reduced
+from dashpot.numerics.exponential_fit.log_tau_descent import StackTrial
+from dashpot.numerics.least_squares.levenberg_marquardt import (
+    FINISHED,
+    LINEAR,
+    LONGEST_STEP,
+    TAIL,
+    accepted,
+    settled,
+)
+
+
+def points_at(
+    family: Family, log_tau: FloatArray, reduced: Reduced, *, exact: bool = False
+) -> StackTrial:
+    """Return one trial of each record, ln tau (R, N).
+
+    As :func:`~dashpot.numerics.exponential_fit.log_tau_descent.point_at`.
+    """
+    q = family.fixed_count
+    p = q + log_tau.shape[1]
+    factor = family.factor(log_tau, reduced, exact=exact)
+    r = factor[:, :p, :p]
+    pivot, length = np.diagonal(r, axis1=1, axis2=2) ** 2, (r * r).sum(axis=1)
+    dependent = (pivot <= 1e-13 * length).any(axis=1)
+    r[dependent] = np.eye(p)
+    point = StackTrial.of(log_tau, factor, q)
+    point.sse[dependent] = np.inf
+    return point
+
+
+def descend_together(
+    family: Family, start: FloatArray, started: BoolArray, reduced: Reduced, limit: int = 40
+) -> tuple[StackTrial, BoolArray]:
+    """Descend from the start of every record; where each ended, and whether at an optimum.
+
+    As :func:`~dashpot.numerics.exponential_fit.log_tau_descent.descend`.
+    """
+    low, high = family.template.bounds
+    here = points_at(family, start.copy(), reduced)
+    rounding = family.rounding_floor * reduced.energy
+    done = np.zeros(len(start), dtype=bool)
+    damping = np.full(len(start), 1e-6)
+    last = np.full(len(start), np.inf)
+    active = np.flatnonzero(started & np.isfinite(here.sse))
+    for _ in range(limit):
+        if not len(active):
+            break
+        now = here.take(active)
+        trial = np.clip(now.log_tau + _steps(now, damping[active]), low, high)
+        step = trial - now.log_tau
+        moved, fall = np.abs(step).max(axis=1), np.abs(np.vecdot(now.gradient, step))
+        sse = reduced.floor[active] + now.sse
+        over = (damping[active] < LINEAR) & settled(moved, last[active], fall, sse)
+        over |= moved <= FINISHED
+        before = now.sse
+        if over.any():
+            here.put(active[over], now.take(over).ahead(step[over]))
+            done[active[over]] = True
+            active, trial, moved, before = (x[~over] for x in (active, trial, moved, before))
+        if not len(active):
+            break
+        new = points_at(family, trial, reduced.take(active))
+        tail, better = moved < TAIL, accepted(new.sse, before, moved, rounding[active])
+        taken = active[better]
+        last[taken] = moved[better]
+        here.put(taken, new.take(better))
+        damping[taken] = np.where(tail[better], 0.0, 0.1 * damping[taken])
+        stuck = ~better & tail & (damping[active] == 0.0)
+        done[active[stuck]] = True
+        refused = active[~better]
+        damping[refused] = 10 * np.maximum(damping[refused], 1e-6)
+        active = active[~stuck & (damping[active] < 1e9)]
+    return here, done
+
+
+def _steps(point: StackTrial, damping: FloatArray) -> FloatArray:
+    scale = np.maximum(np.diagonal(point.curvature, axis1=1, axis2=2), 1e-300)
+    unit = point.curvature / np.sqrt(scale[:, :, None] * scale[:, None, :])
+    unit = unit + (np.maximum(damping, 1e-14)[:, None, None]) * np.eye(scale.shape[1])
+    root = np.sqrt(scale)
+    step = -np.linalg.solve(unit, (point.gradient / root)[..., None])[..., 0] / root
+    return np.clip(step, -LONGEST_STEP, LONGEST_STEP)
