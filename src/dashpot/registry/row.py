@@ -243,6 +243,7 @@ class Extension:
         from a fit; ``"compare"`` two of a type; ``"calibrate"`` a table by a file of its maker;
         ``"leave one out"`` of the hits behind a fit in turn;
         ``"read sweep"`` that tells what levels do, and ``"predict at levels"`` by it.
+        from a fit; ``"compare"`` two of a type; ``"level text"``, the lines of levels of a type.
     fits : tuple of FitRow
         For a task of the core (``"text"``, ``"figure"``, ``"fit command"``), the function that does
         it for a type (``"package.module:Class"``) or for a name. ``"fit at several temperatures"``:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 from dashpot.base import number_format
 from dashpot.base.number_format import ascii_only
 from dashpot.base.reported_values import UNKNOWN, Fact
-from dashpot.base.units import celsius, in_unit, read_in, written
+from dashpot.base.units import celsius, in_unit, written
+from dashpot.registry import find_handler
 from dashpot.text_output.layout import Text, facts, table
 
 if TYPE_CHECKING:
@@ -20,9 +21,6 @@ if TYPE_CHECKING:
     from dashpot.datamodel.frf import Hit, Mode
     from dashpot.datamodel.parameter_estimate import Residual
     from dashpot.datamodel.shift_factors import TemperatureShifts
-    from dashpot.extensions.amplitude.datamodel import AmplitudeFit
-    from dashpot.extensions.amplitude.fit_files import Levels
-    from dashpot.extensions.materials.indentation.datamodel import IndentationFit
     from dashpot.solids.elastic import ElasticLaw
     from dashpot.workflow.response.frf_prediction import Prediction, ShakenMass
     from dashpot.workflow.study import Study
@@ -75,7 +73,7 @@ def fit(found: Fit, *, asked: int | str = "auto") -> Text:
     if found.certificate:
         details.append(f"  optimality  {found.certificate.says}")
     (details if residual.unit == "N" else lines).extend(_nuisance(found))
-    return Text(lines, [*details, *_read(found.source), *_orders(found)])
+    return Text(lines, [*details, *list_notes(found.source), *_orders(found)])
 
 
 def _fitted(found: Fit, asked: int | str) -> str:
@@ -173,8 +171,8 @@ def _nuisance(found: Fit) -> list[str]:
     return [f"  fitted too  {listed}"] if listed else []
 
 
-def _read(sources: Sequence[Source]) -> list[str]:
-    """What the readers noticed."""
+def list_notes(sources: Sequence[Source]) -> list[str]:
+    """Return what the readers noticed."""
     return [
         f"  read        {ascii_only(f'{source.file}: {note}')}"
         for source in sources
@@ -329,57 +327,10 @@ def _hits(hits: Sequence[Hit]) -> list[str]:
     return [*table(rows), *left_out]
 
 
-def levels(found: Levels) -> Text:
-    """Return what moves with amplitude, and the resonance at each level that was asked for."""
-    lines = [f"  {line}" for line in found.fit.described[1:]]
-    if found.loss_per_lag is not None:
-        lines.append(
-            f"  A delay of 1 ms between the channels would add {1e-3 * found.loss_per_lag:.2g} to "
-            f"the loss factor at {found.loss_per_lag / 2 / math.pi:.4g} Hz. Loops at one frequency "
-            "cannot show such a delay."
-        )
-        lines += _loops(found.fit)  # type: ignore[arg-type]  # a lag is of loops alone
-    rows = [["level, N", "peak, Hz", "95 %", "motion, mm/N", "95 %", "seal, mm"]]
-    for one in found.at:
-        peak, motion = (fact.cells.ascii for fact in one.facts)
-        of_peak, of_motion = (peak.value, peak.interval), (motion.value, motion.interval)
-        seal = f"{in_unit(one.amplitude, 'mm'):.3g}"
-        rows.append([f"{one.level:.4g}", *of_peak, *of_motion, seal])
-    return Text([*lines, *(table(rows) if found.at else ()), *_read(found.source)])
-
-
-def _loops(found: AmplitudeFit) -> list[str]:
-    """Storage and loss of small loops, and the delay of the force that their errors include."""
-    read = read_in(found.unit)
-    listed = (
-        f"at {one.frequency_hz:.4g} Hz stiffness "
-        f"{with_error(one.storage, one.storage_se, found.unit)}, loss "
-        f"{with_error(one.loss, one.loss_se, found.unit)} {read}"
-        for one in found.lines
-    )
-    known = written(found.delay_sd, "ms", ".3g")
-    return [
-        f"  A small loop {ascii_only('; '.join(listed))}",
-        f"  These errors include a delay of 0 ± {known} (dashpot fit --machine sync=0.1ms)",
-    ]
-
-
-def indentation(found: IndentationFit) -> Text:
-    """Return the law of a contact, its numbers with their intervals, and the laws tried."""
-    return Text([f"  law: {found.law}", *facts(found.found), tried(found.orders)])
-
-
 def tried(orders: Sequence[tuple[str, float]]) -> str:
     """Return how far each law that was tried is above the best."""
     least = min(score for _, score in orders)
     return "  BIC above the least: " + ", ".join(f"{name} {at - least:.1f}" for name, at in orders)
-
-
-def amplitude(found: Any) -> Text:
-    """Return what moves with amplitude, of a fit alone."""
-    from dashpot.extensions.amplitude.fit_files import Levels
-
-    return levels(Levels(found, (), found.checks, ()))
 
 
 def agreement(found: Agreement) -> Text:

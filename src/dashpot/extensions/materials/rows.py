@@ -106,7 +106,7 @@ EXTENSION = Extension(
         "text": {
             "dashpot.extensions.materials.cld.fit_files:Pieces": "dashpot.extensions.materials.cld.text:cld",
             "dashpot.extensions.materials.hyperelastic.datamodel:HyperelasticFit": "dashpot.extensions.materials.hyperelastic.text:hyperelastic",
-            "dashpot.extensions.materials.indentation.datamodel:IndentationFit": "dashpot.text_output.results:indentation",
+            "dashpot.extensions.materials.indentation.datamodel:IndentationFit": "dashpot.extensions.materials.indentation.text:indentation",
             "dashpot.extensions.materials.rod.fit_files:Rod": "dashpot.extensions.materials.rod.text:rod",
         },
         "figure": {

@@ -15,8 +15,8 @@ EXTENSION = Extension(
             "frf": "dashpot.extensions.modes.read_frf_set:read_frfs",
         },
         "text": {
-            "dashpot.extensions.modes.measured_modes:MeasuredModes": "dashpot.text_output.modes:modes",
-            "dashpot.extensions.modes.mass_series_files:ModesByMass": "dashpot.text_output.modes:modes_by_mass",
+            "dashpot.extensions.modes.measured_modes:MeasuredModes": "dashpot.extensions.modes.text:modes",
+            "dashpot.extensions.modes.mass_series_files:ModesByMass": "dashpot.extensions.modes.text:modes_by_mass",
         },
         "page": {
             "dashpot.extensions.modes.mass_series_files:ModesByMass": "dashpot.extensions.modes.page:masses_page",

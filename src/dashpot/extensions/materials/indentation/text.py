@@ -1,0 +1,16 @@
+"""What is told of the hit of an indenter, as text for people."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from dashpot.text_output.layout import Text, facts
+from dashpot.text_output.results import tried
+
+if TYPE_CHECKING:
+    from dashpot.extensions.materials.indentation.datamodel import IndentationFit
+
+
+def indentation(found: IndentationFit) -> Text:
+    """Return the law of a contact, its numbers with their intervals, and the laws tried."""
+    return Text([f"  law: {found.law}", *facts(found.found), tried(found.orders)])
