@@ -43,10 +43,6 @@ EXTENSION = Extension(
                 "frf", "dashpot.reading.readers.frf:read_frf", "dashpot.extensions.modes.measured_modes:modes_files",
                 place="response", says=_PAIR, resonates=True, meant="modes", also="rod",
                 nouns={"dashpot.datamodel.frf:FRF": "dashpot.plot.frf_figure:frf"},
-                checks="dashpot.vibration.modal.checks", order=2,
-                pages={
-                    "dashpot.extensions.modes.mass_series_files:ModesByMass": "dashpot.report.result_pages.frf_pages:masses_page",
-                },
                 checks="dashpot.extensions.modes.checks", order=2,
         ),
             KindOfTest(

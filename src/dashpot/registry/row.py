@@ -228,30 +228,21 @@ class Extension:
     kinds : tuple of KindOfTest
     handlers : mapping of str to mapping of str to str
         For a task of the core, the function that does it for a type (``"package.module:Class"``) or
-        for a name: ``"text"`` and ``"figure"`` of a result; ``"read"`` a file of a kind that is no
-        record, ``"read record"`` one whose reader asks for more, ``"read several"`` files of one
-        kind; ``"predict"`` from a model, ``"predict with option"`` and ``"predict with sweep"``
-        from a fit; ``"compare"`` two of a type.
-        ``"plot"``: a figure of `dashpot.plot` by its name. ``"fit figure"``: from a fit and a
-        record, or the tests of its temperatures. ``"pole figure"``: from a measured FRF.
-        ``"page"``: from a result to what its page holds. ``"html"``: to a page of its own look.
-        ``"export"``: the input of a solver for a result.
-        ``"deck terms"``: from a result to what the decks on its page are asked for.
-        ``"document"``: the class that a document of this schema is read into.
-        ``"read document"``: from the values of a document of this schema to fields of its class.
-        from a fit; ``"compare"`` two of a type; ``"calibrate"`` a table by a file of its maker.
-        from a fit; ``"compare"`` two of a type; ``"calibrate"`` a table by a file of its maker;
-        ``"leave one out"`` of the hits behind a fit in turn;
-        ``"read sweep"`` that tells what levels do, and ``"predict at levels"`` by it.
-        from a fit; ``"compare"`` two of a type; ``"level text"``, the lines of levels of a type.
+        for a name. Of a result: ``"text"``, ``"figure"``, ``"page"`` (what its page holds),
+        ``"html"`` (a page of its own look), ``"export"`` (the input of a solver), ``"deck terms"``
+        (what the decks on its page are asked for). ``"plot"``: a figure of `dashpot.plot` by its
+        name; ``"fit figure"``: of a fit and a record, or the tests of its temperatures; ``"pole
+        figure"``: of a measured FRF. ``"document"``: the class of a schema; ``"read document"``:
+        fields of that class from its values. ``"read"``: a file of a kind that is no record;
+        ``"read record"``: one whose reader asks for more; ``"read several"``: files of one kind;
+        ``"roles"``: of the columns of a file of a kind; ``"table rule"``: whether a table is of a
+        kind; ``"calibrate"``: a table by a file of its maker. ``"predict"``: from a model;
+        ``"predict with option"``, ``"predict with sweep"``, ``"read sweep"``, ``"predict at
+        levels"``: from a fit. ``"compare"``: two of a type. ``"fit records"``: tests of a bench of
+        which one is of the type; ``"fit at several temperatures"``: prepared tests, by the type of
+        the first; ``"leave one out"``: the hits behind a fit. ``"mounts"``: of a line of seals.
     fits : tuple of FitRow
-        For a task of the core (``"text"``, ``"figure"``, ``"fit command"``), the function that does
-        it for a type (``"package.module:Class"``) or for a name. ``"fit at several temperatures"``:
-        from prepared tests, options and shift choices to a fit, by the type of the first test.
-        ``"roles"``: from an opened file of a kind to the roles of its columns. ``"table rule"``:
-        from a table and options to those that read it as of a kind, or None. ``"mounts"``: from a
-        line of seals to its mounts. ``"fit records"``: from tests of a bench, of which one is of
-        the type, to fit and records.
+        Fits that records may mean.
     commands : tuple of Command
     formats : tuple of FileFormat
     solver_inputs : mapping of str to str

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from dashpot.base import number_format
 from dashpot.base.number_format import ascii_only
 from dashpot.base.reported_values import UNKNOWN, Fact
 from dashpot.base.units import celsius, in_unit, written
-from dashpot.registry import find_handler
 from dashpot.text_output.layout import Text, facts, table
 
 if TYPE_CHECKING:

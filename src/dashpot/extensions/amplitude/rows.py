@@ -34,6 +34,7 @@ EXTENSION = Extension(
             "dashpot.workflow.job:LevelChoices": "dashpot.extensions.amplitude.level_prediction:LevelEffect",
         },
         "figure": {
+            "dashpot.extensions.amplitude.fit_files:Levels": "dashpot.extensions.amplitude.figure:draw_levels",
             "dashpot.extensions.amplitude.level_prediction:LevelPrediction": "dashpot.extensions.amplitude.page:draw_prediction",
         },
         "predict with sweep": {
@@ -42,22 +43,12 @@ EXTENSION = Extension(
         "read record": {
             "cyclic": "dashpot.extensions.amplitude.api:read_loops",
         },
-        "level text": {
-            "dashpot.extensions.amplitude.preloaded_response:PreloadedLevel": "dashpot.extensions.amplitude.text:list_preloaded_levels",
-        },
         "text": {
             "dashpot.extensions.amplitude.level_prediction:LevelPrediction": "dashpot.extensions.amplitude.level_text:prediction",
-            "dashpot.extensions.amplitude.hits_by_amplitude:HitLevels": "dashpot.text_output.results:amplitude",
-            "dashpot.extensions.amplitude.level_results:LevelFit": "dashpot.text_output.results:amplitude",
-            "dashpot.extensions.amplitude.datamodel:AmplitudeFit": "dashpot.text_output.results:amplitude",
-            "dashpot.extensions.amplitude.fit_files:Levels": "dashpot.text_output.results:levels",
             "dashpot.extensions.amplitude.hits_by_amplitude:HitLevels": "dashpot.extensions.amplitude.text:amplitude",
             "dashpot.extensions.amplitude.level_results:LevelFit": "dashpot.extensions.amplitude.text:amplitude",
             "dashpot.extensions.amplitude.datamodel:AmplitudeFit": "dashpot.extensions.amplitude.text:amplitude",
             "dashpot.extensions.amplitude.fit_files:Levels": "dashpot.extensions.amplitude.text:levels",
-        },
-        "figure": {
-            "dashpot.extensions.amplitude.fit_files:Levels": "dashpot.extensions.amplitude.figure:draw_levels",
         },
         "plot": {
             "amplitude_sweep": "dashpot.extensions.amplitude.figure:amplitude_sweep",

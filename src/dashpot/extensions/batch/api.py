@@ -14,8 +14,8 @@ from dashpot.base.units import Quantity
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from dashpot.extensions.batch.comparison import LotComparison
     from dashpot.extensions.batch.arrays.fit_many import Many
+    from dashpot.extensions.batch.comparison import LotComparison
     from dashpot.extensions.batch.lot import Lot
 
 

@@ -46,6 +46,7 @@ EXTENSION = Extension(
             "modulus": "dashpot.extensions.curves.time_curve_figure:modulus",
             "superposition": "dashpot.extensions.curves.superposition.figure:superposition",
             "temperatures": "dashpot.extensions.curves.temperatures.figure:temperatures",
+        },
         "roles": {"creep": "dashpot.extensions.curves.creep.read:roles"},
         "fit records": {
             "dashpot.extensions.curves.datamodel.dynamic:DynamicTest": "dashpot.extensions.curves.fit_records:fit_curves",
