@@ -17,6 +17,7 @@ from dashpot.cli._command_io import Outcome, grams, typed, write_figure
 from dashpot.cli._detected_kinds import called, kinds_of, recognised, tell
 from dashpot.cli._options import MASS, VIBRATION
 from dashpot.cli._param_types import File
+from dashpot.registry import find_handler
 from dashpot.text_output.layout import Text
 from dashpot.workflow.job import Job
 
@@ -129,7 +130,7 @@ def _prediction(
 
 def _frfs(first: str, others: Sequence[str], said: dict[str, Any]) -> Outcome:
     """Hold the modes of FRFs of one structure against those of another test of it."""
-    found, chart = workflow.modes_files(
+    found, chart = find_handler("compare files", "frf")(
         [first], options=said["options"], band=said["band"], against=others
     )
     if said["picture"]:
@@ -141,8 +142,5 @@ def _frfs(first: str, others: Sequence[str], said: dict[str, Any]) -> Outcome:
 
 def _lots(first: str, second: str, quantities: tuple[str, ...]) -> Outcome:
     """Tell whether two lots differ; ``FOLDER:NAME`` is one lot of several."""
-    from dashpot.extensions.batch.comparison import compared, opened_both
-
-    one, other = opened_both((first, second))
-    found = compared(one, other, quantities)
+    found = find_handler("compare files", _LOT)(first, second, quantities)
     return Outcome(found, Text(str(found).splitlines()), found.checks, verdict=found.verdict)

@@ -19,18 +19,13 @@ from dashpot.cli._command_io import Outcome, claim, grams, typed, write
 from dashpot.cli._options import RESULT
 from dashpot.cli._param_types import Folder
 from dashpot.cli._simulation_options import impact, relaxation, seal_named
+from dashpot.registry import find_handler
 from dashpot.text_output.layout import Text
 
 if TYPE_CHECKING:
     from dashpot.datamodel.bounds import StiffnessBounds
     from dashpot.workflow.study import Study
 
-PAPER_FILES = (
-    "paper.csv", "paper_steps.csv", "paper_rig.csv", "paper_rig.truth.json", "paper_hammer.csv",
-    "paper_hammer.truth.json", "figure_2.svg", "figure_4.svg", "figure_6.svg", "paper.json",
-    "paper.html",
-)  # fmt: skip
-"""What is written of the paper."""
 SEALS = 2
 NAMES = ("paper", "broad")
 FILES = (
@@ -98,7 +93,8 @@ def command(
     if paper:
         if files_only:
             raise click.UsageError("--paper makes files of its own: leave out --files")
-        return _paper(Path(output or "paper"), seed)
+        outcome: Outcome = find_handler("demo", "paper")(Path(output or "paper"), seed)
+        return outcome
     if files_only:
         return _examples(Path(output or "."), every=every)
     return _stories(Path(output or "dashpot-demo"), seed)
@@ -117,25 +113,6 @@ def _examples(folder: Path, *, every: bool) -> Outcome:
     words = ("report", bench, hammer, "--mass", grams(workflow.MASS), "--seals", 2)
     found = Examples(tuple(map(str, paths)))
     return Outcome(found, Text(lines), follow=typed(*words, "-o", "report.html"))
-
-
-def _paper(folder: Path, seed: int) -> Outcome:
-    """Make the paper's equations, figures and table again, each beside its statement."""
-    import json
-
-    from dashpot.extensions.paper.text import reproduced  # a page of help does without
-
-    claim(folder / name for name in PAPER_FILES)
-    found = workflow.reproduce(seed)
-    for name, text in workflow.paper_records(found).items():
-        write(folder / name, text)
-    for name, picture in workflow.paper_pictures(found).items():
-        write(folder / f"{name}.svg", dp.plot.rendered(picture, "svg"))
-    write(folder / "paper.json", json.dumps(found.document, indent=2) + "\n")
-    write(folder / "paper.html", workflow.paper_page(found))
-    record = folder / "paper.csv"
-    follow = typed("fit", record, "--arms", 2, "--method", "hold", why="the paper's fit, by hand")
-    return Outcome(found, reproduced(found), follow=follow)
 
 
 def _stories(folder: Path, seed: int) -> Outcome:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +10,6 @@ import click
 from dashpot import workflow
 from dashpot.base.choices import FrfKind, words
 from dashpot.base.option_fields import offered
-from dashpot.base.serialisation import Documented
 from dashpot.cli import _options as options
 from dashpot.cli._command import group, of, opt, refuse_others, rest, verb
 from dashpot.cli._command_io import Outcome, printed, typed, write, write_figure
@@ -19,10 +17,8 @@ from dashpot.cli._detected_kinds import recognised
 from dashpot.cli._options import MASS, RAMP
 from dashpot.cli._param_types import File, OneOf, WithUnit
 from dashpot.cli.fit_handlers._request import PAGE
-from dashpot.extensions.materials.slam.options import SlamAsked
 from dashpot.reading.read_options import ReadOptions
-from dashpot.registry import KINDS, PREDICTED, KindOfTest, load
-from dashpot.text_output.layout import Text
+from dashpot.registry import KINDS, PREDICTED, KindOfTest, find_handler, load
 from dashpot.workflow.job import Job, LevelChoices, PartChoices
 
 _SOLID, _DOOR = "fit", "door"
@@ -59,7 +55,7 @@ def _fits(kind: KindOfTest) -> list[str]:
         rest(
             *(of(load(kind.asked), *_fits(kind), kinds=kind.name)
               for kind in PREDICTED if _fits(kind)),
-            of(SlamAsked, kinds=_SOLID),
+            *find_handler("options", "predict")(_SOLID),
             opt("--kind", type=OneOf(words(FrfKind)), metavar="NAME", kinds=_SOLID,
                 help=", ".join(words(FrfKind)[:-1]) + f" or {words(FrfKind)[-1]}."),
             options.relative(_SOLID),
@@ -98,7 +94,10 @@ def command(*, path: str, **said: Any) -> Outcome:
     if row is not None and alone:
         return _of_kind(path, row, said)
     if kind == _DOOR:
-        return _door(path, **{name: said[name] for name in _OF_DOOR})
+        outcome: Outcome = find_handler("predict file", _DOOR)(
+            path, **{name: said[name] for name in _OF_DOOR}
+        )
+        return outcome
     if said["slam"]:
         return _slammed(path, said)
     others = {one.name for kind in PREDICTED for one in offered(load(kind.asked))}
@@ -117,7 +116,7 @@ def _of_kind(path: str, row: KindOfTest, said: dict[str, Any]) -> Outcome:
 def _alone(found: Any, said: dict[str, Any]) -> Outcome:
     """A prediction that is no FRF: its document and its picture."""
     output = said["output"]
-    page = _as_page(output)
+    page = is_page(output)
     if said["picture"]:
         write_figure(said["picture"], found.plot())
     if output:
@@ -125,8 +124,8 @@ def _alone(found: Any, said: dict[str, Any]) -> Outcome:
     return Outcome.of(found)
 
 
-def _as_page(output: str | None) -> bool:
-    """Whether what is no FRF goes to a page; else it goes to a document."""
+def is_page(output: str | None) -> bool:
+    """Return whether what is no FRF goes to a page; else it goes to a document."""
     suffix = Path(output or "").suffix.lower()
     if output and output != "-" and suffix not in (".json", *PAGE):
         raise click.UsageError(f"-o {output}: this prediction is written as .json or .html.")
@@ -145,7 +144,7 @@ def _slammed(path: str, said: dict[str, Any]) -> Outcome:
                 f"{one.flag} is for a vibration, and --slam is one hit. Leave out one of them."
             )
     return _alone(
-        workflow.predict_slam(
+        find_handler("predict with option", "slam")(
             workflow.read_fit(path), slam=said["slam"], mass=said["mass"], seals=said["seals"]
         ),
         said,
@@ -201,67 +200,3 @@ def _keep(found: workflow.Prediction, path: str) -> None:
 def _follow(fit: str) -> str:
     again = options.given_to("compare")
     return typed("compare", fit, "HAMMER", *again, why="tests it with a hammer")
-
-
-# -- a door ---------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Both(Documented):
-    """How a door vibrates, and how it closes."""
-
-    keys = ("*found", "closing")
-
-    found: workflow.DoorResult
-    closing: workflow.ClosingResult
-
-
-def _door(
-    path: str,
-    *,
-    every: bool,
-    speed: float | None,
-    picture: str | None,
-    output: str | None,
-    band: tuple[float, float] | None,
-    temperature: float | None,
-) -> Outcome:
-    """Predict how a door vibrates on its seal, and how it closes."""
-    if picture and every and speed is not None:
-        raise click.UsageError(
-            "--plot draws the modes or the closing: leave out --modes or --close"
-        )
-    page = _as_page(output)
-    found = closed = None
-    if speed is None or every or page:
-        found = workflow.door_file(path, band=band, temperature=temperature)
-    if speed is not None:
-        closed = workflow.close_file(path, speed, temperature=temperature)
-    outcome = _of_door(found, closed, every=every)
-    if picture:
-        shown: Any = found if closed is None else closed
-        write_figure(picture, shown.plot())
-    if output:
-        results = [one for one in (found, closed) if one is not None]
-        write(output, workflow.door_html(*results) if page else printed(outcome.found) + "\n")
-    return outcome
-
-
-def _of_door(
-    found: workflow.DoorResult | None, closed: workflow.ClosingResult | None, *, every: bool
-) -> Outcome:
-    """How it vibrates, how it closes, or both."""
-    # with the numbers, which a page of help does without
-    from dashpot.base.checks import verdict
-    from dashpot.extensions.door.closing_text import closing_text
-    from dashpot.extensions.door.text import door
-
-    if closed is None:
-        assert found is not None  # noqa: S101
-        return Outcome(found, door(found, every=every), found.checks, verdict=found.verdict)
-    if found is None:
-        return Outcome.of(closed)
-    said, shuts = door(found, every=every), closing_text(closed.closing)
-    checks = tuple(dict.fromkeys((*found.checks, *closed.checks)))
-    text = Text([*said.lines, *shuts.lines], [*said.details, *shuts.details], said.asked)
-    return Outcome(Both(found, closed), text, checks, verdict=verdict(checks, sound=closed.sound))

@@ -241,6 +241,8 @@ class Extension:
         levels"``: from a fit. ``"compare"``: two of a type. ``"fit records"``: tests of a bench of
         which one is of the type; ``"fit at several temperatures"``: prepared tests, by the type of
         the first; ``"leave one out"``: the hits behind a fit. ``"mounts"``: of a line of seals.
+        Of a command: ``"compare files"``, ``"predict file"``, ``"demo"``, and ``"options"``, those
+        that it has besides.
     fits : tuple of FitRow
         Fits that records may mean.
     commands : tuple of Command

@@ -195,6 +195,12 @@ def compared(
     )
 
 
+def compare_folders(first: str, second: str, quantities: Sequence[str]) -> LotComparison:
+    """Compare two lots; ``FOLDER:NAME`` is one lot of several."""
+    one, other = opened_both((first, second))
+    return compared(one, other, tuple(quantities))
+
+
 def _again(one: Lot, other: Lot) -> int:
     """Records of the second lot that the first holds, too."""
     known = set(one.used["sha256"]) - {""}

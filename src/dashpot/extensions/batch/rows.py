@@ -5,6 +5,9 @@ from dashpot.registry.row import Command, Extension
 EXTENSION = Extension(
     "batch",
     handlers={
+        "compare files": {
+            "lot": "dashpot.extensions.batch.comparison:compare_folders",
+        },
         "compare": {
             "dashpot.extensions.batch.lot:Lot": "dashpot.extensions.batch.api:compare_lots",
         },

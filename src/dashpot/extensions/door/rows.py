@@ -9,6 +9,9 @@ EXTENSION = Extension(
             KindOfTest("free-modes", "dashpot.extensions.door.read_modes:read_modes", place="part", order=20),
     ),
     handlers={
+        "predict file": {
+            "door": "dashpot.extensions.door.predict_handler:run",
+        },
         "predict": {
             "dashpot.extensions.door.door_model:Door": "dashpot.extensions.door.api:predict_door",
         },

@@ -95,6 +95,9 @@ EXTENSION = Extension(
         ),
     ),
     handlers={
+        "options": {
+            "predict": "dashpot.extensions.materials.slam.command_options:list_of_prediction",
+        },
         "predict with option": {
             "slam": "dashpot.extensions.materials.slam.prediction:predict_slam",
         },

@@ -5,6 +5,9 @@ from dashpot.registry.row import Extension, FitRow
 EXTENSION = Extension(
     "modes",
     handlers={
+        "compare files": {
+            "frf": "dashpot.extensions.modes.measured_modes:modes_files",
+        },
         "leave one out": {
             "dashpot.datamodel.impact:ImpactTest": "dashpot.extensions.modes.leave_one_out:left_out",
         },

@@ -1,0 +1,75 @@
+"""What ``dashpot predict`` does of a door: how it vibrates on its seal, and how it closes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import click
+
+from dashpot.base.checks import verdict
+from dashpot.base.serialisation import Documented
+from dashpot.cli._command_io import Outcome, printed, write, write_figure
+from dashpot.cli.predict import is_page
+from dashpot.extensions.door.analyse_file import door_file
+from dashpot.extensions.door.closing_from_file import close_file
+from dashpot.extensions.door.closing_result import ClosingResult
+from dashpot.extensions.door.closing_text import closing_text
+from dashpot.extensions.door.page import door_html
+from dashpot.extensions.door.result import DoorResult
+from dashpot.extensions.door.text import door
+from dashpot.text_output.layout import Text
+
+
+@dataclass(frozen=True)
+class Both(Documented):
+    """How a door vibrates, and how it closes."""
+
+    keys = ("*found", "closing")
+
+    found: DoorResult
+    closing: ClosingResult
+
+
+def run(
+    path: str,
+    *,
+    every: bool,
+    speed: float | None,
+    picture: str | None,
+    output: str | None,
+    band: tuple[float, float] | None,
+    temperature: float | None,
+) -> Outcome:
+    """Predict how a door vibrates on its seal, and how it closes."""
+    if picture and every and speed is not None:
+        raise click.UsageError(
+            "--plot draws the modes or the closing: leave out --modes or --close"
+        )
+    page = is_page(output)
+    found = closed = None
+    if speed is None or every or page:
+        found = door_file(path, band=band, temperature=temperature)
+    if speed is not None:
+        closed = close_file(path, speed, temperature=temperature)
+    outcome = _of_door(found, closed, every=every)
+    if picture:
+        shown: Any = found if closed is None else closed
+        write_figure(picture, shown.plot())
+    if output:
+        results = [one for one in (found, closed) if one is not None]
+        write(output, door_html(*results) if page else printed(outcome.found) + "\n")
+    return outcome
+
+
+def _of_door(found: DoorResult | None, closed: ClosingResult | None, *, every: bool) -> Outcome:
+    """How it vibrates, how it closes, or both."""
+    if closed is None:
+        assert found is not None  # noqa: S101
+        return Outcome(found, door(found, every=every), found.checks, verdict=found.verdict)
+    if found is None:
+        return Outcome.of(closed)
+    said, shuts = door(found, every=every), closing_text(closed.closing)
+    checks = tuple(dict.fromkeys((*found.checks, *closed.checks)))
+    text = Text([*said.lines, *shuts.lines], [*said.details, *shuts.details], said.asked)
+    return Outcome(Both(found, closed), text, checks, verdict=verdict(checks, sound=closed.sound))

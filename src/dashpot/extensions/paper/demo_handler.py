@@ -1,0 +1,34 @@
+"""What ``dashpot demo --paper`` makes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import dashpot as dp
+from dashpot.cli._command_io import Outcome, claim, typed, write
+from dashpot.extensions.paper.page import paper_page, paper_pictures
+from dashpot.extensions.paper.reproduction import paper_records, reproduce
+from dashpot.extensions.paper.text import reproduced
+
+PAPER_FILES = (
+    "paper.csv", "paper_steps.csv", "paper_rig.csv", "paper_rig.truth.json", "paper_hammer.csv",
+    "paper_hammer.truth.json", "figure_2.svg", "figure_4.svg", "figure_6.svg", "paper.json",
+    "paper.html",
+)  # fmt: skip
+"""What is written of the paper."""
+
+
+def run(folder: Path, seed: int) -> Outcome:
+    """Make the paper's equations, figures and table again, each beside its statement."""
+    claim(folder / name for name in PAPER_FILES)
+    found = reproduce(seed)
+    for name, text in paper_records(found).items():
+        write(folder / name, text)
+    for name, picture in paper_pictures(found).items():
+        write(folder / f"{name}.svg", dp.plot.rendered(picture, "svg"))
+    write(folder / "paper.json", json.dumps(found.document, indent=2) + "\n")
+    write(folder / "paper.html", paper_page(found))
+    record = folder / "paper.csv"
+    follow = typed("fit", record, "--arms", 2, "--method", "hold", why="the paper's fit, by hand")
+    return Outcome(found, reproduced(found), follow=follow)
