@@ -12,11 +12,9 @@ import pytest
 
 import dashpot as dp
 from dashpot.cli import COMMANDS, main
-from dashpot.cli._deprecations import FORMER
 
 ROOM = Path(dp.__file__).parent
 NOT_TYPED = {
-    "cli/_deprecations.py": "the words of former commands stand there",
     "reading/sandbox/parent_process.py": "what the parent says to its own child",
 }
 """Files whose words no user types, and why."""
@@ -54,15 +52,14 @@ def sentences() -> Iterator[tuple[str, int, str]]:
 
 def strange(text: str, known: set[str]) -> list[str]:
     """The words of a text that no one can type."""
-    verbs = [f"dashpot {word}" for word in VERB.findall(text) if word in FORMER]
-    return [*(word for word in OPTION.findall(text) if word not in known), *verbs]
+    return [word for word in OPTION.findall(text) if word not in known]
 
 
 @pytest.mark.parametrize(
     ("text", "wrong"),
     [
         ("give --mass 5g", []), ("give --mas 5g", ["--mas"]), ("dashpot fit takes it", []),
-        ("dashpot identify takes it", ["dashpot identify"]), ("fill: var(--panel)", []),
+        ("fill: var(--panel)", []),
     ],
 )  # fmt: skip
 def test_what_is_strange(text: str, wrong: list[str]) -> None:

@@ -17,20 +17,7 @@ The public names stand in ``__init__.pyi``; each is imported when it is first us
 ``import dashpot`` and ``dashpot --help`` cost next to nothing.
 """
 
-from typing import Any
-
 from dashpot.base.lazy import names_of, verbs_first
 
-_find, __dir__, __all__ = names_of(__name__, __file__)
+__getattr__, __dir__, __all__ = names_of(__name__, __file__)
 verbs_first(__name__, "report", "export")
-
-
-def __getattr__(name: str) -> Any:
-    """A public name; of one that was public once, an error that says what is typed now."""
-    if name in __all__:
-        return _find(name)
-    from dashpot.base.deprecations import FORMER
-
-    if name in FORMER:
-        raise AttributeError(f"dp.{name} is now {FORMER[name]}")
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -127,7 +127,7 @@ PYTHON_ONLY = {
     ("vibration/systems/frf_prediction.py", "compression"),
 }
 """Arguments of functions that no command passes on, so that no command can print their names."""
-_SPEAK_PYTHON = ("api/", "extensions/batch/api.py", "base/deprecations.py")
+_SPEAK_PYTHON = ("api/", "extensions/batch/api.py")
 """What no command calls."""
 _OPTION = re.compile(
     r"(?:dashpot (?P<command>\w+) (?:[A-Z]+ )?)?(?<![\w-])(?P<word>--[a-z][a-z-]+)"

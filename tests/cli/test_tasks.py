@@ -1,8 +1,7 @@
-"""Forty things that people do, as they are typed; and what a former line is answered with."""
+"""Forty things that people do, as they are typed."""
 
 from __future__ import annotations
 
-import re
 import shlex
 from pathlib import Path
 
@@ -12,79 +11,58 @@ from kit.kinds import bench, ramp_and_hold
 from kit.shell import ran
 
 from dashpot import workflow
-from dashpot.cli import COMMANDS, main
-from dashpot.cli._deprecations import FORMER
+from dashpot.cli import main
 
 pytestmark = pytest.mark.once
 
 RIG = "--mass 114.8g --seals 2"
 LEVELS = f"shaker_20mN.csv shaker_500mN.csv --level 0.02N --level 0.5N {RIG}"
 TASKS = (
-    ("", "inspect seal_8mm.csv"),
-    (("inspect raw.txt --force Kraft --displacement Weg --units force=N,displacement=mm "
-     "--save-profile lab.toml --overwrite"),
-     ("inspect raw.txt --column force=Kraft --column displacement=Weg "
-     "--units force=N,displacement=mm --save lab.toml --overwrite")),
-    ("", "fit raw.txt --profile lab.toml"),
-    (("fit raw.txt --force 3 --displacement 2 --units force=N,displacement=mm --delimiter ';' "
-     "--decimal comma"),
-     ("fit raw.txt --column force=3 --column displacement=2 --units force=N,displacement=mm "
-     "--text 'delimiter=;,decimal=comma'")),
-    ("", "fit seal_8mm.csv -o fit.json"),
-    ("", "fit seal_8mm.csv --arms 2 --method hold"),
-    ("fit depth_4mm.csv depth_6mm.csv depth_8mm.csv --depth-law",
-     "fit depth_4mm.csv depth_6mm.csv depth_8mm.csv --elastic by-depth"),
-    ("", "fit at_23degC.csv at_10degC.csv at_0degC.csv -o warm.json"),
-    ("fit seal_8mm.csv --family auto", "fit seal_8mm.csv --model auto"),
-    ("", "fit sweep.csv -o dma.json"),
-    ("", "fit sweeps.csv --reference 25degC -o master.json --save-shifts shifts.csv"),
-    ("fit sweeps.csv --at 25degC", "fit sweeps.csv --only 25degC"),
-    ("fit curve.csv --modulus 'E(t)'", "fit curve.csv"),
-    ("impact hammer.csv -o frf.csv --overwrite", "fit hammer.csv -o frf.csv --overwrite"),
-    ("impact hammer.csv --reject 3 --window exponential",
-     "fit hammer.csv --reject 3 --window exponential"),
-    ("modes frf.csv --band 5:40Hz", "fit frf.csv --band 5:40Hz"),
-    ("modes frf.csv --against shaker_20mN.csv", "compare frf.csv shaker_20mN.csv"),
-    (f"identify hammer.csv {RIG}", f"fit hammer.csv {RIG}"),
-    (f"identify hammer.csv --with seal_8mm.csv {RIG} -o joint.json --overwrite",
-     f"fit seal_8mm.csv hammer.csv {RIG} -o joint.json --overwrite"),
-    (f"identify frf.csv {RIG} --direct k.csv --overwrite",
-     f"fit frf.csv {RIG} --stiffness-table k.csv --overwrite"),
-    ("level loops.csv", "fit loops.csv"),
-    (f"level {LEVELS} --at 0.1N", f"fit {LEVELS} --resonance-at 0.1N"),
-    ("cld cld_1.csv cld_2.csv cld_3.csv --length 100mm --at 6mm --between 4:8mm",
-     "fit cld_1.csv cld_2.csv cld_3.csv --length 100mm --compression 6mm --between 4:8mm"),
-    ("cld cld_1.csv --at 6mm --with fit.json",
-     "fit cld_1.csv --compression 6mm --memory fit.json"),
-    ("indent hit.csv --mass 5g --radius 5mm --drop-height 51mm",
-     "fit hit.csv --mass 5g --radius 5mm --drop-height 51mm"),
-    ("rod rod.csv --disc 20mm,20mm --density 1000 --mass 31.4g",
-     "fit rod.csv --shape disc:20mm,20mm --density 1000 --mass 31.4g"),
-    ("hyperelastic --uniaxial tension.csv --biaxial biaxial.csv -o law.json --overwrite",
-     "fit tension.csv biaxial.csv --test uniaxial --test biaxial -o law.json --overwrite"),
-    ("", f"predict fit.json {RIG} --band 1:50Hz -o p.csv"),
-    (f"predict fit.json {RIG} --with seal_8mm.csv",
-     f"predict fit.json {RIG} --record seal_8mm.csv"),
-    ("", f"predict fit.json {RIG} --base"),
-    ("predict master.json --disc 20mm,20mm --mass 400g --seals 2 --base",
-     "predict master.json --shape disc:20mm,20mm --mass 400g --seals 2 --base"),
-    ("door door.toml", "predict door.toml"),
-    ("door door.toml --close 1.2m/s", "predict door.toml --close 1.2m/s"),
-    ("", f"compare fit.json hammer.csv {RIG}"),
-    (f"report seal_8mm.csv --impact hammer.csv {RIG} -o report.html --overwrite",
-     f"report seal_8mm.csv hammer.csv {RIG} -o report.html --overwrite"),
-    (("export joint.json --to nastran --units mm-t-s --range 1:20Hz --temperature 23degC "
+    "inspect seal_8mm.csv",
+    ("inspect raw.txt --column force=Kraft --column displacement=Weg "
+     "--units force=N,displacement=mm --save lab.toml --overwrite"),
+    "fit raw.txt --profile lab.toml",
+    ("fit raw.txt --column force=3 --column displacement=2 --units force=N,displacement=mm "
+     "--text 'delimiter=;,decimal=comma'"),
+    "fit seal_8mm.csv -o fit.json",
+    "fit seal_8mm.csv --arms 2 --method hold",
+    "fit depth_4mm.csv depth_6mm.csv depth_8mm.csv --elastic by-depth",
+    "fit at_23degC.csv at_10degC.csv at_0degC.csv -o warm.json",
+    "fit seal_8mm.csv --model auto",
+    "fit sweep.csv -o dma.json",
+    "fit sweeps.csv --reference 25degC -o master.json --save-shifts shifts.csv",
+    "fit sweeps.csv --only 25degC",
+    "fit curve.csv",
+    "fit hammer.csv -o frf.csv --overwrite",
+    "fit hammer.csv --reject 3 --window exponential",
+    "fit frf.csv --band 5:40Hz",
+    "compare frf.csv shaker_20mN.csv",
+    f"fit hammer.csv {RIG}",
+    f"fit seal_8mm.csv hammer.csv {RIG} -o joint.json --overwrite",
+    f"fit frf.csv {RIG} --stiffness-table k.csv --overwrite",
+    "fit loops.csv",
+    f"fit {LEVELS} --resonance-at 0.1N",
+    "fit cld_1.csv cld_2.csv cld_3.csv --length 100mm --compression 6mm --between 4:8mm",
+    "fit cld_1.csv --compression 6mm --memory fit.json",
+    "fit hit.csv --mass 5g --radius 5mm --drop-height 51mm",
+    "fit rod.csv --shape disc:20mm,20mm --density 1000 --mass 31.4g",
+    "fit tension.csv biaxial.csv --test uniaxial --test biaxial -o law.json --overwrite",
+    f"predict fit.json {RIG} --band 1:50Hz -o p.csv",
+    f"predict fit.json {RIG} --record seal_8mm.csv",
+    f"predict fit.json {RIG} --base",
+    "predict master.json --shape disc:20mm,20mm --mass 400g --seals 2 --base",
+    "predict door.toml",
+    "predict door.toml --close 1.2m/s",
+    f"compare fit.json hammer.csv {RIG}",
+    f"report seal_8mm.csv hammer.csv {RIG} -o report.html --overwrite",
+    ("export joint.json --to nastran --unit-system mm-t-s --band 1:20Hz --temperature 23degC "
      "--length 50mm -o seal.bdf --overwrite"),
-     ("export joint.json --to nastran --unit-system mm-t-s --band 1:20Hz --temperature 23degC "
-     "--length 50mm -o seal.bdf --overwrite")),
-    ("plan --ramp 1s --hold 40s --at 12.71Hz", "plan --frequency 12.71Hz --ramp 1s --hold 40s"),
-    ("batch lotdir -o lot --arms 2 --quick --at 12.7Hz",
-     "batch lotdir -o lot --arms 2 --quick --frequency 12.7Hz"),
-    ("simulate relaxation --model broad --depth 6mm -o sim.csv",
-     "simulate relaxation --seal broad --depth 6mm -o sim.csv"),
-    ("example -o ex2 --all", "demo --files -o ex2 --all"),
+    "plan --frequency 12.71Hz --ramp 1s --hold 40s",
+    "batch lotdir -o lot --arms 2 --quick --frequency 12.7Hz",
+    "simulate relaxation --seal broad --depth 6mm -o sim.csv",
+    "demo --files -o ex2 --all",
 )  # fmt: skip
-"""A former line, where it was another, and what is typed today; in the order of their files."""
+"""What is typed, in the order of their files."""
 TELLS = ("fit", "compare", "report")
 """Verbs that say what they took records for."""
 
@@ -114,56 +92,28 @@ def does(line: str) -> str:
     return done.stdout
 
 
-def answered(former: str) -> str:
-    """The line that a former one is answered with."""
-    answer = ran(*shlex.split(former))
-    assert answer.exit_code == 2, former
-    assert "Traceback" not in answer.output
-    found = re.search("Type: dashpot (.*)", answer.stderr)
-    assert found is not None, f"{former}\n{answer.output}"
-    return found[1]
-
-
 @pytest.mark.slow
-def test_forty_tasks_and_what_their_former_lines_are_answered_with(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_forty_tasks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Pages of the docs run their like by day."""
     assert len(TASKS) == 40
     monkeypatch.chdir(tmp_path)
     # the files to learn on are those that the others take
-    *tasks, (_, first) = TASKS
+    *tasks, first = TASKS
     does(first)
     monkeypatch.chdir(tmp_path / "ex2")
     lab(Path())
-    for _, today in tasks:
-        does(today)
-    for former, today in TASKS:
-        if former and sorted(shlex.split(found := answered(former))) != sorted(shlex.split(today)):
-            does(found)
+    for line in tasks:
+        does(line)
 
 
-def test_a_task_and_what_its_former_line_is_answered_with_are_lines_of_today(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_forty_tasks_are_lines_that_parse(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """They have a command and its options; what they do is known every night."""
     monkeypatch.chdir(tmp_path)
     lab(Path())
     for name in workflow.FIRST:
         Path(name).write_text(workflow.EXAMPLES[name]())
-    for former, today in TASKS:
-        for line in (today, answered(former)) if former else (today,):
-            name, *words = shlex.split(line)
-            command = main.get_command(click.Context(main), name)
-            assert command is not None, line
-            command.make_context(name, words)
-
-
-@pytest.mark.parametrize("name", FORMER)
-def test_a_former_command_without_words_is_answered_too(name: str) -> None:
-    answer = ran(name)
-    assert answer.exit_code == 2
-    found = re.search(r"There is no command '(\w+)'\. Type: dashpot (\w+)", answer.stderr)
-    assert found is not None
-    assert found[1] == name
-    assert found[2] in COMMANDS
+    for line in TASKS:
+        name, *words = shlex.split(line)
+        command = main.get_command(click.Context(main), name)
+        assert command is not None, line
+        command.make_context(name, words)

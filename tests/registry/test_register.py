@@ -75,7 +75,6 @@ def words(kind: KindOfTest) -> list[str]:
 
 SOURCE = Path(dp.__file__).parent
 NAMED = {
-    "base/deprecations.py": "a former name of Python",
     "cli/": "a command is called so, too",
     "reading/columns/kind_detection.py": "what a table must hold",
     "reading/readers/": "which files a reader takes",

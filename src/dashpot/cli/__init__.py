@@ -5,9 +5,11 @@ from __future__ import annotations
 import atexit
 import gc
 import os
+import shlex
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 import click
@@ -25,6 +27,22 @@ for _name in ("OMP", "OPENBLAS", "MKL"):
 atexit.register(gc.freeze)
 
 COMMANDS = {command.name: command.help for command in registry.COMMANDS.values()}
+
+
+_ASKED_AS_OPTIONS = {"help": "--help", "version": "--version"}
+"""Words that other programs take for a command."""
+
+
+def _suggest_command(name: str, rest: Sequence[str]) -> str:
+    """Return what to type in place of a word that is no command."""
+    from dashpot.cli._param_types import nearest
+
+    if name in _ASKED_AS_OPTIONS:
+        known = [word for word in rest[:1] if word in COMMANDS]
+        return f"Type: {shlex.join(['dashpot', *known, _ASKED_AS_OPTIONS[name]])}"
+    if Path(name).exists():
+        return f"To see what it is: dashpot inspect {shlex.quote(name)}"
+    return nearest(name, COMMANDS)
 
 
 class _Lazy(click.Group):
@@ -57,9 +75,7 @@ class _Lazy(click.Group):
         """Answer a word that is no verb with the line that is meant."""
         name, *others = args
         if name not in COMMANDS and not name.startswith("-"):
-            from dashpot.cli._deprecations import instead
-
-            ctx.fail(f"There is no command '{name}'. {instead(name, others)}")
+            ctx.fail(f"There is no command '{name}'. {_suggest_command(name, others)}")
         return super().resolve_command(ctx, args)
 
     def main(self, *given: Any, **how: Any) -> Any:

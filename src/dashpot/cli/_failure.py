@@ -48,7 +48,7 @@ def leave(error: BaseException, words: Sequence[str]) -> int:
     stderr gets the sentence; stdout, if the words of the command hold ``--json``, one JSON
     document. With ``--traceback`` both say where in the code it happened.
     """
-    failure = _failure(error, words)
+    failure = _failure(error)
     where = "".join(traceback.format_exception(error)) if _given("--traceback", words) else ""
     to_stderr(where + failure.shown)
     if _given("--json", words) and sys.stdout is not None:
@@ -63,14 +63,14 @@ def _given(option: str, words: Sequence[str]) -> bool:
     return option in (asked[: asked.index("--")] if "--" in asked else asked)
 
 
-def _failure(error: BaseException, words: Sequence[str]) -> Failure:
+def _failure(error: BaseException) -> Failure:
     kind = type(error).__name__
     if isinstance(error, click.ClickException):
         if isinstance(error, click.NoSuchOption) and _having(error):  # none here is meant
             error = click.NoSuchOption(error.option_name, error.message, ctx=error.ctx)
         page = io.StringIO()
         error.show(page)
-        hint = _hint(error, words)
+        hint = _hint(error)
         says = _plainly(error.format_message()) + hint
         shown = re.sub("(?m)^Error: ", "dashpot: ", _plainly(page.getvalue().rstrip("\n"))) + hint
         return Failure("UsageError", says, shown, error.exit_code)
@@ -104,19 +104,12 @@ def _plainly(says: str) -> str:
     return whole.replace("is not a valid float", "is no number")
 
 
-def _hint(error: click.ClickException, words: Sequence[str]) -> str:
-    """Say what an option is called today, or which command has one that this one lacks."""
+def _hint(error: click.ClickException) -> str:
+    """Say which command has one that this one lacks."""
     context = getattr(error, "ctx", None)
     if context is None or context.parent is None:
         return ""
     if isinstance(error, click.NoSuchOption):
-        from dashpot.cli._deprecations import renamed
-
-        name = str(context.command.name)
-        after = list(words)[list(words).index(name) + 1 :] if name in words else []
-        today = renamed(name, error.option_name, after)
-        if today:
-            return f" {today}"
         having = ", ".join(_having(error))
         if having:
             return f" {error.option_name} is an option of dashpot {having}. Leave it out here."
