@@ -17,17 +17,14 @@ from dashpot.cli._command import Opt, group, of, opt, refuse_others, rest, verb
 from dashpot.cli._command_io import Outcome
 from dashpot.cli._detected_kinds import kinds_of, recognised, tell
 from dashpot.cli._options import MASS, MODEL, RAMP, SOLIDS, VIBRATION, WARM
-from dashpot.cli._param_types import DENSITY, File, LowHigh, OneOf, Output, Range, WithUnit
-from dashpot.extensions.materials.hyperelastic.options import MODES, Measures
-from dashpot.extensions.materials.indentation.indenter import Indenter
-from dashpot.extensions.materials.slam.options import SlamAsked
+from dashpot.cli._param_types import OneOf, Output, WithUnit
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from dashpot.reading.read_options import ReadOptions
-from dashpot.registry import FITS, KINDS, load, takers
+from dashpot.registry import FITS, KINDS, find_handler, load, takers
 from dashpot.workflow.job import Job, LevelJob, RodChoices
 from dashpot.workflow.shift_options import ShiftChoices
 
-_CLD, _STRAIN, _BALL, _SLAM = "cld", "stress-strain", "indentation", "slam"
+_CLD, _BALL, _SLAM = "cld", "indentation", "slam"
 _BENCH = SOLIDS
 _ELASTIC = (*words(RampLawAsked), "by-depth")
 
@@ -97,38 +94,7 @@ _OPTIONS = (
             of(Job, "impact_temperature", kinds=VIBRATION),
         ),
         options.hammer(kinds="impact transmissibility"),
-        group(
-            "Load deflection",
-            opt("--between", type=Range("length"), metavar="RANGE", kinds=_CLD,
-                help="Tolerance of --compression, e.g. 4:8mm."),
-            opt("--force-limits", type=Range("force"), metavar="RANGE", kinds=_CLD,
-                help="Limits of the force there, e.g. 4.5:5.5N."),
-            opt("--memory", type=File(), multiple=True, metavar="FIT",
-                kinds=f"{_CLD} {_STRAIN} {_SLAM}", help="Fit whose relaxation is known."),
-        ),
-        group(
-            "Stress over strain",
-            opt("--test", type=OneOf(tuple(MODES)), multiple=True, metavar="MODE", kinds=_STRAIN,
-                help="Test of each file: uniaxial, biaxial, planar, ..."),
-            opt("--poisson", type=float, metavar="NUMBER", kinds=f"{_STRAIN} {VIBRATION}",
-                help="Poisson's ratio of a foam; selects a foam law."),
-            opt("--stretches", type=LowHigh(), metavar="LOW:HIGH", kinds=_STRAIN,
-                help="Stretches of use, e.g. 0.7:1.5."),
-            opt("--terms", type=click.IntRange(1, 3), metavar="N", kinds=_STRAIN,
-                help="Number of terms of ogden and hyperfoam."),
-            of(Measures, into="measures", kinds=_STRAIN),
-        ),
-        group(
-            "Indenter",
-            of(Indenter, into="indenter", leave=("mass",), kinds=_BALL),
-        ),
-        group("Slam", of(SlamAsked, kinds=_SLAM)),
-        group(
-            "Rod",
-            of(RodChoices, into="rod", kinds=VIBRATION),
-            opt("--density", type=DENSITY, metavar="KG/M^3", kinds=VIBRATION,
-                help="Density of the rod."),
-        ),
+        *find_handler("options", "fit")(),
         options.piece(each=True),
     ),
     options.reading(),

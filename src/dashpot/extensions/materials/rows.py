@@ -96,6 +96,7 @@ EXTENSION = Extension(
     ),
     handlers={
         "options": {
+            "fit": "dashpot.extensions.materials.fit_options:list_groups",
             "predict": "dashpot.extensions.materials.slam.command_options:list_of_prediction",
         },
         "predict with option": {
