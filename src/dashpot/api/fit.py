@@ -17,9 +17,6 @@ from dashpot.datamodel.frf_set import FRFSet
 from dashpot.datamodel.impact import ImpactTest
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
-from dashpot.extensions.curves.datamodel.creep import CreepCompliance, CreepTest, LoadHold
-from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
-from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from dashpot.registry import FITS, KINDS, load, row_of
 from dashpot.workflow.fit_bench_tests import BenchAsked, fit_records
@@ -32,10 +29,6 @@ from dashpot.workflow.vibration.modes import Modes
 
 Arms: TypeAlias = int | Literal["auto"]
 Elastic: TypeAlias = Literal["auto", "linear", "nonlinear", "by-depth"]
-OnBench: TypeAlias = (
-    RelaxationTest | RampHold | CreepTest | LoadHold | CreepCompliance | DynamicTest
-    | RelaxationModulus
-)  # fmt: skip
 Vibration: TypeAlias = ImpactTest | ShakenTest | FRF | FRFSet
 
 
