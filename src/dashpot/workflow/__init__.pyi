@@ -4,11 +4,8 @@ from dashpot.extensions.amplitude.fit_files import Levels as Levels
 from dashpot.extensions.amplitude.fit_files import level_files as level_files
 from dashpot.extensions.door.analyse_file import DoorResult as DoorResult
 from dashpot.extensions.door.analyse_file import door_file as door_file
-from dashpot.extensions.door.analyse_file import open_door as open_door
 from dashpot.extensions.door.analyse_file import shear_of as shear_of
 from dashpot.extensions.door.closing_from_file import ClosingResult as ClosingResult
-from dashpot.extensions.door.closing_from_file import close_file as close_file
-from dashpot.extensions.door.page import door_html as door_html
 from dashpot.extensions.door.read import read_door as read_door
 from dashpot.extensions.materials.cld.datamodel import CLD as CLD
 from dashpot.extensions.materials.cld.datamodel import RateLaw as RateLaw
@@ -22,15 +19,10 @@ from dashpot.extensions.materials.indentation.fit_files import indent_file as in
 from dashpot.extensions.materials.rod.fit_files import Rod as Rod
 from dashpot.extensions.materials.rod.fit_files import rod_files as rod_files
 from dashpot.extensions.materials.slam.fit_files import slam_files as slam_files
-from dashpot.extensions.materials.slam.prediction import predict_slam as predict_slam
 from dashpot.extensions.modes.mass_series_files import ModesByMass as ModesByMass
 from dashpot.extensions.modes.mass_series_files import modes_by_mass as modes_by_mass
 from dashpot.extensions.modes.measured_modes import MeasuredModes as MeasuredModes
 from dashpot.extensions.modes.measured_modes import modes_files as modes_files
-from dashpot.extensions.paper.page import paper_page as paper_page
-from dashpot.extensions.paper.page import paper_pictures as paper_pictures
-from dashpot.extensions.paper.reproduction import paper_records as paper_records
-from dashpot.extensions.paper.reproduction import reproduce as reproduce
 from dashpot.extensions.projects.project import create as create
 from dashpot.extensions.projects.project import open_project as open_project
 from dashpot.extensions.projects.project import record as record
