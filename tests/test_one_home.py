@@ -41,7 +41,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
     ),
     "a covariance": (
         r"linalg\.pinv\(|linalg\.inv\(",
-        ("numerics/",),
+        ("numerics/", "extensions/batch/arrays/"),
         {
             "fitting/uncertainty/valid_band.py": "a posterior of unit priors, sixty times a fit",
             "datamodel/free_modes.py": "a change of coordinates",
@@ -74,7 +74,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
     ),
     "non-negative columns": (
         r"\bnonnegative(_columns)?\(|\bnnls\(",
-        ("numerics/",),
+        ("numerics/", "extensions/batch/arrays/"),
         {"solids/friction.py": "solids do not know the engine: the sliders of one element"},
     ),
     "a factor between units": (

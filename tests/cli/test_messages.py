@@ -75,7 +75,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "extensions/materials/rod/fit_files.py": ("fit",),
     "workflow/fit_routing.py": ("fit",),
     "workflow/response/part_factor.py:pad": ("predict", "fit"),
-    "registry/core.py": ("batch",),
+    "registry/core.py": (),
     "extensions/materials/rows.py": ("batch",),
     "extensions/solver_inputs/": ("export",),
     "extensions/materials/cld/": ("fit",),
@@ -103,6 +103,22 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "extensions/app/server.py": ("app",),
     "extensions/app/": ("report",),
     "cli/": (),
+    "extensions/acquisition/command.py": (),
+    "extensions/amplitude/fit_handler.py": (),
+    "extensions/app/command.py": (),
+    "extensions/batch/command.py": (),
+    "extensions/batch/lot_options.py": (),
+    "extensions/door/predict_handler.py": (),
+    "extensions/materials/cld/fit_handler.py": (),
+    "extensions/materials/fit_options.py": (),
+    "extensions/materials/hyperelastic/fit_handler.py": (),
+    "extensions/materials/indentation/fit_handler.py": (),
+    "extensions/materials/rod/fit_handler.py": (),
+    "extensions/materials/slam/command_options.py": (),
+    "extensions/materials/slam/fit_handler.py": (),
+    "extensions/modes/fit_handler.py": (),
+    "extensions/paper/demo_handler.py": (),
+    "extensions/projects/command.py": (),
 }
 """Which commands can print what stands in a room, a file or a function; the longest name counts."""
 OURS = {
@@ -127,7 +143,14 @@ PYTHON_ONLY = {
     ("vibration/systems/frf_prediction.py", "compression"),
 }
 """Arguments of functions that no command passes on, so that no command can print their names."""
-_SPEAK_PYTHON = ("api/", "extensions/batch/api.py")
+_SPEAK_PYTHON = (
+    "api/",
+    *(f"extensions/{name}/api.py" for name in ("batch", "door", "modes", "amplitude")),
+    *(
+        f"extensions/materials/{name}/api.py"
+        for name in ("rod", "cld", "hyperelastic", "indentation")
+    ),
+)
 """What no command calls."""
 _OPTION = re.compile(
     r"(?:dashpot (?P<command>\w+) (?:[A-Z]+ )?)?(?<![\w-])(?P<word>--[a-z][a-z-]+)"

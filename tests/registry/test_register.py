@@ -84,7 +84,6 @@ NAMED = {
     "extensions/amplitude/": "each kind is its own",
     "extensions/batch/table_row.py": "a sweep as wide as no machine makes one is a master curve",
     "signals/": "what the moves of a record show",
-    "api/": "what a type checker knows of each, and the words that its reader and its fit take",
     "workflow/example_files.py": "what an example is",
 }
 """Where a kind of file is named, and why; everybody else asks the register."""

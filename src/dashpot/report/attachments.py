@@ -26,7 +26,7 @@ _UNSTATED = {"temperature": "temperature", "length": "contact length"}
 """What a deck should say of its specimen, and does without, marked."""
 
 
-class Exported(Protocol):
+class DeckSource(Protocol):
     """A result whose page holds decks."""
 
     @property
@@ -97,13 +97,13 @@ class AttachedDeck(NamedTuple):
     options: tuple[str, ...]
 
 
-def exported(document: str) -> Exported | None:
+def exported(document: str) -> DeckSource | None:
     """What ``dashpot export`` reads from a result's document; None where it reads nothing."""
     try:
         found = from_json(document)
     except DashpotError:
         return None
-    judged: Exported | None = found if find_handler("deck terms", found) else None
+    judged: DeckSource | None = found if find_handler("deck terms", found) else None
     return judged
 
 
@@ -115,12 +115,12 @@ def find_terms(found: Fit | NonlinearFit) -> DeckTerms:
     return DeckTerms(found.band, {"form": "prony"} if material else {}, unstated)
 
 
-def _terms_of(found: Exported) -> DeckTerms:
+def _terms_of(found: DeckSource) -> DeckTerms:
     terms: DeckTerms = find_handler("deck terms", found)(found)
     return terms
 
 
-def decks(found: Exported, compression: float | None = None) -> tuple[AttachedDeck, ...]:
+def decks(found: DeckSource, compression: float | None = None) -> tuple[AttachedDeck, ...]:
     """Decks of one seal, or cards of a material, over the band of its tests and no further.
 
     What is not known of the specimen is allowed by name, so each deck marks it in its header. None
@@ -159,7 +159,7 @@ def decks(found: Exported, compression: float | None = None) -> tuple[AttachedDe
     return tuple(made)
 
 
-def about(found: Exported, made: Sequence[AttachedDeck]) -> str:
+def about(found: DeckSource, made: Sequence[AttachedDeck]) -> str:
     """Where the decks hold, and what they miss; why there is none."""
     if found.verdict.use == "do not use":
         return ""
