@@ -32,10 +32,10 @@ from typing import Any
 import numpy as np
 
 import dashpot as dp
-from dashpot.base.subprocesses import long_lived
-from dashpot.extensions.batch.batch_options import BatchChoices
+from dashpot.base.subprocesses import get_long_lived_env
+from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.batch_run import batch
-from dashpot.extensions.batch.input_files import entries
+from dashpot.extensions.batch.input_files import find_entries
 from dashpot.extensions.batch.parquet_parts import tasks
 from dashpot.extensions.batch.process_pool import processors
 from dashpot.extensions.batch.table_row import row
@@ -140,7 +140,9 @@ def counted(costs: dict[str, float], own: float) -> None:
 def run(engine: str, folder: Path, how: dict[str, Any]) -> dict[str, float]:
     """What an interpreter of its own takes for one run."""
     words = [sys.executable, __file__, "--engine", engine, str(folder), json.dumps(how)]
-    done = subprocess.run(words, check=True, capture_output=True, text=True, env=long_lived())
+    done = subprocess.run(
+        words, check=True, capture_output=True, text=True, env=get_long_lived_env()
+    )
     found: dict[str, float] = json.loads(done.stdout)
     return found
 
@@ -161,8 +163,8 @@ def in_a_loop(folder: str, how: dict[str, Any], share: slice = slice(None)) -> i
     """Make the rows here, one after the other, and no table."""
     import msgspec  # noqa: F401 -- as in a worker
 
-    choices = BatchChoices(**how)
-    found = entries([folder], without=Path(folder) / "none")[share]
+    choices = BatchOptions(**how)
+    found = find_entries([folder], without=Path(folder) / "none")[share]
     asked = tasks(found, choices)
     return sum(row(one.entry, one.hashes, choices)["outcome"] == "fitted" for one in asked)
 

@@ -124,7 +124,7 @@ def single_holds() -> None:
             return solve([hold_block(seconds, force, depth=DEPTH, ramp_time=1.0)], n)
 
         def fresh(fit: Callable[[], Solution] = fit) -> Solution:
-            data_compression.counted.cache_clear()
+            data_compression.make_sample_plan.cache_clear()
             data_compression._piece.cache_clear()
             first_look._KEPT_LATTICES.clear()
             return fit()

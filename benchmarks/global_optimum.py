@@ -45,7 +45,7 @@ def record(generator: np.random.Generator, k: np.ndarray, tau: np.ndarray) -> np
 def best_of_random(stack: Stack, tau: np.ndarray, generator: np.random.Generator) -> float:
     """The smallest SSE with all coefficients positive from the truth and from random starts."""
     arms = len(tau)
-    restricted = stack.restricted(arms, signed=False)
+    restricted = stack.get_nonnegative_mask(arms, signed=False)
     starts = [np.log(tau)]
     starts += [np.sort(generator.uniform(*stack.bounds, arms)) for _ in range(RANDOM_STARTS)]
     best = np.inf

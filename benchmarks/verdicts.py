@@ -47,7 +47,7 @@ from scipy.stats import beta
 
 import dashpot as dp
 from dashpot.extensions.amplitude.fit import fit_amplitude
-from dashpot.extensions.amplitude.fit_files import of_amplitude
+from dashpot.extensions.amplitude.fit_files import fit_amplitude_record
 from dashpot.extensions.curves.creep.fit import fit_creep
 from dashpot.extensions.curves.creep.read import read_creep
 from dashpot.extensions.curves.dynamic.fit import fit_dynamic
@@ -494,7 +494,7 @@ def _late_creep(one: Sheet) -> Answer:
 def _late_loops(one: Sheet) -> Answer:
     """The loss of a vanishing loop, of which sliders that stick are no part."""
     test = dp.RelaxationTest(one["time"], 1e-3 * one["displacement"], one["force"], units="SI")
-    found = of_amplitude(test)
+    found = fit_amplitude_record(test)
     line = found.fit.lines[0]
     truth = one.truth["seal"].stiffness(2 * np.pi * one.truth["frequency"]).imag
     return found.verdict, abs(line.loss - truth) / line.loss_se

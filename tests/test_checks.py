@@ -19,7 +19,7 @@ from kit.fits import a_fit
 
 import dashpot
 from dashpot.base.checks import REGISTER, Check, Finding, criterion, status_of
-from dashpot.base.reported_values import Fact
+from dashpot.base.reported_values import ReportedValue
 from dashpot.base.status import Status
 from dashpot.datamodel import checks as records
 from dashpot.datamodel.alternative_model import Alternative
@@ -41,7 +41,7 @@ from dashpot.extensions.curves import checks as curves
 from dashpot.extensions.curves.creep import checks as creep
 from dashpot.extensions.curves.datamodel.creep import LoadHold
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
-from dashpot.extensions.curves.shift_law_fit import LawScore, OddOne
+from dashpot.extensions.curves.shift_law_fit import LawScore, ShiftOutlier
 from dashpot.extensions.curves.superposition import checks
 from dashpot.extensions.curves.temperatures import checks as several
 from dashpot.extensions.door import checks as seals
@@ -63,7 +63,12 @@ from dashpot.fitting.nonlinear_ramp import checks as ramp
 from dashpot.fitting.nonlinear_ramp.goodness_of_fit import soundness
 from dashpot.fitting.replicates import EndStiffness
 from dashpot.numerics.inference.covariance import Noise, nearly_white, noise_of
-from dashpot.numerics.inference.model_order import DECISIVE, Choice, Shortage, choose
+from dashpot.numerics.inference.model_order import (
+    DECISIVE,
+    OrderChoice,
+    Shortage,
+    select_model_order,
+)
 from dashpot.planning import checks as planning
 from dashpot.planning.expected_errors import Pulse, RecordNeed
 from dashpot.preprocessing import checks as preparation
@@ -71,7 +76,7 @@ from dashpot.preprocessing.contact import Baseline, Touch
 from dashpot.preprocessing.filters import parse_filter
 from dashpot.preprocessing.history import EarlierLoadings
 from dashpot.reading.readers import size_checks as reading
-from dashpot.signals.noise import usual_scatter
+from dashpot.signals.noise import robust_scatter
 from dashpot.signals.segments import MotionSegment, RampHoldCycle
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.elastic import ElasticLaw
@@ -613,10 +618,10 @@ FITTING = [
         0.901,
     ),
     Case("residuals_steady", lambda x: relaxation.residuals_steady([wandering(x)]), 3.99, 4.01),
-    Case("order_agreed", whole(lambda n: solid.order_agreed(Choice(1, 2, n))), 2, 1),
+    Case("order_agreed", whole(lambda n: solid.order_agreed(OrderChoice(1, 2, n))), 2, 1),
     Case(
         "order_agreed",
-        lambda x: solid.order_agreed(Choice(2, 2, 2, capped=bool(x))),
+        lambda x: solid.order_agreed(OrderChoice(2, 2, 2, capped=bool(x))),
         0,
         1,
     ),
@@ -780,7 +785,7 @@ SUPERPOSITION = [
     Case("law_follows_shifts", lambda x: checks.law_follows_shifts(law(x), []), 0.1499, 0.1501),
     Case(
         "temperatures_in_line",
-        lambda x: checks.temperatures_in_line(OddOne(296.15, x)),
+        lambda x: checks.temperatures_in_line(ShiftOutlier(296.15, x)),
         0.0499,
         0.0501,
     ),
@@ -1293,7 +1298,7 @@ TEMPERATURE = [
 
 def contact_fit() -> IndentationFit:
     """A contact whose restitution is 1, beside nothing else."""
-    found = (Fact("restitution", 1.0, 0.9, 1.1, ""),)
+    found = (ReportedValue("restitution", 1.0, 0.9, 1.1, ""),)
     none = np.zeros(0)
     return IndentationFit(
         "hertz", ViscousContact(1.0), found, (), Indenter(1.0), "force", none, none, none, 0.0, 0.0,
@@ -1303,7 +1308,7 @@ def contact_fit() -> IndentationFit:
 
 def differs(part: float) -> Check:
     return indentation.laws_agree(
-        contact_fit(), [("hertz-maxwell", (Fact("restitution", 1 + part, 0.9, 1.2, ""),))]
+        contact_fit(), [("hertz-maxwell", (ReportedValue("restitution", 1 + part, 0.9, 1.2, ""),))]
     )
 
 
@@ -2112,7 +2117,7 @@ def test_what_another_condition_makes_harmless_is_a_note() -> None:
     # a loss that scatters about zero is no breach, and one beyond three deviations is
     lines = np.geomspace(0.1, 30, 32)
     scatter = np.where(np.arange(32) % 2, 0.01, -0.01)
-    sd = usual_scatter(np.arange(32.0), scatter / np.hypot(1, scatter))
+    sd = robust_scatter(np.arange(32.0), scatter / np.hypot(1, scatter))
     for times, failed in ((2.9, False), (3.1, True)):
         loss = scatter.copy()
         loss[16] = -times * sd
@@ -2337,8 +2342,8 @@ def test_advice_follows_only_where_a_check_fails() -> None:
 
 def test_bic_is_decisive_from_50_on() -> None:
     doubtful = (True, True, False)
-    assert choose(range(3), (99.0, 49.9, 0.0), doubtful, decisive=DECISIVE).arms == 1
-    assert choose(range(3), (99.0, 50.1, 0.0), doubtful, decisive=DECISIVE).arms == 2
+    assert select_model_order(range(3), (99.0, 49.9, 0.0), doubtful, decisive=DECISIVE).arms == 1
+    assert select_model_order(range(3), (99.0, 50.1, 0.0), doubtful, decisive=DECISIVE).arms == 2
 
 
 @pytest.mark.parametrize(("kappa", "white"), [(2.99, True), (3.01, False)])

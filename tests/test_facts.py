@@ -18,7 +18,7 @@ from kit.lots import lot_of, scattered
 from kit.shell import ran
 
 from dashpot import workflow
-from dashpot.base.units import find, of_column
+from dashpot.base.units import find_unit, parse_column_title
 from dashpot.extensions.amplitude import page as level
 from dashpot.extensions.app import modes, view_models
 from dashpot.extensions.batch import page
@@ -26,7 +26,7 @@ from dashpot.extensions.batch import table_row as row
 from dashpot.extensions.batch.limits import read_limits
 from dashpot.extensions.batch.summary import summary
 from dashpot.extensions.materials.indentation.indenter import Indenter
-from dashpot.extensions.materials.indentation.lot_row import row as indentation_row
+from dashpot.extensions.materials.indentation.lot_row import build_lot_row as indentation_row
 from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import Piece
 from dashpot.report import tables
@@ -35,7 +35,7 @@ from dashpot.report.page_content import kind_page
 from dashpot.text_output import results as text_of
 from dashpot.text_output.layout import facts
 from dashpot.workflow.dataframes import frame
-from dashpot.workflow.json_archive import document
+from dashpot.workflow.json_archive import to_document
 from dashpot.workflow.recommendation import recommendation
 
 ARMS = ("seal_8mm.csv",)
@@ -110,7 +110,7 @@ def same(fact, printed, unit, value=None):
     """Whether a cell, in a unit, is this fact to its last digit."""
     shown, half = number(printed)
     word = unit.replace(" ", "*").replace("·", "*")
-    known = find(word) if word not in {"", "–"} else None
+    known = find_unit(word) if word not in {"", "–"} else None
     factor = 1.0 if known is None else known.factor
     expected = fact.value if value is None else value
     if math.isinf(expected):
@@ -192,13 +192,15 @@ def test_the_app_has_every_fact_but_the_dashpots_of_arms(fit):
     rows = {one.name: (one.value, one.unit) for one in view_models.terms(fit)}
     assert len(rows) == len(shown)
     held(shown, rows, name=lambda fact: fact.symbol)
-    beside = {name: (value, unit) for name, value, _, unit in view_models.beside(fit, None)}
+    beside = {
+        name: (value, unit) for name, value, _, unit in view_models.make_parameter_rows(fit, None)
+    }
     held([one for one in shown if one.name not in {"b", "k_end"}], beside,
          name=lambda fact: fact.symbol)  # fmt: skip
 
 
 def test_the_document_has_every_fact_in_si(fit):
-    whole = document(fit)
+    whole = to_document(fit)
     solid = whole["model"] if fit.family == "maxwell" else whole["solid"]
     error, between = whole["standard_error"], whole["interval_95"]
     if fit.family != "maxwell":
@@ -244,12 +246,12 @@ def test_the_frame_has_every_fact_but_dashpots(fit):
 
 def test_a_row_of_a_lot_has_every_fact_of_the_arms(fit):
     room = fit.model.arms
-    row_of = row._of_fit(fit, 40.0, room) | row._judged(fit, room)
+    row_of = row._build_fit_columns(fit, 40.0, room) | row._build_uncertainty_columns(fit, room)
     for one in fit.arm_facts:
         if one.name[0] == "b":
             continue
         column = row._column(one)
-        name, unit = of_column(column)
+        name, unit = parse_column_title(column)
         assert unit == one.unit
         assert name.replace("E_", "k_") == one.name
         assert row_of[column] == one.value
@@ -320,7 +322,7 @@ def test_a_law_of_rubber_says_the_same_in_text_and_document(bench):
         {"uniaxial": [str(bench / "tension.csv")], "biaxial": [str(bench / "biaxial.csv")]}
     )
     held(found.found, table(facts(found.found)))
-    kept = {one["name"]: one for one in document(found)["found"]}
+    kept = {one["name"]: one for one in to_document(found)["found"]}
     for fact in found.found:
         assert kept[fact.name] == {
             key: getattr(fact, key) for key in ("name", "value", "low", "high", "unit")
@@ -387,8 +389,8 @@ def test_the_answers_of_a_study_are_its_numbers():
         for end, cell in ((one.low, printed.low), (one.high, printed.high)):
             if math.isfinite(end):
                 assert same(one.fact, cell, printed.unit, end)
-        if one.by_hammer is not None:
-            assert same(one.by_hammer, printed.measured, printed.unit)
+        if one.measured_fact is not None:
+            assert same(one.measured_fact, printed.measured, printed.unit)
 
 
 # -- a lot ---------------------------------------------------------------------------------------

@@ -21,17 +21,28 @@ from hypothesis import strategies as st
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.choices import Driver, OverBase, words
-from dashpot.base.option_fields import flag_of, key_of, names_files, offered, words_of
+from dashpot.base.choices import Driver, OverBase, get_choice_values
+from dashpot.base.option_fields import (
+    flag_of,
+    is_path_field,
+    iterate_option_fields,
+    key_of,
+    words_of,
+)
 from dashpot.cli import COMMANDS, main
 from dashpot.cli._param_types import Keyed, Scoped
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.app.page_form import filled, usual
-from dashpot.extensions.app.request_parsing import job_of, noun_of, page_of, said_of
+from dashpot.extensions.app.page_form import fill_form, get_job_defaults
+from dashpot.extensions.app.request_parsing import (
+    build_from_request,
+    convert_to_request,
+    job_of,
+    page_of,
+)
 from dashpot.extensions.app.upload_store import Store
 from dashpot.extensions.batch import batch_run
-from dashpot.extensions.batch.batch_options import BatchChoices
+from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.batch_run import batch
 from dashpot.extensions.materials.hyperelastic.options import Measures
 from dashpot.extensions.materials.indentation.indenter import Indenter
@@ -41,7 +52,7 @@ from dashpot.reading.read_options import OF_HAMMER, OF_HAMMER_ALONE, ReadOptions
 from dashpot.reading.readers import detect_kind
 from dashpot.reading.readers.detect_kind import Recognised
 from dashpot.workflow.command_lines import line
-from dashpot.workflow.fit_bench_tests import BenchAsked
+from dashpot.workflow.fit_bench_tests import BenchFitOptions
 from dashpot.workflow.job import (
     Cuts,
     HammerChoices,
@@ -56,9 +67,9 @@ from dashpot.workflow.shift_options import ShiftChoices
 from dashpot.workflow.study import characterise
 
 RIG = ("seal_mass", "seals", "compression")
-TESTED = tuple(one.name for one in offered(Specimen) if one.name != "temperature")
+TESTED = tuple(one.name for one in iterate_option_fields(Specimen) if one.name != "temperature")
 """Of several tests each has a temperature of its own: a job's, not the specimen's."""
-INDENTER = tuple(one.name for one in offered(Indenter) if one.name != "mass")
+INDENTER = tuple(one.name for one in iterate_option_fields(Indenter) if one.name != "mass")
 """Its mass is the mass of the block of other tests."""
 FACES: dict[str, dict[type, tuple[str, ...]]] = {
     "report": {
@@ -76,7 +87,7 @@ FACES: dict[str, dict[type, tuple[str, ...]]] = {
     },
     "compare": {Job: (*RIG, "mass", "band"), HammerChoices: (), ReadOptions: ()},
     "inspect": {ReadOptions: ()},
-    "batch": {BatchChoices: (), ReadOptions: ()},
+    "batch": {BatchOptions: (), ReadOptions: ()},
     "export": {Job: ("seals",), Specimen: ()},
 }  # fmt: skip
 """Which commands ask for what; () is all that the noun declares."""
@@ -92,7 +103,7 @@ ASKED_OTHERWISE = {
 
 
 def declared(noun: type, names: tuple[str, ...]) -> list[Field[Any]]:
-    return [one for one in offered(noun) if not names or one.name in names]
+    return [one for one in iterate_option_fields(noun) if not names or one.name in names]
 
 
 @pytest.mark.parametrize(
@@ -135,15 +146,17 @@ def test_no_command_lists_the_words_of_a_choice_by_hand() -> None:
 @pytest.mark.parametrize(
     ("noun", "function"),
     [
-        (Job, BenchAsked), (LevelJob, workflow.level_files),
+        (Job, BenchFitOptions), (LevelJob, workflow.level_files),
         (ModesJob, workflow.modes_files), (ModesJob, workflow.modes_by_mass),
-        (BatchChoices, batch), (Job, characterise),
+        (BatchOptions, batch), (Job, characterise),
     ],
 )  # fmt: skip
 def test_what_python_takes_where_nothing_is_said_is_the_same(
     noun: type, function: Callable[..., Any]
 ) -> None:
-    usually = {one.name: one.default for one in offered(noun) if not names_files(one)}
+    usually = {
+        one.name: one.default for one in iterate_option_fields(noun) if not is_path_field(one)
+    }
     shared = inspect.signature(function).parameters.items()
     wrong = [
         name for name, one in shared
@@ -174,7 +187,7 @@ def test_no_page_of_help_needs_numpy() -> None:
 
 def page() -> str:
     static = Path(dp.__file__).parent / "extensions/app/static/index.html"
-    return filled(static.read_text(encoding="utf-8"))
+    return fill_form(static.read_text(encoding="utf-8"))
 
 
 def test_a_job_stands_in_the_form_or_it_is_said_why_not() -> None:
@@ -206,14 +219,14 @@ def test_the_instruments_of_the_page_are_those_of_the_command() -> None:
     )
     listed = re.search('id="driver">(.*?)</select>', text)
     assert listed is not None
-    assert tuple(re.findall('value="(.*?)"', listed[1])) == words(Driver)
+    assert tuple(re.findall('value="(.*?)"', listed[1])) == get_choice_values(Driver)
 
 
 @pytest.mark.parametrize(
     ("name", "unit"), [("mass", "g"), ("compression", "mm"), ("specimen-length", "mm")]
 )
 def test_a_field_says_the_unit_that_a_command_line_would(name: str, unit: str) -> None:
-    (one,) = [each for noun in (Job, Specimen) for each in offered(noun)
+    (one,) = [each for noun in (Job, Specimen) for each in iterate_option_fields(noun)
               if each.name == name.removeprefix("specimen-")]  # fmt: skip
     assert words_of(replace(Job("x"), mass=0.1))[1].endswith("g")
     assert one.metadata["unit"] in {"mass", "length"}
@@ -224,7 +237,7 @@ def test_the_form_begins_as_a_job_of_which_nothing_was_said(tmp_path: Path) -> N
     store = Store()
     try:
         file = store.put("a.csv", b"")
-        found = job_of(_listed(usual()) | {"relaxation": file}, store.folder)
+        found = job_of(_listed(get_job_defaults()) | {"relaxation": file}, store.folder)
         assert replace(found, relaxation="a.csv") == Job("a.csv")
     finally:
         store.remove()
@@ -247,9 +260,9 @@ SOUND = st.floats(1e-6, 1e6)
 OWN: dict[tuple[str, str], st.SearchStrategy[Any]] = {
     ("Job", "impact"): HITS,
     ("Specimen", "length"): st.floats(1e-3, 50), ("Specimen", "height"): st.floats(1e-3, 1),
-    ("HammerChoices", "motion"): st.sampled_from(words(OverBase)),
-    ("LevelJob", "motion"): st.sampled_from(words(OverBase)),
-    ("ModesJob", "motion"): st.sampled_from(words(OverBase)),
+    ("HammerChoices", "motion"): st.sampled_from(get_choice_values(OverBase)),
+    ("LevelJob", "motion"): st.sampled_from(get_choice_values(OverBase)),
+    ("ModesJob", "motion"): st.sampled_from(get_choice_values(OverBase)),
     ("Specimen", "temperature"): st.none(),  # a job says it for each of its tests
     ("Specimen", "date"): st.dates().map(lambda day: day.isoformat()),
     ("ReadOptions", "delimiter"): st.sampled_from([";", ",", "\t", "fixed"]),
@@ -282,7 +295,7 @@ def values(noun: type, one: Field[Any]) -> st.SearchStrategy[Any]:
         return st.tuples(st.just(0.0) | st.floats(1e-6, 10), st.floats(11, 1e3))
     if "least" in how:
         return st.integers(how["least"], 9)
-    single = NAMES if names_files(one) else TEXT
+    single = NAMES if is_path_field(one) else TEXT
     if "unit" in how:
         single = st.floats(100, 550) if how["unit"] == "temperature" else SOUND
     elif isinstance(one.default, float):
@@ -303,7 +316,7 @@ def nouns(noun: Any, *names: str) -> st.SearchStrategy[Any]:
     return st.fixed_dictionaries(given, optional=rest).map(lambda said: noun(**said))
 
 
-def of_one_reading(said: BatchChoices) -> BatchChoices:
+def of_one_reading(said: BatchOptions) -> BatchOptions:
     """A batch has one set of reading options: what is said of the hammer's files by theirs."""
     bench = said.reading.without(OF_HAMMER_ALONE)
     impact = replace(said.reading_impact.only(OF_HAMMER), frequency=bench.frequency)
@@ -400,16 +413,16 @@ def test_modes_are_typed_as_the_job_that_they_are(job: ModesJob, masses: list[fl
 
 
 @st.composite
-def batch_choices(draw: st.DrawFn) -> BatchChoices:
+def batch_choices(draw: st.DrawFn) -> BatchOptions:
     quick = draw(st.booleans())
     arms = draw(st.integers(0, 6)) if quick else draw(st.just("auto") | st.integers(0, 6))
-    rest = [one.name for one in fields(BatchChoices) if one.name not in ("quick", "arms", "joint")]
-    said = draw(nouns(BatchChoices, *rest))
+    rest = [one.name for one in fields(BatchOptions) if one.name not in ("quick", "arms", "joint")]
+    said = draw(nouns(BatchOptions, *rest))
     return of_one_reading(replace(said, quick=quick, arms=arms))
 
 
 @given(batch_choices())
-def test_a_batch_is_typed_as_the_choices_that_it_has(said: BatchChoices) -> None:
+def test_a_batch_is_typed_as_the_choices_that_it_has(said: BatchOptions) -> None:
     beside = said.reading_impact.only([name for name in OF_HAMMER if name != "frequency"])
     typed = ["-o", "lot", *words_of(replace(said, reading_impact=beside))]
     told = heard(batch_run, "run_batch", shlex.join(["dashpot", "batch", "tests", *typed]))
@@ -437,4 +450,4 @@ def test_a_page_says_a_job_back(job: Job) -> None:
 @given(st.sampled_from([LevelJob, ModesJob]).flatmap(nouns))
 def test_a_page_says_levels_and_modes_back(job: Any) -> None:
     asked = replace(job, files=(), options=replace(job.options, calibration=None))
-    assert noun_of(type(job), _listed(said_of(asked)), Path()) == asked
+    assert build_from_request(type(job), _listed(convert_to_request(asked)), Path()) == asked

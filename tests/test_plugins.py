@@ -70,11 +70,11 @@ def installed(
         (known / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 0.1.0\n")
         lines = [f"[dashpot.{group}]\n{line}\n" for group, line in points.items()]
         (known / "entry_points.txt").write_text("\n".join(lines))
-        plugins._installed.cache_clear()
+        plugins._scan_plugins.cache_clear()
 
-    plugins._installed.cache_clear()
+    plugins._scan_plugins.cache_clear()
     yield install
-    plugins._installed.cache_clear()
+    plugins._scan_plugins.cache_clear()
 
 
 @pytest.fixture
@@ -282,7 +282,7 @@ def test_none_is_used_where_they_are_off(
     file.write_bytes(b"anything")
     assert ran("inspect", file, "--part", "format=good").exit_code == 0
     monkeypatch.setenv(plugins.SWITCH, plugins.OFF)
-    plugins._installed.cache_clear()
+    plugins._scan_plugins.cache_clear()
     done = ran("inspect", file, "--part", "format=good")
     assert (done.exit_code, "Plug-ins are off" in done.stderr) == (2, True)
     assert told("inspect", "--plugins")["plugins"] == []
@@ -343,7 +343,7 @@ def test_of_a_package_that_is_found_twice_the_first_on_the_path_counts(
     (first / "METADATA").write_text("Metadata-Version: 2.1\nName: twice\nVersion: 0.2.0\n")
     (first / "entry_points.txt").write_text("[dashpot.formats]\nrig = first:reader\n")
     monkeypatch.syspath_prepend(str(first.parent))
-    plugins._installed.cache_clear()
-    found = plugins.named("formats", "rig")
+    plugins._scan_plugins.cache_clear()
+    found = plugins.find_plugin("formats", "rig")
     assert found is not None
     assert (found.value, found.version) == ("first:reader", "0.2.0")

@@ -6,7 +6,7 @@ import pytest
 from kit import handmade
 
 import dashpot as dp
-from dashpot.base.units import si, si_range
+from dashpot.base.units import convert_to_si, si_range
 from dashpot.export import TARGETS
 from dashpot.fitting.identification.identify import identify
 from dashpot.planning.assumed_seal import SupposedSeal
@@ -21,8 +21,8 @@ from dashpot.vibration.modal.dynamic_stiffness import dynamic_stiffness
 
 
 def test_a_number_is_in_si_and_a_text_has_its_unit():
-    assert si("104g", "mass") == si(0.104, "mass") == 0.104
-    assert si(None, "mass") is None
+    assert convert_to_si("104g", "mass") == convert_to_si(0.104, "mass") == 0.104
+    assert convert_to_si(None, "mass") is None
     assert si_range(("5Hz", 40.0), "frequency") == si_range("5:40Hz", "frequency") == (5.0, 40.0)
     assert si_range(None, "frequency") is None
 

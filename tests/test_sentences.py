@@ -20,8 +20,8 @@ import dashpot as dp
 from dashpot.base import checks
 from dashpot.base.checks import MOST_WORDS, Check, Finding, Verdict, criterion, verdict
 from dashpot.base.errors import DashpotError
-from dashpot.base.number_format import ascii_only, readable
-from dashpot.base.sentences import sentences, words
+from dashpot.base.number_format import ascii_only, format_typographic
+from dashpot.base.sentences import count_words, sentences
 from dashpot.cli import main
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
@@ -29,7 +29,7 @@ from dashpot.simulation.impact import simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS
 from dashpot.text_output.layout import Text
-from dashpot.text_output.terminal_layout import shown
+from dashpot.text_output.terminal_layout import format_for_screen
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.workflow.study import characterise
 
@@ -83,7 +83,7 @@ def of_fit(test: dp.RelaxationTest) -> Iterator[str]:
 
 
 def wrong(sentences: Iterator[str]) -> list[str]:
-    printed = [readable(one) for one in sentences]
+    printed = [format_typographic(one) for one in sentences]
     assert len(printed) > 10
     return [one for one in printed if CODE.search(one) or "()" in one or "  " in one]
 
@@ -110,8 +110,8 @@ VERBS = frozenset({
 def style(text: str) -> list[str]:
     """What a text has against the rules of plain English."""
     found = [f"banned word {one[0]!r}" for one in BANNED.finditer(text)]
-    long = [one for one in sentences(text) if words(one) > MOST_IN_A_SENTENCE]
-    found += [f"{words(one)} words: {one}" for one in long]
+    long = [one for one in sentences(text) if count_words(one) > MOST_IN_A_SENTENCE]
+    found += [f"{count_words(one)} words: {one}" for one in long]
     found += ["two semicolons"] if text.count(";") > 1 else []
     found += ["no full stop"] if not text.endswith((".", "?")) else []
     found += ["a sentence in small letters"] if re.match(r"(?!tau\b)[a-z]{2,} ", text) else []
@@ -137,8 +137,8 @@ def test_every_check_that_could_lead_a_verdict_says_it_in_35_words_with_a_number
     for check in of_cases():
         if check.failed and check.grade != "note":
             line = str(verdict([check, replace(check, name="another")]))
-            if words(line) > MOST_WORDS or not re.search(r"\d", line):
-                faults.append(f"{check.name}: {words(line)} words: {line}")
+            if count_words(line) > MOST_WORDS or not re.search(r"\d", line):
+                faults.append(f"{check.name}: {count_words(line)} words: {line}")
     assert not faults, "\n".join(faults)
 
 
@@ -220,9 +220,9 @@ def test_the_verdict_on_every_example_is_one_line_with_a_number(
 
     def noted(text: Text, found: Verdict | None, *rest: Any, **how: Any) -> list[str]:
         judged.append(found)
-        return shown(text, found, *rest, **how)
+        return format_for_screen(text, found, *rest, **how)
 
-    monkeypatch.setattr("dashpot.text_output.terminal_layout.shown", noted)
+    monkeypatch.setattr("dashpot.text_output.terminal_layout.format_for_screen", noted)
     faults = []
     for command in EXAMPLES:
         judged.clear()
@@ -234,8 +234,8 @@ def test_the_verdict_on_every_example_is_one_line_with_a_number(
         if not " ".join(done.stdout.split()).startswith(ascii_only(line)):
             faults.append(f"{command}: not what is printed: {line}")
         faults += [f"{command}: {one}" for one in style(line)]
-        if words(line) > MOST_WORDS:
-            faults.append(f"{command}: {words(line)} words: {line}")
+        if count_words(line) > MOST_WORDS:
+            faults.append(f"{command}: {count_words(line)} words: {line}")
         if not re.search(r"\d", line):
             faults.append(f"{command}: no number: {line}")
     assert not faults, "\n".join(faults)
@@ -270,7 +270,7 @@ def test_two_tests_that_disagree_are_answered_in_words(stiffer: float, mass: flo
     said = [study.verdict.says, study.comparison.says]
     said += [one.says for one in study.joint.explanations]
     assert study.joint.explanations
-    assert not [one for one in map(readable, said) if CODE.search(one)]
+    assert not [one for one in map(format_typographic, said) if CODE.search(one)]
 
 
 def test_the_cause_of_a_disagreement_leads_the_verdict() -> None:

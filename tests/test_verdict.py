@@ -15,10 +15,10 @@ from kit.trials import DISTURBANCES, KINDS, LAWS, trial
 from kit.verdicts import failures, judged, table
 
 import dashpot as dp
-from dashpot.base.checks import Check, Remedy, verdict, worst
+from dashpot.base.checks import Check, Remedy, select_gravest_check, verdict
 from dashpot.base.status import Status
 from dashpot.cli._command import verb
-from dashpot.cli._command_io import Outcome
+from dashpot.cli._command_io import CommandResult
 from dashpot.cli._options import result
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit as fit_tests
@@ -29,7 +29,7 @@ from dashpot.simulation.rig import Rig
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 from dashpot.text_output import results as text_of
 from dashpot.text_output.layout import Text
-from dashpot.text_output.terminal_layout import shown
+from dashpot.text_output.terminal_layout import format_for_screen
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.systems.frf_prediction import predict_frf
 from dashpot.workflow.json_archive import from_json, to_json
@@ -56,10 +56,10 @@ def test_the_gravest_failure_decides() -> None:
 
 
 def test_of_several_tests_the_gravest_is_told() -> None:
-    assert worst([OPEN, replace(OPEN, passed=True)]).passed
-    assert worst([OPEN]).passed is None
-    assert worst([LIMIT]) is LIMIT
-    found = worst([LIMIT, STOP, NOTE])
+    assert select_gravest_check([OPEN, replace(OPEN, passed=True)]).passed
+    assert select_gravest_check([OPEN]).passed is None
+    assert select_gravest_check([LIMIT]) is LIMIT
+    found = select_gravest_check([LIMIT, STOP, NOTE])
     assert (found.grade, found.says) == ("stop", "In test 2 of 3, a stop.")
 
 
@@ -82,7 +82,7 @@ def test_a_noise_free_perfect_pair_fails_nothing(seal: dp.GeneralizedMaxwell, ma
     assert [check for check in checks if check.failed] == []
     assert study.fit.ok
     assert study.joint.ok
-    printed = shown(text_of.study(study), study.verdict, checks, verbose=False)
+    printed = format_for_screen(text_of.study(study), study.verdict, checks, verbose=False)
     assert click.unstyle(printed[0]).startswith("Use: ")
     document = json.loads(to_json(study))
     assert document["verdict"] == {"use": "use", "says": study.verdict.says, "because": []}
@@ -188,14 +188,14 @@ def test_a_prediction_that_nothing_has_tested_is_used_with_care() -> None:
 
 @pytest.mark.parametrize(("check", "code"), [(OPEN, 0), (NOTE, 0), (LIMIT, 1), (STOP, 1)])
 def test_strict_heeds_what_limits_the_use(check: Check, code: int) -> None:
-    command = verb("story", "", result())(lambda **_: Outcome({}, Text(["text"]), (check,)))
+    command = verb("story", "", result())(lambda **_: CommandResult({}, Text(["text"]), (check,)))
     assert CliRunner().invoke(command, ["--strict"]).exit_code == code
     assert CliRunner().invoke(command, []).exit_code == 0
 
 
 def test_the_first_line_of_a_fit_is_its_verdict_and_the_optimiser_stands_below() -> None:
     fit = altered(handmade.study().fit, checks=(STOP, OPEN, NOTE))
-    printed = shown(text_of.fit(fit), fit.verdict, fit.checks, verbose=True)
+    printed = format_for_screen(text_of.fit(fit), fit.verdict, fit.checks, verbose=True)
     lines = click.unstyle("\n".join(printed)).splitlines()
     assert lines[0] == "Do not use: a stop. Do that."
     assert any(line.split()[:1] == ["optimiser"] for line in lines)
@@ -212,7 +212,9 @@ def test_a_check_says_below_the_verdict_what_that_left_out() -> None:
     check = Check("level", False, f"The end falls. {why}", remedy=Remedy("Go on.", "hold", "9s"))
     judged = verdict((check,))
     assert str(judged).startswith("Use with care: the end falls.")
-    lines = click.unstyle("\n".join(shown(Text(["text"]), judged, (check,)))).splitlines()
+    lines = click.unstyle(
+        "\n".join(format_for_screen(Text(["text"]), judged, (check,)))
+    ).splitlines()
     below = " ".join(lines[lines.index("text") + 2 :])
     assert below.startswith("  ! (see line 1) It fell by 88 %")
     assert "(--hold 9s)" in below

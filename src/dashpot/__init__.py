@@ -17,7 +17,7 @@ The public names stand in ``__init__.pyi``; each is imported when it is first us
 ``import dashpot`` and ``dashpot --help`` cost next to nothing.
 """
 
-from dashpot.base.lazy import names_of, verbs_first
+from dashpot.base.lazy import build_lazy_exports, set_package_functions
 
-__getattr__, __dir__, __all__ = names_of(__name__, __file__)
-verbs_first(__name__, "report", "export")
+__getattr__, __dir__, __all__ = build_lazy_exports(__name__, __file__)
+set_package_functions(__name__, "report", "export")

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import ModuleType
 
 from dashpot.base.plugins import Plugin
-from dashpot.base.units import find
+from dashpot.base.units import find_unit
 from dashpot.reading.formats.plugin_format import table_of
 
 
@@ -54,7 +54,9 @@ def check_format(module: ModuleType, sample: str | Path) -> list[str]:
         raise AssertionError(f"{kind} is read as if it were one of yours: raise a ValueError")
     names = []
     for name, unit, _ in first:
-        assert unit is None or find(unit), f"'{name}' is in '{unit}', which dashpot does not know"
+        assert unit is None or find_unit(unit), (
+            f"'{name}' is in '{unit}', which dashpot does not know"
+        )
         names.append(f"{name} [{unit or '?'}]")
     return names
 

@@ -12,31 +12,31 @@ from dashpot.base.arrays import (
     LEAST,
     MOST,
     MOST_SAMPLES,
+    compute_single_dft,
     frozen,
-    measured,
+    make_cosine_sequence,
     sample_count,
-    sealed,
+    set_readonly,
     slow_periodogram,
-    turned_sum,
-    wave,
+    validate_measured,
 )
 from dashpot.base.errors import DataError
 
 
 @given(st.lists(st.floats(-MOST, MOST), min_size=1), st.sampled_from([LEAST, -LEAST, MOST, -MOST]))
 def test_what_can_be_measured_is_kept(values, peak):
-    array = measured("force", [*values, peak])
+    array = validate_measured("force", [*values, peak])
     assert array.tolist() == [*values, peak]
 
 
 @pytest.mark.parametrize("peak", [1.01 * MOST, -1.01 * MOST, 0.99 * LEAST, -1e-300, 1e308])
 def test_what_cannot_is_refused(peak):
     with pytest.raises(DataError, match=r"force reaches .* check the unit"):
-        measured("force", [0.0, peak])
+        validate_measured("force", [0.0, peak])
 
 
 def test_nothing_at_all_can_be_measured():
-    assert measured("force", [0.0, 0.0]).tolist() == [0.0, 0.0]
+    assert validate_measured("force", [0.0, 0.0]).tolist() == [0.0, 0.0]
 
 
 @pytest.mark.parametrize("scale", [1e150, 1e300, 1e-150, 1e-300])
@@ -65,14 +65,14 @@ def test_slow_periodogram_is_the_plain_sum_at_its_cycles(n, most):
 
 
 def test_what_nobody_can_write_to_is_taken_as_it_is_and_all_else_is_copied():
-    own, others = sealed(np.arange(8.0)), np.arange(8.0)
-    assert measured("time", own) is own
+    own, others = set_readonly(np.arange(8.0)), np.arange(8.0)
+    assert validate_measured("time", own) is own
     assert frozen(own[1:]).base is own
     # a small part would keep the whole
     assert frozen(own[:1]).base is None
     view = others[:]
     view.setflags(write=False)
-    kept = [measured("time", others), measured("time", view), frozen(view)]
+    kept = [validate_measured("time", others), validate_measured("time", view), frozen(view)]
     others[0] = 7.0
     assert [one[0] for one in kept] == [0.0, 0.0, 0.0]
     for one in (*kept, frozen(own)):
@@ -85,5 +85,7 @@ def test_a_wave_and_a_turned_sum_are_those_of_exponentials(count):
     turn, size = 0.0371, 0.3 - 0.4j
     turns = np.exp(1j * turn * np.arange(count))
     values = np.random.default_rng(count).standard_normal(count)
-    np.testing.assert_allclose(wave(count, turn, size), (size * turns).real, atol=1e-11)
-    assert turned_sum(values, turn) == pytest.approx(values @ turns, abs=1e-9)
+    np.testing.assert_allclose(
+        make_cosine_sequence(count, turn, size), (size * turns).real, atol=1e-11
+    )
+    assert compute_single_dft(values, turn) == pytest.approx(values @ turns, abs=1e-9)

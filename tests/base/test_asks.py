@@ -5,14 +5,14 @@ from __future__ import annotations
 import pytest
 
 from dashpot.base.errors import DataError
-from dashpot.base.form_fields import Answers, Ask
+from dashpot.base.form_fields import FormData, FormField
 
-MASS = Ask("mass", "Moving mass", "g", "--mass")
-DENSITY = Ask("density", "Density", "kg/m^3", "--density", form="bare")
-BETWEEN = Ask("between", "Asked between", "mm", "--between", form="range")
-DISC = Ask("disc", "Diameter, length", "mm", "--shape", form="sizes", before="disc:")
-SPEED = Ask("slam", "Speed or fall", "", "--slam", form="words")
-MODE = Ask("test", "Kind of test", "", "--test", ("uniaxial", "biaxial"), each=True)
+MASS = FormField("mass", "Moving mass", "g", "--mass")
+DENSITY = FormField("density", "Density", "kg/m^3", "--density", form="bare")
+BETWEEN = FormField("between", "Asked between", "mm", "--between", form="range")
+DISC = FormField("disc", "Diameter, length", "mm", "--shape", form="sizes", before="disc:")
+SPEED = FormField("slam", "Speed or fall", "", "--slam", form="words")
+MODE = FormField("test", "Kind of test", "", "--test", ("uniaxial", "biaxial"), each=True)
 
 
 @pytest.mark.parametrize(
@@ -30,23 +30,23 @@ MODE = Ask("test", "Kind of test", "", "--test", ("uniaxial", "biaxial"), each=T
 )
 def test_a_field_is_an_option_of_the_shell(ask, typed, words):
     assert ask.words(ask.read(typed)) == words
-    said = Answers.typed((ask,), {ask.name: typed})
+    said = FormData.from_fields((ask,), {ask.name: typed})
     assert said.options(1) == tuple(word for each in words for word in (ask.flag, each))
 
 
 def test_what_is_asked_of_every_file_has_a_choice_for_each():
-    said = Answers.typed((MODE,), {"test 1": "biaxial", "other": "1"})
+    said = FormData.from_fields((MODE,), {"test 1": "biaxial", "other": "1"})
     assert said.options(2) == ("--test", "uniaxial", "--test", "biaxial")
 
 
 def test_numbers_are_those_of_si_and_what_is_none_is_said():
-    said = Answers.typed((MASS, BETWEEN, DENSITY), {"mass": "114,8", "between": "4 to 8"})
+    said = FormData.from_fields((MASS, BETWEEN, DENSITY), {"mass": "114,8", "between": "4 to 8"})
     assert said.number("mass", "mass") == pytest.approx(0.1148)
     assert said.range("between", "length") == pytest.approx((4e-3, 8e-3))
     assert said.bare("density") is None
-    assert Answers.typed((DENSITY,), {"density": "1100"}).bare("density") == 1100.0
+    assert FormData.from_fields((DENSITY,), {"density": "1100"}).bare("density") == 1100.0
     with pytest.raises(DataError, match="moving mass is not given: type it beside the files"):
-        Answers.typed((MASS,), {}).needed("mass", "mass")
+        FormData.from_fields((MASS,), {}).needed("mass", "mass")
     for typed in ("heavy", "1.1 g/cm3"):
         with pytest.raises(DataError, match=f"density is '{typed}'; expected a number of kg/m"):
-            Answers.typed((DENSITY,), {"density": typed}).bare("density")
+            FormData.from_fields((DENSITY,), {"density": typed}).bare("density")

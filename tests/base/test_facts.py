@@ -8,12 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from dashpot.base.reported_values import Fact
-from dashpot.base.serialisation import DIGEST, Documented, digest_of, fields_of, plain
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.serialisation import (
+    DIGEST,
+    Serialisable,
+    compute_document_digest,
+    decode_fields,
+    to_plain_value,
+)
 
 
 def test_a_fact_is_read_in_the_unit_of_the_field() -> None:
-    found = Fact("k_1", 17432.1, 17000.0, 17864.2, "N/m", 200.0)
+    found = ReportedValue("k_1", 17432.1, 17000.0, 17864.2, "N/m", 200.0)
     assert found.cells == ("k_1", "17.43", "0.20", "17.00 to 17.86", "N/mm")
     assert found.cells.with_error == "17.43 ± 0.20"
     assert found.symbol == "k₁"
@@ -30,29 +36,29 @@ def test_a_fact_is_read_in_the_unit_of_the_field() -> None:
     ],
 )
 def test_what_is_known_of_a_value_is_said(error: float | None, said: str) -> None:
-    assert Fact("tau_1", 2.0, unit="s", error=error).cells.with_error == said
+    assert ReportedValue("tau_1", 2.0, unit="s", error=error).cells.with_error == said
 
 
 def test_what_is_known_to_be_at_least_so_much_says_no_value() -> None:
-    found = Fact("life", math.nan, 3.6e6, math.inf, "s", read="h")
+    found = ReportedValue("life", math.nan, 3.6e6, math.inf, "s", read="h")
     assert found.says == "life at least 1000 h"
     assert found.cells[1:] == ("", "", "at least 1000", "h")
     assert found.ends == ("unknown", "1000", "no limit")
     # a value of an infinite interval is known
-    assert Fact("life", 7.2e6, 3.6e6, math.inf, "s", read="h").cells.value == "2000"
+    assert ReportedValue("life", 7.2e6, 3.6e6, math.inf, "s", read="h").cells.value == "2000"
 
 
 def test_a_bound_alone_says_no_value() -> None:
-    found = Fact("viscous_time", 4e-4, 0.0, 2.2e-2, "s", read="ms")
+    found = ReportedValue("viscous_time", 4e-4, 0.0, 2.2e-2, "s", read="ms")
     assert found.says == "viscous time below 22.0 ms"
 
 
 def test_a_value_that_is_at_most_so_much_says_both_and_no_error() -> None:
-    found = Fact("k_inf", 204.4, math.nan, 208.6, "N/m")
+    found = ReportedValue("k_inf", 204.4, math.nan, 208.6, "N/m")
     assert found.says == "k_inf 0.2044 N/mm, at most 0.2086"
     assert found.cells[1:] == ("0.2044", "", "at most 0.2086", "N/mm")
     # one that meets its bound has the digits of a thousandth of it
-    assert Fact("k_inf", 204.4, math.nan, 204.4, "N/m").cells.interval == "at most 0.20440"
+    assert ReportedValue("k_inf", 204.4, math.nan, 204.4, "N/m").cells.interval == "at most 0.20440"
 
 
 @dataclass(frozen=True)
@@ -62,7 +68,7 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Result(Documented):
+class Result(Serialisable):
     schema = "dashpot/result@0"
     keys = ("law", "part.length", "high=part.length", "part.inside?", "*more", "part")
 
@@ -81,7 +87,7 @@ def test_a_document_is_a_list_of_attributes() -> None:
 
 
 @dataclass(frozen=True)
-class Whole(Documented):
+class Whole(Serialisable):
     keys = ("*", "high=part.length~", "*result", "gone=nothing.length", "left=nothing?")
 
     part: Part
@@ -100,12 +106,12 @@ def test_what_is_not_known_is_null_and_what_is_not_there_is_left_out() -> None:
         "part": {"length": "NaN", "inside": None}, "result": None, "nothing": None, "high": None,
         "gone": None,
     }  # fmt: skip
-    assert seal == digest_of(found | {DIGEST: "any"})
-    assert seal != digest_of(found | {"high": 1})
+    assert seal == compute_document_digest(found | {DIGEST: "any"})
+    assert seal != compute_document_digest(found | {"high": 1})
 
 
 @dataclass(frozen=True)
-class Taken(Documented):
+class Taken(Serialisable):
     keys = ("*whole", "more")
 
     whole: Whole
@@ -114,19 +120,19 @@ class Taken(Documented):
 
 def test_what_takes_in_a_sealed_document_is_sealed_as_a_whole() -> None:
     found = Taken(Whole(Part(1.0))).document
-    assert found[DIGEST] == digest_of(found) != Whole(Part(1.0)).document[DIGEST]
+    assert found[DIGEST] == compute_document_digest(found) != Whole(Part(1.0)).document[DIGEST]
 
 
 def test_the_fields_go_back_the_way_they_came() -> None:
     laid = {"law": "linear", "high": 2.0, "k": 3.0, "strange": 4.0}
-    assert fields_of(Result, laid) == {
+    assert decode_fields(Result, laid) == {
         "law": "linear", "part": {"length": 2.0}, "more": laid,
     }  # fmt: skip
     whole = laid | {"part": {"length": 1.0, "inside": None}}
-    assert fields_of(Result, whole)["part"] == whole["part"]
+    assert decode_fields(Result, whole)["part"] == whole["part"]
 
 
 def test_arrays_and_complex_numbers_are_plain() -> None:
-    assert plain({"a": np.array([1 + 2j]), "n": np.float64(3.0)}) == {
+    assert to_plain_value({"a": np.array([1 + 2j]), "n": np.float64(3.0)}) == {
         "a": {"real": [1.0], "imag": [2.0]}, "n": 3.0,
     }  # fmt: skip

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dashpot.base.arrays import fast_length
+from dashpot.base.arrays import find_fast_length
 
 
 def smooth(n: int) -> bool:
@@ -17,4 +17,4 @@ def smooth(n: int) -> bool:
 
 @given(st.integers(1, 100_000))
 def test_fast_length_is_the_next_without_a_prime_above_five(n: int) -> None:
-    assert fast_length(n) == next(size for size in range(n, 2 * n + 1) if smooth(size))
+    assert find_fast_length(n) == next(size for size in range(n, 2 * n + 1) if smooth(size))

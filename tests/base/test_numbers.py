@@ -12,15 +12,15 @@ from dashpot.base.number_format import (
     ascii_only,
     decibels,
     duration,
+    format_interval,
+    format_typographic,
     interval,
-    known_between,
     percent,
-    readable,
-    rounded,
+    round_to_error,
     shorter,
+    split_identifier,
     symbol,
     with_error,
-    words,
 )
 
 
@@ -46,14 +46,14 @@ from dashpot.base.number_format import (
     ],
 )
 def test_rounding(value, error, text):
-    assert rounded(value, error) == text
+    assert round_to_error(value, error) == text
 
 
 @given(st.floats(1e-6, 1e6), st.floats(1e-6, 1.0))
 def test_rounding_never_moves_a_value_by_more_than_a_tenth_of_its_error(value, relative):
     error = relative * value
     raised = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
-    shown = float(rounded(value, error).replace("·10", "e").translate(raised))
+    shown = float(round_to_error(value, error).replace("·10", "e").translate(raised))
     assert abs(shown - value) <= 0.051 * error + 1e-9 * value
 
 
@@ -88,11 +88,11 @@ def test_parameters_are_written_as_printed():
     assert symbol("ln_tau_12") == "ln τ₁₂"
     assert symbol("k_inf") == "k∞"
     assert symbol("b_1") == "b₁"
-    assert readable("tau_1 and k_inf, not tau_x nor sk_1; tau = 2 s") == (
+    assert format_typographic("tau_1 and k_inf, not tau_x nor sk_1; tau = 2 s") == (
         "τ₁ and k∞, not tau_x nor sk_1; τ = 2\N{NO-BREAK SPACE}s"
     )
-    assert words("tau_inside_window") == "τ inside window"
-    assert words("k_inf_positive") == "k∞ positive"
+    assert split_identifier("tau_inside_window") == "τ inside window"
+    assert split_identifier("k_inf_positive") == "k∞ positive"
 
 
 def test_long_numbers_in_steps_are_shortened_and_words_are_not():
@@ -106,7 +106,7 @@ def test_long_numbers_in_steps_are_shortened_and_words_are_not():
     [(-0.25, 0.012, "-0.250"), (2.5e-7, None, "2.50e-7"), (-math.inf, None, "-inf")],
 )
 def test_terminals_get_the_same_digits_in_their_alphabet(value, error, text):
-    printed = ascii_only(rounded(value, error))
+    printed = ascii_only(round_to_error(value, error))
     assert printed == text
     assert printed.isascii()
 
@@ -125,4 +125,4 @@ def test_terminals_get_the_same_digits_in_their_alphabet(value, error, text):
     ],
 )
 def test_an_interval_that_does_not_hold_the_power_of_ten_is_open(value, low, high, error, text):
-    assert known_between(value, low, high, error) == text
+    assert format_interval(value, low, high, error) == text

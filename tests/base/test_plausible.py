@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from dashpot.base.errors import DataError
-from dashpot.base.plausibility import SIZES, short
+from dashpot.base.plausibility import SIZES, format_quantity_short
 
 ENDS = {
     "travel": (1e-9, 0.5), "force": (1e-13, 2e5), "stiffness": (0.05, 1e9), "ramp": (1e-4, 900),
@@ -52,7 +52,12 @@ def test_real_tests_pass_and_slips_do_not():
 
 
 def test_a_size_is_said_as_people_do():
-    said = [short(8.71, "m"), short(2e-3, "m"), short(4e9, "Pa"), short(3.2e4, "m/s^2")]
+    said = [
+        format_quantity_short(8.71, "m"),
+        format_quantity_short(2e-3, "m"),
+        format_quantity_short(4e9, "Pa"),
+        format_quantity_short(3.2e4, "m/s^2"),
+    ]
     assert said == ["8.71 m", "2 mm", "4 GPa", "3.2e+04 m/s^2"]
-    assert short(7200.0, "s") == "2 h"
-    assert short(0.0, "N") == "0 N"
+    assert format_quantity_short(7200.0, "s") == "2 h"
+    assert format_quantity_short(0.0, "N") == "0 N"

@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 from dashpot.base.errors import DataError
 from dashpot.base.units import (
     TABLE,
+    convert_to_unit,
     dimensions,
-    find,
-    in_unit,
+    find_unit,
+    get_display_unit,
     parse_quantity,
     parse_range,
     parse_unit,
-    read_in,
     si_unit,
 )
 
@@ -69,7 +69,7 @@ def test_every_factor_is_that_of_pint() -> None:
     ],
 )  # fmt: skip
 def test_spellings(word: str, dimension, found: str) -> None:
-    unit = find(word, dimension)
+    unit = find_unit(word, dimension)
     assert unit is not None
     assert unit.word == found
 
@@ -78,12 +78,12 @@ def test_spellings(word: str, dimension, found: str) -> None:
     ("word", "dimension"), [("mn", "force"), ("MM", "time"), ("x", None), ("", None)]
 )
 def test_what_is_no_unit(word: str, dimension) -> None:
-    assert find(word, dimension) is None
+    assert find_unit(word, dimension) is None
 
 
 def test_a_meganewton_is_no_millinewton() -> None:
-    assert find("MN", "force").factor == 1e6
-    assert find("mN", "force").factor == 1e-3
+    assert find_unit("MN", "force").factor == 1e6
+    assert find_unit("mN", "force").factor == 1e-3
 
 
 def test_words_of_two_meanings() -> None:
@@ -160,17 +160,17 @@ def test_in_a_unit_and_back(key: str, value: float) -> None:
     if word in {"g", "nm"} and dimension == "acceleration":
         return  # shown in m/s^2, never in g
     unit = TABLE[key]
-    shown = in_unit(value, word)
+    shown = convert_to_unit(value, word)
     assert unit.factor * shown + unit.offset == pytest.approx(value, rel=1e-12, abs=1e-9)
 
 
 def test_what_people_read_is_the_same_quantity() -> None:
     for unit in TABLE.values():
         plain = si_unit(unit.dimension)
-        read = find(read_in(plain.word), unit.dimension)
+        read = find_unit(get_display_unit(plain.word), unit.dimension)
         assert read is not None, unit.word
 
 
 def test_a_unit_that_is_not_in_the_table_is_refused() -> None:
     with pytest.raises(DataError, match="'furlong' is not a known unit"):
-        in_unit(1.0, "furlong")
+        convert_to_unit(1.0, "furlong")

@@ -12,7 +12,7 @@ import pytest
 
 from dashpot import workflow
 from dashpot.cli import main
-from dashpot.cli._command import Opt, Verb
+from dashpot.cli._command import CommandOption, DashpotCommand
 from dashpot.report.first_screen import lights
 from dashpot.workflow.job import Job
 from dashpot.workflow.recommendation import recommendation
@@ -81,9 +81,9 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return found
 
 
-def options_of(verb: str) -> Iterator[Opt]:
+def options_of(verb: str) -> Iterator[CommandOption]:
     found = main.get_command(click.Context(main), verb)
-    assert isinstance(found, Verb)
+    assert isinstance(found, DashpotCommand)
     for one in found.options:
         if one.group not in TELLING and one.flag not in NO_CHOICE | {"--output", "--open"}:
             yield one

@@ -15,7 +15,7 @@ from kit.kinds import bench, ramp_and_hold
 from kit.shell import ran
 
 from dashpot import workflow
-from dashpot.base.escaping import escaped, escaped_json
+from dashpot.base.escaping import escape_terminal_text, escaped_json
 from dashpot.cli import COMMANDS, main
 from dashpot.cli._param_types import Output
 from dashpot.reading.write import write_relaxation
@@ -97,7 +97,7 @@ def test_interrupted_is_no_failed_check(broken, monkeypatch):
 
 @given(st.text())
 def test_escaped_text_holds_nothing_that_a_terminal_obeys(text):
-    shown = escaped(text)
+    shown = escape_terminal_text(text)
     assert not {sign for sign in shown if category(sign) in {"Cc", "Cs"}} - {"\t", "\n"}
     assert not set(HIDDEN[-1:]) & set(shown)
     shown.encode()
@@ -112,8 +112,8 @@ def test_an_escaped_document_holds_the_same(text):
 
 def test_colours_stay_and_nothing_else():
     red = click.style("bad", fg="red", bold=True)
-    assert escaped(red, colours=True) == red
-    assert "\x1b" not in escaped("\x1b[8mhidden\x1b[2J\x1b[1A", colours=True)
+    assert escape_terminal_text(red, colours=True) == red
+    assert "\x1b" not in escape_terminal_text("\x1b[8mhidden\x1b[2J\x1b[1A", colours=True)
 
 
 @pytest.mark.parametrize("option", [(), ("--json",)])

@@ -14,10 +14,10 @@ from kit.kinds import bench, files, ramp_and_hold
 from kit.shell import ran, told
 
 from dashpot import workflow
-from dashpot.base.choices import ElasticKindAsked, words
+from dashpot.base.choices import ElasticKindAsked, get_choice_values
 from dashpot.cli import COMMANDS, main
-from dashpot.cli._command import LIMIT, WIDTH, Opt, Verb
-from dashpot.cli._param_types import Keyed, Scoped, Units, nearest
+from dashpot.cli._command import LIMIT, WIDTH, CommandOption, DashpotCommand
+from dashpot.cli._param_types import Keyed, Scoped, Units, format_suggestion
 from dashpot.extensions.materials.hyperelastic.options import MODES
 from dashpot.reading.read_options import ReadOptions
 
@@ -39,13 +39,13 @@ READING = (
 )
 
 
-def verb(name: str) -> Verb:
+def verb(name: str) -> DashpotCommand:
     found = main.get_command(click.Context(main), name)
-    assert isinstance(found, Verb)
+    assert isinstance(found, DashpotCommand)
     return found
 
 
-def option(name: str, flag: str) -> Opt:
+def option(name: str, flag: str) -> CommandOption:
     (found,) = [one for one in verb(name).options if flag in one.opts]
     return found
 
@@ -319,7 +319,9 @@ def test_a_word_that_is_misspelt_is_answered_with_the_nearest(typed: str, says: 
 
 
 def test_the_nearest_word_is_named_or_all_are() -> None:
-    assert nearest("biaxal", MODES) == "Did you mean 'biaxial'?"
-    assert nearest("qqq", ["full", "hold"]) == "Known are full and hold."
-    assert nearest("qqq", ["one"]) == ""
-    assert all(nearest(word, words(ElasticKindAsked)) for word in ("ogdn", "qqq"))
+    assert format_suggestion("biaxal", MODES) == "Did you mean 'biaxial'?"
+    assert format_suggestion("qqq", ["full", "hold"]) == "Known are full and hold."
+    assert format_suggestion("qqq", ["one"]) == ""
+    assert all(
+        format_suggestion(word, get_choice_values(ElasticKindAsked)) for word in ("ogdn", "qqq")
+    )

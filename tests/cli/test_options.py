@@ -9,10 +9,10 @@ import pytest
 from click.testing import CliRunner
 from kit.shell import ran
 
-from dashpot.base.option_fields import flag_of, key_of, offered, option
+from dashpot.base.option_fields import flag_of, iterate_option_fields, key_of, option
 from dashpot.cli import COMMANDS, main
-from dashpot.cli._command import KEYED, of, verb
-from dashpot.cli._options import given, piece
+from dashpot.cli._command import KEYED, build_options, verb
+from dashpot.cli._options import get_typed_options, piece
 from dashpot.cli._param_types import Keyed
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
@@ -44,7 +44,7 @@ def _pot(monkeypatch):
 def brewed(*words):
     got = []
 
-    @verb("brew", "Brew it.", of(Tea, into="tea"))
+    @verb("brew", "Brew it.", build_options(Tea, into="tea"))
     def command(*, tea):
         got.append(tea)
 
@@ -111,7 +111,7 @@ def test_commands_offer_every_field_of_their_nouns(command, nouns):
     found = main.get_command(click.Context(main), command)
     assert found is not None
     for noun in nouns:
-        for one in offered(noun):
+        for one in iterate_option_fields(noun):
             assert f"{flag_of(one)} " in text
             (asked,) = [each for each in found.params if flag_of(one) in each.opts]
             if "under" in one.metadata:
@@ -137,7 +137,7 @@ def test_the_list_of_commands_needs_none_of_them():
 def test_the_next_command_says_each_of_several_temperatures() -> None:
     @verb("asked", "Say it again.", piece(each=True))
     def asked(**_: object) -> None:
-        click.echo(" ".join(given()))
+        click.echo(" ".join(get_typed_options()))
 
     said = ["--temperature", "23degC", "--temperature", "0degC", "--length", "50mm"]
     done = CliRunner().invoke(asked, said)

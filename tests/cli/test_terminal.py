@@ -18,17 +18,23 @@ from kit.shell import ran
 
 import dashpot as dp
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.progress import doing
+from dashpot.base.progress import send_progress
 from dashpot.cli import _command_io, _terminal
 from dashpot.cli._command import verb
-from dashpot.cli._command_io import Outcome
+from dashpot.cli._command_io import CommandResult
 from dashpot.cli._options import result as told
-from dashpot.datamodel.fit_diagnostics import AtDepth
+from dashpot.datamodel.fit_diagnostics import DepthStiffness
 from dashpot.export import TARGETS
 from dashpot.text_output import results as text_of
 from dashpot.text_output import terminal_layout
 from dashpot.text_output.layout import Text
-from dashpot.text_output.terminal_layout import COLUMNS, LINES, ScreenSize, shown, wrapped
+from dashpot.text_output.terminal_layout import (
+    COLUMNS,
+    LINES,
+    ScreenSize,
+    format_for_screen,
+    wrap_line,
+)
 from dashpot.workflow.json_archive import from_json, to_json
 
 STOP = Check("a_stop", False, "a stop; do that", grade="stop")
@@ -52,7 +58,7 @@ def bare(lines):
 )
 def test_whatever_is_found_fits_a_screen_and_leads_with_its_verdict(lines, checks):
     found = verdict(checks)
-    printed = bare(shown(Text(lines, ["more"]), found, checks, verbose=False))
+    printed = bare(format_for_screen(Text(lines, ["more"]), found, checks, verbose=False))
     assert len(printed) <= LINES
     assert printed[0].startswith(f"{found.use.capitalize()}:")
     assert all(len(line) <= COLUMNS or " " not in line.strip() for line in printed)
@@ -61,14 +67,14 @@ def test_whatever_is_found_fits_a_screen_and_leads_with_its_verdict(lines, check
 
 @pytest.mark.parametrize(("rows", "more"), [(LINES - 1, False), (LINES, True)])
 def test_what_is_cut_is_said_to_be(rows, more):
-    printed = shown(Text([f"row {i}" for i in range(rows)]), None, (), verbose=False)
+    printed = format_for_screen(Text([f"row {i}" for i in range(rows)]), None, (), verbose=False)
     assert (printed[-1] == "  more with -v") is more
     assert len(printed) <= LINES
 
 
 def test_what_was_asked_for_is_never_cut():
     body, wanted = [f"line {i}" for i in range(80)], [f"share {i}" for i in range(50)]
-    found = shown(Text(body, asked=wanted), None, [Check("one", True, "")])
+    found = format_for_screen(Text(body, asked=wanted), None, [Check("one", True, "")])
     assert [line for line in found if line.startswith("share")] == wanted
     assert found[-2:] == ["  checks      1 passed", "  more with -v"]
     assert len(found) == LINES + len(wanted)
@@ -113,40 +119,40 @@ def test_an_inspection_says_nothing_of_the_rows_of_a_file_that_has_none(tmp_path
 def test_failed_checks_outlast_the_numbers_on_a_short_screen():
     checks = (STOP, *(replace(LONG, name=f"long_{i}") for i in range(4)), NOTE)
     numbers = [f"row {i}" for i in range(80)]
-    short = bare(shown(Text(numbers), verdict(checks), checks, verbose=False))
+    short = bare(format_for_screen(Text(numbers), verdict(checks), checks, verbose=False))
     assert sum(line.startswith("  ! ") for line in short) == 4
     assert sum(line.endswith(" ...") for line in short) == 5  # and where the numbers are cut
     assert "row 0" in short
     assert "row 79" not in short
     assert not any("a_note" in line for line in short)
     assert "  checks      5 failed, 1 note" in short
-    long = bare(shown(Text(numbers), verdict(checks), checks, verbose=True))
+    long = bare(format_for_screen(Text(numbers), verdict(checks), checks, verbose=True))
     assert "row 79" in long
     assert long[-1] == "  - A note. a_note"
     said = " ".join(line.strip() for line in long)
     assert said.count(LONG.says.strip()) == 4
-    alone = bare(shown(Text(["row"]), None, checks, verbose=False))
+    alone = bare(format_for_screen(Text(["row"]), None, checks, verbose=False))
     assert sum(line.startswith("  ! ") for line in alone) == 4  # of weight, without a verdict, too
     assert not any("a_note" in line for line in alone)
 
 
 def test_a_line_breaks_under_its_own_text():
     label = "  left open   " + "word " * 40
-    first, *others = wrapped(label)
+    first, *others = wrap_line(label)
     assert len(first) <= COLUMNS
     assert all(line.startswith(" " * 14 + "word") for line in others)
     row = "  3  ch1 [N]   N   force   " + "because " * 20
-    assert all(line.startswith(" " * 27 + "because") for line in wrapped(row)[1:])
+    assert all(line.startswith(" " * 27 + "because") for line in wrap_line(row)[1:])
     for at, hang in ((COLUMNS // 2, COLUMNS // 2), (COLUMNS // 2 + 1, 2)):
         row = "  a".ljust(at) + "because " * 20
-        assert all(line[:hang].isspace() and line[hang] == "b" for line in wrapped(row)[1:])
+        assert all(line[:hang].isspace() and line[hang] == "b" for line in wrap_line(row)[1:])
     path = "wrote /" + "a" * 140
-    assert any(path.split()[1] in line for line in wrapped(path))
+    assert any(path.split()[1] in line for line in wrap_line(path))
 
 
 @pytest.mark.parametrize("name", ["a\x1b[31mred.csv", "a\x9b31mred.csv", "bell\x07.csv", "a\rb"])
 def test_a_file_name_cannot_steer_the_terminal(name):
-    printed = "".join(shown(Text([f"{name}: 2 arms"]), None, (), verbose=True))
+    printed = "".join(format_for_screen(Text([f"{name}: 2 arms"]), None, (), verbose=True))
     assert not any(ord(c) < 32 or 127 <= ord(c) < 160 for c in printed)
     result = ran("fit", name)
     assert not any(ord(c) < 32 or 127 <= ord(c) < 160 for c in result.output.replace("\n", ""))
@@ -159,10 +165,10 @@ def test_every_story_fits_a_screen():
         (text_of.fit(study.fit), study.fit.verdict, study.fit.checks),
         (text_of.fit(study.joint), study.joint.verdict, study.joint.checks),
     ):
-        short = bare(shown(text, found, checks, verbose=False))
+        short = bare(format_for_screen(text, found, checks, verbose=False))
         assert len(short) <= LINES
         assert max(map(len, short)) <= COLUMNS
-        long = bare(shown(text, found, checks, verbose=True))
+        long = bare(format_for_screen(text, found, checks, verbose=True))
         assert max(map(len, long)) <= COLUMNS
         assert any(line.split()[:1] == ["optimiser"] for line in long)
         assert not any(line.split()[:1] == ["optimiser"] for line in short)
@@ -189,7 +195,7 @@ def test_an_arm_that_is_not_identified_prints_no_interval():
 def test_the_arms_of_a_study_stand_on_the_first_screen():
     """Of 24 lines of 80 columns: an arm is a row, beside what was predicted and measured."""
     study = handmade.study()
-    lines = bare(shown(text_of.study(study), study.verdict, study.checks, size=NARROW))
+    lines = bare(format_for_screen(text_of.study(study), study.verdict, study.checks, size=NARROW))
     assert max(map(len, lines)) <= NARROW.columns
     assert len(lines) <= NARROW.lines
     solid = study.fit if study.joint is None else study.joint
@@ -202,7 +208,7 @@ def test_the_arms_of_a_study_stand_on_the_first_screen():
 
 
 def invoke(*words, checks=(STOP,), **how):
-    outcome = Outcome({}, Text(["text"]), checks, verdict=verdict(checks), follow="dashpot x")
+    outcome = CommandResult({}, Text(["text"]), checks, verdict=verdict(checks), follow="dashpot x")
     command = verb("story", "Tell a story.", told(plot=False))(lambda: outcome)
     return CliRunner().invoke(command, words, **how)
 
@@ -235,7 +241,7 @@ def test_what_was_written_and_what_comes_next_stand_last(tmp_path):
     @verb("page", "Write a page.", told(plot=False))
     def command():
         _command_io.write(str(tmp_path / "page.html"), "x")
-        return Outcome({}, Text(["text"]), follow="dashpot fit page.html")
+        return CommandResult({}, Text(["text"]), follow="dashpot fit page.html")
 
     result = CliRunner().invoke(command, [])
     assert result.output.splitlines()[-2:] == [
@@ -263,7 +269,7 @@ def test_open_shows_the_page_or_says_why_not(tmp_path, monkeypatch):
     def command(*, name):
         _command_io.write(str(tmp_path / "data.csv"), "")
         _command_io.write(str(tmp_path / name), "")
-        return Outcome({}, Text())
+        return CommandResult({}, Text())
 
     monkeypatch.setattr(click, "launch", lambda path: opened.append(path) or 0)
     CliRunner().invoke(command, ["page.html", "--open"])
@@ -284,7 +290,8 @@ def test_a_planned_test_is_rehearsed_as_it_was_planned():
 
 def test_next_is_typed_as_the_shell_reads_it():
     assert (
-        _command_io.typed("fit", "my seal.csv", why="again") == "dashpot fit 'my seal.csv'  # again"
+        _command_io.format_command("fit", "my seal.csv", why="again")
+        == "dashpot fit 'my seal.csv'  # again"
     )
 
 
@@ -302,7 +309,7 @@ def worked(monkeypatch, stream, *, patience):
     monkeypatch.setattr(_terminal, "BEAT", 0.001)
     shown_once = stream.tell
     with _terminal.progress():
-        doing("fitting")
+        send_progress("fitting")
         while patience == 0 and "fitting" not in stream.getvalue() and stream.isatty():
             shown_once()
     return stream.getvalue()
@@ -317,7 +324,7 @@ def test_progress_is_for_terminals_and_for_what_takes_long(monkeypatch):
 
 
 def test_nobody_listens_by_default(capfd):
-    doing("something")
+    send_progress("something")
     assert capfd.readouterr() == ("", "")
 
 
@@ -392,8 +399,8 @@ def test_an_arm_that_only_a_lesser_depth_has_is_shown_there():
     """What is nothing at the deepest is no arm of the model, and an arm of the other depths."""
     solid = dp.GeneralizedMaxwell(200.0, (100.0,), (0.5,))
     depths = (
-        AtDepth(8e-3, 200.0, 202.0, (100.0, 0.0), (1.0, 1.0)),
-        AtDepth(4e-3, 150.0, 152.0, (80.0, 20.0), (1.0, 1.0)),
+        DepthStiffness(8e-3, 200.0, 202.0, (100.0, 0.0), (1.0, 1.0)),
+        DepthStiffness(4e-3, 150.0, 152.0, (80.0, 20.0), (1.0, 1.0)),
     )
     lines = "\n".join(text_of.fit(a_fit(solid, by_depth=depths)).lines)
     assert "k_2" in lines
@@ -408,7 +415,7 @@ def test_a_result_fits_the_terminal_that_shows_it(monkeypatch):
     told = text, verdict([check]), [check]
     monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
     monkeypatch.setattr("shutil.get_terminal_size", lambda _: os.terminal_size((80, 24)))
-    lines = shown(*told, size=_terminal.screen())
+    lines = format_for_screen(*told, size=_terminal.screen())
     assert max(map(len, lines)) <= 80
     assert len(lines) + _terminal.BESIDE <= 24
     assert lines[-1].strip() == "more with -v"

@@ -14,7 +14,7 @@ from kit.kinds import bench, files, hammer, late, ramp_and_hold
 from kit.shell import did, told
 
 from dashpot.cli._echo import to_stdout
-from dashpot.cli.fit_handlers._request import Given
+from dashpot.cli.fit_handlers._request import FitRequest
 from dashpot.datamodel.specimen import Specimen
 from dashpot.reading.read_options import load_profile
 
@@ -341,7 +341,7 @@ def test_what_is_said_once_of_all_files_is_refused_twice():
     """One temperature, one mass; and a file of a kind that keeps the result."""
 
     def given(**said):
-        return Given(("a.csv",), {"a.csv": "cld"}, {"specimen": Specimen(), **said})
+        return FitRequest(("a.csv",), {"a.csv": "cld"}, {"specimen": Specimen(), **said})
 
     assert given(temperatures=(280.0,)).specimen.temperature == 280.0
     with pytest.raises(click.UsageError, match="given 2 times; these records have one"):
@@ -350,8 +350,8 @@ def test_what_is_said_once_of_all_files_is_refused_twice():
     with pytest.raises(click.UsageError, match=r"given 2 times\. Give it once"):
         _ = given(mass=(0.1, 0.2)).mass
     for output, suffix in (("fit.csv", ".csv"), ("-", ".json"), ("fit", ".json"), (None, None)):
-        assert given(output=output).kept_as(".json", ".csv", what="a fit") == suffix
+        assert given(output=output).check_output_suffix(".json", ".csv", what="a fit") == suffix
     with pytest.raises(
         click.UsageError, match=r"a fit is written as \.json or \.csv or \.html, not as \.txt"
     ):
-        given(output="fit.txt").kept_as(".json", ".csv", what="a fit")
+        given(output="fit.txt").check_output_suffix(".json", ".csv", what="a fit")

@@ -7,7 +7,7 @@ import pytest
 from kit.fits import a_fit
 
 from dashpot.base.errors import DataError
-from dashpot.base.reported_values import Fact
+from dashpot.base.reported_values import ReportedValue
 from dashpot.datamodel.parameter_estimate import Profile
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.workflow.json_archive import from_json, to_json
@@ -59,7 +59,7 @@ def test_what_scales_a_fit_scales_both():
     assert twice.standard_error["tau"] == pytest.approx(fit.standard_error["tau"])
     quiet, before = (one.estimate.noise_alone for one in (twice, fit))
     assert quiet.errors(twice.solid)["k_1"] == pytest.approx(2 * before.errors(SEAL)["k_1"])
-    aged = fit.aged(Fact("left", 0.5, error=0.1), "after a year")
+    aged = fit.aged(ReportedValue("left", 0.5, error=0.1), "after a year")
     of_noise = aged.estimate.noise_alone.errors(aged.solid)["k_1"]
     assert of_noise == pytest.approx(np.hypot(0.5 * 1.175, 0.1 * 117.5))
     assert aged.standard_error["k"][0] == pytest.approx(

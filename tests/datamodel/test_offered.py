@@ -13,7 +13,7 @@ import pytest
 from kit import handmade
 
 import dashpot as dp
-from dashpot.base.result_mixins import LINES, Described, Judged, Pictured
+from dashpot.base.result_mixins import LINES, HasSummary, HasVerdict, Plottable
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.preprocessing.prepare import prepare
 from dashpot.reading.readers.inspect import inspect_file
@@ -63,7 +63,7 @@ def test_a_shell_shows_a_few_lines(nouns, name):
 
 
 def test_a_long_description_is_cut():
-    class Long(Described):
+    class Long(HasSummary):
         described = tuple(f"line {i}" for i in range(40))
 
     assert len(repr(Long()).splitlines()) == LINES
@@ -104,7 +104,7 @@ def test_a_notebook_shows_words_and_picture(nouns, name):
 
 
 def test_every_noun_that_offers_a_picture_has_one() -> None:
-    offered = {kind for kind in descendants(Pictured) if kind is not Judged}
+    offered = {kind for kind in descendants(Plottable) if kind is not HasVerdict}
     assert len(offered) > 15
     bare = {kind.__name__ for kind in offered if picture.dispatch(kind) is picture.dispatch(object)}
     assert bare <= {noun.rpartition(":")[2] for noun, figure in FIGURES.items() if figure}
@@ -144,14 +144,18 @@ def test_columns_without_numbers_have_no_picture():
 
 
 def test_every_noun_that_offers_a_table_has_one() -> None:
-    ours = {kind for kind in descendants(Described) if kind.__module__.startswith("dashpot.")}
-    offered = ours - {Pictured, Judged}
+    ours = {kind for kind in descendants(HasSummary) if kind.__module__.startswith("dashpot.")}
+    offered = ours - {Plottable, HasVerdict}
     assert len(offered) > 40
     given = {
-        kind for kind in offered
-        if kind.series is not Described.series or frame.dispatch(kind) is not frame.dispatch(object)
-    }  # fmt: skip
-    facts = {kind for kind in offered if getattr(kind, "facts", None) not in {None, Judged.facts}}
+        kind
+        for kind in offered
+        if kind.series is not HasSummary.series
+        or frame.dispatch(kind) is not frame.dispatch(object)
+    }
+    facts = {
+        kind for kind in offered if getattr(kind, "facts", None) not in {None, HasVerdict.facts}
+    }
     assert offered == given | facts
 
 

@@ -32,7 +32,7 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.export import FORMS, NEEDS, SUFFIXES, TARGETS, UNIT_SYSTEMS
 from dashpot.export import deck as decks
 from dashpot.export.nonlinear_elements import CARRIERS
-from dashpot.export.unit_systems import packed, text
+from dashpot.export.unit_systems import format_fixed_width, text
 from dashpot.extensions import solver_inputs
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.dynamic.fit import fit_dynamic
@@ -617,6 +617,6 @@ def test_numbers_that_no_seal_has_are_refused(target, form, extra, size):
 
 @pytest.mark.parametrize("value", [math.inf, -math.inf, math.nan])
 def test_no_deck_prints_what_is_no_number(value):
-    for printed in (text, lambda number: packed(number, 16)):
+    for printed in (text, lambda number: format_fixed_width(number, 16)):
         with pytest.raises(ExportError, match="expected a finite one"):
             printed(value)

@@ -19,7 +19,7 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.export import TARGETS, UNIT_SYSTEMS
 from dashpot.export.decks.nastran import BushComponent, bush_property
 from dashpot.export.frequency_tables import tabulate
-from dashpot.export.unit_systems import packed
+from dashpot.export.unit_systems import format_fixed_width
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.systems.frf_prediction import predict_frf
 
@@ -228,7 +228,7 @@ def test_small_fields_hold_what_fits(value):
     if 0 < abs(value) < 1e-30:
         value = 0.0
     for width in (8, 10, 16):
-        field = packed(value, width)
+        field = format_fixed_width(value, width)
         assert len(field) <= width
         assert "." in field
         # a minus and an exponent of three signs leave width - 6 columns for digits and the point

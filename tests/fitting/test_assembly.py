@@ -19,8 +19,8 @@ from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.checks.solid import arms_supported, optimum_found
 from dashpot.fitting.fit_construction import (
     UNJUDGED,
-    FoundSolid,
-    assembled,
+    SolidEstimate,
+    build_fit,
     nuisances,
     point_estimate,
     provenance_of,
@@ -62,7 +62,7 @@ def test_nuisances_of_one_test_have_no_number_and_the_unit_of_what_was_measured(
 
 
 def test_a_point_estimate_knows_no_error_of_any_parameter():
-    found = assembled(FoundSolid(PAPER, POINT), UNJUDGED, Provenance("full"))
+    found = build_fit(SolidEstimate(PAPER, POINT), UNJUDGED, Provenance("full"))
     assert np.isinf(np.diag(found.covariance)).all()
     assert found.covariance.shape == (5, 5)
     assert (found.residual.n, found.residual.sse, found.residual.rms) == (100, 25.0, 0.5)
@@ -90,7 +90,7 @@ def test_a_fit_ends_as_its_optimum_and_its_checks_say(
         "lost": optimum_found(stationary=False),
     }
     evidence = Evidence((0.1, 1.0), checks=tuple(failed[name] for name in checks))
-    found = assembled(FoundSolid(PAPER, POINT, fewer, at_bound), evidence, Provenance("full"))
+    found = build_fit(SolidEstimate(PAPER, POINT, fewer, at_bound), evidence, Provenance("full"))
     assert found.status is status
 
 

@@ -16,7 +16,7 @@ from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
 from dashpot.fitting.checks import solid
 from dashpot.fitting.relaxation import fit
-from dashpot.numerics.inference.model_order import Choice
+from dashpot.numerics.inference.model_order import OrderChoice
 from dashpot.preprocessing import checks as record_checks
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -242,10 +242,10 @@ def test_drift_that_hides_a_slow_arm() -> None:
 
 
 def test_rules_that_disagree_say_so() -> None:
-    agreed = solid.order_agreed(Choice(2, 2, 2))
+    agreed = solid.order_agreed(OrderChoice(2, 2, 2))
     assert agreed.passed
     assert agreed.says == "Both rules choose 2 arms."
-    torn = solid.order_agreed(Choice(1, 3, 1))
+    torn = solid.order_agreed(OrderChoice(1, 3, 1))
     assert torn.failed
     assert "BIC supports 3 arms, the significance of k and tau 1 arm; 1 arm taken" in torn.says
 

@@ -18,7 +18,7 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.parameter_estimate import Profile, profile_interval
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.linearity import Holds
+from dashpot.fitting.linearity import HoldBlocks
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation import simulate_relaxation
@@ -503,7 +503,7 @@ def test_a_record_whose_slow_arms_outlast_the_hold_is_fitted() -> None:
             GeneralizedMaxwell(196.5, (117.5, 17.8), (0.5021, 16.416)), seed=3, hold_time=4.0
         ).test
     )
-    holds = Holds([record])
+    holds = HoldBlocks([record])
     high = np.log(holds.blocks[0].window[1])
     alone = holds.left(0, np.array([high + 0.5, high + 1.0]))
     assert float(np.std(alone)) == pytest.approx(

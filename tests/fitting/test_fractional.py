@@ -26,9 +26,9 @@ from dashpot.base.errors import FitError
 from dashpot.base.sentences import sentences
 from dashpot.datamodel.parameter_estimate import ParameterEstimate, Residual
 from dashpot.extensions.curves.dynamic.fit import fit_dynamic
-from dashpot.fitting.design_matrix import Design
+from dashpot.fitting.design_matrix import FitSetup
 from dashpot.fitting.fit_data import FitData, data_of
-from dashpot.fitting.fractional_model.family_selection import element, parts_from
+from dashpot.fitting.fractional_model.family_selection import divergence_frequency, element
 from dashpot.fitting.fractional_model.fractional_solver import ArmColumns
 from dashpot.fitting.identification.frf_data import frf_data_of
 from dashpot.fitting.identification.identify import identify
@@ -38,7 +38,7 @@ from dashpot.fitting.identification.likelihood import (
     NuisancePriors,
     Parameters,
 )
-from dashpot.fitting.identification.parametrisation import Element
+from dashpot.fitting.identification.parametrisation import FractionalElement
 from dashpot.fitting.identification.prior_knowledge import KnownSolid
 from dashpot.fitting.nuisance_priors import Prior
 from dashpot.fitting.relaxation import fit
@@ -53,7 +53,7 @@ from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.frf_prediction import model_modes
 from dashpot.workflow.json_archive import from_json, to_json
-from dashpot.workflow.response.static_equilibrium import at_rest, family_checks
+from dashpot.workflow.response.static_equilibrium import family_checks, find_static_equilibrium
 from dashpot.workflow.study import Study
 
 RESONANCE = 2 * np.pi * 12.71
@@ -181,7 +181,7 @@ def test_noise_free_numbers_are_found_whatever_the_test() -> None:
     in_time = recorded_block(t, x, solid.force(t, x))
     omega = 2 * np.pi * np.geomspace(0.01, 100, 60)
     swept = frequency_block(omega, solid.complex_stiffness(omega=omega))
-    for blocks in ([in_time], [swept], [in_time, swept.weighted(1e-3)]):
+    for blocks in ([in_time], [swept], [in_time, swept.scale_rows(1e-3)]):
         found = element(FitData(blocks, blocks)).solid
         near = (500.0, 200.0, 0.05, 0.5)
         assert (found.k_0, found.k_inf, found.tau, found.alpha) == pytest.approx(near, rel=2e-4)
@@ -189,7 +189,7 @@ def test_noise_free_numbers_are_found_whatever_the_test() -> None:
 
 def test_a_trial_is_differentiated() -> None:
     columns = ArmColumns(
-        data_of([pressed(Seal.fractional(*TRUTHS[0]))], Design("full")).bound().rows
+        data_of([pressed(Seal.fractional(*TRUTHS[0]))], FitSetup("full")).bound().rows
     )
     theta = np.array([np.log(0.07), 0.55])
     here = columns.problem.at(theta)
@@ -274,19 +274,19 @@ def test_what_makes_no_sense_is_refused(choices, says: str) -> None:
 
 def test_two_solids_part_where_stiffness_or_loss_does() -> None:
     one = dp.GeneralizedMaxwell(100.0, (50.0,), (1.0,))
-    assert parts_from(one, one, (0.01, 1.0)) is None
+    assert divergence_frequency(one, one, (0.01, 1.0)) is None
     fast = one + dp.GeneralizedMaxwell(0.0, (10.0,), (1e-3,))
     # a loss of two hundredths is where damping begins to matter
-    apart = parts_from(one, fast, (0.01, 1.0))
+    apart = divergence_frequency(one, fast, (0.01, 1.0))
     x = 2 * np.pi * apart * 1e-3
     assert 10 * x / 150.0 == pytest.approx(0.1 * 2e-2, rel=0.1) or apart > 3
-    assert parts_from(one, 1.021 * one, (0.01, 1.0)) == pytest.approx(0.1)
-    assert parts_from(one, 1.019 * one, (0.01, 1.0)) is None
+    assert divergence_frequency(one, 1.021 * one, (0.01, 1.0)) == pytest.approx(0.1)
+    assert divergence_frequency(one, 1.019 * one, (0.01, 1.0)) is None
 
 
 def test_the_report_shows_what_both_families_make_of_the_resonance() -> None:
     found, held = fitted(TRUTHS[0]), pressed(Seal.fractional(*TRUTHS[0]))
-    rests = at_rest(found, mass=0.114, seals=2)
+    rests = find_static_equilibrium(found, mass=0.114, seals=2)
     study = Study(
         test=relaxation_test(record(Seal.fractional(*TRUTHS[0]), seed=1)), prepared=held,
         fit=found, alternatives=(), hold_fit=None, seals=2, mass=0.114, mass_inferred=False,
@@ -511,7 +511,7 @@ def test_the_jacobian_of_an_element_is_the_slope_of_the_residual() -> None:
     relaxation = relaxation_data(pressed(Seal.fractional(*TRUTHS[0])), fitted(TRUTHS[0]))
     lines = frf_data_of(hammered(), seals=2, band=None)
     priors = NuisancePriors(Prior(MASS, 1e-3), Prior(1.0, 0.01), Prior(0.0, 1e-4))
-    element = Element.of([relaxation])
+    element = FractionalElement.of([relaxation])
     problem = IdentificationProblem(
         (relaxation,), lines, priors, Constraints(), element, dashpot=True
     )
@@ -543,7 +543,7 @@ def coverage(seeds: int) -> dict[str, float]:
     inside = dict.fromkeys(truth, 0)
     for seed in range(seeds):
         test = pressed(Seal.fractional(200.0, 300.0, 0.05, 0.5), bench=bench, seed=seed)
-        found = element(data_of([test], Design("full")).bound())
+        found = element(data_of([test], FitSetup("full")).bound())
         known = ParameterEstimate(
             found.parameters, found.covariance, found.estimate.dof, Residual(1, 1.0, 1.0)
         )

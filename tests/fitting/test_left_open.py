@@ -18,7 +18,7 @@ from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.demo_seals import BROAD, PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.workflow.json_archive import document, from_json, to_json
+from dashpot.workflow.json_archive import from_json, to_document, to_json
 
 
 def with_slow_arm(tau: float) -> GeneralizedMaxwell:
@@ -107,7 +107,7 @@ def test_several_depths_leave_open_what_the_deepest_feels() -> None:
 def test_it_is_kept_in_the_archive(broad_fit: Fit) -> None:
     again = from_json(to_json(broad_fit))
     assert again.end_of_hold == broad_fit.end_of_hold
-    kept = document(broad_fit)["left_open"]
+    kept = to_document(broad_fit)["left_open"]
     assert kept["k_inf"] == list(broad_fit.left_open["k_inf"])
     assert set(kept) == {
         "k_inf", "k_end", "k_3end", "time", "falling", "named", "k_10end", "ended",

@@ -10,7 +10,7 @@ from kit.fits import of_noise
 
 import dashpot as dp
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.nuisance_priors import Prior, Terms, priors, terms_of
+from dashpot.fitting.nuisance_priors import NuisanceTerms, Prior, priors, terms_of
 from dashpot.fitting.relaxation import fit
 from dashpot.numerics.design_matrices.block import design_block
 from dashpot.numerics.inference.whitening import marginal
@@ -52,7 +52,10 @@ def test_what_is_known_before_the_fit() -> None:
 def test_terms_found_beside_the_solid_and_terms_made_noise_are_one() -> None:
     """Least squares with rows of what is known, and whitened for it, leave the same of a solid."""
     random = np.random.default_rng(3)
-    spread, terms = 0.7, Terms({"offset": Prior(2.0, 0.5), "drift": Prior(-1.0, 0.2)}, since=-3.0)
+    spread, terms = (
+        0.7,
+        NuisanceTerms({"offset": Prior(2.0, 0.5), "drift": Prior(-1.0, 0.2)}, since=-3.0),
+    )
     names = ("k_inf", "offset@1", "drift@1", "bump")
     fixed, target = random.standard_normal((40, 4)), random.standard_normal(40)
     block = design_block(

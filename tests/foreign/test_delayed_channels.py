@@ -26,7 +26,7 @@ from kit.foreign.kinds import Sheet
 
 import dashpot as dp
 from dashpot.extensions.amplitude.datamodel import AmplitudeFit
-from dashpot.extensions.amplitude.fit_files import of_amplitude
+from dashpot.extensions.amplitude.fit_files import fit_amplitude_record
 from dashpot.extensions.materials.cld.preprocess import cld
 
 HOLD = 0.94
@@ -163,7 +163,7 @@ def test_a_creep_test_takes_nothing_else_of_a_machine():
 
 def looped(one: Sheet, sync: float | None = None) -> AmplitudeFit:
     test = dp.RelaxationTest(one["time"], 1e-3 * one["displacement"], one["force"], units="SI")
-    found = of_amplitude(test, machine=machine(sync)).fit
+    found = fit_amplitude_record(test, machine=machine(sync)).fit
     assert isinstance(found, AmplitudeFit)
     return found
 

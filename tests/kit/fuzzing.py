@@ -183,7 +183,7 @@ class _Parsers:
             if self.apart:
                 return self.child(what, function, raw, options)
             narrow = ReadOptions(sheet=options.sheet, segment=options.segment)
-            found = child_process.parsed(what, function, raw, narrow)
+            found = child_process.run_parser(what, function, raw, narrow)
             with Path(os.devnull).open("wb") as out:
                 message_protocol.send_answer(out, found)
         except DashpotError as error:
@@ -198,7 +198,9 @@ def main() -> None:
     from dashpot.extensions.formats import workbook
     from dashpot.reading.sandbox import limits, parent_process
 
-    parsers = parent_process.in_child = workbook.in_child = _Parsers(parent_process.in_child)
+    parsers = parent_process.run_in_child = workbook.run_in_child = _Parsers(
+        parent_process.run_in_child
+    )
     resource.setrlimit(resource.RLIMIT_AS, (limits.MEMORY, limits.MEMORY))
     out = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)

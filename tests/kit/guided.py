@@ -73,7 +73,7 @@ def fuzzed(*words: str | Path) -> None:
 def planted(corpus: Path) -> set[str]:
     """Put what is kept and the good files of the tests into a corpus; return the names of those."""
     from dashpot.reading.read_options import ReadOptions, dump_profile
-    from dashpot.workflow.json_archive import document
+    from dashpot.workflow.json_archive import to_document
     from kit.crafted import TABLE
     from kit.handmade import two_arms
     from kit.instruments import one_of_each
@@ -83,7 +83,7 @@ def planted(corpus: Path) -> set[str]:
     seeds = [(0, one) for one in (*good, *(one.content for one in TABLE))]
     seeds.append((1, b"<FTSensor><Calibration></Calibration></FTSensor>"))
     seeds.append((2, dump_profile(ReadOptions(time="t", units={"force": "N"}, rate=1e3)).encode()))
-    seeds.append((3, json.dumps(document(two_arms())).encode()))
+    seeds.append((3, json.dumps(to_document(two_arms())).encode()))
     given = {named(one): one for one in (bytes([which]) + one for which, one in seeds)}
     for name, one in {**given, **{named(one): one for one in read(KEPT)}}.items():
         (corpus / name).write_bytes(one)
@@ -141,7 +141,9 @@ def fuzz() -> None:
     ):
         from dashpot.extensions.formats import workbook
         from dashpot.reading.sandbox import parent_process
-    parsers = parent_process.in_child = workbook.in_child = _Parsers(parent_process.in_child)
+    parsers = parent_process.run_in_child = workbook.run_in_child = _Parsers(
+        parent_process.run_in_child
+    )
     path = Path(tempfile.mkdtemp()) / "fuzz"
 
     def one(content: bytes) -> None:

@@ -11,57 +11,57 @@ from pathlib import Path
 import numpy as np
 
 from dashpot.base.errors import DataError
-from dashpot.reading.raw_file import Raw
+from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import limits
-from dashpot.reading.table import Column, FileTable, Question, in_memory
+from dashpot.reading.table import Column, FileTable, Question, make_loader
 
 
 class Panic(BaseException):
     """As Rust's panics arrive in Python: no Exception."""
 
 
-def behaves(raw: Raw, options: ReadOptions) -> FileTable:
+def behaves(raw: RawFile, options: ReadOptions) -> FileTable:
     """A table of the bytes of the file, with something in every field."""
     values = np.frombuffer(raw.head(raw.size), np.uint8).astype(float).reshape(-1, 2)
     return FileTable(
         "bytes",
         (Column("even", "N"), Column("odd \ud800\x1b", None, "clock")),
-        in_memory(np.where(values == 0, np.nan, values), (0, 1), ("", "second")),
+        make_loader(np.where(values == 0, np.nan, values), (0, 1), ("", "second")),
         header=("# a",), notes=(str(options.sheet), str(options.segment)), simulated=True,
         doubts=(Question("which?", "--that"),), hints=("hint",),
     )  # fmt: skip
 
 
-def prints(raw: Raw, options: ReadOptions) -> dict[str, bytes]:
+def prints(raw: RawFile, options: ReadOptions) -> dict[str, bytes]:
     print("not the answer")
     os.write(1, b"neither")
     return {"a": b"1", "b": b"", "threads": os.environ["OPENBLAS_NUM_THREADS"].encode()}
 
 
-def refuses(raw: Raw, options: ReadOptions) -> FileTable:
+def refuses(raw: RawFile, options: ReadOptions) -> FileTable:
     raise DataError("force \x1b[31mis missing")
 
 
-def panics(raw: Raw, options: ReadOptions) -> FileTable:
+def panics(raw: RawFile, options: ReadOptions) -> FileTable:
     raise Panic("index out of bounds")
 
 
-def aborts(raw: Raw, options: ReadOptions) -> FileTable:
+def aborts(raw: RawFile, options: ReadOptions) -> FileTable:
     os.abort()
 
 
-def is_killed(raw: Raw, options: ReadOptions) -> FileTable:
+def is_killed(raw: RawFile, options: ReadOptions) -> FileTable:
     os.kill(os.getpid(), signal.SIGKILL)
     raise AssertionError
 
 
-def leaves(raw: Raw, options: ReadOptions) -> FileTable:
+def leaves(raw: RawFile, options: ReadOptions) -> FileTable:
     sys.stdin.close()
     os._exit(3)
 
 
-def hangs(raw: Raw, options: ReadOptions) -> FileTable:
+def hangs(raw: RawFile, options: ReadOptions) -> FileTable:
     """Hang, and say so in the file that the name of the sheet names."""
     if options.sheet:
         Path(options.sheet).write_text(str(os.getpid()))
@@ -69,11 +69,11 @@ def hangs(raw: Raw, options: ReadOptions) -> FileTable:
     raise AssertionError
 
 
-def eats(raw: Raw, options: ReadOptions) -> FileTable:
+def eats(raw: RawFile, options: ReadOptions) -> FileTable:
     return {"much": bytes(2 * limits.MEMORY)}  # type: ignore[return-value]
 
 
-def pours(raw: Raw, options: ReadOptions) -> dict[str, bytes]:
+def pours(raw: RawFile, options: ReadOptions) -> dict[str, bytes]:
     """As many bytes as the name of the sheet says."""
     return {"much": bytes(int(options.sheet or 0))}
 
@@ -87,7 +87,7 @@ def _sends(junk: bytes) -> None:
     os._exit(0)
 
 
-def lies(raw: Raw, options: ReadOptions) -> FileTable:
+def lies(raw: RawFile, options: ReadOptions) -> FileTable:
     """Whatever bytes the file holds stand for the answer."""
     _sends(raw.head(raw.size))
     raise AssertionError

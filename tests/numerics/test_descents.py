@@ -9,26 +9,26 @@ from scipy.optimize import least_squares
 from dashpot.numerics.design_matrices.hold import hold_block
 from dashpot.numerics.exponential_fit.log_tau_descent import Stack
 from dashpot.numerics.exponential_fit.variable_projection import solve
-from dashpot.numerics.inference.batched_descent import Descents, Solved
+from dashpot.numerics.inference.batched_descent import BatchedDescent, SolvedTrials
 from dashpot.numerics.inference.profile_likelihood import profiles
-from dashpot.numerics.inference.profile_tracing import Coordinate, Profiled
+from dashpot.numerics.inference.profile_tracing import Coordinate, ProfileTarget
 from dashpot.numerics.least_squares.levenberg_marquardt import Objective, _trial, descend
-from dashpot.numerics.least_squares.problem import Parameter, Problem, Rows, solved
+from dashpot.numerics.least_squares.problem import Parameter, Problem, Rows, require_optimum
 
 SHARES = np.array([-0.75, -0.4, 0.0, 0.6])
 CURVATURE = np.array([[4.0, 1.0], [1.0, 3.0]])
 
 
-def parabola(log_tau: np.ndarray, share: np.ndarray) -> Solved:
+def parabola(log_tau: np.ndarray, share: np.ndarray) -> SolvedTrials:
     """An SSE about the origin whose curvature is 1 + share times J'J."""
     bent = share[:, None, None] * CURVATURE
     pull = -((CURVATURE + bent) @ log_tau[:, :, None])[..., 0]
     sse = 100.0 - np.vecdot(log_tau, pull)
     count = len(log_tau)
-    return Solved(sse, np.zeros((count, 1)), pull, np.tile(CURVATURE, (count, 1, 1)), bent)
+    return SolvedTrials(sse, np.zeros((count, 1)), pull, np.tile(CURVATURE, (count, 1, 1)), bent)
 
 
-def trials_needed(descents: Descents) -> np.ndarray:
+def trials_needed(descents: BatchedDescent) -> np.ndarray:
     """Trials that each descent takes to its end."""
     on, needed = np.arange(len(SHARES)), np.zeros(len(SHARES), int)
     while on.size:
@@ -40,7 +40,7 @@ def trials_needed(descents: Descents) -> np.ndarray:
 
 
 def test_a_parabola_takes_two_trials_whatever_the_residual_adds() -> None:
-    descents = Descents(np.tile([0.3, -0.2], (4, 1)), 1, np.full(4, 1e-9))
+    descents = BatchedDescent(np.tile([0.3, -0.2], (4, 1)), 1, np.full(4, 1e-9))
     # where it begins, and where the whole curvature sends it
     assert np.all(trials_needed(descents) == 2)
     assert [descents.best(i)[0] for i in range(4)] == pytest.approx([100.0] * 4, abs=1e-8)
@@ -50,7 +50,7 @@ def test_a_parabola_takes_two_trials_whatever_the_residual_adds() -> None:
 def test_a_curvature_that_the_residual_all_but_cancels_is_not_believed(
     share: float, believed: bool
 ) -> None:
-    descents = Descents(np.array([[0.01, 0.0]]), 1, np.array([1e-9]))
+    descents = BatchedDescent(np.array([[0.01, 0.0]]), 1, np.array([1e-9]))
     here, on = descents.here.copy(), np.array([0])
     descents.take(here, parabola(here, np.array([share])), on)
     newton, gauss = np.array([-0.01, 0.0]), (1.0 + share) * np.array([-0.01, 0.0])
@@ -58,7 +58,7 @@ def test_a_curvature_that_the_residual_all_but_cancels_is_not_believed(
 
 
 def test_after_a_move_that_failed_the_next_goes_a_quarter_as_far() -> None:
-    descents = Descents(np.array([[1.2, 0.0]]), 1, np.array([1e-9]))
+    descents = BatchedDescent(np.array([[1.2, 0.0]]), 1, np.array([1e-9]))
     here, on = descents.here.copy(), np.array([0])
     descents.take(here, parabola(here, SHARES[2:3]), on)
     went = float(np.abs(descents.move).max())
@@ -81,7 +81,7 @@ def test_profiles_of_one_arm_where_two_are_needed_are_the_brute_force_refit(
     block = hold_block(time, values)
     found = solve([block], 1)
     scale = found.sse / 8.0
-    asked = Profiled(coordinate, index, step=0.02, scale=scale)
+    asked = ProfileTarget(coordinate, index, step=0.02, scale=scale)
     ((value, deviance),) = profiles(Stack([block]), found, [asked], limit=20.0)
     c, k, ln_tau = *found.beta, found.log_tau[0]
 
@@ -157,7 +157,9 @@ def test_a_descent_follows_a_valley_that_bends():
         J = np.array([[-600.0 * x, 300.0], [-1.0, 0.0]])
         return Rows(-np.array([300.0 * (y - x * x), 1.0 - x]), np.empty((2, 0)), lambda _: J)
 
-    found = solved(Problem(model, [Parameter(-3.0, 3.0)] * 2), [np.array([-1.2, 1.0])], most=200)
+    found = require_optimum(
+        Problem(model, [Parameter(-3.0, 3.0)] * 2), [np.array([-1.2, 1.0])], most=200
+    )
     assert found.theta == pytest.approx(np.ones(2), abs=1e-9)
     assert found.stationary
     assert len(taken) < 200

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import minimize, nnls
 
 from dashpot.base.errors import FitError
-from dashpot.numerics.least_squares.nonnegative_confidence_region import NonnegativeBall
+from dashpot.numerics.least_squares.nonnegative_confidence_region import NonnegativeConfidenceRegion
 
 
 def relaxation_columns(per_decade: int = 64) -> tuple[np.ndarray, np.ndarray]:
@@ -22,24 +22,24 @@ def relaxation_columns(per_decade: int = 64) -> tuple[np.ndarray, np.ndarray]:
 
 def test_least_squares_is_the_one_of_scipy() -> None:
     columns, target = relaxation_columns()
-    found = NonnegativeBall(columns, target).least()
+    found = NonnegativeConfidenceRegion(columns, target).least()
     other = nnls(columns, target)[0]
     assert (found >= 0).all()
     ours, theirs = (np.sum((columns @ s - target) ** 2) for s in (found, other))
     assert ours == pytest.approx(theirs, rel=1e-10)
-    again = NonnegativeBall(columns, target).least(found + 0.1)
+    again = NonnegativeConfidenceRegion(columns, target).least(found + 0.1)
     assert np.sum((columns @ again - target) ** 2) == pytest.approx(theirs, rel=1e-10)
 
 
 def test_the_farthest_point_lies_on_the_ball_and_none_is_farther() -> None:
     """Against the conditions of the optimum: w <= 0 off the support, 0 on it."""
     columns, target = relaxation_columns()
-    best = NonnegativeBall(columns, target).least()
+    best = NonnegativeConfidenceRegion(columns, target).least()
     squared = float(np.sum((columns @ best - target) ** 2)) + 0.01
     draw = np.random.default_rng(1)
     for _ in range(6):
         aim = draw.standard_normal(columns.shape[1])
-        found = NonnegativeBall(columns, target).farthest(aim, squared, best)
+        found = NonnegativeConfidenceRegion(columns, target).find_farthest_point(aim, squared, best)
         left = target - columns @ found
         assert (found >= 0).all()
         assert left @ left == pytest.approx(squared, rel=1e-9)
@@ -56,7 +56,7 @@ def test_few_columns_agree_with_a_general_solver() -> None:
     columns = draw.uniform(0, 1, (30, 5))
     columns /= np.linalg.norm(columns, axis=0)
     target = columns @ [1.0, 0.0, 2.0, 0.0, 0.5] + 0.1 * draw.standard_normal(30)
-    best = NonnegativeBall(columns, target).least()
+    best = NonnegativeConfidenceRegion(columns, target).least()
     squared = float(np.sum((columns @ best - target) ** 2)) + 0.1
     aim = draw.standard_normal(5)
     general = minimize(
@@ -70,38 +70,48 @@ def test_few_columns_agree_with_a_general_solver() -> None:
         },
         tol=1e-12,
     )
-    assert aim @ NonnegativeBall(columns, target).farthest(aim, squared, best) == pytest.approx(
-        -general.fun, rel=1e-6
-    )
+    assert aim @ NonnegativeConfidenceRegion(columns, target).find_farthest_point(
+        aim, squared, best
+    ) == pytest.approx(-general.fun, rel=1e-6)
 
 
 def test_an_aim_that_the_best_ignores_is_still_reached() -> None:
     """No weight of the best lies on the first column; what may be there is not zero."""
     columns, target = relaxation_columns(8)
     target = target - 200.5
-    best = NonnegativeBall(columns, target).least()
+    best = NonnegativeConfidenceRegion(columns, target).least()
     assert best[0] == 0
     aim = np.zeros(len(best))
     aim[0] = 1.0
     squared = 1.5 * float(np.sum((columns @ best - target) ** 2))
-    assert NonnegativeBall(columns, target).farthest(aim, squared, best)[0] > 0
-    assert (NonnegativeBall(columns, target).farthest(-aim, squared, best)[0]) == 0
-    assert (NonnegativeBall(columns, target).farthest(0 * aim, squared, best) == best).all()
+    assert (
+        NonnegativeConfidenceRegion(columns, target).find_farthest_point(aim, squared, best)[0] > 0
+    )
+    assert (
+        (NonnegativeConfidenceRegion(columns, target).find_farthest_point(-aim, squared, best)[0])
+        == 0
+    )
+    assert (
+        NonnegativeConfidenceRegion(columns, target).find_farthest_point(0 * aim, squared, best)
+        == best
+    ).all()
 
 
 def test_equal_columns_do_not_turn_in_a_circle() -> None:
     columns, target = relaxation_columns(8)
     twice = np.column_stack((columns, columns))
-    best = NonnegativeBall(twice, target).least()
+    best = NonnegativeConfidenceRegion(twice, target).least()
     squared = float(np.sum((twice @ best - target) ** 2)) + 0.01
-    once = NonnegativeBall(columns, target).least()
+    once = NonnegativeConfidenceRegion(columns, target).least()
     assert np.sum((twice @ best - target) ** 2) == pytest.approx(
         np.sum((columns @ once - target) ** 2), rel=1e-9
     )
     aim = np.zeros(len(best))
     aim[[0, columns.shape[1]]] = 1.0
-    found = NonnegativeBall(twice, target).farthest(aim, squared, best)
-    alone = NonnegativeBall(columns, target).farthest(aim[: columns.shape[1]], squared, once)
+    found = NonnegativeConfidenceRegion(twice, target).find_farthest_point(aim, squared, best)
+    alone = NonnegativeConfidenceRegion(columns, target).find_farthest_point(
+        aim[: columns.shape[1]], squared, once
+    )
     assert aim @ found == pytest.approx(alone[0], rel=1e-6)
 
 
@@ -110,7 +120,7 @@ def test_fewer_samples_than_terms_bound_nothing() -> None:
     columns = np.array([[1.0, 0.0, 0.6], [0.0, 1.0, 0.8]])
     target = columns @ [1.0, 1.0, 0.0]
     with pytest.raises(FitError, match="too few samples"):
-        NonnegativeBall(columns, target).farthest(
+        NonnegativeConfidenceRegion(columns, target).find_farthest_point(
             np.array([-1.0, -1.0, 5.0]), 1.0, np.array([1.0, 1.0, 0.0])
         )
 
@@ -118,13 +128,15 @@ def test_fewer_samples_than_terms_bound_nothing() -> None:
 def test_a_question_has_one_answer_whatever_was_asked_before() -> None:
     """Faces that are remembered, grown and shrunk are those that are factored anew."""
     columns, target = relaxation_columns(16)
-    asked = NonnegativeBall(columns, target)
+    asked = NonnegativeConfidenceRegion(columns, target)
     best = asked.least()
     squared = float(np.sum((columns @ best - target) ** 2)) + 0.01
     draw, t = np.random.default_rng(3), np.geomspace(0.01, 1000, columns.shape[1])
     aims = [draw.standard_normal(columns.shape[1]) for _ in range(8)]
     aims += [np.exp(-one / t) for one in np.geomspace(0.1, 100, 40)]
     for aim in aims:
-        before, anew = asked, NonnegativeBall(columns, target)
-        reach = aim @ anew.farthest(aim, squared, best)
-        assert aim @ before.farthest(aim, squared, best) == pytest.approx(reach, rel=1e-9)
+        before, anew = asked, NonnegativeConfidenceRegion(columns, target)
+        reach = aim @ anew.find_farthest_point(aim, squared, best)
+        assert aim @ before.find_farthest_point(aim, squared, best) == pytest.approx(
+            reach, rel=1e-9
+        )

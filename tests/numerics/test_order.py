@@ -12,9 +12,9 @@ from dashpot.numerics.inference.model_order import (
     MAX_CHANCE,
     bic,
     bic_of_deviance,
-    chance_beyond,
-    choose,
-    needed,
+    chi2_sf,
+    is_significant_fall,
+    select_model_order,
     significant,
 )
 
@@ -57,33 +57,35 @@ def test_significance(
 
 
 def test_the_smaller_answer_is_taken_and_disagreement_kept() -> None:
-    agreed = choose([0, 1, 2, 3], [9.0, 5.0, 1.0, 2.0], [True, True, True, False])
-    assert (agreed.arms, agreed.agreed) == (2, True)
-    cautious = choose([0, 1, 2, 3], [9.0, 5.0, 2.0, 1.0], [True, True, True, False])
+    agreed = select_model_order([0, 1, 2, 3], [9.0, 5.0, 1.0, 2.0], [True, True, True, False])
+    assert (agreed.arms, agreed.has_agreement) == (2, True)
+    cautious = select_model_order([0, 1, 2, 3], [9.0, 5.0, 2.0, 1.0], [True, True, True, False])
     assert (cautious.arms, cautious.by_bic, cautious.by_significance) == (2, 3, 2)
-    assert not cautious.agreed
-    frugal = choose([0, 1, 2], [9.0, 1.0, 2.0], [True, True, True])
+    assert not cautious.has_agreement
+    frugal = select_model_order([0, 1, 2], [9.0, 1.0, 2.0], [True, True, True])
     assert (frugal.arms, frugal.by_bic, frugal.by_significance) == (1, 1, 2)
 
 
 def test_what_bic_rejects_decisively_is_not_chosen() -> None:
     scores = [0, 1, 2, 3], [900.0, 300.0, 120.0, 10.0], [True, True, False, False]
-    assert choose(*scores).arms == 1
-    decided = choose(*scores, decisive=50.0)
+    assert select_model_order(*scores).arms == 1
+    decided = select_model_order(*scores, decisive=50.0)
     assert (decided.arms, decided.by_bic, decided.by_significance) == (3, 3, 1)
-    assert not decided.agreed
+    assert not decided.has_agreement
     # fewest of what is left, and never fewer than both rules support
-    near = choose([0, 1, 2, 3], [900.0, 300.0, 40.0, 10.0], scores[2], decisive=50.0)
+    near = select_model_order([0, 1, 2, 3], [900.0, 300.0, 40.0, 10.0], scores[2], decisive=50.0)
     assert near.arms == 2
-    frugal = choose([0, 1, 2], [30.0, 1.0, 2.0], [True, True, True], decisive=50.0)
+    frugal = select_model_order([0, 1, 2], [30.0, 1.0, 2.0], [True, True, True], decisive=50.0)
     assert frugal.arms == 1
 
 
 def test_a_choice_at_the_end_of_what_was_tried_is_capped() -> None:
     scores = ([0, 1, 2], [9.0, 5.0, 1.0], [True, True, True])
-    assert choose(*scores, exhausted=False).capped
-    assert not choose(*scores).capped
-    assert not choose([0, 1, 2], [9.0, 1.0, 5.0], [True, True, True], exhausted=False).capped
+    assert select_model_order(*scores, exhausted=False).capped
+    assert not select_model_order(*scores).capped
+    assert not select_model_order(
+        [0, 1, 2], [9.0, 1.0, 5.0], [True, True, True], exhausted=False
+    ).capped
 
 
 def test_the_bic_of_a_deviance_is_its_formula() -> None:
@@ -94,7 +96,7 @@ def test_the_bic_of_a_deviance_is_its_formula() -> None:
 
 @given(value=st.floats(0.0, 200.0), dof=st.integers(1, 12))
 def test_chance_is_the_tail_of_chi_square(value: float, dof: int) -> None:
-    assert chance_beyond(value, dof) == pytest.approx(chi2.sf(value, dof), rel=1e-10, abs=1e-300)
+    assert chi2_sf(value, dof) == pytest.approx(chi2.sf(value, dof), rel=1e-10, abs=1e-300)
 
 
 @pytest.mark.parametrize("dof", [1, 2, 3, 10, 99, 170, 171, 300, 301, 343, 1000, 5001])
@@ -104,18 +106,20 @@ def test_chance_is_the_tail_of_chi_square_for_any_degrees_of_freedom(
 ) -> None:
     """Powers and gamma functions of some hundreds overflow; the tail does not."""
     expected = chi2.sf(ratio * dof, dof)
-    assert chance_beyond(ratio * dof, dof) == pytest.approx(expected, rel=1e-10, abs=1e-300)
+    assert chi2_sf(ratio * dof, dof) == pytest.approx(expected, rel=1e-10, abs=1e-300)
 
 
 @pytest.mark.parametrize("parameters", [1, 2, 3, 5])
 def test_an_arm_is_needed_beyond_three_standard_errors_of_chance(parameters: int) -> None:
     limit = chi2.isf(MAX_CHANCE, parameters)
     assert chi2.sf(9.0, 1) == pytest.approx(MAX_CHANCE)
-    assert needed(1.001 * limit, parameters)
-    assert not needed(0.999 * limit, parameters)
-    assert not needed(-1.0, parameters)
+    assert is_significant_fall(1.001 * limit, parameters)
+    assert not is_significant_fall(0.999 * limit, parameters)
+    assert not is_significant_fall(-1.0, parameters)
 
 
 def test_the_choice_tells_how_it_was_judged() -> None:
-    assert choose([0, 1], [2.0, 1.0], [True, True], in_noise_metric=True).in_noise_metric
-    assert not choose([0, 1], [2.0, 1.0], [True, True]).in_noise_metric
+    assert select_model_order(
+        [0, 1], [2.0, 1.0], [True, True], in_noise_metric=True
+    ).in_noise_metric
+    assert not select_model_order([0, 1], [2.0, 1.0], [True, True]).in_noise_metric

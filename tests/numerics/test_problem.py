@@ -14,14 +14,14 @@ from scipy.optimize import least_squares, nnls
 from dashpot.base.errors import DataError, FitError
 from dashpot.numerics.inference.covariance_estimate import Estimate, estimate, score, white_noise
 from dashpot.numerics.least_squares.levenberg_marquardt import _foretold
-from dashpot.numerics.least_squares.nnls import MANY, linear
+from dashpot.numerics.least_squares.nnls import MANY, solve_linear
 from dashpot.numerics.least_squares.problem import (
     Optimum,
     Parameter,
     Problem,
     Rows,
-    solved,
-    stacked,
+    require_optimum,
+    stack_real_rows,
 )
 
 TIME = np.linspace(0.0, 10.0, 400)
@@ -48,7 +48,7 @@ def noisy(seed: int, sd: float = 0.02) -> np.ndarray:
 @pytest.mark.parametrize("slopes", [True, False])
 def test_the_optimum_is_that_of_a_library_over_everything(slopes: bool) -> None:
     y = noisy(1)
-    found = solved(decay(y, slopes=slopes), [np.array([1.5])])
+    found = require_optimum(decay(y, slopes=slopes), [np.array([1.5])])
 
     def left(x: np.ndarray) -> np.ndarray:
         return x[1] + x[2] * np.exp(-TIME / np.exp(x[0])) - y
@@ -98,17 +98,17 @@ def test_a_valley_that_was_found_is_not_followed_again() -> None:
     starts = [np.array([one]) for one in (-9.0, 39.0, 8.0)]
     found = problem.valleys(starts, same=0.1)
     np.testing.assert_allclose([one.theta[0] for one in found], [0.0, 30.0], atol=1e-8)
-    # within `same` of the first it is left
+    # within `is_same_unit` of the first it is left
     assert 1e-4 < abs(theta[-1]) < 0.1
     assert len(problem.valleys(starts)) == 3
 
 
 def test_a_parameter_stays_in_its_range() -> None:
-    found = solved(
+    found = require_optimum(
         Problem(decay(noisy(3)).model, [Parameter(0.5, 2.0)], positive=True), [np.array([9.0])]
     )
     assert found.theta[0] == 0.5
-    assert found.at_edge
+    assert found.is_on_bound
     assert found.stationary
 
 
@@ -123,14 +123,14 @@ def test_sizes_of_parameters_do_not_change_the_optimum() -> None:
         return rows._replace(slope=lambda beta: slope(beta) / 1e4)
 
     scaled = Problem(model, [Parameter(-5e4, 5e4, 1e4)], positive=True)
-    one, other = solved(base, [np.ones(1)]), solved(scaled, [np.full(1, 1e4)])
+    one, other = require_optimum(base, [np.ones(1)]), require_optimum(scaled, [np.full(1, 1e4)])
     assert other.theta[0] / 1e4 == pytest.approx(one.theta[0], rel=1e-9)
     known = estimate(other)
     assert known.standard_error[0] == pytest.approx(1e4 * estimate(one).standard_error[0], rel=1e-6)
 
 
 def test_exact_data_are_followed_to_rounding() -> None:
-    found = solved(decay(noisy(0, sd=0.0)), [np.array([1.0])])
+    found = require_optimum(decay(noisy(0, sd=0.0)), [np.array([1.0])])
     np.testing.assert_allclose(found.values, [np.log(0.7), 2.0, 1.0], rtol=1e-10)
 
 
@@ -160,9 +160,11 @@ def test_where_a_model_says_nothing_no_descent_begins_and_none_ends() -> None:
     problem = Problem(model, [Parameter(-5, 5)], positive=True)
     assert problem.solve([np.array([2.0])]) is None
     with pytest.raises(FitError, match="says nothing"):
-        solved(problem, [np.array([2.0])])
-    found = solved(problem, [np.array([2.0]), np.array([0.9])])
-    assert found.theta[0] == pytest.approx(solved(decay(y), [np.zeros(1)]).theta[0], abs=1e-8)
+        require_optimum(problem, [np.array([2.0])])
+    found = require_optimum(problem, [np.array([2.0]), np.array([0.9])])
+    assert found.theta[0] == pytest.approx(
+        require_optimum(decay(y), [np.zeros(1)]).theta[0], abs=1e-8
+    )
 
 
 def test_the_gauge_keeps_one_of_all_that_are_the_same() -> None:
@@ -178,9 +180,13 @@ def test_the_gauge_keeps_one_of_all_that_are_the_same() -> None:
     def gauge(theta: np.ndarray) -> np.ndarray:
         return theta.mean() + np.array([0.5, -0.5])
 
-    found = solved(Problem(model, [Parameter(), Parameter()], True, gauge=gauge), [np.zeros(2)])
+    found = require_optimum(
+        Problem(model, [Parameter(), Parameter()], True, gauge=gauge), [np.zeros(2)]
+    )
     assert found.theta[0] - found.theta[1] == pytest.approx(1.0)
-    assert found.theta.sum() == pytest.approx(solved(decay(y), [np.zeros(1)]).theta[0], abs=1e-6)
+    assert found.theta.sum() == pytest.approx(
+        require_optimum(decay(y), [np.zeros(1)]).theta[0], abs=1e-6
+    )
 
 
 @given(st.integers(0, 2**31), st.integers(1, 40), st.booleans())
@@ -192,7 +198,7 @@ def test_signs_are_kept_as_by_a_library(seed: int, q: int, free: bool) -> None:
     y = generator.standard_normal(q + 20)
     must = np.ones(q, dtype=bool)
     must[0] = not free
-    beta, basis = linear(A, y, must)
+    beta, basis = solve_linear(A, y, must)
     columns = np.column_stack((A, -A[:, ~must]))
     assert (beta[must] >= 0).all()
     left = np.linalg.norm(y - A @ beta)
@@ -206,7 +212,7 @@ def test_few_and_many_nearly_dependent_columns_are_solved_alike(q: int) -> None:
     t = np.geomspace(1e-3, 1e3, 90)
     A = np.exp(-t[:, None] / np.geomspace(1e-3, 1e3, q))
     y = 1 / (1 + t**0.3)
-    beta, _ = linear(A, y, positive=True)
+    beta, _ = solve_linear(A, y, positive=True)
     assert (beta >= 0).all()
     assert np.linalg.norm(y - A @ beta) == pytest.approx(nnls(A, y)[1], rel=1e-6)
 
@@ -219,14 +225,14 @@ def test_columns_whose_signs_are_rounding_lose_nothing_of_exact_data(
     t, tau = np.geomspace(1e-3, 1e3, rows), np.geomspace(1e-4, 1e4, 8 * per_decade + 1)
     A = np.exp(-t[:, None] / tau)
     y = A @ np.exp(-(np.log(tau) ** 2) / 20)
-    beta, _ = linear(A, y, positive=True)
+    beta, _ = solve_linear(A, y, positive=True)
     assert (beta >= 0).all()
     assert np.linalg.norm(y - A @ beta) < 2e-8 * np.linalg.norm(y)
 
 
 @pytest.mark.parametrize("positive", [True, False])
 def test_of_dependent_columns_the_first_carries_the_weight(positive: bool) -> None:
-    beta, basis = linear(np.ones((5, 2)), np.full(5, 3.0), positive)
+    beta, basis = solve_linear(np.ones((5, 2)), np.full(5, 3.0), positive)
     np.testing.assert_allclose(beta, [3.0, 0.0], atol=1e-12)
     assert basis().shape == (5, 1)
 
@@ -235,18 +241,18 @@ def test_of_dependent_columns_the_first_carries_the_weight(positive: bool) -> No
 def test_columns_are_dependent_where_rounding_parts_them(apart: float, rank: int) -> None:
     A = np.ones((6, 2))
     A[0, 1] += apart
-    assert linear(A, np.arange(6.0))[1]().shape == (6, rank)
+    assert solve_linear(A, np.arange(6.0))[1]().shape == (6, rank)
 
 
 def test_more_columns_than_rows_are_dependent() -> None:
     A = np.random.default_rng(0).standard_normal((3, 5))
-    beta, basis = linear(A, np.ones(3))
+    beta, basis = solve_linear(A, np.ones(3))
     np.testing.assert_allclose(A @ beta, 1.0)
     assert basis().shape == (3, 3)
 
 
 def test_a_column_of_nothing_has_no_coefficient() -> None:
-    beta, _ = linear(np.array([[1.0, 0.0], [1.0, 0.0]]), np.ones(2))
+    beta, _ = solve_linear(np.array([[1.0, 0.0], [1.0, 0.0]]), np.ones(2))
     np.testing.assert_allclose(beta, [1.0, 0.0])
 
 
@@ -263,12 +269,12 @@ def line(y: np.ndarray, priors: np.ndarray | None = None) -> Problem:
 def test_a_line_is_known_as_by_the_textbook() -> None:
     generator = np.random.default_rng(7)
     y = 3 + 2 * np.linspace(-1, 1, 200) + generator.standard_normal(200)
-    best = solved(line(y))
+    best = require_optimum(line(y))
     known = estimate(best, noises=[white_noise(best)])
     x = np.linspace(-1, 1, 200)
     variance = best.sse / 198
     np.testing.assert_allclose(known.standard_error**2, variance / np.array([200, x @ x]))
-    two = known.derived(lambda beta: np.array([beta[0] + beta[1], beta[0] * 2]))
+    two = known.derive_quantity(lambda beta: np.array([beta[0] + beta[1], beta[0] * 2]))
     np.testing.assert_allclose(
         two.standard_error**2, variance * np.array([1 / 200 + 1 / (x @ x), 4 / 200]), rtol=1e-8
     )
@@ -280,7 +286,7 @@ def test_what_was_known_before_narrows_an_estimate() -> None:
     """A normal prior on the slope, of the noise's own standard deviation, and its posterior."""
     generator = np.random.default_rng(8)
     y = 3 + generator.standard_normal(50)
-    best = solved(line(y, priors=np.float64(1.0)))
+    best = require_optimum(line(y, priors=np.float64(1.0)))
     assert len(best.residual) == 50
     known = estimate(best, noises=[white_noise(best, variance=1.0)])
     x = np.linspace(-1, 1, 50)
@@ -292,7 +298,7 @@ def test_two_records_have_their_own_noise() -> None:
     generator = np.random.default_rng(9)
     y = np.concatenate((generator.standard_normal(100), 10 * generator.standard_normal(300)))
     A = np.repeat([[1.0, 0.0], [0.0, 1.0]], [100, 300], axis=0)
-    known = estimate(solved(Problem(lambda _: Rows(y, A))), parts=[100, 300])
+    known = estimate(require_optimum(Problem(lambda _: Rows(y, A))), parts=[100, 300])
     ratio = known.standard_error * np.sqrt([100, 300])
     np.testing.assert_allclose(ratio, [1.0, 10.0], rtol=0.25)
     assert len(known.noises) == 2
@@ -300,7 +306,7 @@ def test_two_records_have_their_own_noise() -> None:
 
 def test_what_rests_at_zero_has_no_error_unless_its_bound_is_asked() -> None:
     y = noisy(1) - 3.0  # no plateau
-    best = solved(decay(y), [np.zeros(1)])
+    best = require_optimum(decay(y), [np.zeros(1)])
     assert best.beta[0] == 0
     assert estimate(best).standard_error[1] == 0
     bound = estimate(best, resting=np.array([True, False]))
@@ -308,7 +314,7 @@ def test_what_rests_at_zero_has_no_error_unless_its_bound_is_asked() -> None:
 
 
 def test_a_theta_that_is_held_has_no_error_and_takes_none() -> None:
-    best = solved(decay(noisy(2)), [np.zeros(1)])
+    best = require_optimum(decay(noisy(2)), [np.zeros(1)])
     free, held = estimate(best), estimate(best, held=np.array([True]))
     assert held.standard_error[0] == 0
     assert (held.standard_error[1:] < free.standard_error[1:]).all()
@@ -320,20 +326,20 @@ def test_a_theta_that_is_held_has_no_error_and_takes_none() -> None:
 def test_what_depends_on_what_the_data_do_not_tell_is_not_told() -> None:
     x = np.linspace(-1, 1, 50)
     A = np.column_stack((x, np.ones(50), np.ones(50)))
-    best = solved(Problem(lambda _: Rows(x + 1, A)))
+    best = require_optimum(Problem(lambda _: Rows(x + 1, A)))
     known = estimate(best, noises=[white_noise(best, variance=1.0)])
-    found = known.derived(lambda values: np.array([2 * values[0], values[0] + values[1]]))
+    found = known.derive_quantity(lambda values: np.array([2 * values[0], values[0] + values[1]]))
     np.testing.assert_allclose(found.covariance, [[4 / (x @ x), 0.0], [0.0, np.inf]])
 
 
 def test_a_systematic_error_moves_as_the_refit_does() -> None:
     y, small = noisy(10), 1e-4 * np.sin(TIME)
-    best = solved(decay(y), [np.zeros(1)])
+    best = require_optimum(decay(y), [np.zeros(1)])
     known = estimate(best)
-    refitted = solved(decay(y + small), [best.theta])
-    by = known.moved(-small)
+    refitted = require_optimum(decay(y + small), [best.theta])
+    by = known.estimate_parameter_shift(-small)
     np.testing.assert_allclose(by, refitted.values - best.values, rtol=0.02, atol=1e-6)
-    assert (known.widened(by).standard_error > known.standard_error).all()
+    assert (known.add_parameter_error(by).standard_error > known.standard_error).all()
 
 
 def ends(known: Estimate, index: int = 0) -> tuple[float, float]:
@@ -344,7 +350,7 @@ def ends(known: Estimate, index: int = 0) -> tuple[float, float]:
 
 
 def test_a_profile_of_a_nearly_linear_theta_is_its_interval() -> None:
-    best = solved(decay(noisy(11, sd=0.002)), [np.zeros(1)])
+    best = require_optimum(decay(noisy(11, sd=0.002)), [np.zeros(1)])
     known = estimate(best, noises=[white_noise(best)])
     half = known.quantile() * known.standard_error[0]
     low, high = ends(known)
@@ -354,7 +360,7 @@ def test_a_profile_of_a_nearly_linear_theta_is_its_interval() -> None:
 def test_a_profile_ends_where_the_deviance_is_that_of_the_level() -> None:
     """A poorly known arm: the ends are no longer even, and each is where the cost says."""
     y = noisy(12, sd=0.3)
-    best = solved(decay(y), [np.zeros(1)])
+    best = require_optimum(decay(y), [np.zeros(1)])
     noise = white_noise(best)
     known = estimate(best, noises=[noise])
     for end in ends(known):
@@ -372,7 +378,7 @@ def test_slices_of_a_profile_are_the_problem_with_one_theta_held() -> None:
         return Rows(y, np.exp(-TIME[:, None] / np.exp(theta)))
 
     problem = Problem(model, [Parameter(-6.0, 6.0)] * 2, positive=True)
-    best = solved(problem, [np.array([-1.6, 0.2])])
+    best = require_optimum(problem, [np.array([-1.6, 0.2])])
     known = estimate(best, noises=[white_noise(best)])
     slices = known.profile(0)
     roots = [one.root for one in slices]
@@ -380,7 +386,7 @@ def test_slices_of_a_profile_are_the_problem_with_one_theta_held() -> None:
     assert min(roots) == roots[len(slices) // 2] == 0
     for root, held in slices:
         theta = held.optimum.theta
-        again = solved(problem.held(0, theta[0]), [best.theta[1:]])
+        again = require_optimum(problem.held(0, theta[0]), [best.theta[1:]])
         np.testing.assert_allclose(theta[1:], again.theta, atol=1e-3)
         assert root**2 == pytest.approx(
             (again.cost - best.cost) / known.noises[0].power, rel=1e-2, abs=1e-6
@@ -395,7 +401,7 @@ def test_a_profile_that_nothing_ends_goes_to_the_range() -> None:
     def model(theta: np.ndarray) -> Rows:
         return Rows(y, np.exp(-TIME[:30] / np.exp(theta[0]))[:, None])
 
-    best = solved(Problem(model, [Parameter(-3.0, 6.0)], positive=True), [np.ones(1)])
+    best = require_optimum(Problem(model, [Parameter(-3.0, 6.0)], positive=True), [np.ones(1)])
     assert ends(estimate(best))[1] == 6.0
 
 
@@ -409,7 +415,7 @@ def test_the_score_prefers_what_is_there(sd: float) -> None:
             return Rows(y, np.column_stack((np.ones_like(TIME), A)))
 
         span = np.log([0.2, 3.0, 1.0])[:count]
-        return solved(Problem(model, [Parameter(-4, 4)] * count, positive=True), [span])
+        return require_optimum(Problem(model, [Parameter(-4, 4)] * count, positive=True), [span])
 
     for truth in (1, 2):
         y = 2 + np.exp(-TIME / 0.3) + (truth == 2) * np.exp(-TIME / 4)
@@ -420,5 +426,5 @@ def test_the_score_prefers_what_is_there(sd: float) -> None:
 
 
 def test_complex_rows_are_real_ones_twice() -> None:
-    np.testing.assert_array_equal(stacked(np.array([1 + 2j, 3 - 4j])), [1, 3, 2, -4])
-    assert stacked(np.ones((2, 3), dtype=complex)).shape == (4, 3)
+    np.testing.assert_array_equal(stack_real_rows(np.array([1 + 2j, 3 - 4j])), [1, 3, 2, -4])
+    assert stack_real_rows(np.ones((2, 3), dtype=complex)).shape == (4, 3)

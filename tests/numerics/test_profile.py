@@ -10,7 +10,7 @@ from dashpot.numerics.design_matrices.hold import hold_block
 from dashpot.numerics.exponential_fit.log_tau_descent import Stack
 from dashpot.numerics.exponential_fit.variable_projection import Solution, solve
 from dashpot.numerics.inference.profile_likelihood import profiles
-from dashpot.numerics.inference.profile_tracing import Coordinate, Profiled
+from dashpot.numerics.inference.profile_tracing import Coordinate, ProfileTarget
 
 TIME = np.linspace(0.0, 10.0, 400)
 NOISE = 0.02
@@ -72,7 +72,7 @@ def test_profile_is_the_brute_force_refit(
     step: float,
 ) -> None:
     stack, optimum, values = problem
-    asked = Profiled(coordinate, index, step=step, scale=NOISE**2)
+    asked = ProfileTarget(coordinate, index, step=step, scale=NOISE**2)
     ((value, deviance),) = profiles(stack, optimum, [asked], limit=11.0)
     assert np.all(np.diff(value) > 0)
     best = int(np.argmin(deviance))
@@ -89,7 +89,7 @@ def test_a_side_the_data_leave_open_ends_at_the_window(
     problem: tuple[Stack, Solution, np.ndarray],
 ) -> None:
     stack, optimum, _ = problem
-    asked = Profiled(Coordinate.LOG_TAU, 1, step=0.1, scale=1e3)
+    asked = ProfileTarget(Coordinate.LOG_TAU, 1, step=0.1, scale=1e3)
     ((value, deviance),) = profiles(stack, optimum, [asked], limit=11.0)
     assert deviance.max() < 11.0
     assert (value[0], value[-1]) == pytest.approx(stack.bounds)
@@ -105,7 +105,7 @@ def test_where_the_noise_is_louder_the_same_sse_means_less(
         return float(np.exp(2.0 * max(log_tau[1] - optimum.log_tau[1], 0.0)))
 
     asked = [
-        Profiled(Coordinate.LOG_TAU, 1, step=0.1, scale=NOISE**2, relative_gain=noise)
+        ProfileTarget(Coordinate.LOG_TAU, 1, step=0.1, scale=NOISE**2, relative_gain=noise)
         for noise in (None, relative_gain)
     ]
     plain, met = profiles(stack, optimum, asked, limit=11.0)
@@ -133,8 +133,8 @@ def test_an_arm_that_the_data_do_without_may_be_anything(seed: int) -> None:
     assert found.order == 2
     arm = int(np.argmin(found.arms[0]))
     coordinates = (Coordinate.LINEAR, 0), (Coordinate.LINEAR, 1 + arm), (Coordinate.LOG_B, arm)
-    asked = [Profiled(kind, index, step=0.02, scale=NOISE**2) for kind, index in coordinates]
-    asked.append(Profiled(Coordinate.LOG_TAU, arm, step=0.2, scale=NOISE**2))
+    asked = [ProfileTarget(kind, index, step=0.02, scale=NOISE**2) for kind, index in coordinates]
+    asked.append(ProfileTarget(Coordinate.LOG_TAU, arm, step=0.2, scale=NOISE**2))
     plateau, *own = profiles(Stack([block]), found, asked, limit=11.0)
     without = (solve([block], 1).sse - found.sse) / NOISE**2
     assert without < 2.0
@@ -163,7 +163,7 @@ def test_an_arm_that_is_needed_has_ends_though_another_is_spare() -> None:
     found = solve([block], 3)
     assert found.order == 3
     slow = int(np.argmin(np.abs(found.log_tau - np.log(4.0))))
-    asked = Profiled(Coordinate.LINEAR, 1 + slow, step=0.02, scale=NOISE**2)
+    asked = ProfileTarget(Coordinate.LINEAR, 1 + slow, step=0.02, scale=NOISE**2)
     ((value, deviance),) = profiles(Stack([block]), found, [asked], limit=11.0)
     assert deviance[0] > 11.0
     assert value[0] > 0.05

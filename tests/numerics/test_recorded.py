@@ -10,8 +10,12 @@ from hypothesis import strategies as st
 from dashpot.base.errors import DataError, FitError
 from dashpot.numerics.design_matrices import displacement_correlation
 from dashpot.numerics.design_matrices.block import Evaluation
-from dashpot.numerics.design_matrices.delayed_force import Late
-from dashpot.numerics.design_matrices.displacement_correlation import Force, convolved, upper_factor
+from dashpot.numerics.design_matrices.delayed_force import DelayedForce
+from dashpot.numerics.design_matrices.displacement_correlation import (
+    Force,
+    correlate_displacement,
+    upper_factor,
+)
 from dashpot.numerics.design_matrices.recorded_motion import arm_columns, recorded_block
 from dashpot.numerics.exponential_fit.certificate import certificate
 from dashpot.numerics.exponential_fit.variable_projection import Solution, solve, solve_orders
@@ -111,13 +115,13 @@ def test_gram_matrix_is_that_of_every_sample(
     scale = np.linalg.norm(dense, axis=0)
     # an arm that has died before the window is rounding beside the displacement
     scale = np.maximum(scale, 0.1 * scale[0] * (scale < scale[0]))
-    seen = convolved(TIME, x, rows.fixed, start=start, stop=stop)
-    gram = seen.gram(tau, Force.of(seen, rows.target), derivative=True)
+    seen = correlate_displacement(TIME, x, rows.fixed, start=start, stop=stop)
+    gram = seen.gram(tau, Force.from_motion(seen, rows.target), derivative=True)
     np.testing.assert_allclose(
         gram / scale / scale[:, None], dense.T @ dense / scale / scale[:, None], atol=1e-9
     )
     p = dense.shape[1] - 1 - len(tau)
-    values = seen.gram(tau, Force.of(seen, rows.target), derivative=False)
+    values = seen.gram(tau, Force.from_motion(seen, rows.target), derivative=False)
     kept = np.r_[:p, -1]
     np.testing.assert_allclose(values, gram[np.ix_(kept, kept)], rtol=1e-12)
 
@@ -131,7 +135,9 @@ def test_the_column_of_a_late_force_is_that_of_every_sample(
     block = recorded_block(TIME, x, force_of(x, 2), window=here, offset="offset", drift="drift")
     tau = np.array([0.004, 0.5, 200.0])
     arms = block.exact.evaluate(np.log(tau)).arms
-    late = Late.of(arms, np.array([30.0, 20.0, 10.0]), tau, 200.0, np.gradient(x, TIME)[here])
+    late = DelayedForce.from_arms(
+        arms, np.array([30.0, 20.0, 10.0]), tau, 200.0, np.gradient(x, TIME)[here]
+    )
     found = block.with_delay("delay", late).evaluate(np.log([0.1, 5.0]))
     every = block.exact.with_column("delay", late.column).evaluate(np.log([0.1, 5.0]))
     short, long = (

@@ -10,12 +10,18 @@ import pytest
 
 from dashpot.numerics.design_matrices.hold import hold_block
 from dashpot.numerics.exponential_fit.log_tau_descent import Stack
-from dashpot.numerics.exponential_fit.starting_points import Grid, Lattice, paired, single, tripled
+from dashpot.numerics.exponential_fit.starting_points import (
+    ColumnGrid,
+    Grid,
+    find_best_pair,
+    find_best_triple,
+    single,
+)
 from dashpot.numerics.exponential_fit.variable_projection import solve
 
 TIME = np.arange(3000) / 100
 GENERATOR = np.random.default_rng(3)
-SETS = {1: single, 2: paired, 3: tripled}
+SETS = {1: single, 2: find_best_pair, 3: find_best_triple}
 
 
 def record(arms: int) -> np.ndarray:
@@ -63,7 +69,7 @@ def test_a_pair_is_started_from_between_the_grid_points() -> None:
     for _ in range(24):
         stack = Stack([hold_block(TIME, record(2))])
         grid = Grid(stack, 48)
-        start, found = paired(grid), solve(stack.blocks, 2).log_tau
+        start, found = find_best_pair(grid), solve(stack.blocks, 2).log_tau
         assert start is not None
         from_start.append(np.abs(start - found).max())
         from_points.append(np.abs(grid.log_tau[:, None] - found).min(axis=0).max())
@@ -90,7 +96,7 @@ def test_a_kept_lattice_is_the_one_made_anew() -> None:
     for block in blocks:
         stack = Stack([block])
         grid = Grid(stack)
-        lattice, target = Lattice.of(stack, grid.log_tau)
+        lattice, target = ColumnGrid.from_stack(stack, grid.log_tau)
         np.testing.assert_array_equal(grid.columns, lattice.rows.T)
         np.testing.assert_array_equal(grid.moment, lattice.rows @ target)
         np.testing.assert_array_equal(grid.gram, lattice.gram)

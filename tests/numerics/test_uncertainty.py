@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 from dashpot.base.student_t import t_quantile
 from dashpot.numerics.inference.covariance import (
     Noise,
-    Series,
+    ResidualSeries,
     autocovariance,
     directions,
     geyer_cut,
@@ -128,7 +128,7 @@ def test_what_a_fit_takes_out_of_several_records_is_given_back_once(
         ]
         powers += [noise.autocovariance[0] for noise in each]
         kappas += [noise.kappa for noise in each]
-        assert sum(columns.taken for columns in known.columns) == pytest.approx(4)
+        assert sum(columns.absorbed_count for columns in known.columns) == pytest.approx(4)
         assert n == each[0].samples
     assert np.mean(powers) == pytest.approx(1.0, rel=0.03)
     # chance alone lets short records look correlated
@@ -142,7 +142,7 @@ def test_directions_shared_with_the_covariance_take_the_same_from_the_noise() ->
     known = directions([jacobian, np.diag([1e-3, 2.0, 5.0])])
     alone = sandwich([jacobian[:, :2]], [Noise(4000, 0.9 ** np.arange(200), 19.0, 0.2)])
     shared = directions([jacobian[:, :2]])
-    residual = Series(autoregressive(rng, 4000, 0.98))
+    residual = ResidualSeries(autoregressive(rng, 4000, 0.98))
     own = noise_of(residual.values, jacobian)
     # a residual that was asked already, without columns, answers as a new one
     assert len(noise_of(residual).autocovariance) < len(own.autocovariance)
@@ -268,7 +268,7 @@ def test_white_noise_is_even_and_slow_noise_is_not() -> None:
 
     def ratio(columns: np.ndarray, noise: Noise) -> float:
         known = directions([columns])
-        return noise_gain_ratio(known, [known.met(0, noise)])
+        return noise_gain_ratio(known, [known.compute_record_gain(0, noise)])
 
     assert ratio(jacobian, Noise(400, np.array([0.5]), 1.0, 2.0)) == pytest.approx(1.0)
     gamma = 0.97 ** np.arange(200) - 0.97**200

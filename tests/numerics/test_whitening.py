@@ -19,8 +19,8 @@ from dashpot.numerics.inference.covariance import Noise
 from dashpot.numerics.inference.whitening import (
     AT_ONCE,
     NoiseGain,
-    as_one,
-    in_pieces,
+    compute_averaging_length,
+    compute_blockwise_qr,
     whitened_block,
 )
 
@@ -34,7 +34,7 @@ DEPTH, RAMP = 8e-3, 1.0
 @pytest.mark.parametrize("rows", [3, 7, AT_ONCE, AT_ONCE + 1, 3 * AT_ONCE + 9])
 def test_a_factor_by_pieces_is_a_factor(rows: int) -> None:
     tall = np.random.default_rng(rows).standard_normal((rows, 7))
-    basis, factor = in_pieces(tall)
+    basis, factor = compute_blockwise_qr(tall)
     np.testing.assert_allclose(basis @ factor, tall, atol=1e-12)
     np.testing.assert_allclose(basis.T @ basis, np.eye(min(rows, 7)), atol=1e-12)
 
@@ -118,7 +118,7 @@ def test_what_is_known_is_what_generalised_least_squares_knows(
 def test_each_record_is_taken_as_its_own_noise_is() -> None:
     """Against the dense form, under slow noise and beside it white: means of 4 and of 1."""
     records, noises = [held(), moved()], [slow(8.0), white()]
-    assert [as_one(one) for one in noises] == [4, 1]
+    assert [compute_averaging_length(one) for one in noises] == [4, 1]
     solution = solve(records, 2)
     gain = NoiseGain(records, noises, solution)
     jacobian = full_jacobian(records, solution).matrix
@@ -129,7 +129,7 @@ def test_each_record_is_taken_as_its_own_noise_is() -> None:
             gamma = np.zeros(len(TIME))
             gamma[: len(noise.autocovariance)] = noise.autocovariance
             met += change[part] @ toeplitz(gamma) @ change[part]
-        assert gain.towards(step) == pytest.approx(met / (change @ change), rel=0.05)
+        assert gain.compute_step_gain(step) == pytest.approx(met / (change @ change), rel=0.05)
 
 
 @pytest.mark.parametrize("make", [held, moved])
@@ -150,8 +150,8 @@ def test_means_over_neighbours_lose_little_of_what_is_known(
         return np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian)))
 
     as_it_is = errors()
-    assert as_one(noise) == few
-    monkeypatch.setattr(whitening, "as_one", lambda _: 1)
+    assert compute_averaging_length(noise) == few
+    monkeypatch.setattr(whitening, "compute_averaging_length", lambda _: 1)
     assert np.all(as_it_is <= most * errors() * (1 + 1e-9))
 
 
@@ -186,7 +186,7 @@ def test_the_noise_that_meets_a_change_is_its_dense_quadratic_form(
     inverse = np.linalg.inv(jacobian.T @ jacobian)
     for step in inverse:
         change = jacobian @ step
-        assert noise_gain.towards(step) == pytest.approx(
+        assert noise_gain.compute_step_gain(step) == pytest.approx(
             change @ dense @ change / (change @ change), rel=0.02
         )
     beta, log_tau = solution.beta, solution.log_tau
@@ -205,7 +205,7 @@ def test_white_noise_meets_every_change_alike() -> None:
     exact = held(1e-2 * np.random.default_rng(1).standard_normal(len(TIME)))
     solution = solve([exact], 2)
     noise_gain = NoiseGain([exact], [white(0.3)], solution)
-    assert noise_gain.towards(np.array([1.0, -2.0, 0.3, 0.1, 0.7])) == pytest.approx(0.3)
+    assert noise_gain.compute_step_gain(np.array([1.0, -2.0, 0.3, 0.1, 0.7])) == pytest.approx(0.3)
     assert noise_gain.at(1.1 * solution.beta, solution.log_tau + 0.2) == pytest.approx(0.3)
 
 

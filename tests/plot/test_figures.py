@@ -20,14 +20,14 @@ from kit.pictures import first, lines, marks
 from dashpot import plot
 from dashpot.base.checks import Check
 from dashpot.datamodel.bounds import StiffnessBounds
-from dashpot.datamodel.fit_diagnostics import AtDepth
+from dashpot.datamodel.fit_diagnostics import DepthStiffness
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
 from dashpot.extensions.curves.dynamic.fit import fit_dynamic
 from dashpot.extensions.curves.modulus.fit import fit_modulus
 from dashpot.fitting.relaxation import fit
-from dashpot.plot.dynamic_stiffness_figure import averaged, quantities
-from dashpot.plot.frf_lines import half_power, phase_axis, smooth, turned
+from dashpot.plot.dynamic_stiffness_figure import average_octave_bands, quantities
+from dashpot.plot.frf_lines import half_power, phase_axis, smooth, wrap_phase
 from dashpot.plot.impact import force_spectrum
 from dashpot.plot.picture import (
     Area,
@@ -40,7 +40,7 @@ from dashpot.plot.picture import (
     Scale,
     Span,
     Tag,
-    around,
+    compute_padded_limits,
     unit_of,
 )
 from dashpot.plot.relaxation import fits_to_show, fitted_force
@@ -226,7 +226,7 @@ def test_a_fit_without_offset_is_drawn_without_one():
 
 
 def test_several_depths_are_drawn_at_their_own_stiffness():
-    at = AtDepth(
+    at = DepthStiffness(
         depth=8e-3,
         k_inf=S.fit.model.k_inf,
         k_inf_most=1.01 * S.fit.model.k_inf,
@@ -299,8 +299,10 @@ def test_a_bound_that_no_test_sets_runs_out_at_the_top_of_a_finite_axis(endless)
 
 
 def test_axes_hold_what_is_finite():
-    assert around(np.array([1.0, np.inf]), np.array([3.0, np.nan, -np.inf]), margin=0.0) == (1, 3)
-    assert np.isfinite(around(np.array([np.inf, np.nan]))).all()
+    assert compute_padded_limits(
+        np.array([1.0, np.inf]), np.array([3.0, np.nan, -np.inf]), margin=0.0
+    ) == (1, 3)
+    assert np.isfinite(compute_padded_limits(np.array([np.inf, np.nan]))).all()
 
 
 def test_stiffness_shows_newtons_per_millimetre(drawn):
@@ -384,7 +386,7 @@ def test_stiffness_from_the_frf_is_drawn_with_its_scatter_where_it_is_good():
 
 def test_averaging_lines_shrinks_scatter_and_leaves_the_errors_of_phase_and_mass():
     storage, _, _ = quantities(S.direct)
-    f, mean = averaged(S.direct.frequency, storage)
+    f, mean = average_octave_bands(S.direct.frequency, storage)
     assert len(f) < len(S.direct.frequency) / 3
     top = f > 20  # many lines in each bin
     at = np.interp(f[top], S.direct.frequency, storage.mass)
@@ -537,14 +539,14 @@ def test_the_phase_over_a_base_falls_from_0_to_minus_180_in_one():
     base = predict_frf(2 * PAPER, mass=PAPER_MASS, frequency=f, kind="transmissibility")
     lowest, ticks = phase_axis(base.value)
     assert ticks == (-180.0, -90.0, 0.0)
-    degrees = turned(base.value, lowest)
+    degrees = wrap_phase(base.value, lowest)
     assert np.abs(np.diff(degrees)).max() < 180
 
 
 def test_phase_does_not_wrap_through_the_noise_of_an_accelerance(drawn):
     assert drawn["frf"].panels[1].y.limits == (-15, 195)
     lowest, _ = phase_axis(S.measured.value)
-    assert np.abs(np.diff(turned(S.measured.value, lowest))).max() < 90
+    assert np.abs(np.diff(wrap_phase(S.measured.value, lowest))).max() < 90
 
 
 def test_an_frf_without_coherence_or_scatter_has_no_strip_for_it():

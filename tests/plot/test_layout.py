@@ -9,9 +9,9 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from dashpot.plot.layout import STRAIGHT, arranged, lay_out, straightened, text_width
+from dashpot.plot.layout import STRAIGHT, arrange_sheet, lay_out, simplify_line, text_width
 from dashpot.plot.picture import FIT, Line, Panel, Pen, Picture, Scale, Span, Tag
-from dashpot.plot.ticks import numbers, place, written
+from dashpot.plot.ticks import format_ticks, numbers, place
 
 LOW = st.floats(-1e6, 1e6)
 
@@ -31,16 +31,16 @@ def test_a_curve_less_what_is_straight_stays_within_a_hair(seed, size, noise):
     x = np.cumsum(random.uniform(0.0, 3.0, size))
     y = 40 * np.sin(x / 30) + noise * random.standard_normal(size)
     points = np.column_stack([x, y])
-    kept = straightened(points)
+    kept = simplify_line(points)
     assert np.array_equal(kept[[0, -1]], points[[0, -1]])
     assert max(distance(point, kept) for point in points) <= 8 * STRAIGHT + 1e-9
 
 
 def test_a_straight_line_keeps_few_points_and_a_spike_stays():
     line = np.column_stack([np.arange(1001.0), np.arange(1001.0) / 7])
-    assert len(straightened(line)) < 1001 / 2**4
+    assert len(simplify_line(line)) < 1001 / 2**4
     line[500, 1] += 5.0
-    assert line[500].tolist() in straightened(line).tolist()
+    assert line[500].tolist() in simplify_line(line).tolist()
 
 
 @given(LOW, st.floats(1e-6, 1e6), st.floats(60, 900))
@@ -54,7 +54,7 @@ def test_an_even_axis_has_two_round_numbers_or_more_inside_its_limits(low, span,
     assert steps == pytest.approx(np.full(len(steps), steps[0]), rel=1e-3)
     mantissa = steps[0] / 10 ** math.floor(math.log10(steps[0]) + 1e-9)
     assert min(abs(mantissa - m) for m in (1, 2, 2.5, 5, 10)) < 1e-2
-    assert len(set(written(axis, found))) == len(found)
+    assert len(set(format_ticks(axis, found))) == len(found)
 
 
 @given(st.floats(-9, 6), st.floats(0.05, 12), st.floats(120, 900))
@@ -103,7 +103,7 @@ WIDE = Scale("f, Hz", (1.0, 100.0), log=True)
 
 
 def words_of(panel, width, **how):
-    sheet = arranged(Picture("one", "One.", ((panel,),), 1, width=width, **how))
+    sheet = arrange_sheet(Picture("one", "One.", ((panel,),), 1, width=width, **how))
     return sheet, [one for strip in sheet.strips for f in strip.laid.frames for one in f.words]
 
 
@@ -175,4 +175,4 @@ def test_an_axis_of_what_is_counted_has_whole_numbers_alone(count, length):
     found = numbers(axis, length, 46)
     assert all(one == round(one) for one in found)
     assert found
-    assert all("." not in word for word in written(axis, found))
+    assert all("." not in word for word in format_ticks(axis, found))

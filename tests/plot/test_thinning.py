@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dashpot.plot.downsampling import extremes, means
+from dashpot.plot.downsampling import downsample_to_extremes, downsample_to_means
 
 
 def record(seed: int, size: int) -> tuple[np.ndarray, np.ndarray]:
@@ -18,7 +18,7 @@ def record(seed: int, size: int) -> tuple[np.ndarray, np.ndarray]:
 @given(st.integers(0, 10_000), st.integers(2, 3000), st.integers(1, 200), st.booleans())
 def test_the_highest_and_the_lowest_sample_of_every_bin_stay(seed, size, bins, log):
     x, y = record(seed, size)
-    kept_x, kept_y = extremes(x, y, bins=bins, log=log)
+    kept_x, kept_y = downsample_to_extremes(x, y, bins=bins, log=log)
     assert len(kept_x) <= max(2 * bins, size if size <= 2 * bins else 0)
     assert np.all(np.diff(kept_x) > 0)
     # only samples, none invented
@@ -41,7 +41,7 @@ def test_the_highest_and_the_lowest_sample_of_every_bin_stay(seed, size, bins, l
 @given(st.integers(0, 10_000), st.integers(1, 2000), st.integers(1, 200))
 def test_means_keep_the_mean(seed, size, bins):
     x, y = record(seed, size)
-    mean_x, mean_y = means(x, y, bins=bins)
+    mean_x, mean_y = downsample_to_means(x, y, bins=bins)
     assert len(mean_x) <= bins
     assert np.all(np.diff(mean_x) > 0)
     assert y.min() - 1e-12 <= mean_y.min()
@@ -52,13 +52,13 @@ def test_means_keep_the_mean(seed, size, bins):
 
 def test_a_short_record_is_left_alone_and_log_time_starts_after_zero():
     x, y = np.array([-1.0, 0.0, 0.5, 2.0]), np.array([1.0, 2.0, 3.0, 4.0])
-    assert [a.tolist() for a in extremes(x, y)] == [x.tolist(), y.tolist()]
-    assert extremes(x, y, log=True)[0].tolist() == [0.5, 2.0]
-    assert means(x[:2], y[:2], log=True)[0].size == 0
+    assert [a.tolist() for a in downsample_to_extremes(x, y)] == [x.tolist(), y.tolist()]
+    assert downsample_to_extremes(x, y, log=True)[0].tolist() == [0.5, 2.0]
+    assert downsample_to_means(x[:2], y[:2], log=True)[0].size == 0
 
 
 def test_one_spike_among_a_million_samples_survives():
     x = np.arange(1, 1_000_001, dtype=float)
     y = np.zeros_like(x)
     y[777_777] = 1.0
-    assert extremes(x, y, bins=100, log=True)[1].max() == 1.0
+    assert downsample_to_extremes(x, y, bins=100, log=True)[1].max() == 1.0

@@ -11,7 +11,7 @@ import pytest
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing import decimation
-from dashpot.preprocessing.decimation import averaged
+from dashpot.preprocessing.decimation import decimate
 from dashpot.preprocessing.prepare import prepare
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -61,19 +61,19 @@ def test_estimates_and_errors_stay(monkeypatch: pytest.MonkeyPatch, count: float
 
 def test_what_is_short_uneven_or_coarse_is_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     whole, _ = long_record(monkeypatch, enough=20_501)
-    assert averaged(whole) is whole  # not twice as long as enough
+    assert decimate(whole) is whole  # not twice as long as enough
     monkeypatch.setattr(decimation, "ENOUGH", 20_500)
-    assert len(averaged(whole).time) == 41_001
+    assert len(decimate(whole).time) == 41_001
     monkeypatch.setattr(decimation, "ENOUGH", 13_667)
-    assert len(averaged(whole).time) == 13_667
+    assert len(decimate(whole).time) == 13_667
     monkeypatch.setattr(decimation, "ON_THE_RAMP", 700)
-    assert averaged(whole) is whole  # its ramp has a thousand samples
+    assert decimate(whole) is whole  # its ramp has a thousand samples
     monkeypatch.setattr(decimation, "ON_THE_RAMP", 100)
     late = whole.time + 0.4e-3 * (np.arange(len(whole.time)) > 30_000)
-    assert averaged(replace(whole, time=late)) is not whole
+    assert decimate(replace(whole, time=late)) is not whole
     later = whole.time + 0.4e-3 * (np.arange(len(whole.time)) > 30_000) * 2
     uneven = replace(whole, time=later, hold_end=float(later[-1]))
-    assert averaged(uneven) is uneven
+    assert decimate(uneven) is uneven
 
 
 def test_a_long_record_needs_the_room_of_ten_of_its_channels() -> None:

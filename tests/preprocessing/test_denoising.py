@@ -14,8 +14,8 @@ from dashpot.preprocessing.denoising import (
     MOST_FLICKER,
     _without_flicker,
     between_counts,
+    denoise_displacement,
     denoised,
-    true_motion,
 )
 from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.relaxation import simulate_relaxation
@@ -109,7 +109,7 @@ def test_what_is_larger_than_the_noise_stays() -> None:
 def test_a_perfect_encoder_is_left_alone() -> None:
     rig = replace(Rig(), encoder=0.0, position_noise=0.0)
     held = prepare(simulate_relaxation(BROAD, rig=rig).test)
-    x, sd = true_motion(replace(held, displacement_noise=0.0))
+    x, sd = denoise_displacement(replace(held, displacement_noise=0.0))
     assert (x == held.displacement[: len(x)]).all()
     assert (sd == 0).all()
 
@@ -118,7 +118,7 @@ def test_a_noisy_encoder_spoils_the_fit_and_denoising_mends_it() -> None:
     """Errors in variables: 10 um of noise makes the arms unrecognisable."""
     rig = replace(Rig(), encoder=0.0, position_noise=1e-5)
     held = prepare(simulate_relaxation(BROAD, seed=0, rig=rig).test)
-    x, _ = true_motion(held)
+    x, _ = denoise_displacement(held)
     clean = fit(replace(held, displacement=np.append(x, held.displacement[len(x) :])), arms=3)
     # the slow arms are Table 1's
     assert clean.model.tau[1:] == pytest.approx((0.502, 16.4), rel=0.05)

@@ -12,7 +12,7 @@ from kit.trials import DISTURBANCES, KINDS, Bench, Seal, record, relaxation_test
 import dashpot as dp
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.preprocessing.checks import motion_measured
-from dashpot.preprocessing.denoising import true_motion
+from dashpot.preprocessing.denoising import denoise_displacement
 from dashpot.preprocessing.prepare import prepare
 from dashpot.workflow.job import Job
 from dashpot.workflow.json_archive import from_json, to_json
@@ -45,7 +45,7 @@ def test_counts_are_still_found_behind_the_give():
     test = relaxation_test(record(PAPER, Bench(compliance=50e-6, hold=10.0)))
     known = prepare(test, machine=dp.Machine(compliance=50e-6))
     assert known.encoder_step == pytest.approx(20e-6)
-    x, _ = true_motion(known)
+    x, _ = denoise_displacement(known)
     one = record(PAPER, Bench(compliance=50e-6, hold=10.0).perfect())
     assert np.abs(x - one.compression[-len(x) :]).max() < 10e-6
 

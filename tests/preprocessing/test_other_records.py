@@ -9,7 +9,7 @@ from kit.kinds import answer, ramp_and_hold
 from dashpot.base.errors import DataError
 from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.preprocessing.prepare import prepare
-from dashpot.signals.load_history import CREPT, SETTLES, STEADY, loading_in
+from dashpot.signals.load_history import CREPT, SETTLES, STEADY, classify_load_history
 
 TIME = np.arange(0, 30, 0.05)
 
@@ -29,7 +29,7 @@ def test_a_displacement_that_settles_while_the_force_relaxes_began_late(
     level = 8e-3
     x = level * (1 - settling * SETTLES * np.exp(-TIME))  # its median is the level
     force = 1 + np.exp(-TIME / 9)
-    assert (loading_in(TIME, x, force) == "other") == late
+    assert (classify_load_history(TIME, x, force) == "other") == late
     with pytest.raises(DataError, match="the record begins within its ramp, or after it"):
         prepare(RelaxationTest(TIME, x, force, units="SI"))
 
@@ -42,4 +42,4 @@ def test_a_creep_test_holds_its_force(steady: float, crept: float, creeps: bool)
     # from the first tenth of the hold to the last, as tenths of a straight line go: 0.9
     force = risen * (1 - STEADY * steady * since / 0.9)
     x = 8e-3 * risen * (1 + CREPT * crept * since / 0.9 * (1 + CREPT * crept / 0.9))
-    assert (loading_in(TIME, x, force) == "creep") == creeps
+    assert (classify_load_history(TIME, x, force) == "creep") == creeps

@@ -19,7 +19,7 @@ from dashpot.signals.segments import (
     cycles_of,
     find_segments,
     loading_of,
-    mirrored,
+    negated,
 )
 
 
@@ -78,7 +78,7 @@ def test_a_record_that_is_halved_shows_the_same(monkeypatch: pytest.MonkeyPatch)
 def test_what_is_mirrored_is_what_is_found_of_the_mirror(sign: int):
     x = sign * path(T, (0, 0), (1, 0), (2, 4), (9, 4), (10, 8), (30, 8), (31, 2), (40, 0))
     x = x + 0.01 * np.random.default_rng(0).standard_normal(len(x))
-    assert mirrored(find_segments(T, x)) == find_segments(T, -x)
+    assert negated(find_segments(T, x)) == find_segments(T, -x)
 
 
 def test_cycles_without_end_are_looked_at_no_more_often_for_that(monkeypatch: pytest.MonkeyPatch):

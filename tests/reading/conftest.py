@@ -23,7 +23,7 @@ def parsed_here(what, function, raw, options):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # as a child does
         try:
-            message_protocol.send_answer(pipe, child_process.parsed(what, function, raw, asked))
+            message_protocol.send_answer(pipe, child_process.run_parser(what, function, raw, asked))
         except DashpotError as error:
             raise ReadError(str(error)) from None
     pipe.seek(0)
@@ -33,5 +33,5 @@ def parsed_here(what, function, raw, options):
 @pytest.fixture(autouse=True)
 def _parsed_here(request, monkeypatch):
     if request.path.stem not in CHILDREN:
-        monkeypatch.setattr(parent_process, "in_child", parsed_here)
-        monkeypatch.setattr(workbook, "in_child", parsed_here)
+        monkeypatch.setattr(parent_process, "run_in_child", parsed_here)
+        monkeypatch.setattr(workbook, "run_in_child", parsed_here)

@@ -310,16 +310,16 @@ def test_all_readings_of_a_file_share_its_time(
     monkeypatch.setattr(time_budget, "seconds_for", lambda _: most / time_budget._OF_IT)
     now = iter([0.0, 1.0, 100.0, 102.0])
     monkeypatch.setattr(time_budget.time, "thread_time", lambda: next(now))
-    patience = time_budget.Patience(1)
-    with patience.counted():
+    patience = time_budget.TimeBudget(1)
+    with patience.count_time_spent():
         pass
     now = iter([100.0, 102.0, 102.0])
-    with patience.counted():
+    with patience.count_time_spent():
         if refuses:
             with pytest.raises(ReadError, match="up to line 7"):
-                patience.asked(7)
+                patience.check_time_limit(7)
         else:
-            patience.asked(7)
+            patience.check_time_limit(7)
 
 
 def test_a_remark_that_stands_again_costs_its_line_alone(
@@ -327,8 +327,10 @@ def test_a_remark_that_stands_again_costs_its_line_alone(
 ) -> None:
     from dashpot.reading.text import rows
 
-    asked, known = [], rows.changed
-    monkeypatch.setattr(rows, "changed", lambda *about: asked.append(about) or known(*about))
+    asked, known = [], rows.find_header_change
+    monkeypatch.setattr(
+        rows, "find_header_change", lambda *about: asked.append(about) or known(*about)
+    )
     time, moved, force = truth()
     each = zip(time, moved, force, strict=True)
     text = HEAD + "".join(f"{t};{x};{f}\n# a word\n" for t, x, f in each)

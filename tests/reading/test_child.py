@@ -19,16 +19,16 @@ from kit import misbehaving
 
 from dashpot.base.errors import ReadError
 from dashpot.reading import time_budget
-from dashpot.reading.raw_file import Raw
+from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import limits, parent_process
-from dashpot.reading.sandbox.parent_process import in_child
+from dashpot.reading.sandbox.parent_process import run_in_child
 
-RAW = Raw("a.bin", None, bytes(range(8)))
+RAW = RawFile("a.bin", None, bytes(range(8)))
 
 
-def run(function, raw: Raw = RAW, options: ReadOptions | None = None):
-    return in_child("junk", function, raw, options or ReadOptions())
+def run(function, raw: RawFile = RAW, options: ReadOptions | None = None):
+    return run_in_child("junk", function, raw, options or ReadOptions())
 
 
 def children() -> set[str]:
@@ -57,7 +57,7 @@ def test_a_table_comes_through_whole() -> None:
 def test_a_large_file_is_read_from_its_place(tmp_path: Path) -> None:
     path = tmp_path / "a.bin"
     path.write_bytes(RAW.held)
-    found = run(misbehaving.behaves, Raw("a.bin", path))
+    found = run(misbehaving.behaves, RawFile("a.bin", path))
     np.testing.assert_array_equal(found.load([1]).values[:, 0], [1, 3, 5, 7])
 
 
@@ -143,8 +143,8 @@ def answer(head: object, more: bytes = b"") -> bytes:
 )
 def test_a_child_that_is_led_astray_is_not_believed(junk: bytes) -> None:
     with pytest.raises(ReadError, match="the reader of junk files ended"):
-        run(misbehaving.lies, Raw("a", None, junk or b"\0"))
-    assert run(misbehaving.lies, Raw("a", None, answer(HEAD, bytes(8)))).load([0]).values == 0
+        run(misbehaving.lies, RawFile("a", None, junk or b"\0"))
+    assert run(misbehaving.lies, RawFile("a", None, answer(HEAD, bytes(8)))).load([0]).values == 0
 
 
 def test_many_threads_read_at_once() -> None:

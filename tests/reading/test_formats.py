@@ -21,7 +21,7 @@ from dashpot.extensions import formats as binary
 from dashpot.extensions.curves.dynamic.read import read_dynamic
 from dashpot.reading import formats
 from dashpot.reading.formats import format_of
-from dashpot.reading.raw_file import Raw
+from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.impact import read_impact
 from dashpot.reading.readers.inspect import inspect_file
@@ -464,7 +464,7 @@ def test_every_format_is_found_by_its_bytes(tmp_path: Path) -> None:
         "trios": b'[{"Results": []}]',
         "text": b"t [s],F [N]\n0,1\n1,2\n",
     }
-    found = {format_of(Raw(name, None, content)) for name, content in made.items()}
+    found = {format_of(RawFile(name, None, content)) for name, content in made.items()}
     modules = {
         path.stem
         for folder in (Path(formats.__file__), Path(binary.__file__))

@@ -24,7 +24,7 @@ from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.readers.impact import read_impact
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.reading.readers.relaxation import read_relaxation
-from dashpot.reading.table import Column, FileTable, in_memory
+from dashpot.reading.table import Column, FileTable, make_loader
 from dashpot.workflow.inspections import inspect_files
 from tests.kit.kinds import bench, csv, files, hammer, late, ramp_and_hold, response
 
@@ -110,7 +110,7 @@ def test_a_sweep_is_told_by_its_decades(decades: float, kind: str) -> None:
     frequency = 10 ** np.linspace(0, decades, 9)
     columns = tuple(Column(name, "MPa") for name in ("storage", "loss"))
     values = np.column_stack([frequency, frequency, frequency])
-    table = FileTable("", (Column("frequency", "Hz"), *columns), in_memory(values))
+    table = FileTable("", (Column("frequency", "Hz"), *columns), make_loader(values))
     assert kind_of(table, ReadOptions())[0] == kind
 
 

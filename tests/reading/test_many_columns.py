@@ -15,13 +15,20 @@ from dashpot.base.errors import ReadError
 from dashpot.extensions.formats import tdms
 from dashpot.reading.columns import kind_detection, role_assignment, vocabulary
 from dashpot.reading.columns.kind_detection import kind_of
-from dashpot.reading.columns.role_assignment import score, suited
-from dashpot.reading.columns.vocabulary import FIRST, SECOND, Role, has_word, matches, unnumbered
-from dashpot.reading.raw_file import Raw
+from dashpot.reading.columns.role_assignment import score, score_columns
+from dashpot.reading.columns.vocabulary import (
+    FIRST,
+    SECOND,
+    Role,
+    has_word,
+    matches,
+    replace_channel_number,
+)
+from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.reading.sandbox import message_protocol
-from dashpot.reading.table import Column, FileTable, in_memory
+from dashpot.reading.table import Column, FileTable, make_loader
 from dashpot.reading.text import decimal_marks, dialect, header
 from dashpot.reading.text.dialect import COLUMNS, LONGEST, is_overlong
 from dashpot.text_output import terminal_layout
@@ -31,7 +38,7 @@ from dashpot.text_output.layout import Text
 def wide(count: int) -> FileTable:
     named = [Column("time", "s"), Column("displacement", "mm"), Column("force", "N")]
     columns = (*named, *(Column(f"Temp {i}", "degC") for i in range(count)))
-    return FileTable("made", columns, in_memory(np.zeros((8, len(columns)))))
+    return FileTable("made", columns, make_loader(np.zeros((8, len(columns)))))
 
 
 def test_what_differs_by_a_number_is_judged_once(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -42,7 +49,7 @@ def test_what_differs_by_a_number_is_judged_once(monkeypatch: pytest.MonkeyPatch
         "_scores",
         lambda one, options: judged.append(one.name) or inner(one, options),
     )
-    role_assignment._own_scores.cache_clear()
+    role_assignment._compute_file_scores.cache_clear()
     assert kind_of(wide(5000), ReadOptions())[0] == "relaxation"
     # three names, ten of one digit, and one for all of more
     assert len(judged) <= 14
@@ -55,14 +62,14 @@ def test_a_table_is_gone_through_once_for_all_roles(monkeypatch: pytest.MonkeyPa
         role_assignment, "scores", lambda one, options: gone.append(one) or inner(one, options)
     )
     for role in get_args(Role):
-        assert suited(table, role, ReadOptions()) == {
+        assert score_columns(table, role, ReadOptions()) == {
             i: value
             for i, one in enumerate(table.columns)
             if (value := score(one, role, ReadOptions()))
         }
     assert len(gone) == 23 * (1 + len(get_args(Role)))  # once, and once a role by the oracle
     units = ReadOptions(units={"temperature": "K"})
-    suited(table, "temperature", units)
+    score_columns(table, "temperature", units)
     assert len(gone) == 23 * (2 + len(get_args(Role)))
 
 
@@ -72,13 +79,14 @@ def test_a_table_is_gone_through_once_for_all_roles(monkeypatch: pytest.MonkeyPa
 )
 def test_a_number_says_nothing(name: str) -> None:
     one, other = name.format("17"), name.format("40372")
-    assert unnumbered(one) == unnumbered(other)
+    assert replace_channel_number(one) == replace_channel_number(other)
     bare = vocabulary._matches.__wrapped__  # what each says where its number is kept
     assert bare(one) == bare(other) == matches(one)
     for words in (vocabulary.EXTREMES, vocabulary.DERIVED):
-        alone, inside = vocabulary._sought(words)
+        alone, inside = vocabulary._split_search_words(words)
         said = [
-            not alone.isdisjoint(vocabulary._said(name)) or any(word in name for word in inside)
+            not alone.isdisjoint(vocabulary._split_name_words(name))
+            or any(word in name for word in inside)
             for name in (one, other)
         ]
         assert said == [has_word(one, words)] * 2
@@ -92,7 +100,7 @@ def test_names_that_say_nothing_are_judged_once(monkeypatch: pytest.MonkeyPatch)
         "_scores",
         lambda one, options: judged.append(one.name) or inner(one, options),
     )
-    role_assignment._own_scores.cache_clear()
+    role_assignment._compute_file_scores.cache_clear()
     rng = np.random.default_rng(29)
     names = ["".join(rng.choice([*"bghjkqw"], 7)) for _ in range(500)]
     dull = [role_assignment.scores(Column(name, "degC"), ReadOptions()) for name in names]
@@ -145,11 +153,11 @@ def test_the_name_that_users_give_a_unit_keeps_its_number() -> None:
 
 def test_names_that_differ_by_a_number_are_spoken_once(monkeypatch: pytest.MonkeyPatch) -> None:
     folded: list[str] = []
-    inner = vocabulary.plain
+    inner = vocabulary.normalise_name
     monkeypatch.setattr(
-        kind_detection.vocabulary, "plain", lambda name: folded.append(name) or inner(name)
+        kind_detection.vocabulary, "normalise_name", lambda name: folded.append(name) or inner(name)
     )
-    role_assignment._own_scores.cache_clear()
+    role_assignment._compute_file_scores.cache_clear()
     assert kind_of(wide(5000), ReadOptions())[0] == "relaxation"
     assert len(folded) < 500
 
@@ -197,7 +205,7 @@ def test_of_very_many_columns_it_is_asked_before_they_are_read(copies: int, *, a
 
     def load(indexes):
         loaded.extend(indexes)
-        return in_memory(np.tile(np.linspace(20, 21, 8)[:, None], (1, copies + 3)))(indexes)
+        return make_loader(np.tile(np.linspace(20, 21, 8)[:, None], (1, copies + 3)))(indexes)
 
     table = FileTable("made", same.columns, load)
     answer = role_assignment.assign(table, "temperature", ReadOptions())
@@ -232,7 +240,7 @@ def test_columns_are_handed_over_in_blocks(at_a_time: int, monkeypatch: pytest.M
     columns = tuple(Column(f"c{i}") for i in range(7))
     values = np.arange(140.0).reshape(20, 7)
     stream = io.BytesIO()
-    message_protocol.send_answer(stream, FileTable("made", columns, in_memory(values)))
+    message_protocol.send_answer(stream, FileTable("made", columns, make_loader(values)))
     stream.seek(0)
     found = message_protocol.receive_answer(stream, message_protocol.receive(stream))
     assert (found.load(range(7)).values == values).all()
@@ -266,7 +274,7 @@ def test_channels_of_tdms_are_read_without_an_object_of_its_library_for_each(
                         for i, n in enumerate(names)
                     ]
                 )
-        found = tdms.read(Raw(place.name, place, place.read_bytes()), ReadOptions())
+        found = tdms.read(RawFile(place.name, place, place.read_bytes()), ReadOptions())
         loaded = found.load(range(21))
         assert loaded.segments == ("a'b",)
         assert [(c.name, c.unit) for c in found.columns] == [
@@ -283,20 +291,20 @@ def test_of_a_table_of_thousands_no_more_is_put_into_lines_than_fits(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     wrapped: list[str] = []
-    inner = terminal_layout.wrapped
+    inner = terminal_layout.wrap_line
     monkeypatch.setattr(
-        terminal_layout, "wrapped", lambda line, **how: wrapped.append(line) or inner(line, **how)
+        terminal_layout, "wrap_line", lambda line, **how: wrapped.append(line) or inner(line, **how)
     )
     rows = [f"row {i}" for i in range(5000)]
-    assert terminal_layout.shown(Text(rows), None, ())[-1] == "  more with -v"
+    assert terminal_layout.format_for_screen(Text(rows), None, ())[-1] == "  more with -v"
     assert len(wrapped) < 2 * terminal_layout.LINES
-    assert terminal_layout.shown(Text(rows), None, (), verbose=True) == rows
+    assert terminal_layout.format_for_screen(Text(rows), None, (), verbose=True) == rows
 
 
 @pytest.mark.parametrize(("more", "cut"), [(0, False), (1, True)])
 def test_a_table_is_cut_where_the_screen_ends(more: int, *, cut: bool) -> None:
     rows = [f"row {i}" for i in range(terminal_layout.LINES - 1 + more)]
-    shown = terminal_layout.shown(Text(rows), None, ())
+    shown = terminal_layout.format_for_screen(Text(rows), None, ())
     assert (shown[-1] == "  more with -v") is cut
     assert (shown == rows) is not cut
 

@@ -16,8 +16,8 @@ from dashpot.base.errors import ReadError
 from dashpot.reading.table import Column
 from dashpot.reading.text import plain_rows
 from dashpot.reading.text.dialect import Dialect
-from dashpot.reading.text.encoding import decoded
-from dashpot.reading.text.fixed_decimals import PartedLines, parted
+from dashpot.reading.text.encoding import decode_blocks
+from dashpot.reading.text.fixed_decimals import PartedLines, split_line_cells
 from dashpot.reading.text.plain_rows import PlainRows
 from dashpot.reading.text.rows import Heading, load_rows
 from dashpot.reading.text.timestamps import ClockColumn
@@ -134,7 +134,7 @@ def test_the_fast_way_reads_the_same_bits_or_refuses_with_the_same_words(table):
 def test_digits_of_even_columns_are_read_to_the_nearest_double(rows):
     """Of all columns whose numbers have fifteen digits at most."""
     lines = "".join(";".join(row) + "\n" for row in rows)
-    found = parted(lines.encode(), ord(";"))
+    found = split_line_cells(lines.encode(), ord(";"))
     wanted = [i for i in range(3) if all(sum(map(str.isdigit, row[i])) <= 15 for row in rows)]
     values = found.numbers(wanted, b".")
     assert values.tobytes() == np.array([[float(row[i]) for i in wanted] for row in rows]).tobytes()
@@ -148,7 +148,7 @@ def test_digits_of_even_columns_are_read_to_the_nearest_double(rows):
 @pytest.mark.parametrize("first", [True, False])
 def test_digits_are_left_where_one_number_is_written_otherwise(odd, first):
     rows = [f"{odd};1", "2.5;1"] if first else ["2.5;1", f"{odd};1"]
-    found = parted("".join(f"{row}\n" for row in rows).encode("latin-1"), ord(";"))
+    found = split_line_cells("".join(f"{row}\n" for row in rows).encode("latin-1"), ord(";"))
     assert found.numbers((0,), b".") is None
 
 
@@ -299,4 +299,4 @@ def test_ends_of_lines_are_one_however_the_blocks_are_cut(size):
     """Some write two carriage returns before the end of a line, some nothing else."""
     raw = b"1\r\r\n2\r\n3\r4\n\n5\r\r\n"
     blocks = [raw[i : i + size] for i in range(0, len(raw), size)]
-    assert "".join(decoded(blocks, "utf-8")) == "1\n2\n3\n4\n\n5\n"
+    assert "".join(decode_blocks(blocks, "utf-8")) == "1\n2\n3\n4\n\n5\n"

@@ -15,7 +15,7 @@ from dashpot.reading.columns.kind_detection import RECOGNISED
 from dashpot.reading.formats import text
 from dashpot.reading.read_options import PROFILE, ReadOptions, dump_profile
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.detect_kind import called, recognise
+from dashpot.reading.readers.detect_kind import get_kind_label, recognise
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.signals.load_history import CREPT, STEADY
@@ -49,7 +49,7 @@ def test_every_example_is_its_kind_to_whoever_asks(tmp_path: Path, name: str) ->
     path = written(tmp_path, FILES[name].write(), name)
     found = recognise(path)
     assert found.kind == FILES[name].kind == inspect_file(path).kind
-    assert found.what == called(found.kind)
+    assert found.what == get_kind_label(found.kind)
     assert found.use == inspect_file(path).use != ""
 
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from kit.instruments import frf
 
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.escaping import neutral, remark
+from dashpot.base.escaping import escape_formula, format_csv_comment
 from dashpot.base.provenance import Source
 from dashpot.datamodel.frf import Kind
 from dashpot.datamodel.impact import ImpactTest
@@ -218,11 +218,11 @@ def test_the_stamp_stays(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("cell", ["=1+1", "+1", "-1", "@cmd", "|calc", "%x"])
 def test_formulas_are_neutralised(cell: str) -> None:
-    assert neutral(cell) == "'" + cell
+    assert escape_formula(cell) == "'" + cell
     test = ImpactTest(np.arange(8.0), np.zeros(8), np.zeros((1, 8)), channels=(cell,), units="SI")
     assert f",{cell}" not in write_impact(test).splitlines()[0]
     assert f",{cell}" not in write_impact(test, comments=[f"a seal,{cell}"])
-    assert remark(f'1, {cell}; "{cell}') == f"1, '{cell}; \"'{cell}"
+    assert format_csv_comment(f'1, {cell}; "{cell}') == f"1, '{cell}; \"'{cell}"
 
 
 def test_stdin_can_be_looked_at_twice(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,8 +15,8 @@ import pytest
 
 import dashpot as dp
 from dashpot.base.checks import REGISTER, Check, Remedy
-from dashpot.base.reported_values import Fact
-from dashpot.base.serialisation import Documented
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.serialisation import Serialisable
 from dashpot.cli import COMMANDS
 from dashpot.extensions.amplitude.fit_frfs import fit_levels
 from dashpot.extensions.batch.columns import NUMBERS
@@ -37,7 +37,7 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.readers.impact import read_impact
 from dashpot.reading.readers.relaxation import read_relaxation
-from dashpot.registry import KINDS, KindOfTest, Piece, asks_of, figure_of, load, row_of
+from dashpot.registry import KINDS, KindOfTest, Piece, asks_of, figure_of, load_object, row_of
 from dashpot.solids.demo_seals import PAPER
 from dashpot.workflow.example_files import FILES
 from dashpot.workflow.inspections import inspect_files
@@ -121,15 +121,15 @@ def test_what_is_recognised_has_a_row_and_the_other_way_round() -> None:
 @pytest.mark.parametrize("kind", ROWS)
 def test_every_word_of_a_row_is_there(kind: KindOfTest) -> None:
     for word in words(kind):
-        assert load(word) is not None
+        assert load_object(word) is not None
     for noun in kind.nouns:
-        assert isinstance(load(noun), type)
+        assert isinstance(load_object(noun), type)
     if kind.panel:
         assert asks_of(kind.name)
-        assert callable(load(f"{kind.panel}:answered"))
+        assert callable(load_object(f"{kind.panel}:answered"))
     assert not kind.also or KINDS[kind.also].panel
     if kind.checks:
-        stage = load(f"{kind.checks}:__name__")
+        stage = load_object(f"{kind.checks}:__name__")
         assert any(one.judge.__module__ == stage for one in REGISTER.values())
 
 
@@ -163,7 +163,7 @@ def test_every_kind_that_is_fitted_has_an_example() -> None:
 def test_a_row_of_its_own_fills_the_columns_that_it_names(folder: Path, name: str) -> None:
     kind, piece = KINDS[name], OWN_ROWS[name]
     file = next(file for file, one in FILES.items() if one.kind == name)
-    result, numbers = load(kind.row)(folder / file, piece)
+    result, numbers = load_object(kind.row)(folder / file, piece)
     assert set(kind.columns) <= set(numbers)
     assert result.verdict.use
     assert row_of(result) is kind
@@ -182,7 +182,7 @@ READ = {
 
 @pytest.mark.parametrize("name", READ)
 def test_what_a_reader_returns_is_of_the_kind(folder: Path, name: str) -> None:
-    record = load(KINDS[name].reader)(folder / READ[name])
+    record = load_object(KINDS[name].reader)(folder / READ[name])
     assert row_of(record) is KINDS[name]
 
 
@@ -210,7 +210,7 @@ MADE: dict[str, Callable[[Path], object]] = {
         [read_stress_strain(folder / "tension.csv", "uniaxial")]
     ),
     "PluggedFit": lambda _: PluggedFit(
-        "peel", "labkit 0.1.0", (Fact("peel_force", 1.5, 1.3, 1.7, "N"),),
+        "peel", "labkit 0.1.0", (ReportedValue("peel_force", 1.5, 1.3, 1.7, "N"),),
         (Check("peel_steady", False, "It jerks.", remedy=Remedy("Peel more slowly.")),),
     ),
 }  # fmt: skip
@@ -218,8 +218,8 @@ MADE: dict[str, Callable[[Path], object]] = {
 
 
 def test_every_noun_with_a_schema_is_made_here() -> None:
-    nouns = [load(noun) for kind in KINDS.values() for noun in kind.nouns]
-    kept = {noun.__name__ for noun in nouns if issubclass(noun, Documented) and noun.schema
+    nouns = [load_object(noun) for kind in KINDS.values() for noun in kind.nouns]
+    kept = {noun.__name__ for noun in nouns if issubclass(noun, Serialisable) and noun.schema
             and noun.read_back}  # fmt: skip
     assert kept == set(MADE)
 

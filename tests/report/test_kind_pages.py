@@ -16,21 +16,21 @@ from kit.shell import ran
 
 import dashpot as dp
 from dashpot.base.checks import Check
-from dashpot.base.reported_values import Fact
+from dashpot.base.reported_values import ReportedValue
 from dashpot.base.status import Status
 from dashpot.datamodel.shift_factors import Shift, TemperatureShifts
 from dashpot.extensions.materials.cld.datamodel import CLD
 from dashpot.extensions.materials.cld.figure import cld as cld_figure
-from dashpot.plot.layout import arranged
+from dashpot.plot.layout import arrange_sheet
 from dashpot.plot.picture import Tag
 from dashpot.report import html
 from dashpot.report.first_screen import ORDER
-from dashpot.report.page_content import Topic, by_place, kind_page, lights, row
+from dashpot.report.page_content import Topic, group_by_record, kind_page, lights, row
 from dashpot.report.page_frame import COLOURS
-from dashpot.report.result_page import contents
+from dashpot.report.result_page import build_page_contents
 from dashpot.solids.shift_laws import WLF
 from dashpot.workflow.json_archive import from_json
-from dashpot.workflow.vibration.impact_tests import Direct, Identified
+from dashpot.workflow.vibration.impact_tests import DirectStiffness, Identified
 
 pytestmark = pytest.mark.once
 
@@ -91,11 +91,14 @@ def test_lights_are_as_bad_as_the_worst_check(name, grade):
 
 
 def test_a_row_tells_what_is_known_and_nothing_else():
-    known = row(Fact("k", 100.0, 90.0, 110.0, "N/m"))
+    known = row(ReportedValue("k", 100.0, 90.0, 110.0, "N/m"))
     assert (known.value, known.low, known.high, known.unit) == ("0.100", "0.090", "0.110", "N/mm")
-    alone, held = row(Fact("k", 100.0, unit="N/m")), row(Fact.known("k", 100.0, 0.0, unit="N/m"))
+    alone, held = (
+        row(ReportedValue("k", 100.0, unit="N/m")),
+        row(ReportedValue.known("k", 100.0, 0.0, unit="N/m")),
+    )
     assert (alone.low, alone.high) == (held.low, held.high) == ("", "")
-    most = row(Fact("k", 100.0, np.nan, 110.0, "N/m"))
+    most = row(ReportedValue("k", 100.0, np.nan, 110.0, "N/m"))
     assert (most.low, bool(most.high)) == ("unknown", True)
 
 
@@ -104,7 +107,7 @@ def test_pieces_are_named_at_the_end_of_their_lines():
     picture = cld_figure(found.pieces, limits=(1.4, 1.6))
     tags = [one for one in picture.panels[0].marks if isinstance(one, Tag) and one.end]
     assert len({one.colour for one in tags}) == 3
-    (frame,) = arranged(picture).strips[0].laid.frames
+    (frame,) = arrange_sheet(picture).strips[0].laid.frames
     words = {one.text: one for one in frame.words}
     # from the top down in the order of their lines, and none upon another
     heights = [words[one.text].y for one in sorted(tags, key=lambda one: -one.y)]
@@ -150,7 +153,7 @@ def test_what_is_weighed_and_each_file_stand_once():
     noted = Check("aside", False, "It is odd.", grade="note")
     checks = (*S.fit.checks, bad, noted, noted)
     found = altered(S.fit, checks=checks, source=(source, source))
-    told = contents(found)
+    told = build_page_contents(found)
     weighty = list(told["weighty"])
     assert weighty.count(bad) == weighty.count(noted) == 1
     assert told["title"].count(source.file) == 1
@@ -208,12 +211,12 @@ def test_a_deck_of_a_page_is_what_its_command_writes_of_the_document_beside_it(n
 
 def test_what_a_page_holds_of_both_tests_is_read_by_other_commands_and_no_calmer_than_it():
     grave = Check("mass_line", False, "The mass is another.", grade="stop")
-    found = Identified(S.fit, Direct(S.direct), (grave,), S.at_rest)
+    found = Identified(S.fit, DirectStiffness(S.direct), (grave,), S.at_rest)
     (name,) = [one for one in held_in(html(found)) if one not in {"numbers.json"}]
     kept = from_json(held_in(html(found))[name])
     assert kept.verdict.use == found.verdict.use == "do not use"
     assert kept.identity == S.fit.identity
-    calm = Identified(S.fit, Direct(S.direct), (), S.at_rest)
+    calm = Identified(S.fit, DirectStiffness(S.direct), (), S.at_rest)
     assert calm.kept is S.fit
 
 
@@ -239,7 +242,7 @@ def test_a_light_counts_its_checks_as_the_verdict_does() -> None:
 
 def test_numbers_of_one_record_stand_under_its_name() -> None:
     names = ("loss factor", "a.csv, slam 1: speed", "a.csv, slam 1: contact", "b.csv: speed")
-    told = by_place(Fact(name, 1.0, unit="m") for name in names)
+    told = group_by_record(ReportedValue(name, 1.0, unit="m") for name in names)
     assert [(one.title, [row.name for row in one.rows]) for one in told] == [
         ("", ["loss factor"]), ("a.csv, slam 1", ["speed", "contact"]), ("b.csv", ["speed"]),
     ]  # fmt: skip

@@ -22,16 +22,16 @@ from kit.shell import ran
 from test_sentences import CODE
 
 from dashpot.base.checks import Check, Remedy
-from dashpot.base.number_format import decibels, readable, rounded, with_error
+from dashpot.base.number_format import decibels, format_typographic, round_to_error, with_error
 from dashpot.base.provenance import Source, Step
 from dashpot.base.status import Status
-from dashpot.datamodel.fit_diagnostics import Explanation, Moved
+from dashpot.datamodel.fit_diagnostics import Explanation, ParameterChange
 from dashpot.datamodel.frf import Hit
 from dashpot.datamodel.parameter_estimate import Nuisance
 from dashpot.datamodel.specimen import Specimen
 from dashpot.plot import style
 from dashpot.report import first_screen, html
-from dashpot.report.figures import Drawn
+from dashpot.report.figures import RenderedFigure
 from dashpot.report.summary import MOST_WORDS
 from dashpot.report.tables import TextTable
 from dashpot.solids.elastic import ElasticLaw
@@ -41,7 +41,7 @@ from dashpot.vibration.systems.frf_prediction import model_modes
 from dashpot.workflow.assumptions import ASSUMPTIONS
 from dashpot.workflow.json_archive import from_json, to_json
 from dashpot.workflow.recommendation import recommendation
-from dashpot.workflow.response.static_equilibrium import at_rest
+from dashpot.workflow.response.static_equilibrium import find_static_equilibrium
 
 pytestmark = pytest.mark.once
 
@@ -99,7 +99,7 @@ def bench() -> str:
 @pytest.fixture
 def sketch(monkeypatch):
     """The words of a report whose figures are left blank, to be quick."""
-    blank = Drawn("blank", "", "", (), (), (), (), 1)
+    blank = RenderedFigure("blank", "", "", (), (), (), (), 1)
     everything = defaultdict(lambda: blank)
     # by its module: the attribute of the package is the verb
     monkeypatch.setattr(import_module("dashpot.report"), "figures_of", lambda study: everything)
@@ -327,7 +327,7 @@ def test_table_and_figure_name_one_peak():
 
 def test_page_and_terminal_tell_one_shift(whole):
     """By how many standard errors before a parameter moved, and which way."""
-    down = Moved("k_inf", 197.5, 0.5, 196.5, 0.4, "N/m")
+    down = ParameterChange("k_inf", 197.5, 0.5, 196.5, 0.4, "N/m")
     assert down.shift == -2.0
     joint = altered(S.joint, moved=(down,))
     page = Page(html(replace(S, joint=joint))).text
@@ -338,8 +338,8 @@ def test_page_and_terminal_tell_one_shift(whole):
         if "k_inf" in row and "0.19650 ± 0.00040 N/mm" in row
     ]
     assert line.split()[-1] == "-2.0"
-    assert Moved("k_1", None, None, 1.0, 0.1, "N/m").shift is None
-    assert Moved("b", 1.0, None, 2.0, 0.1, "N s/m").shift is None
+    assert ParameterChange("k_1", None, None, 1.0, 0.1, "N/m").shift is None
+    assert ParameterChange("b", 1.0, None, 2.0, 0.1, "N s/m").shift is None
 
 
 def decks(page: str) -> dict[str, str]:
@@ -386,7 +386,7 @@ def test_a_solid_that_is_not_identified_has_no_deck_and_the_page_says_so():
 def test_a_seal_that_hardens_has_the_deck_of_what_the_mass_feels():
     law = ElasticLaw((0.0, 4e-3, 8e-3), (0.75, 0.95, 1.35), S.fit.model.k_inf, (0.01,) * 3)
     hard = replace(S.fit, elastic_law=law)
-    rests = at_rest(hard, mass=S.mass, seals=2.0)
+    rests = find_static_equilibrium(hard, mass=S.mass, seals=2.0)
     page = html(replace(S, fit=hard, at_rest=rests, measured=None, comparison=None, joint=None,
                         joint_comparison=None, impact=None, direct=None))  # fmt: skip
     k = float(re.search(r"k_inf = ([\d.]+) N/mm", decks(page)["solid.bdf"])[1])
@@ -493,7 +493,7 @@ def test_a_check_that_two_stages_share_is_said_once(sketch):
     twice = replace(handmade.bench_only(), checks=S.fit.checks)
     text = sketch(twice)
     for check in S.fit.checks:
-        assert text.count(readable(check.says)) == 1
+        assert text.count(format_typographic(check.says)) == 1
 
 
 def test_simulated_records_are_stamped_loudly(whole, sketch):
@@ -533,9 +533,9 @@ def test_hits_are_listed_with_the_reason_of_a_rejection(whole):
 
 def test_what_the_hammer_moved_is_told(sketch):
     moved = (
-        Moved("k_inf", 196.5, 0.5, 197.5, 0.5, "N/m"),
-        Moved("tau_1", None, None, 0.0117, 0.0003, "s"),
-        Moved("b", 1.0, None, 2.0, 0.1, "N s/m"),
+        ParameterChange("k_inf", 196.5, 0.5, 197.5, 0.5, "N/m"),
+        ParameterChange("tau_1", None, None, 0.0117, 0.0003, "s"),
+        ParameterChange("b", 1.0, None, 2.0, 0.1, "N s/m"),
     )
     text = sketch(replace(S, joint=altered(S.joint, moved=moved)))
     assert "What the hammer test changed" in text
@@ -645,7 +645,7 @@ def test_a_spring_without_arms_and_a_seal_without_source_are_reported():
 def test_a_solid_that_is_no_sum_of_arms_is_reported_by_its_own_stiffness(sketch):
     text = sketch(replace(handmade.bench_only(), fit=a_fit(SEAL, band=handmade.BAND)))
     K = complex(SEAL.complex_stiffness(omega=2 * np.pi))
-    at_1_hz = " ".join(rounded(v) for v in (1e-3 * K.real, 1e-3 * K.imag, K.imag / K.real))
+    at_1_hz = " ".join(round_to_error(v) for v in (1e-3 * K.real, 1e-3 * K.imag, K.imag / K.real))
     assert f"1.00 {at_1_hz} extrapolated" in text
     assert "with a springpot of slope 0.600 beside it" in text
 
@@ -736,7 +736,7 @@ def test_what_does_not_bring_two_tests_closer_is_not_called_closer():
 def test_the_page_tells_secant_and_tangent_where_they_differ():
     law = ElasticLaw((0.0, 4e-3, 8e-3), (0.75, 0.95, 1.35), S.fit.model.k_inf, (0.01, 0.01, 0.01))
     hard = replace(S.fit, elastic_law=law)
-    rests = at_rest(hard, mass=S.mass, seals=2.0)
+    rests = find_static_equilibrium(hard, mass=S.mass, seals=2.0)
     text = Page(html(replace(S, fit=hard, at_rest=rests))).text
     assert "The mass rests at 3.4" in text
     assert "It vibrates on the tangent stiffness" in text

@@ -15,7 +15,9 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
 def test_the_poles_are_the_references():
-    poles = sorted(Oscillator.on(2 * PAPER, PAPER_MASS).poles, key=lambda p: (p.real, p.imag))
+    poles = sorted(
+        Oscillator.from_solid(2 * PAPER, PAPER_MASS).poles, key=lambda p: (p.real, p.imag)
+    )
     np.testing.assert_allclose(
         [poles[0].real, poles[1].real, poles[2].real, poles[3].real],
         [-1.288324, -0.354171, -0.354171, -0.055776],
@@ -25,11 +27,11 @@ def test_the_poles_are_the_references():
 
 
 def test_the_broad_seal_bounces_and_rocks_where_the_reference_says():
-    bounce = Oscillator.on(2 * BROAD, BROAD_MASS)
+    bounce = Oscillator.from_solid(2 * BROAD, BROAD_MASS)
     pole = bounce.poles[np.argmax(bounce.poles.imag)]
     assert abs(pole) / 2 / np.pi == pytest.approx(12.69983, abs=1e-5)
     assert -pole.real / abs(pole) == pytest.approx(0.0285575, abs=1e-7)
-    rock = Oscillator.on((2 * 0.045**2) * BROAD, BROAD_MASS * 0.12**2 / 12)
+    rock = Oscillator.from_solid((2 * 0.045**2) * BROAD, BROAD_MASS * 0.12**2 / 12)
     assert np.abs(rock.poles).max() < 700
     fastest = rock.poles[np.argmax(rock.poles.imag)]
     assert abs(fastest) / 2 / np.pi == pytest.approx(16.57, abs=0.005)
@@ -50,7 +52,7 @@ def test_the_response_agrees_with_an_ordinary_integrator():
         slope, (0, time[-1]), np.zeros(4), t_eval=time, rtol=1e-9, atol=1e-12, max_step=5e-4
     )
     expected = np.array([slope(t, y)[1] for t, y in zip(time, done.y.T, strict=True)])
-    found, _ = Oscillator.on(solid, mass).acceleration(time, (pulse,))
+    found, _ = Oscillator.from_solid(solid, mass).acceleration(time, (pulse,))
     np.testing.assert_allclose(found, expected, atol=2e-6)
 
 
@@ -62,7 +64,7 @@ def test_the_response_agrees_with_an_ordinary_integrator():
     later=st.floats(0.0, 0.2),
 )
 def test_two_pulses_are_the_sum_of_each(start: float, duration: float, peak: float, later: float):
-    oscillator = Oscillator.on(2 * BROAD, BROAD_MASS)
+    oscillator = Oscillator.from_solid(2 * BROAD, BROAD_MASS)
     time = np.arange(400) / 1000
     one, two = HalfSine(start, duration, peak), HalfSine(start + later, 0.02, 1.0)
     both, _ = oscillator.acceleration(time, (one, two))
@@ -72,7 +74,7 @@ def test_two_pulses_are_the_sum_of_each(start: float, duration: float, peak: flo
 
 
 def test_a_record_can_be_cut_and_carried_on():
-    oscillator = Oscillator.on(2 * BROAD, BROAD_MASS)
+    oscillator = Oscillator.from_solid(2 * BROAD, BROAD_MASS)
     time = np.arange(1001) / 1000
     whole, _ = oscillator.acceleration(time, (HalfSine(0.05, 0.015, 3.0), HalfSine(0.6, 0.02, 2.0)))
     early, state = oscillator.acceleration(time[:501], (HalfSine(0.05, 0.015, 3.0),))
@@ -82,10 +84,10 @@ def test_a_record_can_be_cut_and_carried_on():
 
 def test_a_flowing_solid_is_refused():
     with pytest.raises(DataError, match="k_inf = 0: the block would sink without end"):
-        Oscillator.on(GeneralizedMaxwell(0.0, k=(10.0,), tau=(1.0,)), 0.1)
+        Oscillator.from_solid(GeneralizedMaxwell(0.0, k=(10.0,), tau=(1.0,)), 0.1)
 
 
 def test_a_double_pole_is_refused():
     # critical damping by the parallel dashpot: b = 2 sqrt(k m)
     with pytest.raises(DataError, match="change the mass a little"):
-        Oscillator.on(GeneralizedMaxwell(100.0, b=20.0), 1.0)
+        Oscillator.from_solid(GeneralizedMaxwell(100.0, b=20.0), 1.0)

@@ -13,7 +13,7 @@ from dashpot.base.errors import DataError
 from dashpot.simulation.axis import Axis
 from dashpot.simulation.motion import simulate_path
 from dashpot.simulation.relaxation import simulate_relaxation
-from dashpot.simulation.rig import Rig, in_steps
+from dashpot.simulation.rig import Rig, round_to_quantum
 from dashpot.solids.demo_seals import (
     BROAD,
     BROAD_MASS,
@@ -121,7 +121,7 @@ def test_a_stiffening_seal_answers_to_the_cubic():
 
 def test_the_load_cell_counts_and_clips():
     assert round(2.117728 * 1280) == 2711
-    assert in_steps(np.array([2.117728]), 1 / 1280)[0] == pytest.approx(2711 / 1280)
+    assert round_to_quantum(np.array([2.117728]), 1 / 1280)[0] == pytest.approx(2711 / 1280)
     made = simulate_relaxation(50 * PAPER, hold_time=1.0)
     assert made.test.force.max() == 70.0
     assert made.truth.force.max() > 100.0

@@ -12,7 +12,7 @@ from kit.fits import a_fit, altered
 
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.datamodel.fit_diagnostics import Moved
+from dashpot.datamodel.fit_diagnostics import ParameterChange
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -125,7 +125,9 @@ def test_an_arm_is_seen_only_if_its_errors_say_so() -> None:
     frf = predicted(PAPER)
     vague = compare(frf, frf, fit=a_fit(PAPER, relative=0.6), seals=2)
     assert not any(arm.seen_by_relaxation for arm in vague.arms)
-    joint = a_fit(PAPER, moved=(Moved("k_1", None, None, 117.5, 1.0, "N/m"),), method="joint")
+    joint = a_fit(
+        PAPER, moved=(ParameterChange("k_1", None, None, 117.5, 1.0, "N/m"),), method="joint"
+    )
     told = compare(frf, frf, fit=joint, seals=2)
     assert [arm.seen_by_relaxation for arm in told.arms] == [False, True]
 

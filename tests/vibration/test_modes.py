@@ -16,7 +16,7 @@ from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.modal.frf_lines import FRFLines, kernel
 from dashpot.vibration.modal.modes import Method
 from dashpot.vibration.modal.peaks import mount_band
-from dashpot.vibration.modal.pole_trial import Ground, PoleTrial
+from dashpot.vibration.modal.pole_trial import BackgroundProjection, PoleTrial
 from dashpot.vibration.systems.frf_prediction import model_modes, predict_frf
 
 MASS, BROAD_MASS = 0.1040426, 0.114829829
@@ -255,7 +255,7 @@ def test_poles_on_trial_know_the_slope_of_their_sum_of_squares():
     scatter = 0.01 * rng.standard_normal((2, 2, len(f)))
     lines = replace(lines, value=np.array([[1.0, 0.4], [0.7, -1.0]]) @ modes + 1j * scatter[0])
     theta = np.log([4.0, 82.0, 7.0, 190.0])
-    trial = PoleTrial(Ground.of(lines), theta)
+    trial = PoleTrial(BackgroundProjection.from_lines(lines), theta)
     for i in range(4):
         h = 1e-5 * np.eye(4)[i]
         rise = trial.ahead(h).sse - trial.ahead(-h).sse
@@ -266,5 +266,5 @@ def test_a_pole_on_trial_oscillates():
     s, ones = 2j * np.pi * np.arange(5.0, 60.0), np.ones((1, 55))
     lines = FRFLines(s, ones.astype(complex), ones, None)
     for ratio, there in ((0.74, True), (0.76, False)):
-        trial = PoleTrial(Ground.of(lines), np.log([ratio * 100.0, 100.0]))
+        trial = PoleTrial(BackgroundProjection.from_lines(lines), np.log([ratio * 100.0, 100.0]))
         assert np.isfinite(trial.sse) == there

@@ -23,7 +23,7 @@ from dashpot.text_output import results as text
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.modal.dynamic_stiffness import dynamic_stiffness
 from dashpot.vibration.systems.random_base import random_base, random_limits
-from dashpot.workflow.vibration.measured_frf import judged
+from dashpot.workflow.vibration.measured_frf import add_frf_checks
 
 pytestmark = pytest.mark.once
 
@@ -295,7 +295,7 @@ ETA = (0.02, 0.1, 0.3, 0.6)
 
 
 def first_words(T, f):
-    found = judged(dp.FRF(f, T, "transmissibility", units="SI"), None, mass=0.1)
+    found = add_frf_checks(dp.FRF(f, T, "transmissibility", units="SI"), None, mass=0.1)
     return verdict(found.checks)
 
 

@@ -21,7 +21,7 @@ from dashpot.extensions.projects import history, project
 from dashpot.reading.read_options import ReadOptions, dump_profile
 from dashpot.solids.networks import kelvin_voigt
 from dashpot.workflow.job import Job
-from dashpot.workflow.json_archive import document
+from dashpot.workflow.json_archive import to_document
 
 pytestmark = [pytest.mark.fuzz, pytest.mark.usefixtures("mutants")]
 
@@ -31,7 +31,7 @@ def documents() -> list[dict[str, object]]:
         handmade.two_arms(), handmade.joint(), handmade.two_arms().model, kelvin_voigt(100.0, 2.0),
         handmade.study().comparison, Job("a.csv", impact=("b.csv",), mass=0.104),
     )  # fmt: skip
-    return [document(noun) for noun in nouns]
+    return [to_document(noun) for noun in nouns]
 
 
 @tries(400)
@@ -92,7 +92,7 @@ def projects(draw: st.DrawFn) -> bytes:
             text = json.dumps(line).encode()
             if sealed and isinstance(line, dict):
                 line["previous"] = before
-                text, before = history.sealed(line)
+                text, before = history.format_hashed_line(line)
             texts.append(text + b"\n")
         files[name] = b"".join(texts)
         files["history.head"] = f"{len(lines)} {before}\n".encode()

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from kit.fits import a_fit
 
 import dashpot as dp
-from dashpot.base.atomic import write_whole
+from dashpot.base.atomic import write_atomic
 from dashpot.base.errors import ExportError
 from dashpot.base.version import is_ours
 from dashpot.export import TARGETS
@@ -144,7 +144,7 @@ def test_a_write_that_fails_leaves_what_was_there(tmp_path, monkeypatch, fails):
     path.write_text("old")
     monkeypatch.setattr(*((os, "fsync") if fails == "fsync" else (Path, "replace")), full)
     with pytest.raises(OSError, match="No space"):
-        write_whole(path, b"new")
+        write_atomic(path, b"new")
     assert [(one.name, one.read_text()) for one in tmp_path.iterdir()] == [("fit.json", "old")]
 
 
@@ -152,7 +152,7 @@ def test_permissions_are_kept_and_devices_written_as_they_are(tmp_path):
     path = tmp_path / "fit.json"
     path.write_text("old")
     path.chmod(0o640)
-    write_whole(path, b"new")
+    write_atomic(path, b"new")
     assert path.stat().st_mode & 0o777 == 0o640
-    write_whole("/dev/null", b"new")
+    write_atomic("/dev/null", b"new")
     assert not Path("/dev/null").is_file()

@@ -9,7 +9,7 @@ from typing import Any, Literal, TypeAlias
 
 from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import DataError, FitError
-from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.datamodel.base_excitation import ShakenTest
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
@@ -18,12 +18,12 @@ from dashpot.datamodel.impact import ImpactTest
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
-from dashpot.registry import FITS, KINDS, load, row_of
-from dashpot.workflow.fit_bench_tests import BenchAsked, fit_records
+from dashpot.registry import FITS, KINDS, load_object, row_of
+from dashpot.workflow.fit_bench_tests import BenchFitOptions, fit_records
 from dashpot.workflow.fit_routing import BENCH, route
 from dashpot.workflow.job import Cuts, HammerChoices
 from dashpot.workflow.shift_options import ShiftChoices
-from dashpot.workflow.vibration.impact_tests import identified, modes_of_hits
+from dashpot.workflow.vibration.impact_tests import identify_solid, modes_of_hits
 from dashpot.workflow.vibration.measured_frf import measured_frf
 from dashpot.workflow.vibration.modes import Modes
 
@@ -84,14 +84,14 @@ def fit(*records: Any, **how: Any) -> Any:
     >>> dp.fit(test, hits, mass="114.8g", seals=2).method
     'joint'
     """
-    kinds = kinds_of(records)
+    kinds = identify_record_kinds(records)
     mass, levels = how.get("mass"), how.get("levels") or ()
     masses = len(mass) if isinstance(mass, list | tuple) else int(mass is not None)
     rod = how.get("density") is not None or how.get("shape") is not None
     meant = route(kinds, masses=masses, levels=bool(levels), rod=rod)
     row = FITS.get(meant)
     word = row.records if row is not None else ""
-    fitted = load(word or KINDS[next(iter(kinds.values()))].fits)
+    fitted = load_object(word or KINDS[next(iter(kinds.values()))].fits)
     taken = signature(fitted).parameters.keys() - {"records"}
     strange = sorted(how.keys() - taken)
     if strange:
@@ -100,7 +100,7 @@ def fit(*records: Any, **how: Any) -> Any:
     return fitted(list(records), **how)
 
 
-def kinds_of(records: Sequence[Any]) -> Mapping[str, str]:
+def identify_record_kinds(records: Sequence[Any]) -> Mapping[str, str]:
     """Return the kind of each record by what it is called: its file, or its place.
 
     Raises
@@ -176,10 +176,12 @@ def fit_bench_tests(
     """Fit the solid of tests on a bench."""
     by_depth = elastic == "by-depth"
     shifting = ShiftChoices(
-        at=si(only, "temperature"), reference=si(reference, "temperature"), law=shift,
+        at=convert_to_si(only, "temperature"),
+        reference=convert_to_si(reference, "temperature"),
+        law=shift,
         vertical=vertical,
-    )  # fmt: skip
-    asked = BenchAsked(
+    )
+    asked = BenchFitOptions(
         arms=arms, method=method, depth_law=by_depth, thorough=thorough,
         law="auto" if elastic == "by-depth" else elastic, family=model, filter=filter,
         cuts=cuts or Cuts(), machine=machine, cycle=cycle, shifting=shifting,
@@ -191,7 +193,9 @@ def fit_hits(
     records: list[Any], *, band: Range | None = None, hammer: HammerChoices | None = None
 ) -> Modes:
     """Fit modes to hits without a mass."""
-    found, _ = modes_of_hits(_one(records), hammer=hammer, band=si_range(band, "frequency"))
+    found, _ = modes_of_hits(
+        _require_single_measurement(records), hammer=hammer, band=si_range(band, "frequency")
+    )
     return found
 
 
@@ -213,22 +217,22 @@ def fit_jointly(
 ) -> Fit:
     """Fit the solid of vibration under a mass, alone or with tests on a bench."""
     (block,) = mass if isinstance(mass, list | tuple) else (mass,)
-    kilograms, hertz = si(block, "mass"), si_range(band, "frequency")
+    kilograms, hertz = convert_to_si(block, "mass"), si_range(band, "frequency")
     bench = machine and machine.on_bench
-    tests = [prepared(one, bench) for one in records if kind_of(one) in BENCH]
+    tests = [prepare_ramp_hold(one, bench) for one in records if kind_of(one) in BENCH]
     struck = [one for one in records if isinstance(one, VIBRATION_RECORDS)]
     frf = frf_of(struck, mass=kilograms, band=hertz, hammer=hammer)
-    found = identified(
+    found = identify_solid(
         frf,
         tests=tests,
         fits=[one for one in records if isinstance(one, Fit)],
         mass=kilograms,
-        seal_mass=si(seal_mass, "mass"),
+        seal_mass=convert_to_si(seal_mass, "mass"),
         seals=1.0 if seals is None else seals,
         seals_assumed=seals is None,
         band=hertz,
-        compression=si(compression, "length"),
-        temperature=si(impact_temperature, "temperature"),
+        compression=convert_to_si(compression, "length"),
+        temperature=convert_to_si(impact_temperature, "temperature"),
         hammer=hammer,
         arms=arms,
         family=model,
@@ -241,7 +245,7 @@ def fit_jointly(
 # -- what several verbs make of a record ----------------------------------------------------------
 
 
-def prepared(test: Any, machine: Machine | None = None) -> RampHold:
+def prepare_ramp_hold(test: Any, machine: Machine | None = None) -> RampHold:
     """Return a ramp and hold as it is fitted; one that is prepared stays as it is.
 
     Raises
@@ -269,13 +273,13 @@ def frf_of(
     hammer: HammerChoices | None = None,
 ) -> FRF:
     """Return the FRF of hits, or one that was measured elsewhere, with what it says of itself."""
-    one = _one(measured)
+    one = _require_single_measurement(measured)
     if isinstance(one, FRFSet):
         raise FitError("one FRF is fitted under a mass, that of the block: choose its point")
     return measured_frf(one, choices=hammer or HammerChoices(), mass=mass, band=band)
 
 
-def _one(measured: Sequence[Any]) -> Any:
+def _require_single_measurement(measured: Sequence[Any]) -> Any:
     """What was measured: one record, or hits in several."""
     if len(measured) == 1:
         return measured[0]
@@ -286,7 +290,7 @@ def _one(measured: Sequence[Any]) -> Any:
     )
 
 
-def set_of(records: Sequence[Any]) -> FRFSet:
+def merge_frf_set(records: Sequence[Any]) -> FRFSet:
     """Return FRFs as one set of points."""
     if len(records) == 1 and isinstance(records[0], FRFSet):
         return records[0]

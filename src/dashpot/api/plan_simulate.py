@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from dashpot.base.choices import Method
 from dashpot.base.errors import DataError
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.machine import Machine
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
@@ -72,18 +72,23 @@ def plan(
     from dashpot.planning.plan_options import HammerPlan
     from dashpot.planning.planned_ramp_hold import Bench
 
-    solid, law, _ = _known(seal)
+    solid, law, _ = _get_seal_model(seal)
     bench = Bench(
-        depth=si(depth, "length"), ramp_time=si(ramp, "time"), hold_time=si(hold, "time"),
-        rate=si(rate, "frequency"), noise=si(noise, "force"), method=method,
-        baseline=si(baseline, "time"), machine=machine or Machine(),
-    )  # fmt: skip
+        depth=convert_to_si(depth, "length"),
+        ramp_time=convert_to_si(ramp, "time"),
+        hold_time=convert_to_si(hold, "time"),
+        rate=convert_to_si(rate, "frequency"),
+        noise=convert_to_si(noise, "force"),
+        method=method,
+        baseline=convert_to_si(baseline, "time"),
+        machine=machine or Machine(),
+    )
     return planned(
         bench,
         at=frequency,
         seal=SupposedSeal(model=solid.maxwell, law=law),
-        hammer=HammerPlan(mass=si(mass, "mass"), seals=seals, hits=hits),
-        cold=[si(one, "temperature") for one in cold],
+        hammer=HammerPlan(mass=convert_to_si(mass, "mass"), seals=seals, hits=hits),
+        cold=[convert_to_si(one, "temperature") for one in cold],
         wanted=wanted,
     )
 
@@ -137,22 +142,25 @@ def simulate(
     strange = sorted(how.keys() - words.keys())
     if strange:
         raise DataError(f"{strange[0]}= is not of a test of {what}. It takes {', '.join(words)}")
-    solid, law, block = _known(seal)
+    solid, law, block = _get_seal_model(seal)
     given = {words[name]: value for name, value in how.items()}
     if what == "impact":
         given = {"mass": block, "seals": 2.0} | given
         if given["mass"] is None:
             raise DataError('the mass under the hammer is not known for this seal: mass="104g"')
-        given["mass"] = si(given["mass"], "mass")
+        given["mass"] = convert_to_si(given["mass"], "mass")
     rig: Any = getattr(simulation, instrument)()
-    stated = {"rate": si(rate, "frequency"), "record": si(given.pop("record", None), "time")}
+    stated = {
+        "rate": convert_to_si(rate, "frequency"),
+        "record": convert_to_si(given.pop("record", None), "time"),
+    }
     rig = replace(
         rig.noise_free() if noise_free else rig,
         **{name: one for name, one in stated.items() if one is not None},
     )
     climate = None
     if temperature is not None:
-        climate = simulation.Climate(si(temperature, "temperature"), law)
+        climate = simulation.Climate(convert_to_si(temperature, "temperature"), law)
     made = getattr(simulation, f"simulate_{what}")
     return made(solid, rig=rig, seed=seed, climate=climate, **given).test
 
@@ -168,7 +176,7 @@ _TESTS: dict[str, tuple[str, dict[str, str]]] = {
 """What is simulated: its instrument, and the words of it as the simulation has them."""
 
 
-def _known(seal: str | Fit | Solid) -> tuple[Any, TemperatureLaw, float | None]:
+def _get_seal_model(seal: str | Fit | Solid) -> tuple[Any, TemperatureLaw, float | None]:
     """A solid, how it follows temperature, and the block that is known to peak on two of it."""
     from dashpot.solids.demo_seals import SEALS, SHIFT
 

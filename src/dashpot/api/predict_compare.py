@@ -7,13 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from dashpot.api.fit import Arms, Vibration, frf_of, kind_of, prepared, shape_words
+from dashpot.api.fit import Arms, Vibration, frf_of, kind_of, prepare_ramp_hold, shape_words
 from dashpot.api.read_save import Place
 from dashpot.base.choices import Method
 from dashpot.base.errors import DataError
 from dashpot.base.plausibility import SIZES
-from dashpot.base.result_mixins import Judged
-from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.base.result_mixins import HasVerdict
+from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.frf_set import FRFSet
@@ -21,7 +21,7 @@ from dashpot.datamodel.impact import ImpactTest
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen
-from dashpot.registry import find_handler, load, row_of
+from dashpot.registry import find_handler, load_object, row_of
 from dashpot.workflow.job import Cuts, HammerChoices, LevelChoices, PartChoices
 from dashpot.workflow.response.frf_prediction import BAND, Prediction, prediction
 from dashpot.workflow.vibration.impact_tests import Agreement, agreement
@@ -79,16 +79,16 @@ def predict(solid: Any, /, **how: Any) -> Any:
     """
     row = row_of(solid)
     if row is not None and row.predict:
-        return load(row.predict)(solid, **how)
+        return load_object(row.predict)(solid, **how)
     special = find_handler("predict", solid) or next(
         filter(None, (find_handler("predict with option", option) for option in how)), None
     )
     if special is not None:
         return special(solid, **how)
-    return _under_mass(solid, **how) if isinstance(solid, Fit) else _bare(solid, **how)
+    return _under_mass(solid, **how) if isinstance(solid, Fit) else _predict_solid_frf(solid, **how)
 
 
-def _bare(
+def _predict_solid_frf(
     solid: Solid,
     *,
     mass: Quantity,
@@ -102,7 +102,7 @@ def _bare(
     from dashpot.vibration.systems.frf_prediction import predict_frf
 
     hertz = np.linspace(*(si_range(band, "frequency") or BAND), lines)
-    kilograms = si(mass, "mass")
+    kilograms = convert_to_si(mass, "mass")
     SIZES["mass"].refuse(kilograms)
     return predict_frf(seals * solid, mass=kilograms, frequency=hertz, kind=quantity)
 
@@ -131,7 +131,7 @@ def _under_mass(
     said = (level,) if isinstance(level, str | float | int) else tuple(level)
     levels = tuple(f"{one!r}{'m/s^2' if base else 'N'}" if not isinstance(one, str) else one
                    for one in said)  # fmt: skip
-    choices = LevelChoices(levels=levels, height=si(height, "length"))
+    choices = LevelChoices(levels=levels, height=convert_to_si(height, "length"))
     if sweep is not None and not levels:
         raise DataError("sweep= is what a level does to the part: add level=")
     swept = None
@@ -140,17 +140,17 @@ def _under_mass(
         swept = fit_sweep(sweep, choices, unit=found.unit, part=part)
     return prediction(
         found,
-        _behind(record, machine),
-        mass=si(mass, "mass"),
-        seal_mass=si(seal_mass, "mass"),
+        _prepare_tests(record, machine),
+        mass=convert_to_si(mass, "mass"),
+        seal_mass=convert_to_si(seal_mass, "mass"),
         seals=seals,
         band=si_range(band, "frequency"),
         lines=lines,
         kind=quantity,
         base=bool(base),
         relative=relative,
-        compression=si(compression, "length"),
-        temperature=si(temperature, "temperature"),
+        compression=convert_to_si(compression, "length"),
+        temperature=convert_to_si(temperature, "temperature"),
         part=part,
         at_level=choices,
         swept=swept,
@@ -158,10 +158,10 @@ def _under_mass(
     )
 
 
-def _behind(record: Records, machine: Machine | None = None) -> list[RampHold]:
+def _prepare_tests(record: Records, machine: Machine | None = None) -> list[RampHold]:
     """The tests behind a fit, prepared."""
     tests = (record,) if isinstance(record, RelaxationTest | RampHold) else record
-    return [prepared(one, machine) for one in tests]
+    return [prepare_ramp_hold(one, machine) for one in tests]
 
 
 def compare(one: Any, other: Any, /, **how: Any) -> Any:
@@ -222,7 +222,7 @@ def _agreement(
     record: Records = (),
     hammer: HammerChoices | None = None,
 ) -> Agreement:
-    kilograms, at = si(mass, "mass"), si(compression, "length")
+    kilograms, at = convert_to_si(mass, "mass"), convert_to_si(compression, "length")
     if isinstance(one, Prediction):
         kilograms = one.moving_mass if kilograms is None else kilograms
         seals = one.seals if seals is None else seals
@@ -233,9 +233,9 @@ def _agreement(
     return agreement(
         one,
         frf_of([other], mass=kilograms, band=hertz, hammer=hammer),
-        tests=_behind(record),
+        tests=_prepare_tests(record),
         mass=kilograms,
-        seal_mass=si(seal_mass, "mass"),
+        seal_mass=convert_to_si(seal_mass, "mass"),
         seals=1.0 if seals is None else seals,
         band=hertz,
         compression=at,
@@ -294,7 +294,7 @@ def report(
     struck = [one for one in records if not isinstance(one, RelaxationTest)]
     if not tests:
         raise DataError("a report is of a relaxation test. Give one: dp.report(test, hits)")
-    kilograms, hertz = si(mass, "mass"), si_range(band, "frequency")
+    kilograms, hertz = convert_to_si(mass, "mass"), si_range(band, "frequency")
     measured = impact = None
     if struck:
         measured = frf_of(struck, mass=kilograms, band=hertz, hammer=hammer)
@@ -323,7 +323,7 @@ def report(
 
 
 def export(
-    solid: Fit | Solid | Judged,
+    solid: Fit | Solid | HasVerdict,
     path: Place | None = None,
     /,
     *,
@@ -378,32 +378,35 @@ def export(
     from dashpot.solids.maxwell import Solid
 
     found: Any = getattr(solid, "fit", solid) if not isinstance(solid, Fit) else solid
-    kelvin, metres = si(temperature, "temperature"), si(length, "length")
+    kelvin, metres = convert_to_si(temperature, "temperature"), convert_to_si(length, "length")
     if metres is not None:
-        found = _of_length(found, metres)
+        found = _set_contact_length(found, metres)
     choices: dict[str, Any] = {
-        "form": form, "frequency_range": si_range(band, "frequency"), "mass": si(mass, "mass"),
-        "allow": (allow,) if isinstance(allow, str) else tuple(allow), "units": unit_system,
+        "form": form,
+        "frequency_range": si_range(band, "frequency"),
+        "mass": convert_to_si(mass, "mass"),
+        "allow": (allow,) if isinstance(allow, str) else tuple(allow),
+        "units": unit_system,
         **of_solver,
-    }  # fmt: skip
+    }
     if isinstance(found, Solid):
         choices["specimen"] = Specimen(temperature=kelvin, length=metres)
     deck = deck_for(
         to,
         found,
         seals=seals,
-        compression=si(compression, "length"),
+        compression=convert_to_si(compression, "length"),
         temperature=kelvin,
         **choices,
     )
     if path is not None:
-        from dashpot.base.atomic import write_whole
+        from dashpot.base.atomic import write_atomic
 
-        write_whole(Path(path), str(deck).encode())
+        write_atomic(Path(path), str(deck).encode())
     return str(deck)
 
 
-def _of_length(found: Any, metres: float) -> Any:
+def _set_contact_length(found: Any, metres: float) -> Any:
     """The fit of a piece whose length in contact is known; a bare solid has no piece."""
     if hasattr(found, "provenance"):
         piece = replace(found.specimen, length=metres)

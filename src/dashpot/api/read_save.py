@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar, Unpack
 
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.result_mixins import verb
-from dashpot.base.units import Quantity, si
+from dashpot.base.result_mixins import load_function
+from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.specimen import Specimen
 from dashpot.reading.read_options import ReadOptions, load_profile
-from dashpot.reading.readers.detect_kind import called, recognise
-from dashpot.registry import KINDS, find_handler, load
+from dashpot.reading.readers.detect_kind import get_kind_label, recognise
+from dashpot.registry import KINDS, find_handler, load_object
 
 if TYPE_CHECKING:
     from dashpot.workflow.inspections import InspectedFile
@@ -69,9 +69,12 @@ class How(TypedDict, total=False):
 
 _TEXT = {"skip": "skip_rows"}
 _TAKEN: Mapping[str, Callable[[Any], Any]] = {
-    "units": dict, "axis": str, "calibration": str, "rate": lambda rate: si(rate, "frequency"),
-    "window_decay": lambda decay: si(decay, "time"),
-}  # fmt: skip
+    "units": dict,
+    "axis": str,
+    "calibration": str,
+    "rate": lambda rate: convert_to_si(rate, "frequency"),
+    "window_decay": lambda decay: convert_to_si(decay, "time"),
+}
 """What is said under the names that the reading options have, and what they take of it."""
 
 
@@ -113,9 +116,9 @@ def read(path: Place | Sequence[Place], *, kind: str | None = None, **how: Any) 
         return _several([Path(one) for one in path], options, how)
     found = recognise(path, options)
     if found.stored:
-        from dashpot.workflow.json_files import stored
+        from dashpot.workflow.json_files import read_json_document
 
-        return stored(path)
+        return read_json_document(path)
     if found.kind == "profile":
         return load_profile(path)
     read_whole = find_handler("read", found.kind)
@@ -157,7 +160,7 @@ def _record(path: Place, kind: str, options: ReadOptions, how: Mapping[str, Any]
     name = Path(path).name
     if kind not in KINDS or not KINDS[kind].reader:
         raise ReadError(
-            f"{name} is {called(kind)}, which holds no record. To see what is in it: "
+            f"{name} is {get_kind_label(kind)}, which holds no record. To see what is in it: "
             f'dp.inspect("{path}")'
         )
     given: dict[str, Any] = {"options": options}
@@ -166,7 +169,7 @@ def _record(path: Place, kind: str, options: ReadOptions, how: Mapping[str, Any]
         return special(path, given, how)
     if "specimen" in how:
         given["specimen"] = how["specimen"]
-    return load(KINDS[kind].reader)(path, **given)
+    return load_object(KINDS[kind].reader)(path, **given)
 
 
 def _impact(path: Place, given: dict[str, Any], _: Mapping[str, Any]) -> Any:
@@ -174,11 +177,11 @@ def _impact(path: Place, given: dict[str, Any], _: Mapping[str, Any]) -> Any:
         from dashpot.reading.readers.base_excitation import read_shaken
 
         return read_shaken([path], given["options"])
-    return load(KINDS["impact"].reader)(path, **given)
+    return load_object(KINDS["impact"].reader)(path, **given)
 
 
 def _transmissibility(path: Place, given: dict[str, Any], _: Mapping[str, Any]) -> Any:
-    return load(KINDS["transmissibility"].reader)(path, **given)
+    return load_object(KINDS["transmissibility"].reader)(path, **given)
 
 
 _SPECIAL = {"impact": _impact, "transmissibility": _transmissibility}
@@ -194,13 +197,13 @@ def _several(paths: Sequence[Path], options: ReadOptions, how: Mapping[str, Any]
             from dashpot.reading.readers.base_excitation import read_shaken
 
             return read_shaken(paths, options)
-        return load(KINDS["impact"].reader)(paths, options=options)
+        return load_object(KINDS["impact"].reader)(paths, options=options)
     read_set = find_handler("read several", next(iter(have))) if len(have) == 1 else None
     if read_set is not None:
         return read_set(paths, options=options)
     if len(paths) == 1:
         return read(paths[0], kind=options.kind, **how)
-    said = "; ".join(f"{path.name} is {called(kind)}" for path, kind in kinds.items())
+    said = "; ".join(f"{path.name} is {get_kind_label(kind)}" for path, kind in kinds.items())
     raise ReadError(
         f"only hits, or FRFs at several points, are one record in several files: {said}. Read "
         "each file by itself, and fit them together: dp.fit(one, two)"
@@ -256,5 +259,5 @@ def save(noun: N, path: Place) -> N:
     >>> dp.read(path) == solid
     True
     """
-    verb("report.saving", "save")(noun, path)
+    load_function("report.saving", "save")(noun, path)
     return noun

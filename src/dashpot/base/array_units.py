@@ -11,14 +11,14 @@ import numpy as np
 
 from dashpot.base.errors import DataError
 from dashpot.base.serialisation import EDGE
-from dashpot.base.units import Dimension, Unit, find, from_unit, si_unit, usual
+from dashpot.base.units import Dimension, Unit, find_unit, from_unit, get_default_unit, si_unit
 
 SI = "SI"
 Dimensions: TypeAlias = Dimension | tuple[Dimension, ...]
 """What an array can be of: one, or one of several, as a modulus is of a material or of a part."""
 
 
-def said_units() -> Any:
+def make_units_field() -> Any:
     """Return the field of a noun that says the units of its arrays: ``"SI"``, or one for each.
 
     Inside a noun everything is in SI, so that the field then says ``"SI"``; no document holds it.
@@ -26,13 +26,13 @@ def said_units() -> Any:
     return field(default="", kw_only=True, repr=False, compare=False, metadata={EDGE: SI})
 
 
-def into_si(noun: Any, **of: Dimensions) -> Mapping[str, Dimension]:
+def convert_arrays_to_si(noun: Any, **of: Dimensions) -> Mapping[str, Dimension]:
     """Put the arrays of a frozen noun into SI by the units that were said of them, in this order.
 
     Parameters
     ----------
     noun : dataclass
-        With a field of :func:`said_units`; an array that is None has no unit.
+        With a field of :func:`make_units_field`; an array that is None has no unit.
     **of
         What each array can be of, by the name of its field.
 
@@ -54,15 +54,15 @@ def into_si(noun: Any, **of: Dimensions) -> Mapping[str, Dimension]:
         for (name, own), word in zip(given.items(), words_of(noun, given), strict=True)
     }
     for name, unit in found.items():
-        put_into_si(noun, name, unit)
+        convert_field_to_si(noun, name, unit)
     object.__setattr__(noun, "units", SI)
     return {name: unit.dimension for name, unit in found.items()}
 
 
 def words_of(noun: Any, given: Mapping[str, Dimensions]) -> list[str]:
     """Return the words of the units, one for each array."""
-    kind, names = _called(noun), ", ".join(given)
-    example = ", ".join(usual(_several(own)[0]) for own in given.values())
+    kind, names = _get_type_label(noun), ", ".join(given)
+    example = ", ".join(get_default_unit(_several(own)[0]) for own in given.values())
     if not noun.units:
         raise DataError(
             f'{kind} is made of arrays, and no array says its unit. Add units="SI", or the unit '
@@ -77,7 +77,7 @@ def words_of(noun: Any, given: Mapping[str, Dimensions]) -> list[str]:
     return words
 
 
-def _called(noun: Any) -> str:
+def _get_type_label(noun: Any) -> str:
     return "a batch" if isinstance(noun, SimpleNamespace) else type(noun).__name__
 
 
@@ -86,25 +86,25 @@ def _several(own: Dimensions) -> tuple[Dimension, ...]:
 
 
 def _unit(noun: Any, name: str, word: str, own: Dimensions) -> Unit:
-    known = (find(word, one) for one in _several(own))
+    known = (find_unit(word, one) for one in _several(own))
     unit = next((one for one in known if one is not None), None)
     if unit is None:
         wanted = " or ".join(_several(own))
-        example = " or ".join(dict.fromkeys(map(usual, _several(own))))
+        example = " or ".join(dict.fromkeys(map(get_default_unit, _several(own))))
         raise DataError(
-            f"{_called(noun)}: '{word}' is no unit of {wanted}, and {name} is one. "
+            f"{_get_type_label(noun)}: '{word}' is no unit of {wanted}, and {name} is one. "
             f"Write for example {example}"
         )
     return unit
 
 
-def put_into_si(noun: Any, name: str, unit: Unit) -> None:
+def convert_field_to_si(noun: Any, name: str, unit: Unit) -> None:
     """Put one array of a frozen noun into SI."""
     values = np.asarray(getattr(noun, name))
     object.__setattr__(noun, name, from_unit(values, unit))
 
 
-def own_unit(noun: Any, said: Mapping[str, Dimension], *names: str) -> None:
+def resolve_unit(noun: Any, said: Mapping[str, Dimension], *names: str) -> None:
     """Set the unit of a noun that may be of a part or of a material by what was said of it.
 
     Raises
@@ -129,9 +129,9 @@ def arrays_in_si(units: str, **given: tuple[Any, Dimension]) -> list[Any]:
     Raises
     ------
     DataError
-        As :func:`into_si`.
+        As :func:`convert_arrays_to_si`.
     """
     holder = SimpleNamespace(units=units, **{name: values for name, (values, _) in given.items()})
     if units != SI:
-        into_si(holder, **{name: of for name, (_, of) in given.items()})
+        convert_arrays_to_si(holder, **{name: of for name, (_, of) in given.items()})
     return [getattr(holder, name) for name in given]

@@ -30,7 +30,7 @@ MOST_SAMPLES = 2e7
 """Of a record that is planned or simulated: a day at 200 Hz, a minute at 300 kHz."""
 
 
-class ByValue:
+class EqualByValue:
     """Equality by value for frozen dataclasses that hold arrays (declare them ``eq=False``)."""
 
     def __eq__(self, other: object) -> bool:
@@ -44,7 +44,7 @@ class ByValue:
     __hash__ = None  # type: ignore[assignment]
 
 
-class Frozen(ByValue):
+class FrozenArrays(EqualByValue):
     """Such a dataclass whose arrays become read-only, of the kind that they are declared to be."""
 
     def __post_init__(self) -> None:
@@ -67,7 +67,7 @@ def _equal(a: object, b: object) -> bool:
     return bool(a == b)
 
 
-def kept(function: Callable[[T], R]) -> Callable[[T], R]:
+def cache_on_record(function: Callable[[T], R]) -> Callable[[T], R]:
     """Keep the result of a function of one frozen record with the record, as a property would."""
 
     @wraps(function)
@@ -81,11 +81,11 @@ def kept(function: Callable[[T], R]) -> Callable[[T], R]:
     return once
 
 
-def noted(record: T, **words: object) -> T:
+def replace_notes(record: T, **words: object) -> T:
     """Return a frozen record with other words in fields that nothing is computed from.
 
-    As :func:`dataclasses.replace`, but what was kept with the record (:func:`kept`, cached
-    properties) stays with it.
+    As :func:`dataclasses.replace`, but what was kept with the record (:func:`cache_on_record`,
+    cached properties) stays with it.
     """
     found = copy(record)
     for name, value in words.items():
@@ -101,15 +101,15 @@ def samples(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> FloatArray
     DataError
         If the values are not numbers, not one-dimensional, fewer than `minimum`, or not finite.
     """
-    return _checked(name, values, np.dtype(np.float64), minimum)
+    return _validate_array(name, values, np.dtype(np.float64), minimum)
 
 
 def complex_samples(name: str, values: npt.ArrayLike) -> ComplexArray:
     """Return `values` as a read-only complex array of shape (n,), every sample finite."""
-    return _checked(name, values, np.dtype(np.complex128), 1)
+    return _validate_array(name, values, np.dtype(np.complex128), 1)
 
 
-def measured(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> FloatArray:
+def validate_measured(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> FloatArray:
     """Return `values`, in SI units, as :func:`samples` does, if an instrument can have read them.
 
     Raises
@@ -129,17 +129,19 @@ def measured(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> FloatArra
 
 
 def hold_measured(noun: object, *names: str, minimum: int = 1) -> None:
-    """Hold named fields of a frozen noun as :func:`measured` arrays of one length; none is None.
+    """Hold named fields of a frozen noun as :func:`validate_measured` arrays of one length; none is None.
 
     A ``time`` among them must rise.
 
     Raises
     ------
     DataError
-        As for :func:`measured`, :func:`same_length` and :func:`increasing`.
+        As for :func:`validate_measured`, :func:`same_length` and :func:`increasing`.
     """
     given = {name: getattr(noun, name) for name in names if getattr(noun, name) is not None}
-    held = {name: measured(name, values, minimum=minimum) for name, values in given.items()}
+    held = {
+        name: validate_measured(name, values, minimum=minimum) for name, values in given.items()
+    }
     for name, values in held.items():
         object.__setattr__(noun, name, values)
     same_length(**held)
@@ -183,7 +185,7 @@ def number_of_run(starts: Sequence[int], count: int) -> IndexArray:
     return np.repeat(np.arange(1, len(starts) + 1), np.diff((*starts, count)))
 
 
-def wave(count: int, turn: float, size: complex = 1.0) -> FloatArray:
+def make_cosine_sequence(count: int, turn: float, size: complex = 1.0) -> FloatArray:
     """Return the real part of size exp(j turn i) for i = 0 .. count - 1, from two short tables."""
     fine, coarse = _tables(count, turn)
     coarse = size * coarse
@@ -191,7 +193,7 @@ def wave(count: int, turn: float, size: complex = 1.0) -> FloatArray:
     return np.asarray(parts.ravel()[:count])
 
 
-def turned_sum(values: FloatArray, turn: float) -> complex:
+def compute_single_dft(values: FloatArray, turn: float) -> complex:
     """Return the sum of values[i] exp(j turn i), from two short tables."""
     fine, coarse = _tables(len(values), turn)
     rows = len(values) // len(fine)
@@ -251,7 +253,7 @@ def block_means(values: FloatArray, count: int) -> FloatArray:
     return np.asarray(parts @ np.full(count, 1.0 / count))
 
 
-def fast_length(least: int) -> int:
+def find_fast_length(least: int) -> int:
     """Return the smallest 2^i 3^j 5^k >= least.
 
     `scipy.fft.next_fast_len` says the same, at the price of an import that outlasts the first fit.
@@ -271,15 +273,15 @@ def fast_length(least: int) -> int:
 def slow_periodogram(values: FloatArray, most: float) -> tuple[FloatArray, FloatArray]:
     """Cycles per record up to `most` or the next, and the periodogram without the mean there."""
     n = len(values)
-    size = fast_length(n)
+    size = find_fast_length(n)
     spectrum = np.fft.rfft(values - values.mean(), size)[: int(most * size / n) + 2]
     return np.arange(len(spectrum)) * n / size, np.abs(spectrum) ** 2 / n
 
 
-def runs(true: BoolArray) -> IndexArray:
+def find_true_runs(true: BoolArray) -> IndexArray:
     """Return the first and the last index of every run of True, shape (m, 2).
 
-    >>> runs(np.array([True, True, False, True])).tolist()
+    >>> find_true_runs(np.array([True, True, False, True])).tolist()
     [[0, 1], [3, 3]]
     """
     edges = np.flatnonzero(np.diff(np.concatenate(([False], true, [False]))))
@@ -294,7 +296,7 @@ def frozen(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
     return _private(values, None)
 
 
-def sealed(values: FloatArray) -> FloatArray:
+def set_readonly(values: FloatArray) -> FloatArray:
     """Return an array of one's own as one that is written to no more: a noun takes it as it is."""
     values.setflags(write=False)
     return values
@@ -312,7 +314,7 @@ def _private(values: npt.ArrayLike, dtype: np.dtype[Any] | None) -> npt.NDArray[
     return array
 
 
-def _checked(
+def _validate_array(
     name: str, values: npt.ArrayLike, dtype: np.dtype[Any], minimum: int
 ) -> npt.NDArray[Any]:
     try:

@@ -9,14 +9,14 @@ import time
 from pathlib import Path
 
 from dashpot.base.errors import DataError
-from dashpot.base.escaping import escaped
+from dashpot.base.escaping import escape_terminal_text
 from dashpot.base.lock import is_locked
 
 PART = ".part"
 """How the name of a file ends that is not yet whole."""
 
 
-def named(path: str | Path) -> Path:
+def validate_path(path: str | Path) -> Path:
     r"""Return a path that a file system can have.
 
     Raises
@@ -24,13 +24,15 @@ def named(path: str | Path) -> Path:
     DataError
         If there is a zero byte in it.
 
-    >>> named("seal\0.csv")
+    >>> validate_path("seal\0.csv")
     Traceback (most recent call last):
     ...
     dashpot.base.errors.DataError: seal\x00.csv: a zero byte is in this name; give another
     """
     if "\0" in os.fspath(path):
-        raise DataError(f"{escaped(str(path))}: a zero byte is in this name; give another")
+        raise DataError(
+            f"{escape_terminal_text(str(path))}: a zero byte is in this name; give another"
+        )
     return Path(path)
 
 
@@ -39,19 +41,19 @@ _SURELY = 60.0
 """Seconds after which nobody writes such a file any more."""
 
 
-def is_half_written(name: str) -> bool:
-    """Whether a file is called as one that :func:`write_whole` has not finished."""
+def is_partial_file(name: str) -> bool:
+    """Whether a file is called as one that :func:`write_atomic` has not finished."""
     return _LEFT.fullmatch(name) is not None
 
 
-def half_written(folder: str | Path) -> list[Path]:
+def find_partial_files(folder: str | Path) -> list[Path]:
     """Return the files that runs which were killed left in a folder and below it."""
-    found = (one for one in Path(folder).rglob(f".*{PART}") if is_half_written(one.name))
+    found = (one for one in Path(folder).rglob(f".*{PART}") if is_partial_file(one.name))
     until = time.time() - _SURELY
     return sorted(one for one in found if one.is_file() and one.lstat().st_mtime < until)
 
 
-def write_whole(path: str | Path, content: bytes) -> None:
+def write_atomic(path: str | Path, content: bytes) -> None:
     """Write a file beside its place and move it there, so that no half of it is ever seen.
 
     A link is followed: what it points to is replaced, with the permissions it had. A device or a
@@ -65,14 +67,15 @@ def write_whole(path: str | Path, content: bytes) -> None:
         If the folder is missing or cannot be written to, or the disk is full; what stood at
         `path` then stands there still.
     """
-    place = Path(os.path.realpath(named(path)))
+    place = Path(os.path.realpath(validate_path(path)))
     mode = place.stat().st_mode if place.exists() else None
     if mode is not None and not stat.S_ISREG(mode):
         place.write_bytes(content)
         return
     if mode is not None and is_locked(place):
         raise DataError(
-            f"{escaped(str(path))} is being written by another dashpot; wait until it ends, or "
+            f"{escape_terminal_text(str(path))} is being written by another dashpot; wait until it "
+            "ends, or "
             "give another name"
         )
     beside = place.with_name(f".{os.urandom(8).hex()}{PART}")

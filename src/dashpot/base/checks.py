@@ -9,9 +9,15 @@ from dataclasses import dataclass, field, replace
 from types import EllipsisType
 from typing import Generic, Literal, NamedTuple, ParamSpec, get_args
 
-from dashpot.base.number_format import spelled
-from dashpot.base.sentences import lowered, paragraph, sentence, sentences, within
-from dashpot.base.serialisation import Documented
+from dashpot.base.number_format import expand_powers
+from dashpot.base.sentences import (
+    clip_sentences,
+    decapitalise_sentence,
+    paragraph,
+    sentence,
+    sentences,
+)
+from dashpot.base.serialisation import Serialisable
 from dashpot.base.status import Status
 
 P = ParamSpec("P")
@@ -42,7 +48,7 @@ VERDICT_WORDS = MOST_WORDS - 3
 
 
 @dataclass(frozen=True)
-class Remedy(Documented):
+class Remedy(Serialisable):
     """What to do about a check that failed.
 
     Attributes
@@ -69,7 +75,7 @@ class Remedy(Documented):
 
 
 @dataclass(frozen=True)
-class Check(Documented):
+class Check(Serialisable):
     """One named question put to a record or a result, and its answer in words.
 
     Attributes
@@ -129,11 +135,11 @@ class Check(Documented):
 
     def within(self, where: str) -> Check:
         """The check as one of several things that were asked the same says it: "in test 2"."""
-        return replace(self, says=f"{sentence(where)[:-1]}, {lowered(self.says)}")
+        return replace(self, says=f"{sentence(where)[:-1]}, {decapitalise_sentence(self.says)}")
 
 
 @dataclass(frozen=True)
-class Verdict(Documented):
+class Verdict(Serialisable):
     """What to make of a result.
 
     Attributes
@@ -169,10 +175,10 @@ class Verdict(Documented):
         return _CALMEST.index(self.use) < _CALMEST.index(other.use)
 
     def __str__(self) -> str:
-        return f"{self.use.capitalize()}: {lowered(self.says)}"
+        return f"{self.use.capitalize()}: {decapitalise_sentence(self.says)}"
 
 
-def tally(checks: Iterable[Check]) -> str:
+def format_check_tally(checks: Iterable[Check]) -> str:
     """Return how many of some checks passed, in a sentence; nothing where none was judged."""
     judged = [check for check in dict.fromkeys(checks) if check.passed is not None]
     passed = sum(bool(check.passed) for check in judged)
@@ -204,31 +210,31 @@ def verdict(checks: Iterable[Check], *, sound: str = "") -> Verdict:
     limits = tuple(check for check in failed if check.grade == "limit")
     because = stops + limits
     if not because:
-        told = [*sentences(sentence(sound)), tally(asked)]
-        return Verdict("use", within(MOST_WORDS - 1, [one for one in told if one]))
+        told = [*sentences(sentence(sound)), format_check_tally(asked)]
+        return Verdict("use", clip_sentences(MOST_WORDS - 1, [one for one in told if one]))
     use: Use = "do not use" if stops else "use with care"
     more = len(because) - 1
     others = f"{more} more check{'s' * (more > 1)} failed." if more else ""
-    says = shortly(because[0], VERDICT_WORDS, others)
+    says = format_short_message(because[0], VERDICT_WORDS, others)
     if stops or re.search(r"\d", says):
         return Verdict(use, says, because)
     # a reader who may use the number is told it
     first = sentences(sentence(sound))[:1]
-    return Verdict(use, within(VERDICT_WORDS, [*first, *sentences(says)]), because)
+    return Verdict(use, clip_sentences(VERDICT_WORDS, [*first, *sentences(says)]), because)
 
 
-def shortly(check: Check, most: int = VERDICT_WORDS, then: str = "") -> str:
+def format_short_message(check: Check, most: int = VERDICT_WORDS, then: str = "") -> str:
     """Return what a check found and what to do in at most so many words, and what follows.
 
     What explains it, and the second thing to do, give way first.
     """
     remedy = sentences(check.remedy.words) if check.remedy else []
-    said = within(most, sentences(sentence(check.says)), (*remedy[:1], then))
-    longer = within(most, sentences(sentence(check.says)), (*remedy, then))
+    said = clip_sentences(most, sentences(sentence(check.says)), (*remedy[:1], then))
+    longer = clip_sentences(most, sentences(sentence(check.says)), (*remedy, then))
     return longer if len(longer.split()) <= most else said
 
 
-class Checked:
+class HasChecks:
     """A result that was asked whether it can be trusted: it has `checks`."""
 
     checks: tuple[Check, ...]
@@ -259,7 +265,7 @@ def status_of(checks: Iterable[Check], found: Mapping[Status, bool] | None = Non
     return next((status for status in reversed(Status) if status in said), Status.CONVERGED)
 
 
-def worst(checks: Iterable[Check]) -> Check:
+def select_gravest_check(checks: Iterable[Check]) -> Check:
     """Return one check of one question to several tests: the gravest, with its test's number."""
     asked = tuple(checks)
     failed = [
@@ -313,7 +319,7 @@ class Finding(NamedTuple):
     def advice(self) -> Remedy | None:
         """The remedy, its words as sentences; None where there is none."""
         found = Remedy(self.remedy) if isinstance(self.remedy, str) else self.remedy
-        return replace(found, words=sentence(spelled(found.words))) if found.words else None
+        return replace(found, words=sentence(expand_powers(found.words))) if found.words else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -363,16 +369,16 @@ class Criterion(Generic[P]):
         """Return the answer; here alone a value meets its limit."""
         found = self.judge(*args, **kwargs)
         limit = self.limit if isinstance(found.limit, EllipsisType) else found.limit
-        passed = self._passed(found, limit)
+        passed = self._evaluate_rule(found, limit)
         told, remedy = found.says, None
         if passed is False:
             told, remedy = paragraph(found.instead or found.says, found.because), found.advice
         return Check(
-            self.name, passed, spelled(sentence(told)), found.value, limit,
+            self.name, passed, expand_powers(sentence(told)), found.value, limit,
             found.grade or self.grade, remedy, self.ends,
         )  # fmt: skip
 
-    def _passed(self, found: Finding, limit: float | None) -> bool | None:
+    def _evaluate_rule(self, found: Finding, limit: float | None) -> bool | None:
         if found.faulted or found.excused:
             return not found.faulted
         if not self.rule:

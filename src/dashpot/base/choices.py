@@ -42,16 +42,16 @@ DECKS = (
 """Solvers: each a file of ``export/decks``."""
 
 
-def words(choice: Any) -> tuple[str, ...]:
+def get_choice_values(choice: Any) -> tuple[str, ...]:
     """Return the words of such a type, or of an enumeration.
 
-    >>> words(FamilyAsked)
+    >>> get_choice_values(FamilyAsked)
     ('auto', 'maxwell', 'fractional')
     """
     return get_args(choice) or tuple(choice)
 
 
-def refuse_other(
+def require_choice(
     name: str, given: object, choice: Any, error: type[DashpotError] = DataError
 ) -> None:
     """Refuse what is none of the words of a choice.
@@ -61,6 +61,6 @@ def refuse_other(
     DataError
         Or another `error`, if it is none.
     """
-    known = words(choice)
+    known = get_choice_values(choice)
     if given not in known:
         raise error(f"{name} = {given!r}; expected one of {', '.join(known)}")

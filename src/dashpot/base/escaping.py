@@ -13,19 +13,19 @@ _CELL = re.compile(rf"""(?<=[,;])( ?"?)(?={_FORMULA.pattern})""")
 _COLOUR = re.compile(f"(\x1b\\[(?:[012]|[39][0-7])(?:;(?:[012]|[39][0-7]))*m)|[{_CONTROL}]")
 
 
-def escaped(text: str, *, colours: bool = False) -> str:
+def escape_terminal_text(text: str, *, colours: bool = False) -> str:
     r"""Return text with every sign that a terminal would obey written as an escape.
 
     A file's name, its header and its column names are others' words: an escape sequence in them
     must not move the cursor, set the title or hide what follows. With `colours` the sequences
     that make text bold, dim or coloured stay.
 
-    >>> escaped("seal\x1b[2J.csv\n")
+    >>> escape_terminal_text("seal\x1b[2J.csv\n")
     'seal\\x1b[2J.csv\n'
     """
     if colours:
-        return _COLOUR.sub(lambda found: found[1] or _written(found[0]), text)
-    return _OBEYED.sub(lambda found: _written(found[0]), text)
+        return _COLOUR.sub(lambda found: found[1] or _escape_character(found[0]), text)
+    return _OBEYED.sub(lambda found: _escape_character(found[0]), text)
 
 
 def escaped_json(text: str) -> str:
@@ -33,26 +33,26 @@ def escaped_json(text: str) -> str:
     return re.sub(f"(?!\n)[{_CONTROL}]", lambda found: f"\\u{ord(found[0]):04x}", text)
 
 
-def neutral(cell: str) -> str:
+def escape_formula(cell: str) -> str:
     """Return a text cell that no spreadsheet takes for a formula.
 
-    >>> neutral("=1+1"), neutral("m_1")
+    >>> escape_formula("=1+1"), escape_formula("m_1")
     ("'=1+1", 'm_1')
     """
     line = " ".join(cell.split())
     return "'" + line if _FORMULA.match(line) else line
 
 
-def remark(said: str) -> str:
+def format_csv_comment(said: str) -> str:
     """Return a comment of a CSV file on one line, with no formula behind a comma in it.
 
     A spreadsheet parts a comment into cells like any other line.
 
-    >>> remark("seal, =1+1, -0.5 mN")
+    >>> format_csv_comment("seal, =1+1, -0.5 mN")
     "seal, '=1+1, '-0.5 mN"
     """
     return _CELL.sub(r"\1'", " ".join(said.split()))
 
 
-def _written(sign: str) -> str:
+def _escape_character(sign: str) -> str:
     return sign.encode("unicode_escape").decode("ascii")

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple, TypeAlias
 
 from dashpot.base.errors import DataError
-from dashpot.base.units import Dimension, si, si_range
+from dashpot.base.units import Dimension, convert_to_si, si_range
 
 Form: TypeAlias = Literal["number", "bare", "range", "sizes", "words"]
 
 
-class Ask(NamedTuple):
+class FormField(NamedTuple):
     """A field: what it is called, the unit of a number typed without one, its option in a shell.
 
     Attributes
@@ -58,7 +58,7 @@ class Ask(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Answers:
+class FormData:
     """What was answered.
 
     Attributes
@@ -68,25 +68,25 @@ class Answers:
         Name of the field, of one that is asked of every file with its number, and what was typed.
     """
 
-    asks: tuple[Ask, ...] = ()
+    asks: tuple[FormField, ...] = ()
     said: tuple[tuple[str, str], ...] = ()
 
     @classmethod
-    def typed(cls, asks: tuple[Ask, ...], fields: Mapping[str, str]) -> Answers:
+    def from_fields(cls, asks: tuple[FormField, ...], fields: Mapping[str, str]) -> FormData:
         """The fields as they were typed; those that are not asked, and empty ones, fall away."""
         of = {one.name: one for one in asks}
         said = ((name, of[name.split(" ")[0]].read(text)) for name, text in fields.items()
                 if name.split(" ")[0] in of)  # fmt: skip
         return cls(asks, tuple(sorted((name, text) for name, text in said if text)))
 
-    def of(self, name: str) -> str:
+    def get_text(self, name: str) -> str:
         """What stands in a field; empty where nothing does."""
         return dict(self.said).get(name, "")
 
     def number(self, name: str, dimension: Dimension) -> float | None:
         """A quantity, SI: in the field's unit, or in the one typed after it."""
-        text = self.worded(name)
-        return si(text, dimension) if text else None
+        text = self.get_option_value(name)
+        return convert_to_si(text, dimension) if text else None
 
     def bare(self, name: str) -> float | None:
         """A number in the field's unit alone.
@@ -96,7 +96,7 @@ class Answers:
         DataError
             If it is none.
         """
-        text = self.of(name)
+        text = self.get_text(name)
         try:
             return float(text) if text else None
         except ValueError:
@@ -107,10 +107,10 @@ class Answers:
 
     def range(self, name: str, dimension: Dimension) -> tuple[float, float] | None:
         """Two of them, SI, as 4 to 8."""
-        text = self.worded(name)
+        text = self.get_option_value(name)
         return si_range(text, dimension) if text else None
 
-    def needed(self, name: str, dimension: Dimension) -> float:
+    def require_quantity(self, name: str, dimension: Dimension) -> float:
         """A quantity that has to be given.
 
         Raises
@@ -130,13 +130,13 @@ class Answers:
         for one in self.asks:
             names = [f"{one.name} {i}" for i in range(files)] if one.each else [one.name]
             for name in names:
-                for word in one.words(self.of(name) or next(iter(one.choices), "")):
+                for word in one.words(self.get_text(name) or next(iter(one.choices), "")):
                     found += [one.flag, word]
         return tuple(found)
 
-    def worded(self, name: str) -> str:
+    def get_option_value(self, name: str) -> str:
         """What stands in a field, as a value of its option."""
-        return next(iter(self._ask(name).words(self.of(name))), "")
+        return next(iter(self._ask(name).words(self.get_text(name))), "")
 
-    def _ask(self, name: str) -> Ask:
+    def _ask(self, name: str) -> FormField:
         return next(one for one in self.asks if one.name == name)

@@ -12,7 +12,7 @@ from types import ModuleType
 from typing import Any
 
 
-def names_of(
+def build_lazy_exports(
     package: str, file: str
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
     """Return ``__getattr__``, ``__dir__`` and ``__all__`` of a module whose stub stands beside it.
@@ -51,7 +51,7 @@ def names_of(
     return find, lambda: names, names
 
 
-class Face(ModuleType):
+class LazyPackage(ModuleType):
     """A package some of whose public verbs bear the names of rooms: what is meant is the verb.
 
     A room that is imported is set as an attribute of its package, which would hide the verb.
@@ -63,8 +63,8 @@ class Face(ModuleType):
             super().__setattr__(name, value)
 
 
-def verbs_first(package: str, *verbs: str) -> None:
+def set_package_functions(package: str, *verbs: str) -> None:
     """Let these names of a package be its verbs, whatever rooms of these names are imported."""
     module = sys.modules[package]
     module.VERBS = frozenset(verbs)  # type: ignore[attr-defined]
-    module.__class__ = Face
+    module.__class__ = LazyPackage

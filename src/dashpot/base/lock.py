@@ -12,7 +12,7 @@ from dashpot.base.errors import DataError
 
 
 @contextmanager
-def alone(path: Path, what: str) -> Iterator[None]:
+def open_exclusive_lock(path: Path, what: str) -> Iterator[None]:
     """Hold the lock on `path`, which is made if it is missing, and stays.
 
     Raises

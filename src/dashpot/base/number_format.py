@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 
-from dashpot.base.units import in_unit
+from dashpot.base.units import convert_to_unit
 
 _PARAMETER = re.compile(r"\bk_inf\b|\b(?:ln_)?(?:k|tau|b)_\d+\b|\btau\b|\b[ab]_T\b")
 # what a command line or Python alone can heed: (--band), (dashpot identify), (Python: arms=2)
@@ -21,45 +21,51 @@ SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _ASCII = str.maketrans(f"{MINUS}–⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "---0123456789") | {ord("∞"): "inf", ord("·"): " "}
 
 
-def rounded(value: float, error: float | None = None, *, digits: int = 3) -> str:
+def round_to_error(value: float, error: float | None = None, *, digits: int = 3) -> str:
     """`value` to two digits of its error, or to `digits` significant ones if that is unknown."""
     if math.isnan(value):
         return "unknown"
     if math.isinf(value):
         return "∞" if value > 0 else f"{MINUS}∞"
     if error is None or not math.isfinite(error) or error <= 0:
-        return _plain(value, digits)
+        return _format_digits(value, digits)
     decimals = 1 - math.floor(math.log10(error))
     if decimals > 9:
-        return _plain(value, 10)
+        return _format_digits(value, 10)
     return f"{round(value, decimals):.{max(decimals, 0)}f}".replace("-", MINUS)
 
 
-def shown(value: float, unit: str, error: float | None = None, *, digits: int = 3) -> str:
-    """Return an SI value as :func:`rounded` prints it, in a unit of the table, with its word.
+def format_with_error(
+    value: float, unit: str, error: float | None = None, *, digits: int = 3
+) -> str:
+    """Return an SI value as :func:`round_to_error` prints it, in a unit of the table, with its word.
 
-    >>> shown(0.00830, "mm"), shown(17432.1, "N/mm", 120.0), shown(0.104, "g", digits=4)
+    >>> format_with_error(0.00830, "mm"), format_with_error(17432.1, "N/mm",
+    ...     120.0), format_with_error(0.104, "g", digits=4)
     ('8.30 mm', '17.43 N/mm', '104.0 g')
     """
-    known = None if error is None else in_unit(error, unit)
-    return f"{rounded(in_unit(value, unit), known, digits=digits)} {unit.replace('*', ' ')}"
+    known = None if error is None else convert_to_unit(error, unit)
+    return (
+        f"{round_to_error(convert_to_unit(value, unit), known, digits=digits)} "
+        f"{unit.replace('*', ' ')}"
+    )
 
 
-def cell(value: float | None, unit: str, *, digits: int = 3) -> str:
+def format_cell(value: float | None, unit: str, *, digits: int = 3) -> str:
     """A value, SI, in a column of a unit of the table; empty where there is none.
 
-    >>> cell(0.0083, "mm"), cell(None, "mm"), cell(17432.1, "N/mm", digits=4)
+    >>> format_cell(0.0083, "mm"), format_cell(None, "mm"), format_cell(17432.1, "N/mm", digits=4)
     ('8.30', '', '17.43')
     """
-    return "" if value is None else rounded(in_unit(value, unit), digits=digits)
+    return "" if value is None else round_to_error(convert_to_unit(value, unit), digits=digits)
 
 
 def ascii_only(text: str) -> str:
-    """A number as :func:`rounded` prints it in the alphabet that every terminal has."""
+    """A number as :func:`round_to_error` prints it in the alphabet that every terminal has."""
     return text.replace("·10", "e").translate(_ASCII)
 
 
-def _plain(value: float, digits: int) -> str:
+def _format_digits(value: float, digits: int) -> str:
     if value != 0 and not 1e-4 <= abs(value) < 10 ** max(digits, 6):
         mantissa, _, power = f"{value:.{digits - 1}e}".partition("e")
         raised = str(int(power)).translate(SUPERSCRIPTS)
@@ -75,12 +81,12 @@ def _plain(value: float, digits: int) -> str:
 def with_error(value: float, error: float) -> str:
     """Value ± standard error, each to two digits of the error; alone where that is nan."""
     if math.isnan(error):
-        return rounded(value, digits=4)
+        return round_to_error(value, digits=4)
     if math.isinf(error):
-        return f"{rounded(value)}, not identified"
+        return f"{round_to_error(value)}, not identified"
     if error <= 0:
-        return f"{rounded(value)}, held"
-    return f"{rounded(value, error)} ± {rounded(error, error)}"
+        return f"{round_to_error(value)}, held"
+    return f"{round_to_error(value, error)} ± {round_to_error(error, error)}"
 
 
 def interval(low: float, high: float) -> str:
@@ -88,25 +94,25 @@ def interval(low: float, high: float) -> str:
     if math.isinf(low) and math.isinf(high):
         return "not bounded"
     if math.isinf(high):
-        return f"above {rounded(low)}"
+        return f"above {round_to_error(low)}"
     if math.isinf(low):
-        return f"below {rounded(high)}"
+        return f"below {round_to_error(high)}"
     half = (high - low) / 4
-    return f"{rounded(low, half)} to {rounded(high, half)}"
+    return f"{round_to_error(low, half)} to {round_to_error(high, half)}"
 
 
-def known_between(value: float, low: float, high: float, error: float) -> str:
+def format_interval(value: float, low: float, high: float, error: float) -> str:
     """The interval of a value; an end more than a factor of ten away from one >= 0 is open.
 
     With both ends open it says nothing of the value: it is not identified.
     """
     if value < 0:
-        return " to ".join(rounded(end, error or None, digits=2) for end in (low, high))
+        return " to ".join(round_to_error(end, error or None, digits=2) for end in (low, high))
     below, above = low < value / 10 or value == 0, high > 10 * value > 0
     if below and above:
         return "not identified"
     sure = error if 0 < error < value else None
-    ends = [rounded(end, sure, digits=2) for end in (low, high)]
+    ends = [round_to_error(end, sure, digits=2) for end in (low, high)]
     if above:
         return f"above {ends[0]}"
     return f"below {ends[1]}" if below else f"{ends[0]} to {ends[1]}"
@@ -119,15 +125,15 @@ def percent(ratio: float, *, digits: int = 2) -> str:
     value = 100 * ratio
     if abs(value) < 0.005:
         return "0.00 %"
-    text = _plain(abs(value), digits)
+    text = _format_digits(abs(value), digits)
     return f"{MINUS if value < 0 else '+'}{text} %"
 
 
-def signed(value: float | None, *, digits: int = 2) -> str:
+def format_signed_difference(value: float | None, *, digits: int = 2) -> str:
     """A difference with its sign; a dash where none is known."""
     if value is None or not math.isfinite(value):
         return "–"
-    return f"{MINUS if value < 0 else '+'}{_plain(abs(value), digits)}"
+    return f"{MINUS if value < 0 else '+'}{_format_digits(abs(value), digits)}"
 
 
 def decibels(value: float) -> str:
@@ -144,20 +150,20 @@ def hertz(band: tuple[float, float]) -> str:
     """
     if not band[0] < band[1]:
         return "none"
-    low, high = (rounded(end, digits=2) for end in band)
-    return f"{_short(low)} to {_short(high)} Hz"
+    low, high = (round_to_error(end, digits=2) for end in band)
+    return f"{_drop_trailing_zeros(low)} to {_drop_trailing_zeros(high)} Hz"
 
 
-def where(band: tuple[float, float]) -> str:
+def format_band(band: tuple[float, float]) -> str:
     """Where something holds, as a sentence says it.
 
-    >>> where((0.5, 20.0)), where((3.0, 3.0))
+    >>> format_band((0.5, 20.0)), format_band((3.0, 3.0))
     ('from 0.5 to 20 Hz', 'nowhere')
     """
     return f"from {hertz(band)}" if band[0] < band[1] else "nowhere"
 
 
-def _short(number: str) -> str:
+def _drop_trailing_zeros(number: str) -> str:
     """A number without the zeros behind its point."""
     return number.rstrip("0").rstrip(".") if "." in number and "·" not in number else number
 
@@ -165,8 +171,8 @@ def _short(number: str) -> str:
 def duration(seconds: float) -> str:
     """A time in ms below one second, else in s."""
     if seconds < 0.9995:
-        return shown(seconds, "ms")
-    return shown(seconds, "s")
+        return format_with_error(seconds, "ms")
+    return format_with_error(seconds, "s")
 
 
 def json_number(value: float) -> float | str:
@@ -180,10 +186,10 @@ def json_number(value: float) -> float | str:
     return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
 
 
-def counted(number: int, what: str) -> str:
+def format_count(number: int, what: str) -> str:
     """So many of a thing, as a sentence says it.
 
-    >>> counted(1, "arm"), counted(4, "Maxwell arm"), counted(9, "arm")
+    >>> format_count(1, "arm"), format_count(4, "Maxwell arm"), format_count(9, "arm")
     ('one arm', 'four Maxwell arms', '9 arms')
     """
     words = ("no", "one", "two", "three", "four", "five", "six")
@@ -209,44 +215,44 @@ def symbol(name: str) -> str:
     return head + number.translate(SUBSCRIPTS) if head and number.isdigit() else text
 
 
-def words(name: str) -> str:
+def split_identifier(name: str) -> str:
     """A check's or a step's identifier as words."""
     return name.replace("k_inf", "k∞").replace("tau", "τ").replace("_", " ")
 
 
-def spelled(sentence: str) -> str:
+def expand_powers(sentence: str) -> str:
     """A sentence with the powers of ten that people do not write spelled out.
 
-    >>> spelled("leaves 1.3e+02 times the scatter, 2e-14 m")
+    >>> expand_powers("leaves 1.3e+02 times the scatter, 2e-14 m")
     'leaves 130 times the scatter, 2e-14 m'
     """
 
-    def plain(found: re.Match[str]) -> str:
+    def expand_match(found: re.Match[str]) -> str:
         value = float(found[0])
-        return _printed(found) if value == 0 or 1e-4 <= abs(value) < 1e6 else found[0]
+        return _format_match(found) if value == 0 or 1e-4 <= abs(value) < 1e6 else found[0]
 
-    return _POWER.sub(plain, sentence)
+    return _POWER.sub(expand_match, sentence)
 
 
-def _printed(found: re.Match[str]) -> str:
+def _format_match(found: re.Match[str]) -> str:
     digits = sum(letter.isdigit() for letter in found[0].partition("e")[0])
-    return _plain(float(found[0]), digits)
+    return _format_digits(float(found[0]), digits)
 
 
-def readable(sentence: str) -> str:
+def format_typographic(sentence: str) -> str:
     r"""A sentence as a page prints it: k∞ for k_inf, τ₁ for tau_1, ±, °C, a minus for a hyphen.
 
     What only a command line or Python can heed stands in brackets and is left out: a reader of
     the page has neither. A number and its unit stay on one line.
 
-    >>> readable("the shift to 0 degC")
+    >>> format_typographic("the shift to 0 degC")
     'the shift to 0\xa0°C'
-    >>> readable("k_inf moves by -2.5e-09 +- 3e-10 m; widen the band (--band), or wait")
+    >>> format_typographic("k_inf moves by -2.5e-09 +- 3e-10 m; widen the band (--band), or wait")
     'k∞ moves by −2.5·10⁻⁹ ± 3·10⁻¹⁰ m; widen the band, or wait'
     """
     printed = _PARAMETER.sub(lambda found: symbol(found[0]), _COMMAND.sub("", sentence))
     printed = printed.replace("+-", "±").replace(" degC", " °C")
-    printed = _NEGATIVE.sub(MINUS, _POWER.sub(_printed, printed))
+    printed = _NEGATIVE.sub(MINUS, _POWER.sub(_format_match, printed))
     return _UNIT.sub("\N{NO-BREAK SPACE}", printed)
 
 

@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from dataclasses import Field, field, fields
 from typing import Any
 
-from dashpot.base.choices import words
-from dashpot.base.units import typed
+from dashpot.base.choices import get_choice_values
+from dashpot.base.units import format_command_quantity
 
 
 def option(default: Any, help: str | None = None, **how: Any) -> Any:
@@ -27,29 +27,29 @@ def option(default: Any, help: str | None = None, **how: Any) -> Any:
     ``decides``, what a job needs it for first.
     """
     if "choices" in how:
-        how["choices"] = words(how["choices"])
+        how["choices"] = get_choice_values(how["choices"])
     return field(default=default, metadata={"help": help, **how})
 
 
-def like(noun: type, name: str, **other: Any) -> Any:
+def copy_option(noun: type, name: str, **other: Any) -> Any:
     """Return the field of another noun, but for what is said otherwise here."""
     one = next(one for one in fields(noun) if one.name == name)
     return option(**{"default": one.default, **one.metadata, **other})
 
 
-def part(kind: type, **how: Any) -> Any:
+def make_nested_options(kind: type, **how: Any) -> Any:
     """Return the field that holds a noun with options of its own."""
     return field(default_factory=kind, metadata={"part": kind, **how})
 
 
-def offered(noun: Any) -> Iterator[Field[Any]]:
+def iterate_option_fields(noun: Any) -> Iterator[Field[Any]]:
     """Yield the fields of a noun that are options, without those of its parts."""
     for one in fields(noun):
         if "help" in one.metadata and "argument" not in one.metadata:
             yield one
 
 
-def names_files(one: Field[Any]) -> bool:
+def is_path_field(one: Field[Any]) -> bool:
     """Whether a field holds a path, or several."""
     return one.metadata.get("metavar") in {"FILE", "FRF"}
 
@@ -65,7 +65,7 @@ def key_of(one: Field[Any]) -> str:
     return str(one.metadata.get("key", one.name)).replace("_", "-")
 
 
-def typed_as(one: Field[Any], text: str) -> list[str]:
+def format_command_words(one: Field[Any], text: str) -> list[str]:
     """Return the words by which a field is typed: ``["--machine", "sync=0.5ms"]``."""
     if "under" not in one.metadata:
         return [flag_of(one), text]
@@ -79,7 +79,7 @@ def flags_of(noun: type) -> str:
     >>> flags_of(Cuts)
     '--cuts'
     """
-    *others, last = dict.fromkeys(map(flag_of, offered(noun)))
+    *others, last = dict.fromkeys(map(flag_of, iterate_option_fields(noun)))
     return f"{', '.join(others)} and {last}" if others else last
 
 
@@ -102,11 +102,15 @@ def words_of(noun: Any, *names: str) -> list[str]:
             continue
         if "part" in one.metadata:
             said += words_of(value)
-        elif value != one.default and one in offered(noun):
+        elif value != one.default and one in iterate_option_fields(noun):
             if "is_flag" in one.metadata:
                 said.append(flag_of(one))
             else:
-                said += [word for text in texts_of(one, value) for word in typed_as(one, text)]
+                said += [
+                    word
+                    for text in texts_of(one, value)
+                    for word in format_command_words(one, text)
+                ]
     return said
 
 
@@ -116,9 +120,9 @@ def texts_of(one: Field[Any], value: Any) -> list[str]:
     if "typed" in how:
         return list(how["typed"](value))
     if "ends" in how:
-        return [f"{value[0]!r}:{typed(value[1], how['unit'])}"]
+        return [f"{value[0]!r}:{format_command_quantity(value[1], how['unit'])}"]
     several = value if isinstance(value, tuple) else (value,)
     if "unit" in how:
-        return [typed(each, how["unit"]) for each in several]
+        return [format_command_quantity(each, how["unit"]) for each in several]
     return [repr(each).removesuffix(".0") if isinstance(each, float) else str(each)
             for each in several]  # fmt: skip

@@ -17,7 +17,7 @@ from dashpot.base.errors import DataError
 Span = tuple[float, float]
 
 
-class Size(NamedTuple):
+class PlausibleRange(NamedTuple):
     """What a quantity of one kind may be, SI.
 
     Attributes
@@ -66,34 +66,34 @@ class Size(NamedTuple):
         dashpot.base.errors.DataError: the mass is 5 t; expected 1 ug to 1 t. Check its unit.
         """
         if self.absurd(size):
-            low, high = (short(one, self.unit) for one in self.hard)
-            begun = told or f"{self.what} is {short(size, self.unit)}"
+            low, high = (format_quantity_short(one, self.unit) for one in self.hard)
+            begun = told or f"{self.what} is {format_quantity_short(size, self.unit)}"
             raise DataError(f"{begun}; expected {low} to {high}. {remedy}")
 
 
 SIZES = MappingProxyType(
     {
-        "travel": Size("the travel", "m", (2e-5, 0.2), (1e-9, 0.5)),
-        "force": Size("the force", "N", (1e-2, 1e3), (1e-13, 2e5)),
-        "stiffness": Size("the stiffness", "N/m", (10.0, 1e7), (0.05, 1e9)),
-        "ramp": Size("the time of the ramp", "s", (1e-3, 200.0), (1e-4, 900.0)),
-        "record": Size("the length of the record", "s", (0.1, 1e6), (1e-3, 3e7)),
-        "amplitude": Size("the amplitude", "m", (1e-9, 5e-3), (1e-12, 0.2)),
-        "modulus": Size("the modulus", "Pa", (1e3, 1e9), (10.0, 2e9)),
-        "contact pressure": Size("the mean pressure", "Pa", (0.0, 5e7), (0.0, 2e8)),
-        "radius": Size("the radius", "m", (1e-7, 0.1), (1e-9, 1.0)),
-        "part": Size("the length of the part", "m", (1e-3, 3.0), (1e-4, 30.0)),
-        "door": Size("the largest length of the door", "m", (0.1, 3.0), (0.02, 30.0)),
-        "seal length": Size("the length of the seal", "m", (1e-3, 5.0), (1e-4, 50.0)),
-        "seal height": Size("the height of the seal", "m", (1e-3, 0.1), (1e-4, 1.0)),
-        "shear": Size(
+        "travel": PlausibleRange("the travel", "m", (2e-5, 0.2), (1e-9, 0.5)),
+        "force": PlausibleRange("the force", "N", (1e-2, 1e3), (1e-13, 2e5)),
+        "stiffness": PlausibleRange("the stiffness", "N/m", (10.0, 1e7), (0.05, 1e9)),
+        "ramp": PlausibleRange("the time of the ramp", "s", (1e-3, 200.0), (1e-4, 900.0)),
+        "record": PlausibleRange("the length of the record", "s", (0.1, 1e6), (1e-3, 3e7)),
+        "amplitude": PlausibleRange("the amplitude", "m", (1e-9, 5e-3), (1e-12, 0.2)),
+        "modulus": PlausibleRange("the modulus", "Pa", (1e3, 1e9), (10.0, 2e9)),
+        "contact pressure": PlausibleRange("the mean pressure", "Pa", (0.0, 5e7), (0.0, 2e8)),
+        "radius": PlausibleRange("the radius", "m", (1e-7, 0.1), (1e-9, 1.0)),
+        "part": PlausibleRange("the length of the part", "m", (1e-3, 3.0), (1e-4, 30.0)),
+        "door": PlausibleRange("the largest length of the door", "m", (0.1, 3.0), (0.02, 30.0)),
+        "seal length": PlausibleRange("the length of the seal", "m", (1e-3, 5.0), (1e-4, 50.0)),
+        "seal height": PlausibleRange("the height of the seal", "m", (1e-3, 0.1), (1e-4, 1.0)),
+        "shear": PlausibleRange(
             "stiffness sideways over that where it is pressed", "", (0.0, 1.5), (0.0, 3.0)
         ),
-        "sag": Size("the sag under the mass", "m", (0.0, 0.02), (0.0, 0.2)),
-        "resonance": Size("the resonance", "Hz", (1.0, 2e3), (0.2, 2e4)),
-        "acceleration": Size("the acceleration", "m/s^2", (1e-3, 1e4), (0.0, 1e7)),
-        "mass": Size("the mass", "kg", (1e-3, 200.0), (1e-9, 1e3)),
-        "density": Size("the density", "kg/m^3", (50.0, 3e3), (5.0, 2e4)),
+        "sag": PlausibleRange("the sag under the mass", "m", (0.0, 0.02), (0.0, 0.2)),
+        "resonance": PlausibleRange("the resonance", "Hz", (1.0, 2e3), (0.2, 2e4)),
+        "acceleration": PlausibleRange("the acceleration", "m/s^2", (1e-3, 1e4), (0.0, 1e7)),
+        "mass": PlausibleRange("the mass", "kg", (1e-3, 200.0), (1e-9, 1e3)),
+        "density": PlausibleRange("the density", "kg/m^3", (50.0, 3e3), (5.0, 2e4)),
     }
 )
 """By the kind of quantity. The hard ranges are our choice, and hold every public record that we
@@ -125,13 +125,14 @@ _OWN = {
 _PLAIN = frozenset({"m/s^2", "kg/m^3"})
 
 
-def short(value: float, unit: str) -> str:
+def format_quantity_short(value: float, unit: str) -> str:
     """Return an SI size as people say it.
 
-    >>> short(2100.0, "N"), short(0.041, "s"), short(0.104, "kg"), short(259200.0, "s")
+    >>> format_quantity_short(2100.0, "N"), format_quantity_short(0.041,
+    ...     "s"), format_quantity_short(0.104, "kg"), format_quantity_short(259200.0, "s")
     ('2.1 kN', '41 ms', '104 g', '3 days')
     """
-    steps = _OWN.get(unit, () if unit in _PLAIN else _prefixed(unit))
+    steps = _OWN.get(unit, () if unit in _PLAIN else _build_prefix_steps(unit))
     for factor, word in steps:
         if abs(value) >= factor * (1 - 1e-12):
             return f"{value / factor:.3g} {word}"
@@ -139,6 +140,6 @@ def short(value: float, unit: str) -> str:
 
 
 @cache
-def _prefixed(unit: str) -> tuple[tuple[float, str], ...]:
+def _build_prefix_steps(unit: str) -> tuple[tuple[float, str], ...]:
     # metres above 1 are said in metres
     return tuple((by, f"{word}{unit}") for by, word in _PREFIXES if by <= 1 or unit != "m")

@@ -21,8 +21,8 @@ from importlib import import_module
 from typing import Any, Literal, NoReturn, get_args
 
 from dashpot.base.errors import DashpotError, ReadError
-from dashpot.base.escaping import escaped
-from dashpot.base.serialisation import Documented
+from dashpot.base.escaping import escape_terminal_text
+from dashpot.base.serialisation import Serialisable
 
 Group = Literal["formats", "kinds", "decks"]
 GROUPS: tuple[Group, ...] = get_args(Group)
@@ -34,7 +34,7 @@ _LONGEST = 300
 
 
 @dataclass(frozen=True)
-class Plugin(Documented):
+class Plugin(Serialisable):
     """One entry point.
 
     Attributes
@@ -54,19 +54,19 @@ class Plugin(Documented):
     version: str
 
     @property
-    def by(self) -> str:
+    def package_version(self) -> str:
         """The package and its version, as provenance states them."""
         return f"{self.package} {self.version}"
 
     @property
-    def called(self) -> str:
+    def full_label(self) -> str:
         """Its name and who brings it, as a reader is named: ``"labkit (labkit 0.1.0)"``."""
-        return f"{self.name} ({self.by})"
+        return f"{self.name} ({self.package_version})"
 
     @property
     def says(self) -> str:
         """How an error speaks of it."""
-        return f"the plug-in '{self.name}' of {self.by}"
+        return f"the plug-in '{self.name}' of {self.package_version}"
 
     def load(self) -> Any:
         """Import it, and return its module or function.
@@ -113,7 +113,7 @@ class Plugin(Documented):
 
 
 @dataclass(frozen=True)
-class Installed(Documented):
+class Installed(Serialisable):
     """The plug-ins of this environment."""
 
     schema = "dashpot/plugins@1"
@@ -124,12 +124,12 @@ class Installed(Documented):
 
 def plugins(group: Group | None = None) -> tuple[Plugin, ...]:
     """Return every plug-in that is installed, or those of a group; none is imported."""
-    found = _installed()
+    found = _scan_plugins()
     return tuple(one for one in found if group in {None, one.group})
 
 
 @cache
-def _installed() -> tuple[Plugin, ...]:
+def _scan_plugins() -> tuple[Plugin, ...]:
     if os.environ.get(SWITCH) == OFF:
         return ()
     from importlib.metadata import distributions  # it costs more than all that the scan does
@@ -145,7 +145,7 @@ def _installed() -> tuple[Plugin, ...]:
     return tuple(sorted(found.values(), key=lambda p: (p.group, p.name, p.package)))
 
 
-def named(group: Group, name: str) -> Plugin | None:
+def find_plugin(group: Group, name: str) -> Plugin | None:
     """Return the plug-in of a name; None if there is none.
 
     Raises
@@ -156,19 +156,20 @@ def named(group: Group, name: str) -> Plugin | None:
     found = [one for one in plugins(group) if one.name == name]
     if len(found) > 1:
         raise ReadError(
-            f"'{name}' is brought by {' and by '.join(one.by for one in found)}. Uninstall one of "
+            f"'{name}' is brought by {' and by '.join(one.package_version for one in found)}. "
+            "Uninstall one of "
             "them"
         )
     return found[0] if found else None
 
 
-def offered_too(group: Group) -> str:
+def format_plugin_names(group: Group) -> str:
     """Return the names of a group as the end of an error's sentence; empty where there are none."""
     names = ", ".join(one.name for one in plugins(group))
     return f" By plug-ins: {names}." if names else ""
 
 
-def wanted(group: Group, name: str) -> Plugin:
+def require_plugin(group: Group, name: str) -> Plugin:
     """Return the plug-in of a name.
 
     Raises
@@ -176,13 +177,15 @@ def wanted(group: Group, name: str) -> Plugin:
     ReadError
         If there is none.
     """
-    found = named(group, name)
+    found = find_plugin(group, name)
     if found is None:
         off = os.environ.get(SWITCH) == OFF
-        known = offered_too(group) or (
+        known = format_plugin_names(group) or (
             " Plug-ins are off here." if off else " To see them: dashpot inspect --plugins."
         )
-        raise ReadError(f"no plug-in brings the {group[:-1]} '{escaped(name)}'.{known}")
+        raise ReadError(
+            f"no plug-in brings the {group[:-1]} '{escape_terminal_text(name)}'.{known}"
+        )
     return found
 
 
@@ -194,7 +197,7 @@ def items(plugin: Plugin, document: Mapping[str, Any], key: str) -> Sequence[Map
     ReadError
         If something else stands there.
     """
-    return _listed(plugin, document, key, dict, "a list of dictionaries")
+    return _get_typed_list(plugin, document, key, dict, "a list of dictionaries")
 
 
 def texts(plugin: Plugin, document: Mapping[str, Any], key: str) -> tuple[str, ...]:
@@ -205,10 +208,10 @@ def texts(plugin: Plugin, document: Mapping[str, Any], key: str) -> tuple[str, .
     ReadError
         If something else stands there.
     """
-    return tuple(map(_line, _listed(plugin, document, key, str, "a list of texts")))
+    return tuple(map(_line, _get_typed_list(plugin, document, key, str, "a list of texts")))
 
 
-def _listed(
+def _get_typed_list(
     plugin: Plugin, document: Mapping[str, Any], key: str, kind: type, expected: str
 ) -> Sequence[Any]:
     found = document.get(key, [])
@@ -219,7 +222,7 @@ def _listed(
 
 def _line(text: str) -> str:
     """Others' words on one line that a terminal does not obey."""
-    return " ".join(escaped(text).split())
+    return " ".join(escape_terminal_text(text).split())
 
 
 def word(plugin: Plugin, item: Mapping[str, Any], key: str, otherwise: str | None = None) -> str:

@@ -9,7 +9,7 @@ from contextvars import ContextVar
 _listener: ContextVar[Callable[[str], None] | None] = ContextVar("listener", default=None)
 
 
-def doing(what: str) -> None:
+def send_progress(what: str) -> None:
     """Say what a long piece of work begins with now, such as ``"fitting the relaxation test"``."""
     listener = _listener.get()
     if listener is not None:
@@ -17,7 +17,7 @@ def doing(what: str) -> None:
 
 
 @contextmanager
-def listening(listener: Callable[[str], None]) -> Iterator[None]:
+def set_progress_listener(listener: Callable[[str], None]) -> Iterator[None]:
     """Pass what is done inside on to `listener`."""
     token = _listener.set(listener)
     try:

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Protocol, Self
 
-from dashpot.base.serialisation import Documented
+from dashpot.base.serialisation import Serialisable
 
 SIMULATED = "simulated"
 """What a table says of a file that the virtual rig or hammer made."""
@@ -36,7 +36,7 @@ def cautions_in(notes: Iterable[str]) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True)
-class Source(Documented):
+class Source(Serialisable):
     """The file a record was read from.
 
     Attributes
@@ -80,7 +80,7 @@ class Source(Documented):
         return self.cautions or None
 
 
-def of_file(source: Source | None, samples: int) -> str:
+def describe_record_source(source: Source | None, samples: int) -> str:
     """Return which record it is, for people: its file, how many samples, and whether simulated."""
     if source is None:
         return f"{samples} samples in memory"

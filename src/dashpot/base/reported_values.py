@@ -7,10 +7,10 @@ import re
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from dashpot.base.checks import Checked
-from dashpot.base.number_format import ascii_only, known_between, rounded, symbol
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import in_unit, read_in
+from dashpot.base.checks import HasChecks
+from dashpot.base.number_format import ascii_only, format_interval, round_to_error, symbol
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import convert_to_unit, get_display_unit
 
 HELD, UNKNOWN = "held", "not identified"
 """What stands in place of an error of 0, and of one without limit."""
@@ -25,7 +25,7 @@ BESIDE = 1e-2
 """The same, where that end stands for the value itself."""
 
 
-class Cells(NamedTuple):
+class TableCells(NamedTuple):
     """A fact as a row of a table: texts in the unit that people read."""
 
     name: str
@@ -35,9 +35,9 @@ class Cells(NamedTuple):
     unit: str
 
     @property
-    def ascii(self) -> Cells:
+    def ascii(self) -> TableCells:
         """In the alphabet that every terminal has."""
-        return Cells(*map(ascii_only, self))
+        return TableCells(*map(ascii_only, self))
 
     @property
     def with_error(self) -> str:
@@ -60,7 +60,7 @@ class Cells(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Fact(Documented):
+class ReportedValue(Serialisable):
     """A number that a test shows, and how well it is known.
 
     Attributes
@@ -78,7 +78,8 @@ class Fact(Documented):
         Standard error: 0 of what was held, infinite of what is not identified, None of what was
         given or has an interval alone.
     read : str
-        The unit in which people read it; by default as :func:`~dashpot.base.units.read_in`.
+        The unit in which people read it; by default as
+        :func:`~dashpot.base.units.get_display_unit`.
     words : str
         How a table calls it; by default its name, in words where it is not a symbol.
     """
@@ -106,7 +107,7 @@ class Fact(Documented):
         unit: str = "",
         read: str = "",
         words: str = "",
-    ) -> Fact:
+    ) -> ReportedValue:
         """A number with an interval of so many standard errors; none if the error is infinite.
 
         That of a positive one whose logarithm has the error, ``of_log``, is a factor either way.
@@ -123,7 +124,7 @@ class Fact(Documented):
     @property
     def reading(self) -> str:
         """The unit in which people read it."""
-        return self.read or read_in(self.unit)
+        return self.read or get_display_unit(self.unit)
 
     @property
     def bounded(self) -> bool:
@@ -162,7 +163,7 @@ class Fact(Documented):
 
     def shown(self, value: float) -> float:
         """A value of this fact, SI, in the unit that people read."""
-        return value if self.reading == self.unit else in_unit(value, self.reading)
+        return value if self.reading == self.unit else convert_to_unit(value, self.reading)
 
     @property
     def scale(self) -> float:
@@ -182,34 +183,34 @@ class Fact(Documented):
         return (self.high - self.low) / 4 * self.scale
 
     @property
-    def cells(self) -> Cells:
+    def cells(self) -> TableCells:
         """The row that every table of it has: to two digits of its error, or of its interval."""
         value, low, high = map(self.shown, (self.value, self.low, self.high))
         if self.bound_alone:
-            return Cells(self.called, "", "", f"below {rounded(high)}", self.word)
+            return TableCells(self.called, "", "", f"below {round_to_error(high)}", self.word)
         if self.least_alone:
-            return Cells(self.called, "", "", f"at least {rounded(low)}", self.word)
+            return TableCells(self.called, "", "", f"at least {round_to_error(low)}", self.word)
         if self.topped:
-            told, most = rounded(value, self.size), rounded(high, self.size)
-            return Cells(self.called, told, "", f"{AT_MOST} {most}", self.word)
+            told, most = round_to_error(value, self.size), round_to_error(high, self.size)
+            return TableCells(self.called, told, "", f"{AT_MOST} {most}", self.word)
         error = "" if self.error is None else _error(self.size)
         between = ""
         if self.bounded and error not in (HELD, UNKNOWN):
-            between = known_between(value, low, high, self.size)
-        told = rounded(value, self.size, digits=4)
-        return Cells(self.called, told, error, between, self.word)
+            between = format_interval(value, low, high, self.size)
+        told = round_to_error(value, self.size, digits=4)
+        return TableCells(self.called, told, error, between, self.word)
 
     @property
     def ends(self) -> tuple[str, str, str]:
         """Value and both ends of the interval, each in a cell, to two digits of half of it."""
         value, low, high = map(self.shown, (self.value, self.low, self.high))
         if self.least_alone:
-            return "unknown", rounded(low), "no limit"
+            return "unknown", round_to_error(low), "no limit"
         below, above = value - low, high - value
         near, far = sorted((below, above))
         if math.isfinite(far) and near <= BESIDE * far:
             # an end that is the value itself says nothing of its digits
-            return rounded(value), rounded(low), rounded(high)
+            return round_to_error(value), round_to_error(low), round_to_error(high)
         # of a lopsided interval each end has the digits of its own distance
         if min(below, above) > LOPSIDED * max(below, above):
             below = above = (high - low) / 2
@@ -217,9 +218,9 @@ class Fact(Documented):
             below, above = below or above, above or below
         known = min(filter(math.isfinite, (below, above)), default=None)
         return (
-            rounded(value, known),
-            rounded(low, below) if math.isfinite(low) else "unknown",
-            rounded(high, above) if math.isfinite(high) else "no limit",
+            round_to_error(value, known),
+            round_to_error(low, below) if math.isfinite(low) else "unknown",
+            round_to_error(high, above) if math.isfinite(high) else "no limit",
         )
 
     @property
@@ -234,17 +235,17 @@ class Fact(Documented):
         return f"{own}, 95 % {cells.interval}" if cells.interval else own
 
 
-class Numbered(Checked):
+class HasReportedValues(HasChecks):
     """A result of named numbers, `found`, that was asked whether it can be trusted."""
 
-    found: tuple[Fact, ...]
+    found: tuple[ReportedValue, ...]
 
     @property
-    def facts(self) -> tuple[Fact, ...]:
+    def facts(self) -> tuple[ReportedValue, ...]:
         """The numbers that it tells."""
         return self.found
 
-    def __getitem__(self, name: str) -> Fact:
+    def __getitem__(self, name: str) -> ReportedValue:
         """One of the numbers found, by its name."""
         return next(one for one in self.found if one.name == name)
 
@@ -252,4 +253,4 @@ class Numbered(Checked):
 def _error(size: float) -> str:
     if math.isinf(size):
         return UNKNOWN
-    return HELD if size <= 0 else rounded(size, size)
+    return HELD if size <= 0 else round_to_error(size, size)

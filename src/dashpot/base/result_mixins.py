@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from dashpot.base.reported_values import Fact
+    from dashpot.base.reported_values import ReportedValue
     from dashpot.plot.picture import Picture
 
 Series: TypeAlias = Mapping[str, tuple[Any, str]]
@@ -25,24 +25,24 @@ LINES = 15
 """Of a noun in a shell."""
 
 
-def verb(module: str, name: str) -> Callable[..., Any]:
+def load_function(module: str, name: str) -> Callable[..., Any]:
     """Return a function of a room above: ``verb("report.notebook", "picture")``."""
     found: Callable[..., Any] = getattr(import_module(f"dashpot.{module}"), name)
     return found
 
 
-def arrays(noun: object, **units: str) -> Series:
+def collect_arrays(noun: object, **units: str) -> Series:
     """Return arrays of a noun by their names, each with its SI unit."""
     return {name: (getattr(noun, name), unit) for name, unit in units.items()}
 
 
-def columns(rows: Iterable[object], **units: str) -> Series:
+def collect_columns(rows: Iterable[object], **units: str) -> Series:
     """Return attributes of several things by their names, each with its SI unit."""
     each = tuple(rows)
     return {name: ([getattr(one, name) for one in each], unit) for name, unit in units.items()}
 
 
-class Told:
+class Printable:
     """A result that prints what its command prints, and writes itself to a file."""
 
     @property
@@ -51,7 +51,7 @@ class Told:
         return self
 
     def __str__(self) -> str:
-        text: str = verb("text_output", "printed")(self)
+        text: str = load_function("text_output", "format_result")(self)
         return text
 
     def save(self, path: str | Path) -> Path:
@@ -62,11 +62,11 @@ class Told:
         ExportError
             If it is not written so.
         """
-        saved: Path = verb("report.saving", "save")(self, path)
+        saved: Path = load_function("report.saving", "save")(self, path)
         return saved
 
 
-class Described(Told):
+class HasSummary(Printable):
     """A noun that says in a few lines what it is, and gives its numbers as a table.
 
     The dataclass that inherits it is declared ``repr=False`` and has `described`.
@@ -99,7 +99,7 @@ class Described(Told):
         DataError
             If pandas is not installed (``pip install "dashpot[frames]"``).
         """
-        frame: pd.DataFrame = verb("workflow.dataframes", "to_pandas")(self)
+        frame: pd.DataFrame = load_function("workflow.dataframes", "to_pandas")(self)
         return frame
 
     def to_xarray(self) -> xr.Dataset:
@@ -110,31 +110,31 @@ class Described(Told):
         DataError
             If xarray is not installed (``pip install "dashpot[frames]"``).
         """
-        dataset: xr.Dataset = verb("workflow.dataframes", "to_xarray")(self)
+        dataset: xr.Dataset = load_function("workflow.dataframes", "to_xarray")(self)
         return dataset
 
 
-class Pictured(Described):
+class Plottable(HasSummary):
     """One that has a picture, too: in a notebook it shows itself."""
 
     def plot(self) -> Picture:
         """Its :class:`~dashpot.plot.picture.Picture`, which :func:`dashpot.plot.save` writes."""
-        drawn: Picture = verb("report.notebook", "picture")(self)
+        drawn: Picture = load_function("report.notebook", "picture")(self)
         return drawn
 
     def _repr_html_(self) -> str:
         """Its picture and its words, for a notebook."""
-        page: str = verb("report.notebook", "html")(self)
+        page: str = load_function("report.notebook", "html")(self)
         return page
 
 
-class Judged(Pictured):
+class HasVerdict(Plottable):
     """A result of a verdict: a shell shows that, and `print` all that its command prints."""
 
     verdict: Any
 
     @property
-    def facts(self) -> tuple[Fact, ...]:
+    def facts(self) -> tuple[ReportedValue, ...]:
         """The numbers that it tells, each with its unit and how well it is known."""
         return ()
 

@@ -32,10 +32,11 @@ def paragraph(*parts: str) -> str:
     return " ".join(sentence(part) for part in parts if part)
 
 
-def lowered(text: str) -> str:
+def decapitalise_sentence(text: str) -> str:
     """Return a sentence as it goes on after a colon or a comma.
 
-    >>> lowered("The hold is too short."), lowered("FRF lines are missing."), lowered("Maxwell arm")
+    >>> decapitalise_sentence("The hold is too short."), decapitalise_sentence(
+    ...     "FRF lines are missing."), decapitalise_sentence("Maxwell arm")
     ('the hold is too short.', 'FRF lines are missing.', 'Maxwell arm')
     """
     first = re.match(r"(?:A|[A-Z][a-z]+)(?=[\s,;:'-])", text)
@@ -53,15 +54,15 @@ def sentences(text: str) -> list[str]:
     return _END.split(text) if text else []
 
 
-def words(text: str) -> int:
+def count_words(text: str) -> int:
     """Return how many words a text has; a number and its unit are two."""
     return len(text.split())
 
 
-def within(most: int, told: Sequence[str], after: Iterable[str] = ()) -> str:
+def clip_sentences(most: int, told: Sequence[str], after: Iterable[str] = ()) -> str:
     """Return as many sentences of `told` as leave room for all of `after`, but one at least."""
     end = [one for one in after if one]
     kept = list(told)
-    while len(kept) > 1 and words(" ".join((*kept, *end))) > most:
+    while len(kept) > 1 and count_words(" ".join((*kept, *end))) > most:
         kept.pop()
     return " ".join((*kept, *end))

@@ -18,7 +18,7 @@ DIGEST = "digest"
 """The key of a digested document that shows whether the rest was edited."""
 
 
-class Documented:
+class Serialisable:
     """A noun whose document is a list of its attributes.
 
     Attributes
@@ -52,7 +52,7 @@ class Documented:
         for key in _keys(kind):
             found |= key.item(self)
         sealed = found.pop(DIGEST, None) is not None or self.digested
-        return {**found, DIGEST: digest_of(found)} if sealed else found
+        return {**found, DIGEST: compute_document_digest(found)} if sealed else found
 
 
 class _Key(NamedTuple):
@@ -63,7 +63,7 @@ class _Key(NamedTuple):
     known: bool
 
     @classmethod
-    def of(cls, text: str) -> _Key:
+    def parse_key(cls, text: str) -> _Key:
         body = text.rstrip("?~")
         marks = text[len(body) :]
         name, _, path = body.lstrip("*").rpartition("=")
@@ -72,9 +72,9 @@ class _Key(NamedTuple):
 
     def item(self, noun: object) -> dict[str, Any]:
         """What a document has of it: nothing where it is left out, or several items."""
-        value = plain(reduce(_attribute, self.way, noun))
+        value = to_plain_value(reduce(_attribute, self.way, noun))
         if self.known:
-            value = numbers_or_null(value)
+            value = replace_nonfinite_numbers(value)
         if self.spread:
             return dict(value or {})
         return {} if value is None and self.optional else {self.name: value}
@@ -90,11 +90,13 @@ def _keys(kind: Any) -> tuple[_Key, ...]:
         [one.name for one in fields(kind) if EDGE not in one.metadata] if is_dataclass(kind) else []
     )
     return tuple(
-        _Key.of(name) for text in kind.keys or ("*",) for name in (own if text == "*" else [text])
+        _Key.parse_key(name)
+        for text in kind.keys or ("*",)
+        for name in (own if text == "*" else [text])
     )
 
 
-def fields_of(kind: Any, document: Mapping[str, Any]) -> dict[str, Any]:
+def decode_fields(kind: Any, document: Mapping[str, Any]) -> dict[str, Any]:
     """Return the fields of a noun out of its document: each attribute goes back its own way.
 
     What was spread gets the whole document, and takes of it what it knows.
@@ -102,73 +104,78 @@ def fields_of(kind: Any, document: Mapping[str, Any]) -> dict[str, Any]:
     own = {one.name for one in fields(kind)}
     found: dict[str, Any] = {name: document[name] for name in own & document.keys()}
     found |= {one.name: one.metadata[EDGE] for one in fields(kind) if EDGE in one.metadata}
-    for key in _keys(kind) if issubclass(kind, Documented) else ():
+    for key in _keys(kind) if issubclass(kind, Serialisable) else ():
         first = key.way[0]
         if first not in own or first in document:
             continue
         if key.spread:
             found[first] = document
         elif key.name in document:
-            found = _laid(found, key.way, document[key.name])
+            found = _set_nested_value(found, key.way, document[key.name])
     return found
 
 
-def _laid(place: Mapping[str, Any], way: tuple[str, ...], value: Any) -> dict[str, Any]:
+def _set_nested_value(place: Mapping[str, Any], way: tuple[str, ...], value: Any) -> dict[str, Any]:
     first, *rest = way
-    return {**place, first: _laid(place.get(first, {}), tuple(rest), value) if rest else value}
+    return {
+        **place,
+        first: _set_nested_value(place.get(first, {}), tuple(rest), value) if rest else value,
+    }
 
 
 # msgspec encodes a dataclass without asking: the schema and the layout of an inner noun would be
 # lost, so this walk stays; cattrs would take a hook per noun and a dependency more
 @singledispatch
-def plain(value: Any) -> Any:
+def to_plain_value(value: Any) -> Any:
     """Return a value as JSON holds it; a number that is not finite by its name.
 
-    >>> plain((1.5, float("inf"), {"a": 1j}))
+    >>> to_plain_value((1.5, float("inf"), {"a": 1j}))
     [1.5, 'Infinity', {'a': {'real': 0.0, 'imag': 1.0}}]
     """
     if value is None or isinstance(value, str | int):
         return value
     if is_dataclass(value):
         return {
-            one.name: plain(getattr(value, one.name))
+            one.name: to_plain_value(getattr(value, one.name))
             for one in fields(value)
             if EDGE not in one.metadata
         }
     if isinstance(value, complex) or getattr(getattr(value, "dtype", None), "kind", "") == "c":
-        return {"real": plain(value.real), "imag": plain(value.imag)}
+        return {"real": to_plain_value(value.real), "imag": to_plain_value(value.imag)}
     # an array: NumPy is not needed to say what went wrong
-    return plain(value.tolist()) if hasattr(value, "tolist") else value
+    return to_plain_value(value.tolist()) if hasattr(value, "tolist") else value
 
 
-@plain.register(list)
-@plain.register(tuple)
+@to_plain_value.register(list)
+@to_plain_value.register(tuple)
 def _(value: Any) -> Any:
     if hasattr(value, "_fields"):
-        return {name: plain(getattr(value, name)) for name in value._fields}
-    return [plain(item) for item in value]
+        return {name: to_plain_value(getattr(value, name)) for name in value._fields}
+    return [to_plain_value(item) for item in value]
 
 
-plain.register(Documented, lambda value: value.document)
-plain.register(Mapping, lambda value: {str(key): plain(one) for key, one in value.items()})
-plain.register(float, lambda value: json_number(float(value)))
-plain.register(Enum, lambda value: value.value)
-plain.register(Status, lambda value: value.name.lower())
+to_plain_value.register(Serialisable, lambda value: value.document)
+to_plain_value.register(
+    Mapping, lambda value: {str(key): to_plain_value(one) for key, one in value.items()}
+)
+to_plain_value.register(float, lambda value: json_number(float(value)))
+to_plain_value.register(Enum, lambda value: value.value)
+to_plain_value.register(Status, lambda value: value.name.lower())
 
 NOT_FINITE = {"Infinity": math.inf, "-Infinity": -math.inf, "NaN": math.nan}
 """JSON has no such numbers; a text that no measurement can be mistaken for stands in."""
 
 
-def numbers_or_null(value: Any) -> Any:
+def replace_nonfinite_numbers(value: Any) -> Any:
     """Return plain values with null for every number that is not finite: it is not known."""
     if isinstance(value, dict):
-        return {key: numbers_or_null(item) for key, item in value.items()}
+        return {key: replace_nonfinite_numbers(item) for key, item in value.items()}
     if isinstance(value, list):
-        return [numbers_or_null(item) for item in value]
+        return [replace_nonfinite_numbers(item) for item in value]
     return None if isinstance(value, str) and value in NOT_FINITE else value
 
 
-def digest_of(document: dict[str, Any]) -> str:
+def compute_document_digest(document: dict[str, Any]) -> str:
     """Return 16 hexadecimal digits of what a document says, however it is laid out."""
 
     def even(value: Any) -> Any:

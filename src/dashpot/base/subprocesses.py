@@ -18,7 +18,7 @@ def interpreter(module: str, *flags: str) -> list[str]:
     return [sys.executable, "-P", *flags, "-c", start]
 
 
-def end_group(leader: int) -> None:
+def stop_process_group(leader: int) -> None:
     """End a process that was started as the first of a session, and all that it started."""
     with suppress(ProcessLookupError):
         if sys.platform == "win32":
@@ -27,7 +27,7 @@ def end_group(leader: int) -> None:
             os.killpg(leader, signal.SIGKILL)
 
 
-def give_back(beyond: int) -> None:
+def trim_memory(beyond: int) -> None:
     """Give memory that is free back to the system, if this process holds more than so many bytes.
 
     Where the C library (of GNU) keeps it; elsewhere nothing is done.
@@ -42,19 +42,19 @@ def give_back(beyond: int) -> None:
             ctypes.CDLL(None).malloc_trim(0)
 
 
-def one_thread() -> dict[str, str]:
+def get_single_thread_env() -> dict[str, str]:
     """Return this environment with one thread of BLAS: beside other processes more only wait."""
     names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
     return {**os.environ, **dict.fromkeys(names, "1")}
 
 
-def long_lived() -> dict[str, str]:
+def get_long_lived_env() -> dict[str, str]:
     """Return that environment for a process that makes arrays over and over: it keeps its memory.
 
     The C library (of GNU) gives arrays of 100 kB back to the system as they come and go, and takes
     them again page by page: a tenth of a fit, and half of one under the limit that dask sets.
     """
-    return one_thread() | {
+    return get_single_thread_env() | {
         "MALLOC_TRIM_THRESHOLD_": f"{1 << 30}",
         "MALLOC_MMAP_THRESHOLD_": f"{1 << 25}",
     }

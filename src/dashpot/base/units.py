@@ -184,22 +184,22 @@ for _unit in TABLE.values():
     _FOLDED.setdefault(_unit.word.lower(), []).append(_unit)
 
 
-def find(word: str, dimension: Dimension | None = None) -> Unit | None:
+def find_unit(word: str, dimension: Dimension | None = None) -> Unit | None:
     """Return the unit that `word` names, or None; `dimension` settles ``g`` and ``nm``.
 
-    >>> find("µm"), find("Newtons").word, find("furlong")
+    >>> find_unit("µm"), find_unit("Newtons").word, find_unit("furlong")
     (Unit(word='um', dimension='length', factor=1e-06, offset=0.0), 'N', None)
     """
     return _find(word, dimension)
 
 
-def same(first: str, second: str) -> bool:
+def is_same_unit(first: str, second: str) -> bool:
     """Whether two words are one unit, however spelled.
 
-    >>> same("sec", "Sekunden"), same("N", "kN"), same("Pa.s", "pa.s")
+    >>> is_same_unit("sec", "Sekunden"), is_same_unit("N", "kN"), is_same_unit("Pa.s", "pa.s")
     (True, False, True)
     """
-    one, other = find(first), find(second)
+    one, other = find_unit(first), find_unit(second)
     if one is None or other is None:
         return first.casefold().split() == second.casefold().split()
     return (one.dimension, one.factor, one.offset) == (other.dimension, other.factor, other.offset)
@@ -246,11 +246,11 @@ def parse_unit(word: str, dimension: Dimension) -> Unit:
     DataError
         If the word is unknown or measures something else.
     """
-    unit = find(word, dimension)
+    unit = find_unit(word, dimension)
     if unit is not None:
         return unit
     other = " or ".join(dimensions(word))
-    known = ", ".join(one.word for one in _of(dimension))
+    known = ", ".join(one.word for one in _filter_units(dimension))
     found = f"is a unit of {other}" if other else "is not a known unit"
     raise DataError(f"'{word}' {found}; expected a unit of {dimension}, one of: {known}")
 
@@ -261,10 +261,10 @@ def si_unit(dimension: Dimension) -> Unit:
     >>> si_unit("stress").word, si_unit("compliance").word
     ('Pa', 'm/N')
     """
-    return next(unit for unit in _of(dimension) if (unit.factor, unit.offset) == (1, 0))
+    return next(unit for unit in _filter_units(dimension) if (unit.factor, unit.offset) == (1, 0))
 
 
-def _of(dimension: Dimension) -> list[Unit]:
+def _filter_units(dimension: Dimension) -> list[Unit]:
     return [unit for unit in TABLE.values() if unit.dimension == dimension]
 
 
@@ -306,7 +306,7 @@ def parse_quantity(text: str, dimension: Dimension) -> float:
     if match[2] is None and dimension == "strain" and float(match[1]) == 0:
         return 0.0  # no part is none in any unit
     if match[2] is None:
-        known = [one.word for one in _of(dimension)]
+        known = [one.word for one in _filter_units(dimension)]
         raise DataError(
             f"'{text}' has no unit; add a unit of {dimension} to it, for example '{text.strip()}"
             f"{_USUAL.get(dimension, known[0])}' (known: {', '.join(known)})"
@@ -338,25 +338,26 @@ def from_unit(value: float | FloatArray, unit: Unit) -> float | FloatArray:
     return scaled + unit.offset if unit.offset else scaled
 
 
-def usual(dimension: Dimension) -> str:
+def get_default_unit(dimension: Dimension) -> str:
     """Return the unit in which something is given where nothing else is known.
 
-    >>> usual("length"), usual("time")
+    >>> get_default_unit("length"), get_default_unit("time")
     ('mm', 's')
     """
-    return _USUAL.get(dimension, _of(dimension)[0].word)
+    return _USUAL.get(dimension, _filter_units(dimension)[0].word)
 
 
-def read_in(unit: str, *, fine: bool = False) -> str:
+def get_display_unit(unit: str, *, fine: bool = False) -> str:
     """Return the unit in which people read what is in a unit of SI; `fine`, what is small there.
 
-    >>> read_in("N/m"), read_in("N s/m"), read_in("Hz"), read_in(""), read_in("s", fine=True)
+    >>> get_display_unit("N/m"), get_display_unit("N s/m"), get_display_unit(
+    ...     "Hz"), get_display_unit(""), get_display_unit("s", fine=True)
     ('N/mm', 'N*s/mm', 'Hz', '', 'ms')
-    >>> read_in("N/m per 100 mm")
+    >>> get_display_unit("N/m per 100 mm")
     'N/mm per 100 mm'
     """
     word, per, what = unit.partition(" per ")
-    known = find(word)
+    known = find_unit(word)
     of = word if known is None else known.word
     usual = _READ.get(of, word)
     return (_FINE.get(of, usual) if fine else usual) + per + what
@@ -371,10 +372,11 @@ def column(name: str, unit: str) -> str:
     return f"{name}_{unit.replace('/', '_per_')}" if unit else name
 
 
-def of_column(title: str) -> tuple[str, str]:
+def parse_column_title(title: str) -> tuple[str, str]:
     """Return the name of a column of such a table, and its unit.
 
-    >>> of_column("k_inf_N_per_m"), of_column("tau_1_s"), of_column("damping_ratio")
+    >>> parse_column_title("k_inf_N_per_m"), parse_column_title("tau_1_s"), parse_column_title(
+    ...     "damping_ratio")
     (('k_inf', 'N/m'), ('tau_1', 's'), ('damping_ratio', ''))
     """
     unit = next((one for one in _OF_COLUMNS if title.endswith(column("", one))), "")
@@ -382,13 +384,14 @@ def of_column(title: str) -> tuple[str, str]:
 
 
 @overload
-def in_unit(value: float, unit: str) -> float: ...
+def convert_to_unit(value: float, unit: str) -> float: ...
 @overload
-def in_unit(value: FloatArray, unit: str) -> FloatArray: ...
-def in_unit(value: float | FloatArray, unit: str) -> float | FloatArray:
+def convert_to_unit(value: FloatArray, unit: str) -> FloatArray: ...
+def convert_to_unit(value: float | FloatArray, unit: str) -> float | FloatArray:
     """Return an SI value, or an array of them, in a unit of the table.
 
-    >>> in_unit(0.0083, "mm"), in_unit(17400.0, "N/mm"), in_unit(300.15, "degC")
+    >>> convert_to_unit(0.0083, "mm"), convert_to_unit(17400.0, "N/mm"), convert_to_unit(300.15,
+    ...     "degC")
     (8.3, 17.4, 27.0)
 
     Raises
@@ -396,7 +399,7 @@ def in_unit(value: float | FloatArray, unit: str) -> float | FloatArray:
     DataError
         If the unit is not in the table.
     """
-    known = find(re.split(" per | strain", unit)[0])
+    known = find_unit(re.split(" per | strain", unit)[0])
     if known is None:
         raise DataError(f"'{unit}' is not a known unit")
     if known.offset:
@@ -406,46 +409,48 @@ def in_unit(value: float | FloatArray, unit: str) -> float | FloatArray:
     return inverse * value if inverse > 1 and 1 / inverse == known.factor else value / known.factor
 
 
-def written(value: float, unit: str, form: str = ".4g") -> str:
+def format_quantity(value: float, unit: str, form: str = ".4g") -> str:
     """Return an SI value as a sentence says it: in a unit of the table, with its word.
 
-    >>> written(0.0083, "mm"), written(17432.1, "N/mm", ".3g"), written(2.5e-3, "ms")
+    >>> format_quantity(0.0083, "mm"), format_quantity(17432.1, "N/mm", ".3g"), format_quantity(
+    ...     2.5e-3, "ms")
     ('8.3 mm', '17.4 N/mm', '2.5 ms')
     """
-    return f"{in_unit(value, unit):{form}} {unit.replace('*', ' ')}"
+    return f"{convert_to_unit(value, unit):{form}} {unit.replace('*', ' ')}"
 
 
 def celsius(temperature: float) -> str:
     """Return a temperature, K, as a sentence says it."""
-    return written(temperature, "degC")
+    return format_quantity(temperature, "degC")
 
 
-def typed(value: float, dimension: Dimension) -> str:
+def format_command_quantity(value: float, dimension: Dimension) -> str:
     """Return an SI value as it is typed: a text that :func:`parse_quantity` gives back exactly.
 
     In the unit that people use where that loses no digit, else in the SI unit.
 
-    >>> typed(0.1148, "mass"), typed(296.15, "temperature"), typed(1 / 3, "length")
+    >>> format_command_quantity(0.1148, "mass"), format_command_quantity(296.15,
+    ...     "temperature"), format_command_quantity(1 / 3, "length")
     ('114.8g', '23degC', '0.3333333333333333m')
-    >>> typed(0.01, "strain"), typed(1 / 3, "strain")
+    >>> format_command_quantity(0.01, "strain"), format_command_quantity(1 / 3, "strain")
     ('1%', '0.3333333333333333m/m')
     """
     # behind a number the unit 1 is a digit more
     share = dimension == "strain"
     plain = parse_unit("m/m", dimension) if share else si_unit(dimension)
-    usual = find("%" if share else _USUAL.get(dimension, ""), dimension) or plain
+    usual = find_unit("%" if share else _USUAL.get(dimension, ""), dimension) or plain
     text = f"{(value - usual.offset) / usual.factor:.12g}{usual.word}"
     return text if parse_quantity(text, dimension) == value else f"{value!r}{plain.word}"
 
 
 @overload
-def si(value: Quantity, dimension: Dimension) -> float: ...
+def convert_to_si(value: Quantity, dimension: Dimension) -> float: ...
 @overload
-def si(value: Quantity | None, dimension: Dimension) -> float | None: ...
-def si(value: Quantity | None, dimension: Dimension) -> float | None:
+def convert_to_si(value: Quantity | None, dimension: Dimension) -> float | None: ...
+def convert_to_si(value: Quantity | None, dimension: Dimension) -> float | None:
     """Return a quantity in SI units; a number is in SI already, None stays None.
 
-    >>> si("104g", "mass"), si(0.104, "mass"), si(None, "mass")
+    >>> convert_to_si("104g", "mass"), convert_to_si(0.104, "mass"), convert_to_si(None, "mass")
     (0.104, 0.104, None)
 
     Raises
@@ -460,7 +465,7 @@ def si_fields(noun: Any) -> None:
     """Put those fields of a frozen dataclass into SI that name their unit and hold a text."""
     for one in fields(noun):
         if "unit" in one.metadata:
-            value = si(getattr(noun, one.name), one.metadata["unit"])
+            value = convert_to_si(getattr(noun, one.name), one.metadata["unit"])
             object.__setattr__(noun, one.name, value)
 
 
@@ -484,7 +489,7 @@ def si_range(value: Range | None, dimension: Dimension) -> tuple[float, float] |
     if isinstance(value, str):
         return parse_range(value, dimension)
     low, high = value
-    return si(low, dimension), si(high, dimension)
+    return convert_to_si(low, dimension), convert_to_si(high, dimension)
 
 
 def parse_range(text: str, dimension: Dimension) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from typing import Any
 from dashpot.base.errors import DataError
 
 
-def positive(
+def require_positive(
     of: str = "",
     /,
     *,
@@ -31,7 +31,7 @@ def positive(
         None is passed over.
     named : float
 
-    >>> positive("axis ", rate=0.0, unit=" Hz")
+    >>> require_positive("axis ", rate=0.0, unit=" Hz")
     Traceback (most recent call last):
     dashpot.base.errors.DataError: axis rate = 0.0 Hz; expected a number > 0
     """
@@ -41,11 +41,13 @@ def positive(
             raise DataError(f"{of}{name} = {given!r}{unit}; expected {expected}")
 
 
-def not_negative(of: str = "", /, *, expected: str = "a number >= 0", **named: Any) -> None:
-    """Refuse the first of the named numbers that is not finite and >= 0, as :func:`positive`."""
-    positive(of, expected=expected, **{name: one for name, one in named.items() if one != 0})
+def require_nonnegative(of: str = "", /, *, expected: str = "a number >= 0", **named: Any) -> None:
+    """Refuse the first of the named numbers that is not finite and >= 0, as :func:`require_positive`."""
+    require_positive(
+        of, expected=expected, **{name: one for name, one in named.items() if one != 0}
+    )
 
 
-def picked(noun: object, *names: str) -> dict[str, Any]:
+def select_fields(noun: object, *names: str) -> dict[str, Any]:
     """Return some of the fields of a record by name."""
     return {name: getattr(noun, name) for name in names}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 
-def _installed() -> str:
+def _read_version() -> str:
     try:  # the build writes it, from the last tag
         from dashpot.base._version import __version__ as found
     except ImportError:  # the sources were not installed
@@ -13,7 +13,7 @@ def _installed() -> str:
     return str(found)
 
 
-__version__ = _installed()
+__version__ = _read_version()
 
 # a document in JSON names its schema first; every other file holds `byline`
 _BYLINE = re.compile(rb"\bdashpot \d+\.\d+\.[\w.+]+: [a-zA-Z]")

@@ -35,14 +35,14 @@ _ASKED_AS_OPTIONS = {"help": "--help", "version": "--version"}
 
 def _suggest_command(name: str, rest: Sequence[str]) -> str:
     """Return what to type in place of a word that is no command."""
-    from dashpot.cli._param_types import nearest
+    from dashpot.cli._param_types import format_suggestion
 
     if name in _ASKED_AS_OPTIONS:
         known = [word for word in rest[:1] if word in COMMANDS]
         return f"Type: {shlex.join(['dashpot', *known, _ASKED_AS_OPTIONS[name]])}"
     if Path(name).exists():
         return f"To see what it is: dashpot inspect {shlex.quote(name)}"
-    return nearest(name, COMMANDS)
+    return format_suggestion(name, COMMANDS)
 
 
 class _Lazy(click.Group):
@@ -87,9 +87,9 @@ class _Lazy(click.Group):
         try:
             sys.exit(run(*given, standalone_mode=False, **how))
         except Exception as error:  # noqa: BLE001 -- the last net: no one is shown a raw traceback
-            from dashpot.cli._failure import leave
+            from dashpot.cli._failure import report_error
 
-            sys.exit(leave(error, sys.argv[1:] if words is None else list(words)))
+            sys.exit(report_error(error, sys.argv[1:] if words is None else list(words)))
 
 
 @click.group("dashpot", cls=_Lazy, context_settings={"help_option_names": ["-h", "--help"]})

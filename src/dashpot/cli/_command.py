@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import click
 
-from dashpot.base.option_fields import flag_of, offered
+from dashpot.base.option_fields import flag_of, iterate_option_fields
 from dashpot.cli._param_types import Keyed, Scoped, type_of
 
 WIDTH = 80
@@ -41,7 +41,7 @@ KEYED = {
 """What an option of several keys takes, and says."""
 
 
-class Fills(NamedTuple):
+class TargetFields(NamedTuple):
     """The fields that an option fills: of the noun that a verb receives, or each by itself."""
 
     noun: type
@@ -49,7 +49,7 @@ class Fills(NamedTuple):
     fields: tuple[Field[Any], ...]
 
 
-class Opt(click.Option):
+class CommandOption(click.Option):
     """An option with its group in the help, and the kinds of records that it is of."""
 
     def __init__(
@@ -57,7 +57,7 @@ class Opt(click.Option):
         *flags: str,
         kinds: Iterable[str] = (),
         more: bool = False,
-        fills: Fills | None = None,
+        fills: TargetFields | None = None,
         **how: Any,
     ) -> None:
         super().__init__(flags, **how)
@@ -104,7 +104,7 @@ class Opt(click.Option):
             how = one.metadata
             yield "", {one.name: how["parse"](value) if "parse" in how else value}
 
-    def typed(self, ctx: click.Context) -> list[str]:
+    def get_typed_words(self, ctx: click.Context) -> list[str]:
         """Return its words as they were typed; nothing where it was not."""
         said = ctx.meta.get(TYPED, {})
         if self.name not in said:
@@ -116,14 +116,14 @@ class Opt(click.Option):
         return [word for each in several for word in (self.flag, str(each))]
 
 
-def opt(*flags: str, kinds: str = "", **how: Any) -> Opt:
+def opt(*flags: str, kinds: str = "", **how: Any) -> CommandOption:
     """Return an option; without a metavar and a type it is a flag."""
     if "metavar" not in how and "type" not in how:
         how["is_flag"] = True
-    return Opt(*flags, kinds=kinds.split(), **how)
+    return CommandOption(*flags, kinds=kinds.split(), **how)
 
 
-def of(
+def build_options(
     noun: type,
     *names: str,
     into: str = "",
@@ -131,23 +131,25 @@ def of(
     kinds: str = "",
     more: bool = False,
     **other: Any,
-) -> list[Opt]:
+) -> list[CommandOption]:
     """Return the options that these fields of a noun declare, or all.
 
     A verb receives each, or the noun as one argument, `into`. `other` is what these options say
     otherwise here: `help`, `default`, `required`, `metavar`.
     """
-    every = {one.name: one for one in offered(noun) if one.name not in leave}
+    every = {one.name: one for one in iterate_option_fields(noun) if one.name not in leave}
     rows: dict[str, list[Field[Any]]] = {}
     for name in names or every:
         rows.setdefault(flag_of(every[name]), []).append(every[name])
     return [
-        _declared(flag, Fills(noun, into, tuple(asked)), kinds=kinds, more=more, **other)
+        _make_option(flag, TargetFields(noun, into, tuple(asked)), kinds=kinds, more=more, **other)
         for flag, asked in rows.items()
     ]
 
 
-def _declared(flag: str, fills: Fills, *, kinds: str, more: bool, **other: Any) -> Opt:
+def _make_option(
+    flag: str, fills: TargetFields, *, kinds: str, more: bool, **other: Any
+) -> CommandOption:
     (one, *_), name = fills.fields, f"{fills.receives}_{fills.fields[0].name}"
     how: dict[str, Any] = {}
     if "under" in one.metadata or len(fills.fields) > 1:
@@ -156,13 +158,13 @@ def _declared(flag: str, fills: Fills, *, kinds: str, more: bool, **other: Any) 
         how["help"] = says
     else:
         how = {key: one.metadata[key] for key in _PASSED if key in one.metadata}
-        how["default"] = _usual(one)
+        how["default"] = _get_default(one)
         if "is_flag" not in how:
             kind = how["type"] = type_of(one)
             how.setdefault("metavar", _metavar(kind))
     how |= other
     how["help"] = _with_default(how.get("help") or "", how.get("default"))
-    return Opt(flag, name, kinds=kinds.split(), more=more, fills=fills, **how)
+    return CommandOption(flag, name, kinds=kinds.split(), more=more, fills=fills, **how)
 
 
 def _metavar(kind: click.ParamType[Any]) -> str:
@@ -176,7 +178,7 @@ _NUMBERS = {"float": "N", "integer": "N", "integer range": "N", "text": "NAME"}
 _PASSED = ("help", "metavar", "multiple", "is_flag")
 
 
-def _usual(one: Field[Any]) -> Any:
+def _get_default(one: Field[Any]) -> Any:
     """What click takes where nothing is typed."""
     if "is_flag" in one.metadata:
         return False
@@ -193,23 +195,27 @@ def _with_default(says: str, default: Any) -> str:
     return f"{says.rstrip('.')} ({shown})."
 
 
-def group(title: str, *options: Opt | Iterable[Opt]) -> list[Opt]:
+def group(title: str, *options: CommandOption | Iterable[CommandOption]) -> list[CommandOption]:
     """Return options under one title of the help."""
-    flat = list(chain.from_iterable([one] if isinstance(one, Opt) else one for one in options))
+    flat = list(
+        chain.from_iterable([one] if isinstance(one, CommandOption) else one for one in options)
+    )
     for one in flat:
         one.group = title
     return flat
 
 
-def rest(*options: Opt | Iterable[Opt]) -> list[Opt]:
+def mark_advanced(*options: CommandOption | Iterable[CommandOption]) -> list[CommandOption]:
     """Return options that the short help leaves out."""
-    flat = list(chain.from_iterable([one] if isinstance(one, Opt) else one for one in options))
+    flat = list(
+        chain.from_iterable([one] if isinstance(one, CommandOption) else one for one in options)
+    )
     for one in flat:
         one.more = True
     return flat
 
 
-class Verb(click.Command):
+class DashpotCommand(click.Command):
     """A command whose help fits a screen, and which receives nouns.
 
     Attributes
@@ -236,15 +242,15 @@ class Verb(click.Command):
         self.by_kind = by_kind
 
     @property
-    def options(self) -> list[Opt]:
+    def options(self) -> list[CommandOption]:
         """What it asks for."""
-        return [one for one in self.params if isinstance(one, Opt)]
+        return [one for one in self.params if isinstance(one, CommandOption)]
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         words = args[: args.index("--")] if "--" in args else args
         if {"-h", "--help", "--help-all"} & set(words):
             files = [one for one in words if not one.startswith("-") and Path(one).is_file()]
-            click.echo(self.shown(ctx, every="--help-all" in words, files=files))
+            click.echo(self.render_help(ctx, every="--help-all" in words, files=files))
             ctx.exit()
         return super().parse_args(ctx, args)
 
@@ -253,9 +259,11 @@ class Verb(click.Command):
         return [*named, "[OPTIONS]"]
 
     def get_help(self, ctx: click.Context) -> str:
-        return self.shown(ctx)
+        return self.render_help(ctx)
 
-    def shown(self, ctx: click.Context, *, every: bool = False, files: Sequence[str] = ()) -> str:
+    def render_help(
+        self, ctx: click.Context, *, every: bool = False, files: Sequence[str] = ()
+    ) -> str:
         """Return the help: the common options, all, or those of the kinds of the files."""
         kinds = self.by_kind(files) if files and self.by_kind and not every else {}
         have = set(kinds.values())
@@ -263,9 +271,9 @@ class Verb(click.Command):
             asked = [one for one in self.options if one.suits(have)]
         else:
             asked = [one for one in self.options if every or not one.more]
-        head = f"{_called(kinds)}. These options apply:" if kinds else self.help or ""
+        head = f"{_format_kinds(kinds)}. These options apply:" if kinds else self.help or ""
         usage = f"Usage: {ctx.command_path} {' '.join(self.collect_usage_pieces(ctx))}"
-        lines = [usage, "", *_wrapped(head), "", *_groups(asked)]
+        lines = [usage, "", *_wrap_text(head), "", *_groups(asked)]
         left = len(self.options) - len(asked)
         if left:
             each = f"; for a file: {ctx.command_path} FILE --help"
@@ -274,14 +282,14 @@ class Verb(click.Command):
         return "\n".join(lines).rstrip("\n")
 
     def invoke(self, ctx: click.Context) -> Any:
-        from dashpot.cli._command_io import reported
+        from dashpot.cli._command_io import run_and_report
 
         assert self.callback is not None  # noqa: S101
         if "as_json" not in ctx.params:
-            return ctx.invoke(self.callback, **self.received(ctx))
-        return reported(ctx, lambda: self.callback(**self.received(ctx)))  # type: ignore[misc]
+            return ctx.invoke(self.callback, **self.build_arguments(ctx))
+        return run_and_report(ctx, lambda: self.callback(**self.build_arguments(ctx)))  # type: ignore[misc]
 
-    def received(self, ctx: click.Context) -> dict[str, Any]:
+    def build_arguments(self, ctx: click.Context) -> dict[str, Any]:
         """Return what the function of the verb receives: values, and the nouns that they fill."""
         given: dict[str, Any] = {}
         nouns: dict[str, tuple[type, dict[str, dict[str, Any]]]] = {}
@@ -289,7 +297,7 @@ class Verb(click.Command):
             if one.name not in ctx.params or one.name in _TOLD_APART:
                 continue
             value = ctx.params[one.name]
-            if not isinstance(one, Opt) or one.fills is None:
+            if not isinstance(one, CommandOption) or one.fills is None:
                 given[one.name] = value
                 continue
             noun, receives, asked = one.fills
@@ -310,10 +318,10 @@ def _gather(said: dict[str, dict[str, Any]], told: Iterable[tuple[str, Mapping[s
     for scope, fields in told:
         known = said.setdefault(scope, {})
         for name, each in fields.items():
-            known[name] = _both(known[name], each) if name in known else each
+            known[name] = _merge_values(known[name], each) if name in known else each
 
 
-def _both(first: Any, then: Any) -> Any:
+def _merge_values(first: Any, then: Any) -> Any:
     """What is told twice of a field: both units, both columns, or what was told last."""
     if isinstance(then, dict):
         return first | then
@@ -336,19 +344,19 @@ def _with_profile(ctx: click.Context, given: dict[str, Any]) -> dict[str, Any]:
 
 def verb(
     name: str, says: str, *params: click.Parameter | Iterable[click.Parameter], **how: Any
-) -> Callable[[Callable[..., Any]], Verb]:
+) -> Callable[[Callable[..., Any]], DashpotCommand]:
     """Make a verb of a function that receives its arguments and options."""
     flat = list(
         chain.from_iterable([one] if isinstance(one, click.Parameter) else one for one in params)
     )
 
-    def made(function: Callable[..., Any]) -> Verb:
-        return Verb(name, params=flat, help=says, callback=function, **how)
+    def make_command(function: Callable[..., Any]) -> DashpotCommand:
+        return DashpotCommand(name, params=flat, help=says, callback=function, **how)
 
-    return made
+    return make_command
 
 
-def refuse_others(verb: Verb, ctx: click.Context, kinds: Mapping[str, str]) -> None:
+def refuse_others(verb: DashpotCommand, ctx: click.Context, kinds: Mapping[str, str]) -> None:
     """Refuse an option that is of other kinds of records than those that were given.
 
     Raises
@@ -356,43 +364,43 @@ def refuse_others(verb: Verb, ctx: click.Context, kinds: Mapping[str, str]) -> N
     click.UsageError
         If one was typed.
     """
-    from dashpot.cli._detected_kinds import called, overruled
+    from dashpot.cli._detected_kinds import format_override_hint, get_kind_name
 
     have = set(kinds.values())
     for one in verb.options:
-        if not one.suits(have) and one.typed(ctx):
+        if not one.suits(have) and one.get_typed_words(ctx):
             if not one.kinds:
-                raise click.UsageError(f"{one.flag} does not suit it. {_called(kinds)}.")
-            *others, last = dict.fromkeys(called(word) for word in sorted(one.kinds))
+                raise click.UsageError(f"{one.flag} does not suit it. {_format_kinds(kinds)}.")
+            *others, last = dict.fromkeys(get_kind_name(word) for word in sorted(one.kinds))
             wanted = f"{', '.join(others)} or {last}" if others else last
-            but = overruled(one.kinds) if len(kinds) == 1 else ""
-            raise click.UsageError(f"{one.flag} is for {wanted}. {_called(kinds)}.{but}")
+            but = format_override_hint(one.kinds) if len(kinds) == 1 else ""
+            raise click.UsageError(f"{one.flag} is for {wanted}. {_format_kinds(kinds)}.{but}")
 
 
-def _called(kinds: Mapping[str, str]) -> str:
+def _format_kinds(kinds: Mapping[str, str]) -> str:
     """Return what each file is called, in a sentence."""
-    from dashpot.cli._detected_kinds import called
+    from dashpot.cli._detected_kinds import get_kind_name
 
-    return "; ".join(f"{Path(path).name} is {called(word)}" for path, word in kinds.items())
+    return "; ".join(f"{Path(path).name} is {get_kind_name(word)}" for path, word in kinds.items())
 
 
 # -- how it is laid out ---------------------------------------------------------------------------
 
 
-def _groups(asked: Sequence[Opt]) -> list[str]:
+def _groups(asked: Sequence[CommandOption]) -> list[str]:
     """Return options under their titles."""
-    width = min(max(len(_named(one)) for one in asked), NAMES)
+    width = min(max(len(_format_option_name(one)) for one in asked), NAMES)
     lines: list[str] = []
     for title in dict.fromkeys(one.group for one in asked):
         lines.append(f"{title}:")
         for one in asked:
             if one.group == title:
-                lines += _row(_named(one), one.help or "", width)
+                lines += _row(_format_option_name(one), one.help or "", width)
         lines.append("")
     return lines
 
 
-def _wrapped(text: str) -> list[str]:
+def _wrap_text(text: str) -> list[str]:
     lines: list[str] = []
     for block in text.strip("\n").split("\n\n"):
         if block.startswith("  "):  # commands and tables stand as they are
@@ -403,7 +411,7 @@ def _wrapped(text: str) -> list[str]:
     return lines[:-1]
 
 
-def _named(one: Opt) -> str:
+def _format_option_name(one: CommandOption) -> str:
     flags = ", ".join(sorted(one.opts, key=len))
     lead = "" if flags.startswith("-") and not flags.startswith("--") else "    "
     return f"{lead}{flags} {one.metavar}" if one.metavar else f"{lead}{flags}"

@@ -15,14 +15,14 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.base.errors import ReadError
 from dashpot.base.escaping import escaped_json
-from dashpot.base.units import in_unit
+from dashpot.base.units import convert_to_unit
 from dashpot.cli._echo import to_stderr, to_stdout
 from dashpot.cli._param_types import Output
 from dashpot.text_output.layout import Text
 
 if TYPE_CHECKING:
     from dashpot.base.checks import Check, Verdict
-    from dashpot.base.serialisation import Documented
+    from dashpot.base.serialisation import Serialisable
     from dashpot.solids.shift_laws import TemperatureLaw
     from dashpot.workflow.outputs import Outputs
 
@@ -32,7 +32,7 @@ _MAKERS = ("simulate", "demo")
 _SEEN = (".html", ".png", ".svg", ".pdf")
 
 
-class Outcome(NamedTuple):
+class CommandResult(NamedTuple):
     """What a command found, for programs and as text for people, and its checks.
 
     Attributes
@@ -51,7 +51,7 @@ class Outcome(NamedTuple):
         Nothing that was given could be used: the exit code is that of bad input.
     """
 
-    found: Documented
+    found: Serialisable
     text: Text
     checks: Sequence[Check] = ()
     must_pass: bool = False
@@ -60,11 +60,11 @@ class Outcome(NamedTuple):
     nothing_done: bool = False
 
     @classmethod
-    def of(cls, found: Any, *, follow: str = "") -> Outcome:
+    def from_result(cls, found: Any, *, follow: str = "") -> CommandResult:
         """What is told of a result that was judged: its text, its checks and its verdict."""
-        from dashpot.text_output import text_of
+        from dashpot.text_output import render_text
 
-        return cls(found, text_of(found), found.checks, verdict=found.verdict, follow=follow)
+        return cls(found, render_text(found), found.checks, verdict=found.verdict, follow=follow)
 
     @property
     def weighty(self) -> list[Check]:
@@ -73,7 +73,7 @@ class Outcome(NamedTuple):
         return [check for check in judged if check.failed and check.grade != "note"]
 
 
-def reported(context: click.Context, run: Callable[[], Outcome]) -> None:
+def run_and_report(context: click.Context, run: Callable[[], CommandResult]) -> None:
     """Run a verb; turn its outcome into output and an exit code.
 
     stdout gets the text or, with ``--json``, one JSON document and nothing else; then stderr says
@@ -88,7 +88,7 @@ def reported(context: click.Context, run: Callable[[], Outcome]) -> None:
     try:
         with progress():
             outcome = run()
-            text = _printed(outcome, as_json=as_json, verbose=said.get("verbose", False))
+            text = _format_result(outcome, as_json=as_json, verbose=said.get("verbose", False))
         if text:
             to_stdout(text)
     finally:
@@ -104,19 +104,19 @@ def reported(context: click.Context, run: Callable[[], Outcome]) -> None:
         sys.exit(1)
 
 
-def _printed(outcome: Outcome, *, as_json: bool, verbose: bool) -> str:
+def _format_result(outcome: CommandResult, *, as_json: bool, verbose: bool) -> str:
     if as_json:
-        return printed(outcome.found)
+        return format_json(outcome.found)
     if click.get_current_context().meta.get(_TAKEN):
         return ""
     from dashpot.cli._terminal import screen
-    from dashpot.text_output.terminal_layout import shown
+    from dashpot.text_output.terminal_layout import format_for_screen
 
     told = outcome.text, outcome.verdict, outcome.checks
-    return "\n".join(shown(*told, verbose=verbose, style=click.style, size=screen()))
+    return "\n".join(format_for_screen(*told, verbose=verbose, style=click.style, size=screen()))
 
 
-def printed(found: Documented) -> str:
+def format_json(found: Serialisable) -> str:
     """Return a noun as the JSON that commands print and write."""
     import json
 
@@ -187,7 +187,7 @@ def _open(written: Sequence[str]) -> None:
         to_stderr(f"{pages[-1]} could not be opened: no program for it was found")
 
 
-def typed(*words: object, why: str = "") -> str:
+def format_command(*words: object, why: str = "") -> str:
     """Return a dashpot command as it is typed, with a remark that the shell overlooks."""
     line = shlex.join(["dashpot", *(str(word) for word in words)])
     return f"{line}  # {why}" if why else line
@@ -195,7 +195,7 @@ def typed(*words: object, why: str = "") -> str:
 
 def grams(mass: float) -> str:
     """Return a mass, kg, as it is typed."""
-    return f"{in_unit(mass, 'g'):g}g"
+    return f"{convert_to_unit(mass, 'g'):g}g"
 
 
 def read_model(path: str) -> tuple[dp.GeneralizedMaxwell, TemperatureLaw | None]:
@@ -203,12 +203,12 @@ def read_model(path: str) -> tuple[dp.GeneralizedMaxwell, TemperatureLaw | None]
 
     ``-`` is stdin.
     """
-    found = workflow.stored(path)
+    found = workflow.read_json_document(path)
     if isinstance(found, dp.Fit):
         return found.model, found.temperature_law
     if isinstance(found, dp.GeneralizedMaxwell | dp.solids.FractionalZener | dp.solids.Parallel):
         return found.maxwell, None
-    raise ReadError(f"{workflow.told_as(path, found)}; expected a fit or a model")
+    raise ReadError(f"{workflow.format_unexpected_kind(path, found)}; expected a fit or a model")
 
 
 def is_json(path: str) -> bool:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from dashpot.reading.readers.detect_kind import Recognised
 
 
-def recognised(files: Sequence[str], options: ReadOptions) -> dict[str, Recognised]:
+def detect_file_kinds(files: Sequence[str], options: ReadOptions) -> dict[str, Recognised]:
     """Return what each file is."""
     from dashpot.reading.readers.detect_kind import recognise
 
@@ -51,14 +51,14 @@ def _to_name(path: str, options: ReadOptions) -> str:
     )
 
 
-def called(kind: str) -> str:
+def get_kind_name(kind: str) -> str:
     """Return what a file of a kind is called, such as 'a relaxation test'."""
     from dashpot.reading.readers import detect_kind as recognise
 
-    return recognise.called(kind)
+    return recognise.get_kind_label(kind)
 
 
-def overruled(kinds: Collection[str]) -> str:
+def format_override_hint(kinds: Collection[str]) -> str:
     """Return how a file is said to be of this kind after all; nothing of a choice of several."""
     from dashpot.reading.columns.kind_detection import RECOGNISED
 
@@ -66,7 +66,7 @@ def overruled(kinds: Collection[str]) -> str:
     return f" If it is one after all: --as {word}." if word in RECOGNISED and not more else ""
 
 
-def tell(found: Mapping[str, Recognised]) -> None:
+def print_detected_kinds(found: Mapping[str, Recognised]) -> None:
     """Say on stderr what each file was taken for: a decision that the user did not make."""
     grouped: dict[str, list[str]] = {}
     for path, one in found.items():

@@ -8,7 +8,7 @@ import sys
 
 import click
 
-from dashpot.base.escaping import escaped
+from dashpot.base.escaping import escape_terminal_text
 
 
 def to_stdout(text: str) -> None:
@@ -25,7 +25,7 @@ def _echo(text: str, *, err: bool) -> None:
     stream = sys.stderr if err else sys.stdout
     if stream is None and not err:
         raise OSError(errno.EBADF, "stdout is closed, and the result with it", "stdout")
-    kept = escaped(text.removesuffix("\n"), colours=True)
+    kept = escape_terminal_text(text.removesuffix("\n"), colours=True)
     # an alphabet that lacks a sign prints its escape
     alphabet = getattr(stream, "encoding", None) or "utf-8"
     click.echo(kept.encode(alphabet, "backslashreplace").decode(alphabet), err=err, color=_colour())

@@ -16,7 +16,7 @@ import click
 
 from dashpot.base.errors import DashpotError
 from dashpot.base.escaping import escaped_json
-from dashpot.base.serialisation import Documented
+from dashpot.base.serialisation import Serialisable
 from dashpot.base.version import __version__
 from dashpot.cli import COMMANDS
 from dashpot.cli._echo import to_stderr, to_stdout
@@ -29,7 +29,7 @@ WHERE = "the maintainers of the repository that dashpot came from (SECURITY.md t
 
 
 @dataclass(frozen=True)
-class Failure(Documented):
+class Failure(Serialisable):
     """A kind of failure, its sentence, its exit code, what people are shown, and where it was."""
 
     schema = "dashpot/error@1"
@@ -42,22 +42,22 @@ class Failure(Documented):
     traceback: str | None = None
 
 
-def leave(error: BaseException, words: Sequence[str]) -> int:
+def report_error(error: BaseException, words: Sequence[str]) -> int:
     """Print what went wrong and return the exit code.
 
     stderr gets the sentence; stdout, if the words of the command hold ``--json``, one JSON
     document. With ``--traceback`` both say where in the code it happened.
     """
     failure = _failure(error)
-    where = "".join(traceback.format_exception(error)) if _given("--traceback", words) else ""
+    where = "".join(traceback.format_exception(error)) if _has_option("--traceback", words) else ""
     to_stderr(where + failure.shown)
-    if _given("--json", words) and sys.stdout is not None:
+    if _has_option("--json", words) and sys.stdout is not None:
         document = replace(failure, traceback=where or None).document
         to_stdout(escaped_json(json.dumps(document, indent=2, ensure_ascii=False)))
     return failure.code
 
 
-def _given(option: str, words: Sequence[str]) -> bool:
+def _has_option(option: str, words: Sequence[str]) -> bool:
     """Tell whether an option stands among the words, before ``--``, which ends the options."""
     asked = list(words)
     return option in (asked[: asked.index("--")] if "--" in asked else asked)
@@ -78,11 +78,11 @@ def _failure(error: BaseException) -> Failure:
         said = str(error.__cause__ or error)  # click aborts because of the interrupt
         return _sentence("Interrupted", said or "interrupted", INTERRUPTED)
     if isinstance(error, DashpotError):
-        return _sentence(kind, f"{error}{_offered(error.__context__)}", BAD)
+        return _sentence(kind, f"{error}{_format_example_hint(error.__context__)}", BAD)
     if isinstance(error, FileNotFoundError) and error.filename:
         from dashpot.reading.raw_file import missing
 
-        says = missing(os.fsdecode(error.filename)) + _offered(error)
+        says = missing(os.fsdecode(error.filename)) + _format_example_hint(error)
         return _sentence("OSError", says, BAD)
     if isinstance(error, OSError):
         where = f"{error.filename}: " if error.filename else ""
@@ -129,7 +129,7 @@ def _having(error: click.NoSuchOption) -> list[str]:
     ]
 
 
-def _offered(cause: BaseException | None) -> str:
+def _format_example_hint(cause: BaseException | None) -> str:
     """Name the command that writes a missing file, if the how-to pages use it."""
     if isinstance(cause, FileNotFoundError) and cause.filename:
         from dashpot import workflow

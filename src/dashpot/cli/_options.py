@@ -10,10 +10,17 @@ from typing import Any
 
 import click
 
-from dashpot.base.choices import FigureSize, words
+from dashpot.base.choices import FigureSize, get_choice_values
 from dashpot.base.units import Dimension
-from dashpot.cli._command import Opt, Verb, group, of, opt, rest
-from dashpot.cli._param_types import Figure, File, OneOf, Output, Scoped, Units, Wlf
+from dashpot.cli._command import (
+    CommandOption,
+    DashpotCommand,
+    build_options,
+    group,
+    mark_advanced,
+    opt,
+)
+from dashpot.cli._param_types import ChoiceWithSuggestion, Figure, File, Output, Scoped, Units, Wlf
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
 from dashpot.reading.read_options import ReadOptions
@@ -39,28 +46,58 @@ def files(
     return click.Argument([name], type=File(), nargs=nargs, required=least > 0, metavar=metavar)
 
 
-def reading(*, short: Sequence[str] = ("--column", "--units", "--profile")) -> list[Opt]:
+def reading(*, short: Sequence[str] = ("--column", "--units", "--profile")) -> list[CommandOption]:
     """Return the options that say what a file leaves open; `short` stand in the short help."""
     own = fields(ReadOptions)
     columns = [one.name for one in own if one.metadata.get("under") == "column"]
     text = [one.name for one in own if one.metadata.get("under") == "text"]
     part = [one.name for one in own if one.metadata.get("under") == "part"]
     found = [
-        *of(ReadOptions, *columns, into="options"),
-        *of(ReadOptions, "units", type=Units(), into="options",
-            help="Unit of a role or column: force=N."),
-        opt("--profile", type=Scoped(File()), multiple=True, metavar="FILE",
-            help="Answers saved by 'inspect --save'."),
-        *of(ReadOptions, *text, into="options"),
-        *of(ReadOptions, *part, into="options"),
-        *of(ReadOptions, "rate", type=Scoped(_with_unit("frequency")), multiple=True,
-            metavar="FREQUENCY", into="options"),
-        *of(ReadOptions, "window_decay", type=Scoped(_with_unit("time")), multiple=True,
-            metavar="TIME", kinds="impact frf", into="options"),
-        *of(ReadOptions, "calibration", "axis", into="options"),
-        *of(ReadOptions, "kind", type=Scoped(click.STRING), multiple=True, metavar="KIND",
-            help="What a file is, if taken for another: FILE:KIND.", into="options"),
-    ]  # fmt: skip
+        *build_options(ReadOptions, *columns, into="options"),
+        *build_options(
+            ReadOptions,
+            "units",
+            type=Units(),
+            into="options",
+            help="Unit of a role or column: force=N.",
+        ),
+        opt(
+            "--profile",
+            type=Scoped(File()),
+            multiple=True,
+            metavar="FILE",
+            help="Answers saved by 'inspect --save'.",
+        ),
+        *build_options(ReadOptions, *text, into="options"),
+        *build_options(ReadOptions, *part, into="options"),
+        *build_options(
+            ReadOptions,
+            "rate",
+            type=Scoped(_with_unit("frequency")),
+            multiple=True,
+            metavar="FREQUENCY",
+            into="options",
+        ),
+        *build_options(
+            ReadOptions,
+            "window_decay",
+            type=Scoped(_with_unit("time")),
+            multiple=True,
+            metavar="TIME",
+            kinds="impact frf",
+            into="options",
+        ),
+        *build_options(ReadOptions, "calibration", "axis", into="options"),
+        *build_options(
+            ReadOptions,
+            "kind",
+            type=Scoped(click.STRING),
+            multiple=True,
+            metavar="KIND",
+            help="What a file is, if taken for another: FILE:KIND.",
+            into="options",
+        ),
+    ]
     for one in found:
         one.more = one.flag not in short
     return group(READING, found)
@@ -81,18 +118,26 @@ def result(
     default: str | None = None,
     required: bool = False,
     opens: bool = True,
-) -> list[Opt]:
+) -> list[CommandOption]:
     """Return the options that say where a result goes and how it is told."""
-    found: list[Opt] = []
+    found: list[CommandOption] = []
     if says:
         how: dict[str, Any] = {"required": True} if required else {"default": default}
-        found.append(Opt("-o", "--output", type=Output(suffixes), metavar="FILE", help=says, **how))
+        found.append(
+            CommandOption("-o", "--output", type=Output(suffixes), metavar="FILE", help=says, **how)
+        )
     if plot:
         found.append(opt("--plot", "picture", type=Figure(), metavar="FILE",
                          help="Draw the result: .png, .svg or .pdf."))  # fmt: skip
-        sizes = words(FigureSize)
-        found += rest(opt("--size", type=OneOf(sizes), metavar="|".join(sizes),
-                          help="Size of --plot: 85 mm wide, or of a slide."))  # fmt: skip
+        sizes = get_choice_values(FigureSize)
+        found += mark_advanced(
+            opt(
+                "--size",
+                type=ChoiceWithSuggestion(sizes),
+                metavar="|".join(sizes),
+                help="Size of --plot: 85 mm wide, or of a slide.",
+            )
+        )
     if opens:
         found.append(opt("--open", "opens", help="Open the page or picture written."))
     found.append(opt("--overwrite", help="Replace a file that dashpot did not write."))
@@ -105,74 +150,81 @@ def result(
     return group(title, found)
 
 
-def under_mass(*, kinds: str = "", known: str = "", required: bool = False) -> list[Opt]:
+def under_mass(*, kinds: str = "", known: str = "", required: bool = False) -> list[CommandOption]:
     """Return the options of a mass on its seals; `known` says what goes without it."""
     says = f"Mass of the block, e.g. 104g.{known}"
     return [
-        *of(Job, "mass", kinds=kinds, help=says, required=required),
-        *of(Job, "seals", kinds=kinds, metavar="N"),
-        *rest(of(Job, "seal_mass", kinds=kinds), of(Job, "compression", kinds=kinds)),
+        *build_options(Job, "mass", kinds=kinds, help=says, required=required),
+        *build_options(Job, "seals", kinds=kinds, metavar="N"),
+        *mark_advanced(
+            build_options(Job, "seal_mass", kinds=kinds),
+            build_options(Job, "compression", kinds=kinds),
+        ),
     ]
 
 
-def hammer(*, kinds: str = "", leave: Sequence[str] = ()) -> list[Opt]:
+def hammer(*, kinds: str = "", leave: Sequence[str] = ()) -> list[CommandOption]:
     """Return the options of hits, and of a mass over a base that moves."""
-    hits = of(HammerChoices, into="hammer", leave=("motion", *leave), kinds=kinds)
+    hits = build_options(HammerChoices, into="hammer", leave=("motion", *leave), kinds=kinds)
     for one in hits:
         if one.flag == "--polarity" and one.kinds:
             one.kinds |= {"frf"}
-    return rest(group(HITS, hits))
+    return mark_advanced(group(HITS, hits))
 
 
-def relative(kinds: str = "") -> list[Opt]:
+def relative(kinds: str = "") -> list[CommandOption]:
     """Return the option of a motion that was measured against the base."""
-    return rest(of(HammerChoices, "motion", into="hammer", kinds=kinds))
+    return mark_advanced(build_options(HammerChoices, "motion", into="hammer", kinds=kinds))
 
 
-def machine(kinds: str = "") -> list[Opt]:
+def machine(kinds: str = "") -> list[CommandOption]:
     """Return the option of what is known of the testing machine."""
-    return of(Machine, into="machine", kinds=kinds)
+    return build_options(Machine, into="machine", kinds=kinds)
 
 
-def cuts(kinds: str = "") -> list[Opt]:
+def cuts(kinds: str = "") -> list[CommandOption]:
     """Return the option of cuts that are made by hand."""
-    return of(Cuts, into="cuts", kinds=kinds)
+    return build_options(Cuts, into="cuts", kinds=kinds)
 
 
-def piece(*, each: bool = False, more: bool = True) -> list[Opt]:
+def piece(*, each: bool = False, more: bool = True) -> list[CommandOption]:
     """Return the options of the specimen; a temperature for `each` file where there are several."""
     found = [
-        *(of(Job, "temperatures") if each else of(Specimen, "temperature", into="specimen")),
-        *of(Specimen, "length", "height", into="specimen"),
-        *of(Specimen, *_LABELS, into="specimen"),
+        *(
+            build_options(Job, "temperatures")
+            if each
+            else build_options(Specimen, "temperature", into="specimen")
+        ),
+        *build_options(Specimen, "length", "height", into="specimen"),
+        *build_options(Specimen, *_LABELS, into="specimen"),
     ]
     for one in found:
         one.more = more
     return group(PIECE, found)
 
 
-def wlf() -> Opt:
+def wlf() -> CommandOption:
     """Return the option of how a seal follows temperature."""
     says = "How the seal follows temperature: 6.94,129.6K,23degC."
     return opt("--wlf", type=Wlf(), metavar="C1,C2,T", help=says)
 
 
-def given(*titles: str, but: Container[str] = ()) -> list[str]:
+def get_typed_options(*titles: str, but: Container[str] = ()) -> list[str]:
     """Return the options that were typed, of these groups of the help or of all, as typed.
 
     For the command that comes next; without what says where results go.
     """
     context = click.get_current_context()
-    assert isinstance(context.command, Verb)  # noqa: S101
+    assert isinstance(context.command, DashpotCommand)  # noqa: S101
     return [
         word
         for one in context.command.options
         if (not titles or one.group in titles) and one.name not in but and one.group != RESULT
-        for word in one.typed(context)
+        for word in one.get_typed_words(context)
     ]
 
 
-def given_to(verb: str, *, but: Container[str] = ()) -> list[str]:
+def get_typed_options_for(verb: str, *, but: Container[str] = ()) -> list[str]:
     """Return the options that were typed and that another verb takes too, as typed.
 
     `but` are flags that it is given otherwise.
@@ -180,21 +232,25 @@ def given_to(verb: str, *, but: Container[str] = ()) -> list[str]:
     root = click.get_current_context().find_root()
     assert isinstance(root.command, click.Group)  # noqa: S101
     other = root.command.get_command(root, verb)
-    assert isinstance(other, Verb)  # noqa: S101
+    assert isinstance(other, DashpotCommand)  # noqa: S101
     known = {one.flag for one in other.options if one.group != RESULT}
     own = click.get_current_context().command
-    assert isinstance(own, Verb)  # noqa: S101
-    return given(but={one.name for one in own.options if one.flag not in known or one.flag in but})
+    assert isinstance(own, DashpotCommand)  # noqa: S101
+    return get_typed_options(
+        but={one.name for one in own.options if one.flag not in known or one.flag in but}
+    )
 
 
-def said_of_all(files: Sequence[str]) -> str:
+def format_column_hint(files: Sequence[str]) -> str:
     """Return how a column is said of one file alone, where one was said of several; else nothing.
 
     A number, or a name that two files share, may make another kind of test of the second.
     """
     context = click.get_current_context()
-    assert isinstance(context.command, Verb)  # noqa: S101
-    words = [one.typed(context) for one in context.command.options if one.flag == "--column"]
+    assert isinstance(context.command, DashpotCommand)  # noqa: S101
+    words = [
+        one.get_typed_words(context) for one in context.command.options if one.flag == "--column"
+    ]
     plain = [word for word in words[0][1::2] if ":" not in word.partition("=")[0]] if words else []
     if len(files) < 2 or not plain:
         return ""

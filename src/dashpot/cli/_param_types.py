@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from dashpot.base.choices import Drawn, words
+from dashpot.base.choices import Drawn, get_choice_values
 from dashpot.base.errors import DashpotError
-from dashpot.base.option_fields import key_of, names_files
+from dashpot.base.option_fields import is_path_field, key_of
 from dashpot.base.units import Dimension, parse_quantity, parse_range
 
 if TYPE_CHECKING:
@@ -22,12 +22,12 @@ if TYPE_CHECKING:
     from dashpot.base.plugins import Group
 
 
-def nearest(word: str, known: Iterable[str]) -> str:
+def format_suggestion(word: str, known: Iterable[str]) -> str:
     """Return the sentence that names the likeliest of known words, or all of them.
 
-    >>> nearest("forc", ["force", "time"])
+    >>> format_suggestion("forc", ["force", "time"])
     "Did you mean 'force'?"
-    >>> nearest("x", ["force", "time"])
+    >>> format_suggestion("x", ["force", "time"])
     'Known are force and time.'
     """
     from difflib import get_close_matches  # where a word was misspelt
@@ -36,10 +36,10 @@ def nearest(word: str, known: Iterable[str]) -> str:
     near = get_close_matches(word, every, 1)
     if near:
         return f"Did you mean '{near[0]}'?"
-    return known_are(every)
+    return format_choices(every)
 
 
-def known_are(words: Sequence[str]) -> str:
+def format_choices(words: Sequence[str]) -> str:
     """All words there are, as a sentence."""
     return f"Known are {', '.join(words[:-1])} and {words[-1]}." if words[1:] else ""
 
@@ -198,7 +198,7 @@ class Figure(Output):
     """A figure's file, refused before the work if its suffix is none that is drawn."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        if Path(value).suffix.lower().lstrip(".") not in words(Drawn):
+        if Path(value).suffix.lower().lstrip(".") not in get_choice_values(Drawn):
             self.fail(f"'{value}': a figure is written as .pdf, .png or .svg", param, ctx)
         return super().convert(value, param, ctx)
 
@@ -218,7 +218,7 @@ class ArmCount(click.ParamType[Any]):
         return int(value)
 
 
-class OneOf(click.Choice[str]):
+class ChoiceWithSuggestion(click.Choice[str]):
     """One of the words of a choice, or of the plug-ins of a group; else the nearest is named."""
 
     name = "NAME"
@@ -228,27 +228,27 @@ class OneOf(click.Choice[str]):
         self.plugins = plugins
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        if value not in self.choices and not self._plugged(str(value)):
-            says = f"'{value}' is unknown. {nearest(str(value), self.choices)}"
+        if value not in self.choices and not self._is_plugin(str(value)):
+            says = f"'{value}' is unknown. {format_suggestion(str(value), self.choices)}"
             self.fail(says + self._more(), param, ctx)
         return str(value)
 
     def get_missing_message(self, param: click.Parameter, ctx: click.Context | None) -> str:
-        return known_are(self.choices)
+        return format_choices(self.choices)
 
-    def _plugged(self, value: str) -> bool:
+    def _is_plugin(self, value: str) -> bool:
         if self.plugins is None:
             return False
-        from dashpot.base.plugins import named  # no name of dashpot's own asks for metadata
+        from dashpot.base.plugins import find_plugin  # no name of dashpot's own asks for metadata
 
-        return named(self.plugins, value) is not None
+        return find_plugin(self.plugins, value) is not None
 
     def _more(self) -> str:
         if self.plugins is None:
             return ""
-        from dashpot.base.plugins import offered_too
+        from dashpot.base.plugins import format_plugin_names
 
-        return offered_too(self.plugins)
+        return format_plugin_names(self.plugins)
 
 
 class Scoped(click.ParamType[Any]):
@@ -296,7 +296,7 @@ class Keyed(click.ParamType[Any]):
         said: dict[str, Any] = {}
         for number, part in enumerate(self.between.split(rest)):
             one, text = self._field(part, number, param, ctx)
-            each = self._converted(one, text, param, ctx)
+            each = self._convert_field(one, text, param, ctx)
             said[one.name] = (*said.get(one.name, ()), each) if "multiple" in one.metadata else each
         return glob, said
 
@@ -321,10 +321,10 @@ class Keyed(click.ParamType[Any]):
             word = key if key in named else named[0]
             self.fail(f"'{part}': write {self.flag} {word}{self.sign}VALUE", param, ctx)
         if key not in named:
-            self.fail(f"'{key}' is unknown. {nearest(key, named)}", param, ctx)
+            self.fail(f"'{key}' is unknown. {format_suggestion(key, named)}", param, ctx)
         return self.fields[key], text
 
-    def _converted(
+    def _convert_field(
         self,
         one: Field[Any],
         text: str,
@@ -333,7 +333,7 @@ class Keyed(click.ParamType[Any]):
     ) -> Any:
         kind = type_of(one)
         value = kind.convert(text, param, ctx)
-        if names_files(one) and ctx is not None:
+        if is_path_field(one) and ctx is not None:
             with suppress(AttributeError):
                 ctx.meta.setdefault("dashpot.reads", []).append(value)
         return value
@@ -380,8 +380,8 @@ def type_of(one: Field[Any]) -> click.ParamType[Any]:
         kind = Range if "ends" in asked else WithUnit
         return kind(asked["unit"], asked.get("word", ""))
     if "choices" in asked:
-        return OneOf(tuple(asked["choices"]))
-    if names_files(one):
+        return ChoiceWithSuggestion(tuple(asked["choices"]))
+    if is_path_field(one):
         return File()
     if "above" in asked:
         return click.FloatRange(asked["above"], min_open=True)

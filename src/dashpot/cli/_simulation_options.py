@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
 from dashpot.cli._command_io import read_model
-from dashpot.cli._param_types import nearest
+from dashpot.cli._param_types import format_suggestion
 
 if TYPE_CHECKING:
     from dashpot.solids.shift_laws import TemperatureLaw
@@ -32,7 +32,9 @@ def seal_named(name: str) -> SimulatedSeal:
     if name in SEALS:
         return SimulatedSeal(*SEALS[name], SHIFT)
     if not Path(name).exists() and not Path(name).suffix:
-        raise ReadError(f"--seal: there is no seal and no file '{name}'. {nearest(name, SEALS)}")
+        raise ReadError(
+            f"--seal: there is no seal and no file '{name}'. {format_suggestion(name, SEALS)}"
+        )
     solid, law = read_model(name)
     return SimulatedSeal(solid, None, law or SHIFT)
 
@@ -46,10 +48,10 @@ def relaxation(
         known.solid, depth=depth, ramp_time=ramp, hold_time=hold, rig=rig, climate=climate,
         seed=choices.get("seed", 0),
     )  # fmt: skip
-    return _told(made, choices)
+    return _serialise_record(made, choices)
 
 
-def replayed(*, seal: str, follow: str, **choices: Any) -> tuple[Any, ...]:
+def simulate_trajectory(*, seal: str, follow: str, **choices: Any) -> tuple[Any, ...]:
     """Return the record of a motion as CSV, its truth as JSON, and what gauges add to it."""
     known, rig, climate = _bench(seal, choices)
     with as_it_stands(follow):
@@ -57,7 +59,7 @@ def replayed(*, seal: str, follow: str, **choices: Any) -> tuple[Any, ...]:
     made = dp.simulation.simulate_motion(
         known.solid, sent, rig=rig, climate=climate, seed=choices.get("seed", 0)
     )
-    return _told(made, choices)
+    return _serialise_record(made, choices)
 
 
 @contextmanager
@@ -84,7 +86,7 @@ def _bench(seal: str, choices: dict[str, Any]) -> tuple[SimulatedSeal, Any, Any]
     return known, rig, climate
 
 
-def _told(made: Any, choices: dict[str, Any]) -> tuple[Any, ...]:
+def _serialise_record(made: Any, choices: dict[str, Any]) -> tuple[Any, ...]:
     """Return record and truth as text; of gauges the calibration too, and what limits them."""
     from dashpot.reading.write import write_gauges, write_relaxation
 

@@ -9,8 +9,8 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from dashpot.base.escaping import escaped
-from dashpot.base.progress import listening
+from dashpot.base.escaping import escape_terminal_text
+from dashpot.base.progress import set_progress_listener
 from dashpot.text_output.terminal_layout import COLUMNS, SIZE, ScreenSize
 
 PATIENCE, BEAT = 1.0, 0.25
@@ -44,7 +44,7 @@ def progress() -> Iterator[None]:
     watch = threading.Thread(target=_watch, args=(now, over, began), daemon=True)
     watch.start()
     try:
-        with listening(lambda what: now.__setitem__(0, what)):
+        with set_progress_listener(lambda what: now.__setitem__(0, what)):
             yield
     finally:
         over.set()
@@ -56,7 +56,7 @@ def _watch(now: list[str], over: threading.Event, began: float) -> None:
     if over.wait(PATIENCE):
         return
     while not over.wait(BEAT):
-        line = f"{escaped(now[0])} ... {time.monotonic() - began:.0f} s"
+        line = f"{escape_terminal_text(now[0])} ... {time.monotonic() - began:.0f} s"
         sys.stderr.write(f"\r\x1b[K{line[: COLUMNS - 1]}")
         sys.stderr.flush()
     sys.stderr.write("\r\x1b[K")

@@ -10,11 +10,16 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.choices import Method, words
+from dashpot.base.choices import Method, get_choice_values
 from dashpot.cli import _options as options
-from dashpot.cli._command import group, of, opt, refuse_others, rest, verb
-from dashpot.cli._command_io import Outcome, grams, typed, write_figure
-from dashpot.cli._detected_kinds import called, kinds_of, recognised, tell
+from dashpot.cli._command import build_options, group, mark_advanced, opt, refuse_others, verb
+from dashpot.cli._command_io import CommandResult, format_command, grams, write_figure
+from dashpot.cli._detected_kinds import (
+    detect_file_kinds,
+    get_kind_name,
+    kinds_of,
+    print_detected_kinds,
+)
 from dashpot.cli._options import MASS, VIBRATION
 from dashpot.cli._param_types import File
 from dashpot.registry import find_handler
@@ -36,23 +41,24 @@ _MEASURED = set(VIBRATION.split())
     group(
         MASS,
         options.under_mass(kinds=_SOLID, known=" Inferred if missing."),
-        of(Job, "band", kinds=f"{_SOLID} {VIBRATION}", help="Frequencies to compare, e.g. 5:40Hz."),
+        build_options(Job, "band", kinds=f"{_SOLID} {VIBRATION}", help="Frequencies to compare, "
+                                                                       "e.g. 5:40Hz."),
         opt("--record", "records", type=File(), multiple=True, metavar="FILE", kinds=_SOLID,
             help="The fitted record: adds the bound on what it cannot see."),
         options.relative(_SOLID),
-        rest(opt("--quantity", "quantities", multiple=True, metavar="NAME", kinds=_LOT,
+        mark_advanced(opt("--quantity", "quantities", multiple=True, metavar="NAME", kinds=_LOT,
                  help="Quantities to compare in two lots (all).")),
     ),
     options.hammer(kinds=f"{_SOLID} impact"),
     options.reading(),
     options.result(),
 )  # fmt: skip
-def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
+def command(*, files: tuple[str, ...], **said: Any) -> CommandResult:
     """Compare the first with the others, as what they are."""
     first, *others = files
     if not others:
         raise click.UsageError(f"Give what {first} is compared with: a measurement, an FRF, a lot.")
-    found = recognised([_place(path) for path in files], said["options"])
+    found = detect_file_kinds([_place(path) for path in files], said["options"])
     known = kinds_of(found, said["options"])
     kinds = {path: known[_place(path)] for path in files}
     one, rest_ = kinds[first], {kinds[path] for path in others}
@@ -63,23 +69,25 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
     if lots:
         return _lots(first, others[0], said["quantities"])
     if one == _SOLID:
-        tell({path: found[path] for path in others})
+        print_detected_kinds({path: found[path] for path in others})
         names = ("records", "mass", "seal_mass", "compression", "band", "hammer")
         return _prediction(
             first, others, seals=said["seals"], picture=said["picture"], reading=said["options"],
             **{name: said[name] for name in names},
         )  # fmt: skip
-    tell(found)
+    print_detected_kinds(found)
     return _frfs(first, others, said)
 
 
 def _no_pair(kinds: Mapping[str, str]) -> str:
     """Why files of these kinds are not compared, and what would be."""
     first, *others = kinds
-    said = "; ".join(f"{path} is {called(kind)}" for path, kind in kinds.items())
+    said = "; ".join(f"{path} is {get_kind_name(kind)}" for path, kind in kinds.items())
     says = f"{said}. Compare a fit with a measurement, an FRF with an FRF, or a lot with a lot."
     if kinds[first] in _MEASURED and {kinds[path] for path in others} == {_SOLID}:
-        says += f" Type: {typed('compare', others[-1], first, *options.given())}"
+        says += (
+            f" Type: {format_command('compare', others[-1], first, *options.get_typed_options())}"
+        )
     return says
 
 
@@ -97,7 +105,7 @@ def _prediction(
     picture: str | None,
     reading: Any,
     **choices: Any,
-) -> Outcome:
+) -> CommandResult:
     """Hold the prediction of a fit against hits or FRFs."""
     fitted = workflow.read_fit(fit)
     found = workflow.compare_files(
@@ -119,16 +127,16 @@ def _prediction(
     block = "MASS" if inferred else grams(found.mass)
     family = ("--model", "auto") if fitted.alternative is not None else ()
     follow = ""
-    if fitted.method in words(Method):
+    if fitted.method in get_choice_values(Method):
         tests = [source.file for source in fitted.source]
         rig = ("--mass", block, "--seals", f"{seals:g}")
-        again = options.given_to("fit", but=("--mass", "--seals", "--model"))
+        again = options.get_typed_options_for("fit", but=("--mass", "--seals", "--model"))
         why = "fits both tests together"
-        follow = typed("fit", *tests, *measured, *family, *rig, *again, why=why)
-    return Outcome.of(found, follow=follow)
+        follow = format_command("fit", *tests, *measured, *family, *rig, *again, why=why)
+    return CommandResult.from_result(found, follow=follow)
 
 
-def _frfs(first: str, others: Sequence[str], said: dict[str, Any]) -> Outcome:
+def _frfs(first: str, others: Sequence[str], said: dict[str, Any]) -> CommandResult:
     """Hold the modes of FRFs of one structure against those of another test of it."""
     found, chart = find_handler("compare files", "frf")(
         [first], options=said["options"], band=said["band"], against=others
@@ -137,10 +145,10 @@ def _frfs(first: str, others: Sequence[str], said: dict[str, Any]) -> Outcome:
         modes = [one.mode for one in found.modes]
         stamp = dp.plot.stamp(found.frf.source)
         write_figure(said["picture"], dp.plot.stabilisation(chart, modes, stamp=stamp))
-    return Outcome.of(found)
+    return CommandResult.from_result(found)
 
 
-def _lots(first: str, second: str, quantities: tuple[str, ...]) -> Outcome:
+def _lots(first: str, second: str, quantities: tuple[str, ...]) -> CommandResult:
     """Tell whether two lots differ; ``FOLDER:NAME`` is one lot of several."""
     found = find_handler("compare files", _LOT)(first, second, quantities)
-    return Outcome(found, Text(str(found).splitlines()), found.checks, verdict=found.verdict)
+    return CommandResult(found, Text(str(found).splitlines()), found.checks, verdict=found.verdict)

@@ -11,11 +11,11 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.progress import doing
-from dashpot.base.serialisation import Documented
+from dashpot.base.progress import send_progress
+from dashpot.base.serialisation import Serialisable
 from dashpot.cli import _options as options
-from dashpot.cli._command import group, opt, rest, verb
-from dashpot.cli._command_io import Outcome, claim, grams, typed, write
+from dashpot.cli._command import group, mark_advanced, opt, verb
+from dashpot.cli._command_io import CommandResult, claim, format_command, grams, write
 from dashpot.cli._options import RESULT
 from dashpot.cli._param_types import Folder
 from dashpot.cli._simulation_options import impact, relaxation, seal_named
@@ -43,7 +43,7 @@ COLD_HOLD = 20.0
 
 
 @dataclass(frozen=True)
-class Demo(Documented):
+class Demo(Serialisable):
     """The seed of the noise, and what was found of each seal."""
 
     schema = "dashpot/demo@1"
@@ -53,7 +53,7 @@ class Demo(Documented):
 
 
 @dataclass(frozen=True)
-class Examples(Documented):
+class Examples(Serialisable):
     """The files that were written."""
 
     schema = "dashpot/example@1"
@@ -79,43 +79,43 @@ Its three faster arms show under a hammer, but not in a 1 s ramp.""",
         opt("--paper", help="Make the paper's figures and table again."),
         opt("-o", "--output", type=Folder(), metavar="DIR",
             help="Where (dashpot-demo; of --files, here; of\n--paper, paper)."),
-        rest(opt("--seed", type=click.IntRange(0), default=0, metavar="N",
+        mark_advanced(opt("--seed", type=click.IntRange(0), default=0, metavar="N",
                  help="Seed of the noise (0).")),
     ),
     options.result(plot=False, opens=False),
 )  # fmt: skip
 def command(
     *, files_only: bool, every: bool, paper: bool, output: str | None, seed: int
-) -> Outcome:
+) -> CommandResult:
     """Tell the whole story, or write the files of it."""
     if every and not files_only:
         raise click.UsageError("--all is for the files to learn on. Add --files")
     if paper:
         if files_only:
             raise click.UsageError("--paper makes files of its own: leave out --files")
-        outcome: Outcome = find_handler("demo", "paper")(Path(output or "paper"), seed)
+        outcome: CommandResult = find_handler("demo", "paper")(Path(output or "paper"), seed)
         return outcome
     if files_only:
         return _examples(Path(output or "."), every=every)
     return _stories(Path(output or "dashpot-demo"), seed)
 
 
-def _examples(folder: Path, *, every: bool) -> Outcome:
+def _examples(folder: Path, *, every: bool) -> CommandResult:
     """Write the test of a seal and of a hammer, simulated, and stamped so."""
     names = tuple(workflow.EXAMPLES) if every else workflow.FIRST
     paths = [folder / name for name in names]
     claim(paths)
     for name, path in zip(names, paths, strict=True):
-        doing(f"simulating {name}")
+        send_progress(f"simulating {name}")
         write(path, workflow.EXAMPLES[name]())
     bench, hammer = paths[:2]
     lines = [f"{path}: {workflow.CAPTIONS[name]}" for name, path in zip(names, paths, strict=True)]
     words = ("report", bench, hammer, "--mass", grams(workflow.MASS), "--seals", 2)
     found = Examples(tuple(map(str, paths)))
-    return Outcome(found, Text(lines), follow=typed(*words, "-o", "report.html"))
+    return CommandResult(found, Text(lines), follow=format_command(*words, "-o", "report.html"))
 
 
-def _stories(folder: Path, seed: int) -> Outcome:
+def _stories(folder: Path, seed: int) -> CommandResult:
     """Simulate the bench and hammer tests of two seals and run the main job on each."""
     from dashpot.text_output import results as text_of
 
@@ -131,15 +131,15 @@ def _stories(folder: Path, seed: int) -> Outcome:
     seals = {name: _numbers(story, folder, name) for name, story in stories.items()}
     puzzle = stories[PUZZLE]
     if puzzle.measured is not None:
-        fit, cold, bound = _in_the_cold(folder, seed, puzzle.measured)
+        fit, cold, bound = _fit_both_temperatures(folder, seed, puzzle.measured)
         lines += [
             f"{PUZZLE} seal at 23 and 0 degC, without the hammer: {fit.verdict.use}",
             *text_of.comparison(cold),
             _loss(fit, bound, puzzle.joint),
         ]
         seals[PUZZLE]["cold"] = {"fit": fit, "comparison": _agreement(cold)}
-    follow = typed("demo", "--files", why="two files to try by hand")
-    return Outcome(Demo(seed, seals), Text(lines, details), follow=follow)
+    follow = format_command("demo", "--files", why="two files to try by hand")
+    return CommandResult(Demo(seed, seals), Text(lines, details), follow=follow)
 
 
 def _files(name: str) -> tuple[str, ...]:
@@ -148,7 +148,7 @@ def _files(name: str) -> tuple[str, ...]:
 
 def _story(name: str, folder: Path, seed: int) -> Study:
     """Simulate, write, read back, characterise and report one seal."""
-    doing(f"the {name} seal: simulating the bench and the hammer")
+    send_progress(f"the {name} seal: simulating the bench and the hammer")
     bench = relaxation(seal=name, seed=seed, temperature=ROOM if name == PUZZLE else None)
     hammer = impact(seal=name, seals=SEALS, seed=seed)
     for file, text in zip(FILES, (*bench, *hammer), strict=False):
@@ -163,13 +163,13 @@ def _story(name: str, folder: Path, seed: int) -> Study:
     return story
 
 
-def _in_the_cold(
+def _fit_both_temperatures(
     folder: Path, seed: int, measured: dp.FRF
 ) -> tuple[dp.Fit, dp.Comparison, StiffnessBounds]:
     """Fit the puzzling seal's tests at both temperatures, and hold them against the hammer."""
     from dashpot.solids.demo_seals import SEALS as KNOWN
 
-    doing(f"the {PUZZLE} seal at 0 degC")
+    send_progress(f"the {PUZZLE} seal at 0 degC")
     made = relaxation(seal=PUZZLE, seed=seed + 1, temperature=FRIDGE, hold=COLD_HOLD)
     for file, text in zip(COLD, made, strict=True):
         write(folder / f"{PUZZLE}{file}", text)

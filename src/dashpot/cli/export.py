@@ -13,12 +13,12 @@ from dashpot import workflow
 from dashpot.base.choices import DECKS
 from dashpot.base.errors import ExportError
 from dashpot.base.sentences import paragraph
-from dashpot.base.serialisation import Documented
+from dashpot.base.serialisation import Serialisable
 from dashpot.cli import _options as options
-from dashpot.cli._command import group, of, opt, rest, verb
-from dashpot.cli._command_io import Outcome, write
+from dashpot.cli._command import build_options, group, mark_advanced, opt, verb
+from dashpot.cli._command_io import CommandResult, write
 from dashpot.cli._echo import to_stderr
-from dashpot.cli._param_types import DENSITY, File, OneOf, Range, WithUnit
+from dashpot.cli._param_types import DENSITY, ChoiceWithSuggestion, File, Range, WithUnit
 from dashpot.datamodel.specimen import Specimen
 from dashpot.text_output.layout import Text
 from dashpot.workflow.job import Job
@@ -31,7 +31,7 @@ LONGEST_LINE = 100.0
 
 
 @dataclass(frozen=True)
-class Exported(Documented):
+class Exported(Serialisable):
     """A deck: for what, in which units, which refusals were overridden, its file, or its text."""
 
     schema = "dashpot/deck@1"
@@ -60,18 +60,18 @@ ALL = "all"
     options.files("FIT", "fit", several=False),
     group(
         _SOLVER,
-        opt("--to", "target", type=OneOf(DECKS, plugins="decks"), metavar="SOLVER",
+        opt("--to", "target", type=ChoiceWithSuggestion(DECKS, plugins="decks"), metavar="SOLVER",
             help=f"{', '.join(DECKS[:-1])} or {DECKS[-1]}."),
         opt("--unit-system", "units", metavar="SYSTEM", help="SI, mm-t-s or mm-kg-ms."),
         opt("--form", metavar="NAME", help=_FORMS),
         opt("--band", "frequency_range", type=Range("frequency"), metavar="RANGE",
             help="Frequencies of a table (1:100Hz)."),
-        of(Job, "seals", metavar="N"),
+        build_options(Job, "seals", metavar="N"),
         opt("--compression", type=WithUnit("length"), metavar="LENGTH",
             help="Compression to linearise about."),
         opt("--allow", multiple=True, metavar="PROBLEM",
             help="Overlook a problem by its name, or all."),
-        rest(
+        mark_advanced(
             opt("--tolerance", type=float, metavar="NUMBER",
                 help="Largest relative error of a table, e.g. 1e-3."),
             opt("--mass", type=WithUnit("mass"), metavar="MASS",
@@ -110,18 +110,18 @@ def command(
     output: str,
     specimen: Specimen,
     **choices: Any,
-) -> Outcome:
+) -> CommandResult:
     """Write the deck of a fit, or the card of a law."""
     from dashpot.solids.maxwell import Solid
 
     found: Any = workflow.read_exported(fit)
     if isinstance(found, dp.Fit):
-        added = _described(found.specimen, specimen)
+        added = _update_specimen(found.specimen, specimen)
         found = replace(found, provenance=replace(found.provenance, specimen=added))
     elif isinstance(found, Solid):
         choices["specimen"] = specimen
     elif hasattr(found, "specimen"):
-        found = replace(found, specimen=_described(found.specimen, specimen))
+        found = replace(found, specimen=_update_specimen(found.specimen, specimen))
     if target is None:
         raise click.UsageError(_unsaid(found, units, specimen, allow))
     if line is None and choices["first_id"] is not None:
@@ -145,7 +145,7 @@ def command(
     written = (None, deck) if output == "-" else (output, None)
     text = Text([f"{output}: {target} deck, {units}, {len(deck.splitlines())} lines"])
     made = Exported(target, units, deck.overrides, *written)
-    return Outcome(made, text, deck.checks, verdict=deck.verdict)
+    return CommandResult(made, text, deck.checks, verdict=deck.verdict)
 
 
 def _unsaid(found: Any, units: str | None, specimen: Specimen, allow: tuple[str, ...]) -> str:
@@ -160,7 +160,7 @@ def _unsaid(found: Any, units: str | None, specimen: Specimen, allow: tuple[str,
     return asked
 
 
-def _described(known: Specimen, given: Specimen) -> Specimen:
+def _update_specimen(known: Specimen, given: Specimen) -> Specimen:
     """Return what a fit knows of its specimen with what the user adds now."""
     news = {one.name: getattr(given, one.name) for one in fields(given) if one.name != _ASKED}
     return replace(known, **{name: value for name, value in news.items() if value})

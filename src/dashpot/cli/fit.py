@@ -10,37 +10,45 @@ from typing import Any
 
 import click
 
-from dashpot.base.choices import Method, RampLawAsked, words
+from dashpot.base.choices import Method, RampLawAsked, get_choice_values
 from dashpot.base.errors import DashpotError, ReadError
 from dashpot.cli import _options as options
-from dashpot.cli._command import Opt, group, of, opt, refuse_others, rest, verb
-from dashpot.cli._command_io import Outcome
-from dashpot.cli._detected_kinds import kinds_of, recognised, tell
+from dashpot.cli._command import (
+    CommandOption,
+    build_options,
+    group,
+    mark_advanced,
+    opt,
+    refuse_others,
+    verb,
+)
+from dashpot.cli._command_io import CommandResult
+from dashpot.cli._detected_kinds import detect_file_kinds, kinds_of, print_detected_kinds
 from dashpot.cli._options import MASS, MODEL, RAMP, SOLIDS, VIBRATION, WARM
-from dashpot.cli._param_types import OneOf, Output, WithUnit
+from dashpot.cli._param_types import ChoiceWithSuggestion, Output, WithUnit
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from dashpot.reading.read_options import ReadOptions
-from dashpot.registry import FITS, KINDS, find_handler, load, takers
+from dashpot.registry import FITS, KINDS, find_handler, find_kinds_by_option, load_object
 from dashpot.workflow.job import Job, LevelJob, RodChoices
 from dashpot.workflow.shift_options import ShiftChoices
 
 _CLD, _BALL, _SLAM = "cld", "indentation", "slam"
 _BENCH = SOLIDS
-_ELASTIC = (*words(RampLawAsked), "by-depth")
+_ELASTIC = (*get_choice_values(RampLawAsked), "by-depth")
 
 
 def _kinds_in(files: Sequence[str]) -> Mapping[str, str]:
     """The kinds of files, for the help of each; nothing where one is not known."""
     with suppress(DashpotError, click.ClickException):
-        return kinds_of(recognised(files, ReadOptions()), ReadOptions())
+        return kinds_of(detect_file_kinds(files, ReadOptions()), ReadOptions())
     return {}
 
 
-def _word(flag: str, choice: Sequence[str], **how: Any) -> Opt:
-    return opt(flag, **{"type": OneOf(choice), "metavar": "|".join(choice), **how})
+def _word(flag: str, choice: Sequence[str], **how: Any) -> CommandOption:
+    return opt(flag, **{"type": ChoiceWithSuggestion(choice), "metavar": "|".join(choice), **how})
 
 
-def _mass() -> list[Opt]:
+def _mass() -> list[CommandOption]:
     mass = opt(
         "--mass", type=WithUnit("mass"), multiple=True, metavar="MASS",
         kinds=f"{VIBRATION} {_BALL} {_SLAM}",
@@ -48,50 +56,66 @@ def _mass() -> list[Opt]:
     )  # fmt: skip
     return [
         mass,
-        *of(Job, "seals", kinds=VIBRATION, metavar="N"),
-        *of(Job, "band", kinds=VIBRATION),
-        *of(LevelJob, "levels", kinds=VIBRATION),
-        *rest(
-            of(Job, "seal_mass", kinds=VIBRATION),
-            of(Job, "compression", kinds=f"{VIBRATION} {_CLD}",
-               help="Compression where the result is wanted."),
-            of(LevelJob, "at", kinds=VIBRATION),
-            of(HammerRig, "mass_sd", into="rig", kinds=VIBRATION),
+        *build_options(Job, "seals", kinds=VIBRATION, metavar="N"),
+        *build_options(Job, "band", kinds=VIBRATION),
+        *build_options(LevelJob, "levels", kinds=VIBRATION),
+        *mark_advanced(
+            build_options(Job, "seal_mass", kinds=VIBRATION),
+            build_options(
+                Job,
+                "compression",
+                kinds=f"{VIBRATION} {_CLD}",
+                help="Compression where the result is wanted.",
+            ),
+            build_options(LevelJob, "at", kinds=VIBRATION),
+            build_options(HammerRig, "mass_sd", into="rig", kinds=VIBRATION),
             options.relative(VIBRATION),
-            of(KnownSolid, "static_stiffness", "natural_frequency", "damping_ratio", into="known",
-               kinds=VIBRATION),
-            of(KnownSolid, "parallel_dashpot", into="known", kinds=VIBRATION),
-            opt("--stiffness-table", type=Output([".csv"]), metavar="FILE", kinds=VIBRATION,
-                help="Write k(f), c(f) and loss factor as CSV."),
+            build_options(
+                KnownSolid,
+                "static_stiffness",
+                "natural_frequency",
+                "damping_ratio",
+                into="known",
+                kinds=VIBRATION,
+            ),
+            build_options(KnownSolid, "parallel_dashpot", into="known", kinds=VIBRATION),
+            opt(
+                "--stiffness-table",
+                type=Output([".csv"]),
+                metavar="FILE",
+                kinds=VIBRATION,
+                help="Write k(f), c(f) and loss factor as CSV.",
+            ),
         ),
-    ]  # fmt: skip
+    ]
 
 
 _OPTIONS = (
     group(
         MODEL,
         opt("--model", metavar="NAME", help="maxwell, fractional, or a law by name (auto)."),
-        of(Job, "arms", kinds=f"{_BENCH} {VIBRATION}"),
+        build_options(Job, "arms", kinds=f"{_BENCH} {VIBRATION}"),
         _word("--elastic", _ELASTIC, default="auto", kinds="relaxation", metavar="LAW",
               help="Elastic law: linear, nonlinear, by-depth (auto)."),
     ),
     group(MASS, _mass()),
-    rest(
+    mark_advanced(
         group(
             RAMP,
-            _word("--method", words(Method), default="full", kinds="relaxation",
+            _word("--method", get_choice_values(Method), default="full", kinds="relaxation",
                   help="Whole record (full), or equation (5) of the paper."),
             options.cuts("relaxation"),
-            options.machine(f"relaxation creep cyclic {_CLD} {VIBRATION} {takers('machine')}"),
-            of(Job, "filter", kinds="relaxation"),
+            options.machine(f"relaxation creep cyclic {_CLD} {VIBRATION} "
+                            f"{find_kinds_by_option('machine')}"),
+            build_options(Job, "filter", kinds="relaxation"),
             opt("--thorough", kinds=_BENCH, help="Try more starting points."),
         ),
         group(
             WARM,
-            of(ShiftChoices, into="shifting", kinds=_BENCH),
+            build_options(ShiftChoices, into="shifting", kinds=_BENCH),
             opt("--save-shifts", type=Output([".csv"]), metavar="FILE", kinds=_BENCH,
                 help="Write the shift factors as CSV."),
-            of(Job, "impact_temperature", kinds=VIBRATION),
+            build_options(Job, "impact_temperature", kinds=VIBRATION),
         ),
         options.hammer(kinds="impact transmissibility"),
         *find_handler("options", "fit")(),
@@ -123,14 +147,14 @@ for _one in chain.from_iterable(_OPTIONS):
     *_OPTIONS,
     by_kind=_kinds_in,
 )
-def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
+def command(*, files: tuple[str, ...], **said: Any) -> CommandResult:
     """Recognise the records, and fit what they are."""
-    from dashpot.cli.fit_handlers._request import Given
+    from dashpot.cli.fit_handlers._request import FitRequest
     from dashpot.workflow.fit_routing import route
 
     if said["slam"] and said["options"].kind is None:
         said["options"] = replace(said["options"], kind=_SLAM)
-    found = recognised(files, said["options"])
+    found = detect_file_kinds(files, said["options"])
     kinds = kinds_of(found, said["options"])
     context = click.get_current_context()
     refuse_others(command, context, kinds)
@@ -140,13 +164,15 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
             rod=said["density"] is not None or said["rod"] != RodChoices(),
         )  # fmt: skip
     except ReadError as error:
-        raise ReadError(f"{error}{options.said_of_all(files)}") from None
+        raise ReadError(f"{error}{options.format_column_hint(files)}") from None
     if meant in {"hits", "modes"}:
         _refuse_what_needs_a_mass(context)
     _refuse_unused(context, meant)
-    run: Callable[[Given], Outcome] = load(FITS[meant].files if meant in FITS else GENERIC)
-    tell(found)
-    return run(Given(files, kinds, said))
+    run: Callable[[FitRequest], CommandResult] = load_object(
+        FITS[meant].files if meant in FITS else GENERIC
+    )
+    print_detected_kinds(found)
+    return run(FitRequest(files, kinds, said))
 
 
 GENERIC = "dashpot.cli.fit_handlers.generic_kind:run"
@@ -162,7 +188,7 @@ _OF_SOLID = (
 def _refuse_what_needs_a_mass(context: click.Context) -> None:
     """Refuse what hits and FRFs without a mass would not heed."""
     for one in command.options:
-        if one.flag in _OF_SOLID and one.typed(context):
+        if one.flag in _OF_SOLID and one.get_typed_words(context):
             raise click.UsageError(
                 f"{one.flag} is for the solid under a mass. Give the mass of the block, such as "
                 "--mass 104g, or leave it out: then modes are found."
@@ -181,7 +207,7 @@ def _refuse_unused(context: click.Context, meant: str) -> None:
     used = set(FITS[meant].options)
     for one in command.options:
         shared = one.group in {options.READING, options.RESULT}
-        if shared or one.names & used or not one.typed(context):
+        if shared or one.names & used or not one.get_typed_words(context):
             continue
         *others, last = [fit.command_title for fit in FITS.values() if one.names & set(fit.options)]
         suited = f"{', '.join(others)} or {last}" if others else last

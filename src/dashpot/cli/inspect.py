@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import click
 
 from dashpot import workflow
-from dashpot.base.number_format import counted
-from dashpot.base.units import written
+from dashpot.base.number_format import format_count
+from dashpot.base.units import format_quantity
 from dashpot.cli import _options as options_of
 from dashpot.cli._command import group, opt, verb
-from dashpot.cli._command_io import Outcome, typed, write
-from dashpot.cli._options import READING, RESULT, given
+from dashpot.cli._command_io import CommandResult, format_command, write
+from dashpot.cli._options import READING, RESULT, get_typed_options
 from dashpot.cli._param_types import Output
 from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import KINDS
@@ -47,7 +47,7 @@ some files alone.""",
 )  # fmt: skip
 def command(
     *, files: tuple[str, ...], save: str | None, plugins: bool, options: ReadOptions
-) -> Outcome:
+) -> CommandResult:
     """Inspect files, and keep what was said of them; or list the plug-ins."""
     if plugins:
         if files:
@@ -67,7 +67,7 @@ def command(
     ]
     tables = [line for one in found.files for line in (one.file, *_columns(one))]
     text = Text(answers, tables) if len(files) > 1 else Text([*answers, *tables[1:]])
-    return Outcome(found, text, found.checks, follow=_follow(files, found.files, save))
+    return CommandResult(found, text, found.checks, follow=_follow(files, found.files, save))
 
 
 _ASKED = {
@@ -77,27 +77,29 @@ _ASKED = {
 """How a plug-in of each group is asked for."""
 
 
-def _plugins() -> Outcome:
+def _plugins() -> CommandResult:
     """What packages of others add, as their metadata say."""
     from dashpot.base.plugins import Installed, plugins
 
     found = Installed(plugins())
     rows = [["adds", "name", "package", "asked for by"]]
-    rows += [[p.group, p.name, p.by, _ASKED[p.group].format(p.name)] for p in found.plugins]
+    rows += [
+        [p.group, p.name, p.package_version, _ASKED[p.group].format(p.name)] for p in found.plugins
+    ]
     lines = table(rows, left=True) if found.plugins else ["no plug-in is installed"]
-    return Outcome(found, Text([line.rstrip() for line in lines]))
+    return CommandResult(found, Text([line.rstrip() for line in lines]))
 
 
 def _follow(paths: tuple[str, ...], found: tuple[InspectedFile, ...], saved: str | None) -> str:
     """Return the whole command for such files, once no question is open."""
-    said = ["--profile", saved] if saved and saved != "-" else given(READING)
+    said = ["--profile", saved] if saved and saved != "-" else get_typed_options(READING)
     if any(each.questions or each.refusal for each in found):
-        return typed("inspect", *paths, *said, why="with the option that answers")
-    words = _proposed(found[0])
-    return typed(*words, *paths, *said) if words else ""
+        return format_command("inspect", *paths, *said, why="with the option that answers")
+    words = _get_next_command(found[0])
+    return format_command(*words, *paths, *said) if words else ""
 
 
-def _proposed(found: InspectedFile) -> tuple[str, ...]:
+def _get_next_command(found: InspectedFile) -> tuple[str, ...]:
     kind = KINDS.get(found.kind)
     return ("fit",) if kind and kind.meant and not kind.needs else ()
 
@@ -109,10 +111,10 @@ def _answer(found: InspectedFile, path: str = "") -> list[str]:
     """
     asked = [f"  ASK       {question.says}" for question in found.questions]
     if path and asked[1:]:
-        asked[1:] = [f"  ASK       {len(asked) - 1} more: {typed('inspect', path)}"]
+        asked[1:] = [f"  ASK       {len(asked) - 1} more: {format_command('inspect', path)}"]
     lines = [
         f"{found.file}: {found.kind} ({found.reason})",
-        *([f"  for       {found.use}"] if found.use and not _proposed(found) else []),
+        *([f"  for       {found.use}"] if found.use and not _get_next_command(found) else []),
         *asked,
     ]
     if found.refusal:
@@ -125,12 +127,12 @@ def _answer(found: InspectedFile, path: str = "") -> list[str]:
         lines += [
             (
                 f"  ramp      {test.onset:.4g} to {test.ramp_end:.4g} s ({test.ramp_time:.4g} s), "
-                f"{written(test.depth, 'mm')}"
+                f"{format_quantity(test.depth, 'mm')}"
             ),
             f"  hold      to {test.hold_end:.5g} s ({test.hold_time:.4g} s)",
             (
-                f"  noise     force {written(test.force_noise, 'mN', '.3g')}, "
-                f"displacement {written(test.displacement_noise, 'um', '.3g')}"
+                f"  noise     force {format_quantity(test.force_noise, 'mN', '.3g')}, "
+                f"displacement {format_quantity(test.displacement_noise, 'um', '.3g')}"
             ),
         ]
     return [*lines, *(f"  note      {warning}" for warning in found.warnings)]
@@ -141,12 +143,12 @@ def _columns(found: InspectedFile) -> list[str]:
     how = (
         found.format,
         found.encoding,
-        f"delimiter {_shown(found.delimiter)}" if found.delimiter else "",
+        f"delimiter {_format_delimiter(found.delimiter)}" if found.delimiter else "",
         f"decimal {found.decimal!r}" if found.decimal else "",
     )
     lines = [f"  format    {', '.join(part for part in how if part)}"]
     if found.header:
-        lines.append(f"  header    {counted(len(found.header), 'line')} above the table")
+        lines.append(f"  header    {format_count(len(found.header), 'line')} above the table")
     rows = [["  #", "column", "unit", "role", "because"]]
     rows += [
         [
@@ -177,5 +179,5 @@ def _sampling(found: InspectedFile) -> str:
     return f"{found.rows} rows, {found.rate:.6g} Hz, {even}{duration}"
 
 
-def _shown(mark: str) -> str:
+def _format_delimiter(mark: str) -> str:
     return {"\t": "tab", " ": "space"}.get(mark, repr(mark))

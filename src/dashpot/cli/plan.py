@@ -10,9 +10,9 @@ from dashpot import workflow
 from dashpot.base.errors import DataError
 from dashpot.base.version import byline
 from dashpot.cli import _options as options
-from dashpot.cli._command import group, of, opt, rest, verb
-from dashpot.cli._command_io import Outcome, typed, write
-from dashpot.cli._options import given
+from dashpot.cli._command import build_options, group, mark_advanced, opt, verb
+from dashpot.cli._command_io import CommandResult, format_command, write
+from dashpot.cli._options import get_typed_options
 from dashpot.cli._param_types import Direction, Output, WithUnit
 from dashpot.cli._simulation_options import seal_named
 from dashpot.datamodel.machine import Machine
@@ -42,7 +42,7 @@ _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
         _PLANNED,
         opt("--frequency", type=WithUnit("frequency"), required=True, metavar="FREQUENCY",
             help="The frequency that matters, e.g. 12.71Hz."),
-        of(PlannedRamp, "depth", "ramp_time", "hold_time", into="bench"),
+        build_options(PlannedRamp, "depth", "ramp_time", "hold_time", into="bench"),
         opt(
             "--temperature",
             type=WithUnit("temperature"),
@@ -51,22 +51,22 @@ _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
         ),
         opt("--cold", type=WithUnit("temperature"), multiple=True, metavar="TEMPERATURE",
             help="Repeat it at this temperature, e.g. 0degC."),
-        of(HammerPlan, "hits", "record", into="hammer"),
-        rest(
-            of(PlannedRamp, "rate", "method", "baseline", into="bench"),
-            of(HammerPlan, into="hammer", leave=("hits", "record", "mass", "seals")),
+        build_options(HammerPlan, "hits", "record", into="hammer"),
+        mark_advanced(
+            build_options(PlannedRamp, "rate", "method", "baseline", into="bench"),
+            build_options(HammerPlan, into="hammer", leave=("hits", "record", "mass", "seals")),
         ),
     ),
     group(
         _KNOWN,
-        of(PlannedRamp, "noise", into="bench"),
+        build_options(PlannedRamp, "noise", into="bench"),
         opt("--seal", "guess", metavar="NAME|FIT",
             help="A guess at the seal: paper, broad, hidden, or a fit."),
-        of(HammerPlan, "mass", "seals", into="hammer"),
+        build_options(HammerPlan, "mass", "seals", into="hammer"),
         opt("--wanted", type=float, default=10.0, metavar="PERCENT",
             help="Largest standard deviation accepted (10)."),
-        rest(
-            of(Machine, into="machine", leave=("force_filter",),
+        mark_advanced(
+            build_options(Machine, into="machine", leave=("force_filter",),
                help="What is known of the machine."),
             opt("--arm-stiffness", type=WithUnit("stiffness"), metavar="STIFFNESS",
                 help="Stiffness of an arm that may be hidden."),
@@ -79,7 +79,7 @@ _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
         _CONTROLLER,
         opt("--setpoints", type=Output((".csv", ".txt")), metavar="FILE",
             help="Write the motion, one set-point a row."),
-        rest(
+        mark_advanced(
             opt("--interval", type=WithUnit("time"), default="10ms", metavar="TIME",
                 help="Between set-points (10ms)."),
             opt("--along", type=Direction(), default="0,0,-1", metavar="X,Y,Z",
@@ -104,7 +104,7 @@ def command(
     setpoints: str | None,
     interval: float,
     along: tuple[float, float, float],
-) -> Outcome:
+) -> CommandResult:
     """Tell how well a planned test will know stiffness and loss factor at a frequency."""
     if arm_time is not None and arm_stiffness is None:
         raise DataError("--arm-time needs --arm-stiffness, e.g. --arm-stiffness 0.05N/mm")
@@ -137,14 +137,14 @@ def command(
         timed = f"rest {rest:g} s, ramp {ramp:g} s, hold {hold:g} s"
         says = (count, f"{timed}; one each {interval:g} s, the first where the plate touches")
         write(setpoints, write_trajectory(motion, comments=says))
-    rehearsed = typed(
+    rehearsed = format_command(
         "simulate",
         "relaxation",
-        *given(_PLANNED, but=_NOT_REHEARSED),
+        *get_typed_options(_PLANNED, but=_NOT_REHEARSED),
         *(() if guess is None else ("--seal", guess)),
         "-o",
         "rehearsal.csv",
         why="rehearses it",
     )
     made = found.verdict
-    return Outcome(found, Text([str(found)]), found.checks, verdict=made, follow=rehearsed)
+    return CommandResult(found, Text([str(found)]), found.checks, verdict=made, follow=rehearsed)

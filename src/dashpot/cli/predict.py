@@ -8,17 +8,17 @@ from typing import Any
 import click
 
 from dashpot import workflow
-from dashpot.base.choices import FrfKind, words
-from dashpot.base.option_fields import offered
+from dashpot.base.choices import FrfKind, get_choice_values
+from dashpot.base.option_fields import iterate_option_fields
 from dashpot.cli import _options as options
-from dashpot.cli._command import group, of, opt, refuse_others, rest, verb
-from dashpot.cli._command_io import Outcome, printed, typed, write, write_figure
-from dashpot.cli._detected_kinds import recognised
+from dashpot.cli._command import build_options, group, mark_advanced, opt, refuse_others, verb
+from dashpot.cli._command_io import CommandResult, format_command, format_json, write, write_figure
+from dashpot.cli._detected_kinds import detect_file_kinds
 from dashpot.cli._options import MASS, RAMP
-from dashpot.cli._param_types import File, OneOf, WithUnit
+from dashpot.cli._param_types import ChoiceWithSuggestion, File, WithUnit
 from dashpot.cli.fit_handlers._request import PAGE
 from dashpot.reading.read_options import ReadOptions
-from dashpot.registry import KINDS, PREDICTED, KindOfTest, find_handler, load
+from dashpot.registry import KINDS, PREDICTED, KindOfTest, find_handler, load_object
 from dashpot.workflow.job import Job, LevelChoices, PartChoices
 
 _SOLID, _DOOR = "fit", "door"
@@ -27,7 +27,11 @@ _QUESTION, _PART = "Question", "Part of a material"
 
 def _fits(kind: KindOfTest) -> list[str]:
     """What a kind that predicts by itself is asked beside, each the file of a fit."""
-    return [one.name for one in offered(load(kind.asked)) if one.metadata.get("metavar") == "FIT"]
+    return [
+        one.name
+        for one in iterate_option_fields(load_object(kind.asked))
+        if one.metadata.get("metavar") == "FIT"
+    ]
 
 
 @verb(
@@ -40,88 +44,162 @@ def _fits(kind: KindOfTest) -> list[str]:
     options.files("FIT|DOOR.toml", "path", several=False),
     group(
         _QUESTION,
-        of(Job, "band", kinds=f"{_SOLID} {_DOOR}", help="Frequencies (1:50Hz; door 1:200Hz)."),
-        opt("--temperature", type=WithUnit("temperature"), metavar="TEMPERATURE",
-            help="Temperature of the seals."),
+        build_options(
+            Job, "band", kinds=f"{_SOLID} {_DOOR}", help="Frequencies (1:50Hz; door 1:200Hz)."
+        ),
+        opt(
+            "--temperature",
+            type=WithUnit("temperature"),
+            metavar="TEMPERATURE",
+            help="Temperature of the seals.",
+        ),
         opt("--base", kinds=_SOLID, help="The base moves: transmissibility."),
-        opt("--base-psd", type=File(), metavar="DENSITY", kinds=_SOLID,
-            help="Random base: FILE or 0.01g^2/Hz."),
-        opt("--record", "records", type=File(), multiple=True, metavar="FILE", kinds=_SOLID,
-            help="The record behind the fit: adds a bound."),
-        of(LevelChoices, "levels", into="at_level", kinds=_SOLID,
-           help="Resonance at a level, e.g. 0.5N."),
-        of(LevelChoices, "sweep", into="at_level", kinds=_SOLID),
-        *(of(load(kind.asked), kinds=kind.name, leave=_fits(kind)) for kind in PREDICTED),
-        rest(
-            *(of(load(kind.asked), *_fits(kind), kinds=kind.name)
-              for kind in PREDICTED if _fits(kind)),
+        opt(
+            "--base-psd",
+            type=File(),
+            metavar="DENSITY",
+            kinds=_SOLID,
+            help="Random base: FILE or 0.01g^2/Hz.",
+        ),
+        opt(
+            "--record",
+            "records",
+            type=File(),
+            multiple=True,
+            metavar="FILE",
+            kinds=_SOLID,
+            help="The record behind the fit: adds a bound.",
+        ),
+        build_options(
+            LevelChoices,
+            "levels",
+            into="at_level",
+            kinds=_SOLID,
+            help="Resonance at a level, e.g. 0.5N.",
+        ),
+        build_options(LevelChoices, "sweep", into="at_level", kinds=_SOLID),
+        *(
+            build_options(load_object(kind.asked), kinds=kind.name, leave=_fits(kind))
+            for kind in PREDICTED
+        ),
+        mark_advanced(
+            *(
+                build_options(load_object(kind.asked), *_fits(kind), kinds=kind.name)
+                for kind in PREDICTED
+                if _fits(kind)
+            ),
             *find_handler("options", "predict")(_SOLID),
-            opt("--kind", type=OneOf(words(FrfKind)), metavar="NAME", kinds=_SOLID,
-                help=", ".join(words(FrfKind)[:-1]) + f" or {words(FrfKind)[-1]}."),
+            opt(
+                "--kind",
+                type=ChoiceWithSuggestion(get_choice_values(FrfKind)),
+                metavar="NAME",
+                kinds=_SOLID,
+                help=", ".join(get_choice_values(FrfKind)[:-1]) + " or "
+                f"{get_choice_values(FrfKind)[-1]}.",
+            ),
             options.relative(_SOLID),
-            opt("--points", "lines", type=click.IntRange(2), default=2001, metavar="N",
-                kinds=_SOLID, help="Lines of the FRF (2001)."),
+            opt(
+                "--points",
+                "lines",
+                type=click.IntRange(2),
+                default=2001,
+                metavar="N",
+                kinds=_SOLID,
+                help="Lines of the FRF (2001).",
+            ),
         ),
     ),
     group(MASS, options.under_mass(kinds=_SOLID)),
     group(
         _PART,
-        of(PartChoices, "disc", "block", "bush", "bulb", into="part", kinds=_SOLID,
-           help="disc:20mm,20mm; block, bush, bulb."),
-        rest(
-            of(PartChoices, "mode", "lubricated", "resonance", "resonance_mass", into="part",
-               kinds=_SOLID),
-            of(LevelChoices, "height", "strain_factor", "fitted_at", "resonance_level",
-               into="at_level", kinds=_SOLID),
+        build_options(
+            PartChoices,
+            "disc",
+            "block",
+            "bush",
+            "bulb",
+            into="part",
+            kinds=_SOLID,
+            help="disc:20mm,20mm; block, bush, bulb.",
+        ),
+        mark_advanced(
+            build_options(
+                PartChoices,
+                "mode",
+                "lubricated",
+                "resonance",
+                "resonance_mass",
+                into="part",
+                kinds=_SOLID,
+            ),
+            build_options(
+                LevelChoices,
+                "height",
+                "strain_factor",
+                "fitted_at",
+                "resonance_level",
+                into="at_level",
+                kinds=_SOLID,
+            ),
         ),
     ),
     group(
         "Door",
-        opt("--close", "speed", type=WithUnit("velocity"), metavar="SPEED", kinds=_DOOR,
-            help="Close it: energy, least closing speed."),
+        opt(
+            "--close",
+            "speed",
+            type=WithUnit("velocity"),
+            metavar="SPEED",
+            kinds=_DOOR,
+            help="Close it: energy, least closing speed.",
+        ),
         opt("--modes", "every", kinds=_DOOR, help="Share of every part in every mode."),
     ),
-    rest(group(RAMP, options.machine(_SOLID)), options.reading()),
+    mark_advanced(group(RAMP, options.machine(_SOLID)), options.reading()),
     options.result("FRF as .csv; of a door .json; or a page, .html."),
-)  # fmt: skip
-def command(*, path: str, **said: Any) -> Outcome:
+)
+def command(*, path: str, **said: Any) -> CommandResult:
     """Predict what the file asks for: a door, a mass on a solid, or what its kind predicts."""
-    found = recognised([path], ReadOptions())[path]
+    found = detect_file_kinds([path], ReadOptions())[path]
     row = KINDS.get(found.kind) if found.stored else None
     alone = row is not None and bool(row.predict)
     kind = found.kind if found.kind == _DOOR or alone else _SOLID
     refuse_others(command, click.get_current_context(), {path: kind})
     if row is not None and alone:
-        return _of_kind(path, row, said)
+        return _predict_kind(path, row, said)
     if kind == _DOOR:
-        outcome: Outcome = find_handler("predict file", _DOOR)(
+        outcome: CommandResult = find_handler("predict file", _DOOR)(
             path, **{name: said[name] for name in _OF_DOOR}
         )
         return outcome
     if said["slam"]:
-        return _slammed(path, said)
-    others = {one.name for kind in PREDICTED for one in offered(load(kind.asked))}
+        return _predict_slam(path, said)
+    others = {
+        one.name for kind in PREDICTED for one in iterate_option_fields(load_object(kind.asked))
+    }
     left_out = {*_NO_MASS, *others}
     return _under_mass(path, **{name: each for name, each in said.items() if name not in left_out})
 
 
-def _of_kind(path: str, row: KindOfTest, said: dict[str, Any]) -> Outcome:
+def _predict_kind(path: str, row: KindOfTest, said: dict[str, Any]) -> CommandResult:
     """What the fit of a kind predicts by itself."""
-    asked = {one.name: said[one.name] for one in offered(load(row.asked))}
+    asked = {one.name: said[one.name] for one in iterate_option_fields(load_object(row.asked))}
     asked |= {name: workflow.read_fit(asked[name]) if asked[name] else None for name in _fits(row)}
-    found = load(row.predict)(workflow.stored(path), temperature=said["temperature"], **asked)
-    return _alone(found, said)
+    found = load_object(row.predict)(
+        workflow.read_json_document(path), temperature=said["temperature"], **asked
+    )
+    return _write_prediction(found, said)
 
 
-def _alone(found: Any, said: dict[str, Any]) -> Outcome:
+def _write_prediction(found: Any, said: dict[str, Any]) -> CommandResult:
     """A prediction that is no FRF: its document and its picture."""
     output = said["output"]
     page = is_page(output)
     if said["picture"]:
         write_figure(said["picture"], found.plot())
     if output:
-        write(output, workflow.html(found) if page else printed(found) + "\n")
-    return Outcome.of(found)
+        write(output, workflow.html(found) if page else format_json(found) + "\n")
+    return CommandResult.from_result(found)
 
 
 def is_page(output: str | None) -> bool:
@@ -135,15 +213,19 @@ def is_page(output: str | None) -> bool:
 _OF_SLAM = ("--slam", "--mass", "--seals")
 
 
-def _slammed(path: str, said: dict[str, Any]) -> Outcome:
+def _predict_slam(path: str, said: dict[str, Any]) -> CommandResult:
     """Predict what a mass does that is slammed on the piece."""
     context = click.get_current_context()
     for one in command.options:
-        if one.typed(context) and one.group != options.RESULT and one.flag not in _OF_SLAM:
+        if (
+            one.get_typed_words(context)
+            and one.group != options.RESULT
+            and one.flag not in _OF_SLAM
+        ):
             raise click.UsageError(
                 f"{one.flag} is for a vibration, and --slam is one hit. Leave out one of them."
             )
-    return _alone(
+    return _write_prediction(
         find_handler("predict with option", "slam")(
             workflow.read_fit(path), slam=said["slam"], mass=said["mass"], seals=said["seals"]
         ),
@@ -163,7 +245,7 @@ def _under_mass(
     hammer: Any,
     mass: float | None,
     **choices: Any,
-) -> Outcome:
+) -> CommandResult:
     """Predict the response of a mass on the seals, or on parts of a material."""
     fitted = workflow.read_fit(fit)  # what is no fit is said before what a fit lacks
     if mass is None:
@@ -180,7 +262,7 @@ def _under_mass(
         write_figure(picture, found.plot())
     if output:
         _keep(found, output)
-    return Outcome.of(found, follow="" if found.of_part else _follow(fit))
+    return CommandResult.from_result(found, follow="" if found.of_part else _follow(fit))
 
 
 def _keep(found: workflow.Prediction, path: str) -> None:
@@ -190,7 +272,7 @@ def _keep(found: workflow.Prediction, path: str) -> None:
     if path.lower().endswith(PAGE):
         write(path, workflow.html(found))
     elif suffix == "json":
-        write(path, printed(found) + "\n")
+        write(path, format_json(found) + "\n")
     elif suffix in {"csv", path.lower()}:
         write(path, write_frf(found.written))
     else:
@@ -198,5 +280,5 @@ def _keep(found: workflow.Prediction, path: str) -> None:
 
 
 def _follow(fit: str) -> str:
-    again = options.given_to("compare")
-    return typed("compare", fit, "HAMMER", *again, why="tests it with a hammer")
+    again = options.get_typed_options_for("compare")
+    return format_command("compare", fit, "HAMMER", *again, why="tests it with a hammer")

@@ -9,13 +9,18 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dashpot import workflow
-from dashpot.base.progress import doing
-from dashpot.base.serialisation import Documented
+from dashpot.base.progress import send_progress
+from dashpot.base.serialisation import Serialisable
 from dashpot.cli import _options as options
-from dashpot.cli._command import Opt, group, of, opt, rest, verb
-from dashpot.cli._command_io import Outcome, claim, grams, note_written, typed, write
-from dashpot.cli._detected_kinds import called, kinds_of, recognised, tell
-from dashpot.cli._options import MASS, MODEL, PIECE, RAMP, said_of_all
+from dashpot.cli._command import CommandOption, build_options, group, mark_advanced, opt, verb
+from dashpot.cli._command_io import CommandResult, claim, format_command, grams, note_written, write
+from dashpot.cli._detected_kinds import (
+    detect_file_kinds,
+    get_kind_name,
+    kinds_of,
+    print_detected_kinds,
+)
+from dashpot.cli._options import MASS, MODEL, PIECE, RAMP, format_column_hint
 from dashpot.cli._param_types import Folder, Output
 from dashpot.reading.read_options import OF_HAMMER, ReadOptions
 from dashpot.workflow.job import Job
@@ -29,7 +34,7 @@ _VIBRATION = set(options.VIBRATION.split())
 
 
 @dataclass(frozen=True)
-class Reported(Documented):
+class Reported(Serialisable):
     """A study, the file of its report, and the hash of its project's history."""
 
     keys = ("*study", "report", "history?")
@@ -49,35 +54,50 @@ class Reported(Documented):
     options.files("FILE..."),
     group(
         _PAGE,
-        opt("-o", "--output", type=Output([".html", ".htm"]), metavar="FILE",
-            help="The page (report.html)."),
-        of(Job, "title"),
+        opt(
+            "-o",
+            "--output",
+            type=Output([".html", ".htm"]),
+            metavar="FILE",
+            help="The page (report.html).",
+        ),
+        build_options(Job, "title"),
         opt("--project", type=Folder(), metavar="DIR", help="Keep files, results and history."),
         opt("--open", "opens", help="Open the page."),
-        rest(of(Job, "logo")),
+        mark_advanced(build_options(Job, "logo")),
     ),
     group(
         MODEL,
-        of(Job, "family", metavar="NAME"),
-        of(Job, "arms"),
-        rest(
-            of(Job, "law", metavar="LAW", help="Elastic law: linear or nonlinear (auto)."),
-            of(Job, "joint"),
+        build_options(Job, "family", metavar="NAME"),
+        build_options(Job, "arms"),
+        mark_advanced(
+            build_options(
+                Job, "law", metavar="LAW", help="Elastic law: linear or nonlinear (auto)."
+            ),
+            build_options(Job, "joint"),
         ),
     ),
     group(
         MASS,
         options.under_mass(known=" Inferred if missing."),
-        of(Job, "band", help="Frequencies to compare, e.g. 5:40Hz."),
+        build_options(Job, "band", help="Frequencies to compare, e.g. 5:40Hz."),
         options.relative(),
     ),
-    rest(group(RAMP, of(Job, "method"), options.cuts(), options.machine(), of(Job, "filter"))),
+    mark_advanced(
+        group(
+            RAMP,
+            build_options(Job, "method"),
+            options.cuts(),
+            options.machine(),
+            build_options(Job, "filter"),
+        )
+    ),
     options.hammer(),
     options.piece(each=True),
-    rest(group(PIECE, of(Job, "impact_temperature"))),
+    mark_advanced(group(PIECE, build_options(Job, "impact_temperature"))),
     options.reading(),
     options.result(plot=False, opens=False),
-)  # fmt: skip
+)
 def command(
     *,
     files: tuple[str, ...],
@@ -85,13 +105,13 @@ def command(
     output: str | None,
     options: ReadOptions,
     **choices: Any,
-) -> Outcome:
+) -> CommandResult:
     """Characterise a seal, check it against the hammer, and write one HTML file."""
     from dashpot.text_output.results import study as told  # a page of help does without
 
-    found = recognised(files, options)
+    found = detect_file_kinds(files, options)
     kinds = kinds_of(found, options)
-    tell(found)
+    print_detected_kinds(found)
     if set(kinds.values()) <= _LOOPS:
         return _amplitude(files, output, options)
     tests = tuple(path for path in files if kinds[path] == "relaxation")
@@ -102,9 +122,9 @@ def command(
         tests[0],
         further=tests[1:],
         impact=impact,
-        reading=_alike(options.without(OF_HAMMER), tests),
+        reading=_simplify_options(options.without(OF_HAMMER), tests),
         # columns named for the bench file need not exist in the hammer's; units do no harm
-        reading_impact=_alike(options.only(("units", *OF_HAMMER)), impact),
+        reading_impact=_simplify_options(options.only(("units", *OF_HAMMER)), impact),
         **choices,
     )
     if not (output or project):
@@ -121,15 +141,15 @@ def command(
     else:
         study = workflow.run(job)
     if output:
-        doing("drawing the report")
+        send_progress("drawing the report")
         written.append(output)
         write(written[-1], workflow.html(study))
-    return Outcome(
+    return CommandResult(
         Reported(study, written[-1], history),
         told(study),
         study.weighed,
         verdict=study.verdict,
-        follow=typed("verify", project, "--expect", history, why="recomputes it")
+        follow=format_command("verify", project, "--expect", history, why="recomputes it")
         if project
         else _follow(files, job, study),
     )
@@ -137,15 +157,19 @@ def command(
 
 def _refuse_others(kinds: dict[str, str], tests: Sequence[str], impact: Sequence[str]) -> None:
     """Refuse what no page of a seal is about."""
-    from dashpot.reading.readers.detect_kind import used
+    from dashpot.reading.readers.detect_kind import get_kind_command
     from dashpot.registry import KINDS
 
     for path, kind in kinds.items():
         if path not in (*tests, *impact):
-            line = f"Type: dashpot fit {path}" if kind in KINDS else f"{used(kind)}.".capitalize()
+            line = (
+                f"Type: dashpot fit {path}"
+                if kind in KINDS
+                else f"{get_kind_command(kind)}.".capitalize()
+            )
             raise click.UsageError(
-                f"{path} is {called(kind)}. The report is of relaxation tests and a hammer. "
-                f"{said_of_all(tuple(kinds)).strip() or line}"
+                f"{path} is {get_kind_name(kind)}. The report is of relaxation tests and a hammer. "
+                f"{format_column_hint(tuple(kinds)).strip() or line}"
             )
     if not tests:
         raise click.UsageError(
@@ -170,26 +194,31 @@ def _refuse_unused(*, hammer: bool, mass: bool) -> None:
     context = click.get_current_context()
     for one in context.command.params:
         for flags, there, what, remedy in asked:
-            if isinstance(one, Opt) and one.flag in flags and not there and one.typed(context):
+            if (
+                isinstance(one, CommandOption)
+                and one.flag in flags
+                and not there
+                and one.get_typed_words(context)
+            ):
                 raise click.UsageError(
                     f"{one.flag} is for {what}, and there is none here. {remedy}, or leave the "
                     "option out."
                 )
 
 
-def _alike(said: ReadOptions, files: Sequence[str]) -> ReadOptions:
+def _simplify_options(said: ReadOptions, files: Sequence[str]) -> ReadOptions:
     """What is said of files, without patterns where it comes to the same for all of them."""
     each = {said.of(path) for path in files}
     return each.pop() if len(each) == 1 else said
 
 
-def _amplitude(files: tuple[str, ...], output: str | None, reading: ReadOptions) -> Outcome:
+def _amplitude(files: tuple[str, ...], output: str | None, reading: ReadOptions) -> CommandResult:
     """Write the page of loops or an amplitude sweep."""
     found = workflow.level_files(files, options=reading)
     output = output or "report.html"
     claim([output])
     write(output, workflow.html(found))
-    return Outcome.of(found)
+    return CommandResult.from_result(found)
 
 
 _UNDER_MASS = ("--mass", "--seals", "--seal-mass", "--compression", "--band", "--relative")
@@ -205,13 +234,13 @@ def _follow(files: Sequence[str], job: Job, study: Study) -> str:
     if study.joint is not None and study.mass is not None:
         # fewer arms than the relaxation test has are of its own fit alone
         few = isinstance(job.arms, int) and job.arms < study.joint.few_arms.arms
-        again = options.given_to("fit", but=("--arms",) if few else ())
+        again = options.get_typed_options_for("fit", but=("--arms",) if few else ())
         if job.mass is None:  # a fit takes no mass that is not known: one that is hardly known
             found = ("--mass", grams(study.mass), "--mass-sd", grams(0.5 * study.mass))
             again += found
-        return typed("fit", *files, *again, "-o", "joint.json", why=why)
+        return format_command("fit", *files, *again, "-o", "joint.json", why=why)
     if job.impact_temperature is not None:
         return ""
     hits = [one.flag for one in options.hammer()]
-    again = options.given_to("fit", but=(*_UNDER_MASS, *hits))
-    return typed("fit", job.relaxation, *job.further, *again, "-o", "fit.json", why=why)
+    again = options.get_typed_options_for("fit", but=(*_UNDER_MASS, *hits))
+    return format_command("fit", job.relaxation, *job.further, *again, "-o", "fit.json", why=why)

@@ -8,19 +8,19 @@ from typing import Any
 
 import click
 
-from dashpot.base.choices import Rehearsed, words
+from dashpot.base.choices import Rehearsed, get_choice_values
 from dashpot.base.errors import DataError
-from dashpot.base.serialisation import Documented
+from dashpot.base.serialisation import Serialisable
 from dashpot.cli import _options as options
-from dashpot.cli._command import group, opt, rest, verb
-from dashpot.cli._command_io import Outcome, claim, typed, write
-from dashpot.cli._param_types import File, OneOf, WithUnit
-from dashpot.cli._simulation_options import creep, impact, relaxation, replayed
+from dashpot.cli._command import group, mark_advanced, opt, verb
+from dashpot.cli._command_io import CommandResult, claim, format_command, write
+from dashpot.cli._param_types import ChoiceWithSuggestion, File, WithUnit
+from dashpot.cli._simulation_options import creep, impact, relaxation, simulate_trajectory
 from dashpot.text_output.layout import Text
 
 
 @dataclass(frozen=True)
-class Simulated(Documented):
+class Simulated(Serialisable):
     """What was simulated, its file, that of the truth, or its text where there are none."""
 
     schema = "dashpot/simulated@1"
@@ -39,63 +39,109 @@ class Simulated(Documented):
   dashpot simulate relaxation --depth 8mm -o seal.csv
   dashpot simulate impact --seal broad --mass 104g --hits 5 -o hammer.csv
   dashpot simulate motion --follow ramp.csv -o replay.csv""",
-    click.Argument(["what"], type=OneOf(words(Rehearsed)), metavar="|".join(words(Rehearsed))),
+    click.Argument(
+        ["what"],
+        type=ChoiceWithSuggestion(get_choice_values(Rehearsed)),
+        metavar="|".join(get_choice_values(Rehearsed)),
+    ),
     group(
         "Test",
-        opt("--seal", default="paper", metavar="NAME|FIT",
-            help="paper, broad, hidden, or a fit (paper)."),
-        opt("--depth", type=WithUnit("length"), default="8mm", metavar="LENGTH",
-            help="Compression (8mm)."),
-        opt("--load", type=WithUnit("force"), default="1N", metavar="FORCE",
-            help="Load of a creep test (1N)."),
+        opt(
+            "--seal",
+            default="paper",
+            metavar="NAME|FIT",
+            help="paper, broad, hidden, or a fit (paper).",
+        ),
+        opt(
+            "--depth",
+            type=WithUnit("length"),
+            default="8mm",
+            metavar="LENGTH",
+            help="Compression (8mm).",
+        ),
+        opt(
+            "--load",
+            type=WithUnit("force"),
+            default="1N",
+            metavar="FORCE",
+            help="Load of a creep test (1N).",
+        ),
         opt("--ramp", type=WithUnit("time"), default="1s", metavar="TIME", help="Ramp time (1s)."),
-        opt("--hold", type=WithUnit("time"), default="40s", metavar="TIME",
-            help="Hold time (40s)."),
-        opt("--temperature", type=WithUnit("temperature"), metavar="TEMPERATURE",
-            help="Test temperature; the file states it."),
+        opt(
+            "--hold", type=WithUnit("time"), default="40s", metavar="TIME", help="Hold time (40s)."
+        ),
+        opt(
+            "--temperature",
+            type=WithUnit("temperature"),
+            metavar="TEMPERATURE",
+            help="Test temperature; the file states it.",
+        ),
         opt("--mass", type=WithUnit("mass"), metavar="MASS", help="Block (it peaks at 12.71 Hz)."),
         opt("--seals", type=float, default=2.0, metavar="N", help="Seals under the block (2)."),
-        opt("--hits", type=click.IntRange(1), default=5, metavar="N",
-            help="Number of hammer hits (5)."),
+        opt(
+            "--hits",
+            type=click.IntRange(1),
+            default=5,
+            metavar="N",
+            help="Number of hammer hits (5).",
+        ),
         opt("--hit-length", type=WithUnit("time"), metavar="TIME", help="Record after each hit."),
-        opt("--follow", type=File(), metavar="FILE",
-            help="Motion to follow: time and displacement."),
+        opt(
+            "--follow", type=File(), metavar="FILE", help="Motion to follow: time and displacement."
+        ),
         opt("--seed", type=click.IntRange(0), default=0, metavar="N", help="Seed of noise (0)."),
-        rest(
-            opt("--rate", type=WithUnit("frequency"), metavar="FREQUENCY",
-                help="Sampling rate (the instrument's own)."),
+        mark_advanced(
+            opt(
+                "--rate",
+                type=WithUnit("frequency"),
+                metavar="FREQUENCY",
+                help="Sampling rate (the instrument's own).",
+            ),
             options.wlf(),
         ),
     ),
     group(
         "Faults of the rig",
         opt("--noise-free", help="No noise, drift, bias, hum or quantisation."),
-        rest(
+        mark_advanced(
             opt("--softening", type=float, metavar="SHARE", help="Mullins softening, e.g. 0.12."),
-            opt("--warming", type=WithUnit("force"), metavar="FORCE",
-                help="Zero drift of the load cell in 10 min."),
+            opt(
+                "--warming",
+                type=WithUnit("force"),
+                metavar="FORCE",
+                help="Zero drift of the load cell in 10 min.",
+            ),
             opt("--friction", type=float, metavar="M/S^2", help="Stick-slip of the axis."),
             opt("--gauges", help="Six gauge voltages and their calibration."),
-            opt("--misaligned", type=WithUnit("angle"), metavar="ANGLE",
-                help="Misalignment of the transducer, e.g. 2deg."),
-            opt("--antialias", type=WithUnit("frequency"), metavar="FREQUENCY",
-                help="Corner of the card's filter."),
+            opt(
+                "--misaligned",
+                type=WithUnit("angle"),
+                metavar="ANGLE",
+                help="Misalignment of the transducer, e.g. 2deg.",
+            ),
+            opt(
+                "--antialias",
+                type=WithUnit("frequency"),
+                metavar="FREQUENCY",
+                help="Corner of the card's filter.",
+            ),
         ),
     ),
-    options.result("CSV; - is stdout (required).", ".csv", ".txt", plot=False, opens=False,
-                   required=True),
-)  # fmt: skip
-def command(*, what: str, output: str, **choices: Any) -> Outcome:
+    options.result(
+        "CSV; - is stdout (required).", ".csv", ".txt", plot=False, opens=False, required=True
+    ),
+)
+def command(*, what: str, output: str, **choices: Any) -> CommandResult:
     """Simulate a relaxation, creep or impact test, or the record of a motion."""
     tests: dict[str, Any] = {
-        "relaxation": relaxation, "creep": creep, "impact": impact, "motion": replayed,
+        "relaxation": relaxation, "creep": creep, "impact": impact, "motion": simulate_trajectory,
     }  # fmt: skip
     made = tests[what]
     _refuse_senseless(what, output, choices)
     if output == "-":
         text, *_ = made(**choices)
         write(output, text)
-        return Outcome(Simulated(what, output, None, text), Text())
+        return CommandResult(Simulated(what, output, None, text), Text())
     beside = str(Path(output).with_suffix(".truth.json"))
     known = str(Path(output).with_suffix(".cal"))
     gauges = [known] if choices["gauges"] else []
@@ -111,7 +157,7 @@ def command(*, what: str, output: str, **choices: Any) -> Outcome:
         says += [f"! {one}" for one in said]
         reading = ["fit", output, "--calibration", known]
     story = Text(says)
-    return Outcome(Simulated(what, output, beside), story, follow=typed(*reading))
+    return CommandResult(Simulated(what, output, beside), story, follow=format_command(*reading))
 
 
 _RIG = ("softening", "warming", "friction", "gauges", "misaligned", "antialias")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from dashpot.base.choices import Family
-from dashpot.base.serialisation import Documented
+from dashpot.base.serialisation import Serialisable
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
 
@@ -16,7 +16,7 @@ def family_of(solid: Solid) -> Family:
 
 
 @dataclass(frozen=True)
-class Alternative(Documented):
+class Alternative(Serialisable):
     """The best solid of another family, fitted to the same data.
 
     Attributes

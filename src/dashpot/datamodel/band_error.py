@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dashpot.base.serialisation import Documented
+from dashpot.base.serialisation import Serialisable
 from dashpot.solids.maxwell import Solid
 
 #: a loss factor that is known no better than this part of itself is not known
@@ -14,7 +14,7 @@ WELL_KNOWN = 0.3
 
 
 @dataclass(frozen=True)
-class BandError(Documented):
+class BandError(Serialisable):
     r"""Relative 95 % errors of stiffness and loss factor at lines of the valid band.
 
     Of :math:`|K^*|` and :math:`\eta = K''/K'`, over every non-negative spectrum that the test does
@@ -58,12 +58,16 @@ class BandError(Documented):
         K, K_other = (solid.complex_stiffness(omega=omega) for solid in (fitted, other))
         return replace(
             self,
-            stiffness=_apart(self.stiffness, np.abs(K), np.abs(K_other)),
-            loss_factor=_apart(self.loss_factor, K.imag / K.real, K_other.imag / K_other.real),
+            stiffness=_increase_errors(self.stiffness, np.abs(K), np.abs(K_other)),
+            loss_factor=_increase_errors(
+                self.loss_factor, K.imag / K.real, K_other.imag / K_other.real
+            ),
         )
 
 
-def _apart(errors: tuple[float, ...], value: np.ndarray, other: np.ndarray) -> tuple[float, ...]:
+def _increase_errors(
+    errors: tuple[float, ...], value: np.ndarray, other: np.ndarray
+) -> tuple[float, ...]:
     with np.errstate(divide="ignore", invalid="ignore"):
         factor = np.maximum(value / other, other / value)
     moved = (1 + np.array(errors)) * np.where(np.isfinite(factor), factor, np.inf) - 1

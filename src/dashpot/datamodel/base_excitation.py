@@ -6,15 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, hold_measured, number_of_run, slices
+from dashpot.base.arrays import EqualByValue, FloatArray, hold_measured, number_of_run, slices
 from dashpot.base.errors import DataError
-from dashpot.base.provenance import Source, of_file
-from dashpot.base.result_mixins import Described, Series, arrays
-from dashpot.base.validators import positive
+from dashpot.base.provenance import Source, describe_record_source
+from dashpot.base.result_mixins import HasSummary, Series, collect_arrays
+from dashpot.base.validators import require_positive
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ShakenTest(ByValue, Described):
+class ShakenTest(EqualByValue, HasSummary):
     """The motions of a base and of the mass on its mounts, sampled together.
 
     Attributes
@@ -42,7 +42,7 @@ class ShakenTest(ByValue, Described):
     relative: bool = False
 
     def __post_init__(self) -> None:
-        positive(rate=self.rate, unit=" Hz", expected="a sampling rate > 0")
+        require_positive(rate=self.rate, unit=" Hz", expected="a sampling rate > 0")
         hold_measured(self, "base", "mass", minimum=8)
         if self.order not in (0, 1, 2):
             raise DataError(f"order = {self.order!r}; expected 0, 1 or 2")
@@ -53,7 +53,7 @@ class ShakenTest(ByValue, Described):
         time = np.arange(len(self.base)) / self.rate
         return {
             "time": (time, "s"), "record": (number_of_run(self.starts, len(time)), ""),
-            **arrays(self, base="m/s^2", mass=("m", "m/s", "m/s^2")[self.order]),
+            **collect_arrays(self, base="m/s^2", mass=("m", "m/s", "m/s^2")[self.order]),
         }  # fmt: skip
 
     @property
@@ -61,7 +61,7 @@ class ShakenTest(ByValue, Described):
         """Which record it is, and how hard the base was shaken."""
         one = self.source[0] if len(self.source) == 1 else None
         return (
-            of_file(one, len(self.base)),
+            describe_record_source(one, len(self.base)),
             f"base and mass at {self.rate:.6g} Hz, the base at {self.base.std():.4g} m/s^2 rms",
         )
 

@@ -10,12 +10,12 @@ from typing import Literal, TypeAlias, TypedDict
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, Frozen, frozen, increasing, samples
+from dashpot.base.arrays import EqualByValue, FloatArray, FrozenArrays, frozen, increasing, samples
 from dashpot.base.errors import DataError
-from dashpot.base.number_format import duration, interval, rounded
-from dashpot.base.reported_values import Fact
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import in_unit, read_in
+from dashpot.base.number_format import duration, interval, round_to_error
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import convert_to_unit, get_display_unit
 from dashpot.datamodel.frf import Kind
 from dashpot.solids.maxwell import Solid
 
@@ -40,8 +40,9 @@ def naming(time: float, now: float, then: float) -> str:
     return (
         "Record a baseline of 10 s, and give the drift, compliance and creep of the machine and "
         "the rest of the seal: "
-        f"k({duration(time)}) is then known to about {rounded(100 * then, digits=1)} % instead of "
-        f"{rounded(100 * now, digits=2)} %."
+        f"k({duration(time)}) is then known to about {round_to_error(100 * then, digits=1)} % "
+        "instead of "
+        f"{round_to_error(100 * now, digits=2)} %."
     )
 
 
@@ -58,7 +59,7 @@ _UNKNOWN = (math.nan, math.nan)
 
 
 @dataclass(frozen=True)
-class EndOfHold(Documented):
+class EndOfHold(Serialisable):
     r"""What a test knows of the stiffness when it ends, and what it leaves open.
 
     Limits over every non-negative spectrum that the test does not reject, N/m, or Pa of a material.
@@ -161,22 +162,27 @@ class EndOfHold(Documented):
         return self._limits(unit, self._subject(unit))
 
     def _limits(self, unit: str, subject: str) -> str:
-        word = read_in(unit)
-        low, high = (in_unit(end, word) for end in self.k_end)
-        most = rounded(in_unit(self.k_inf[1], word), (high - low) / 4)
+        word = get_display_unit(unit)
+        low, high = (convert_to_unit(end, word) for end in self.k_end)
+        most = round_to_error(convert_to_unit(self.k_inf[1], word), (high - low) / 4)
         beyond = ""
         if not math.isnan(self.k_10end[0]):
-            later = interval(*(in_unit(end, word) for end in self.k_10end))
-            beyond = f", at {self._at(10)} {later} {word}"
+            later = interval(*(convert_to_unit(end, word) for end in self.k_10end))
+            beyond = f", at {self._format_end(10)} {later} {word}"
         return (
-            f"At {self._at(1)} {subject} is {interval(low, high)} {word}{beyond}. It may fall "
+            f"At {self._format_end(1)} {subject} is {interval(low, high)} {word}{beyond}. It may "
+            "fall "
             f"further, and ends at {most} {word} or below"
         )
 
-    def _at(self, times: float) -> str:
+    def _format_end(self, times: float) -> str:
         """When, or at which frequency, so many times as late as T."""
         t = times * self.time
-        return f"{rounded(1 / (2 * math.pi * t))} Hz" if self.in_frequency else f"{rounded(t)} s"
+        return (
+            f"{round_to_error(1 / (2 * math.pi * t))} Hz"
+            if self.in_frequency
+            else f"{round_to_error(t)} s"
+        )
 
     def _subject(self, unit: str) -> str:
         of_material = unit == "Pa"
@@ -200,24 +206,24 @@ class EndOfHold(Documented):
         half = (high - low) / (high + low)
         return naming(self.time, half, self.named * half)
 
-    def fact(self, solid: Solid, unit: str) -> Fact:
+    def fact(self, solid: Solid, unit: str) -> ReportedValue:
         """The stiffness of a solid at the end of the test, between these limits."""
-        at = self._at(1) if self.in_frequency else duration(self.time)
+        at = self._format_end(1) if self.in_frequency else duration(self.time)
         what = "K'" if self.in_frequency else {"creep": "1/J"}.get(self.ended, "k")
-        return Fact("k_end", self.of(solid), *self.k_end, unit, words=f"{what}({at})")
+        return ReportedValue("k_end", self.of(solid), *self.k_end, unit, words=f"{what}({at})")
 
     def __mul__(self, count: float) -> EndOfHold:
         """So many parts side by side."""
 
-        def scaled(ends: tuple[float, float]) -> tuple[float, float]:
+        def scale_ends(ends: tuple[float, float]) -> tuple[float, float]:
             return count * ends[0], count * ends[1]
 
         return replace(
             self,
-            k_end=scaled(self.k_end),
-            k_3end=scaled(self.k_3end),
-            k_10end=scaled(self.k_10end),
-            k_inf=scaled(self.k_inf),
+            k_end=scale_ends(self.k_end),
+            k_3end=scale_ends(self.k_3end),
+            k_10end=scale_ends(self.k_10end),
+            k_inf=scale_ends(self.k_inf),
             falling=count * self.falling,
         )
 
@@ -228,7 +234,7 @@ def _holding(reach: tuple[float, float], value: float) -> tuple[float, float]:
     return reach if math.isnan(low) else (min(low, value), max(high, value))
 
 
-class LeftOpen(TypedDict):
+class StiffnessLimits(TypedDict):
     """Limits of stiffnesses, N/m, over every spectrum that the tests do not reject."""
 
     k_inf: tuple[float, float]
@@ -237,7 +243,7 @@ class LeftOpen(TypedDict):
 
 
 @dataclass(frozen=True, eq=False)
-class StiffnessBounds(ByValue):
+class StiffnessBounds(EqualByValue):
     """Lower and upper limits of the dynamic stiffness against frequency.
 
     Attributes
@@ -274,7 +280,7 @@ class StiffnessBounds(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class FRFBounds(Frozen):
+class FRFBounds(FrozenArrays):
     """Between which limits the response of a mass on a seal is predicted.
 
     Attributes
@@ -313,14 +319,14 @@ class FRFBounds(Frozen):
         if self.peak_frequency is None:
             return "No model that the relaxation test allows has a resonance."
         low, high = self.peak_frequency
-        most = "Hz and above" if math.isinf(high) else f"to {rounded(high, digits=3)} Hz"
+        most = "Hz and above" if math.isinf(high) else f"to {round_to_error(high, digits=3)} Hz"
         where = (
             "The relaxation test alone limits the resonance of a linear seal to "
-            f"{rounded(low, digits=3)} {most}"
+            f"{round_to_error(low, digits=3)} {most}"
         )
         if self.peak_height is None:
             return f"{where}."
         low, high = self.peak_height
         unit = " 1/kg" if self.kind is Kind.ACCELERANCE else " m/m"
-        most = f"{unit} and above" if math.isinf(high) else f" to {rounded(high)}{unit}"
-        return f"{where}, and the peak to {rounded(low)}{most}."
+        most = f"{unit} and above" if math.isinf(high) else f" to {round_to_error(high)}{unit}"
+        return f"{where}, and the peak to {round_to_error(low)}{most}."

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 
 from dashpot.base.errors import DataError
-from dashpot.base.units import written
+from dashpot.base.units import format_quantity
 from dashpot.solids.elastic import ElasticLaw
 
 FARTHEST = 3.0
 """Times the depth tested, at most."""
 
 
-def refuse_far(
+def require_plausible_compression(
     compression: float,
     law: ElasticLaw | None,
     height: float | None,
@@ -39,13 +39,15 @@ def refuse_far(
     if not math.isfinite(compression):
         return
     if height is not None and compression >= height:
-        known = f"it is {written(height, 'mm')} high"
+        known = f"it is {format_quantity(height, 'mm')} high"
     elif law is not None and compression > FARTHEST * law.depth:
-        known = f"it was tested to {written(law.depth, 'mm', '.3g')}"
+        known = f"it was tested to {format_quantity(law.depth, 'mm', '.3g')}"
     else:
         return
     pressed, asked = "the compression given presses", "check its unit"
     if carried is not None:
         pressed = f"a mass of {carried:.4g} kg on each presses"
         asked = "check the mass and its unit (is it g?), and the number of seals"
-    raise DataError(f"{pressed} the seal by {written(compression, 'mm')}, but {known}: {asked}")
+    raise DataError(
+        f"{pressed} the seal by {format_quantity(compression, 'mm')}, but {known}: {asked}"
+    )

@@ -9,29 +9,29 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray
+from dashpot.base.arrays import EqualByValue, FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.choices import Family, Method, PartMode, words
+from dashpot.base.choices import Family, Method, PartMode, get_choice_values
 from dashpot.base.errors import DataError
-from dashpot.base.number_format import counted, where
+from dashpot.base.number_format import format_band, format_count
 from dashpot.base.provenance import Source, Step
-from dashpot.base.reported_values import NORMAL, Fact
-from dashpot.base.result_mixins import Pictured
+from dashpot.base.reported_values import NORMAL, ReportedValue
+from dashpot.base.result_mixins import Plottable
 from dashpot.base.sentences import sentence
-from dashpot.base.serialisation import Documented
+from dashpot.base.serialisation import Serialisable
 from dashpot.base.status import Status
-from dashpot.base.units import Quantity, celsius, si, written
-from dashpot.base.validators import positive
+from dashpot.base.units import Quantity, celsius, convert_to_si, format_quantity
+from dashpot.base.validators import require_positive
 from dashpot.datamodel.alternative_model import Alternative, family_of
-from dashpot.datamodel.bounds import EndOfHold, LeftOpen
-from dashpot.datamodel.compression_limits import refuse_far
+from dashpot.datamodel.bounds import EndOfHold, StiffnessLimits
+from dashpot.datamodel.compression_limits import require_plausible_compression
 from dashpot.datamodel.fit_diagnostics import (
-    AtDepth,
     Certificate,
+    DepthStiffness,
     Evidence,
     Explanation,
-    Moved,
     OrderScore,
+    ParameterChange,
     Provenance,
 )
 from dashpot.datamodel.parameter_estimate import (
@@ -47,7 +47,7 @@ from dashpot.datamodel.parameter_estimate import (
 )
 from dashpot.datamodel.shift_factors import CONTRADICT, SAME_TEMPERATURE, Shift, TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
-from dashpot.numerics.inference.model_order import arms_known
+from dashpot.numerics.inference.model_order import is_well_determined
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, MaxwellArm, Solid
@@ -60,7 +60,7 @@ LINES_IN_BAND = 9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Fit(ByValue, Pictured, Documented):
+class Fit(EqualByValue, Plottable, Serialisable):
     """A fitted solid, how well each parameter is known, and what the test cannot tell.
 
     Attributes
@@ -141,7 +141,9 @@ class Fit(ByValue, Pictured, Documented):
     def called(self) -> str:
         """The solid in few words: how many arms it has, or its family."""
         return (
-            "fractional solid" if self.family == "fractional" else counted(self.model.arms, "arm")
+            "fractional solid"
+            if self.family == "fractional"
+            else format_count(self.model.arms, "arm")
         )
 
     @property
@@ -159,9 +161,9 @@ class Fit(ByValue, Pictured, Documented):
         """How well stiffness and loss factor are known, and where; empty without a band."""
         if not self.band[1] > 0:
             return ""
-        within = where(self.band)
+        within = format_band(self.band)
         beyond = "Outside this band the model is an extrapolation."
-        if self.unit == "N/m" and self.method in words(Method):
+        if self.unit == "N/m" and self.method in get_choice_values(Method):
             # no ramp and hold tells a flow that grows as a power of its force from arms
             beyond = "Outside this band a linear seal is assumed: add a hammer test."
         if self.method == "full" and 1 < len(self.shifts) < CONTRADICT:
@@ -193,7 +195,7 @@ class Fit(ByValue, Pictured, Documented):
         lines = np.geomspace(low or 1e-3 * high, high, LINES_IN_BAND)
         s = np.asarray(2j * np.pi * lines, dtype=complex)
         stiffness, loss_factor = (
-            NORMAL * error for error in self._of_arms.errors_of_vibration(self.model, s)
+            NORMAL * error for error in self._arm_estimate.errors_of_vibration(self.model, s)
         )
         end = self.end_of_hold
         if end is not None and np.isfinite(end.k_end[1]):
@@ -218,8 +220,8 @@ class Fit(ByValue, Pictured, Documented):
         DataError
             If the compression is not a number > 0.
         """
-        compression = si(compression, "length")
-        positive(compression=compression, unit=" m")
+        compression = convert_to_si(compression, "length")
+        require_positive(compression=compression, unit=" m")
         law = self.elastic_law
         if law is None or law.kind == "linear":
             return self.model
@@ -261,8 +263,8 @@ class Fit(ByValue, Pictured, Documented):
             If the fit is of one temperature and this is another, if it is less than 10 K above
             the glass transition that a WLF law implies, or where the law says nothing.
         """
-        kelvin = si(temperature, "temperature")
-        positive(temperature=kelvin, unit=" K")
+        kelvin = convert_to_si(temperature, "temperature")
+        require_positive(temperature=kelvin, unit=" K")
         if self.temperatures is not None:
             return self.temperatures.shifted(self.model, kelvin)
         tested = self.specimen.temperature
@@ -282,7 +284,7 @@ class Fit(ByValue, Pictured, Documented):
         DataError
             As :meth:`at`.
         """
-        kelvin = si(temperature, "temperature")
+        kelvin = convert_to_si(temperature, "temperature")
         solid, moved = self.at(kelvin), self.temperatures
         if moved is None or kelvin == moved.reference:
             return self
@@ -292,17 +294,17 @@ class Fit(ByValue, Pictured, Documented):
             (("temperature_K", repr(kelvin)), ("of", self.identity)),
             f"at {celsius(kelvin)}, a_T = {a_t:.5g} and b_T = {b_t:.5g} times fit {self.identity}",
         )
-        scaled = self._scaled(b_t, step)
+        scaled = self._scale_stiffness(b_t, step)
 
-        def there(covariance: FloatArray) -> FloatArray:
+        def convert_covariance(covariance: FloatArray) -> FloatArray:
             return moved.covariance_at(kelvin, self.parameters, covariance, self.model)
 
         of_noise = self.estimate.of_noise
         # what a test adds to the force of the solid it adds at any temperature
         estimate = replace(
             scaled.estimate,
-            covariance=there(self.covariance),
-            of_noise=None if of_noise is None else there(of_noise),
+            covariance=convert_covariance(self.covariance),
+            of_noise=None if of_noise is None else convert_covariance(of_noise),
             profiles=(),
             nuisance=self.nuisance,
         )
@@ -332,7 +334,7 @@ class Fit(ByValue, Pictured, Documented):
         if end is None or self.temperatures is None:
             return None
         s = np.array([1j / end.time], dtype=complex)
-        here = self._of_arms
+        here = self._arm_estimate
         there = replace(
             here,
             covariance=self.temperatures.covariance_at(
@@ -393,7 +395,7 @@ class Fit(ByValue, Pictured, Documented):
         if self.status is not Status.NOT_IDENTIFIED or len(self.parameters) < 1 + 2 * arms:
             return ()
         error = np.sqrt(np.diag(self.estimate.noise_alone.covariance))
-        known = arms_known(
+        known = is_well_determined(
             np.array(self.model.k), error[1 : 1 + arms], error[1 + arms : 1 + 2 * arms]
         )
         return tuple(tau for tau, sure in zip(self.model.tau, known, strict=True) if not sure)
@@ -412,7 +414,7 @@ class Fit(ByValue, Pictured, Documented):
         stand for it follow from its own four. Of relaxation tests they hold what their rigs may
         have done unseen; without it they are those of `estimate.noise_alone`.
         """
-        found = self._of_arms.standard_errors(self.model)
+        found = self._arm_estimate.standard_errors(self.model)
         return {**found, "k_inf": self._without_error(found["k_inf"])}
 
     def _without_error(self, error: float) -> float:
@@ -432,7 +434,7 @@ class Fit(ByValue, Pictured, Documented):
         DataError
             If `level` is not between 0 and 1.
         """
-        found = self._of_arms.intervals(self.model, level)
+        found = self._arm_estimate.intervals(self.model, level)
         return {**found, "k_inf": self._k_inf_between(found["k_inf"], level)}
 
     def _k_inf_between(self, formal: Interval, level: float) -> Interval:
@@ -453,7 +455,7 @@ class Fit(ByValue, Pictured, Documented):
         ``k_inf``, ``k_0``, ``tau`` and ``alpha`` of a fractional solid; ``k_inf``, ``k_1``,
         ``tau_1``... of one with arms. That of k_inf is nan, as in :attr:`standard_error`.
         """
-        found = _own(self.estimate.errors(self.solid))
+        found = _drop_dashpots(self.estimate.errors(self.solid))
         return (
             {**found, "k_inf": self._without_error(found["k_inf"])} if "k_inf" in found else found
         )
@@ -469,26 +471,26 @@ class Fit(ByValue, Pictured, Documented):
             If `level` is not between 0 and 1.
         """
         found = self.estimate.ends(self.solid, level)
-        return _own({**found, "k_inf": self._k_inf_between(found["k_inf"], level)})
+        return _drop_dashpots({**found, "k_inf": self._k_inf_between(found["k_inf"], level)})
 
     @property
-    def facts(self) -> tuple[Fact, ...]:
+    def facts(self) -> tuple[ReportedValue, ...]:
         """Every parameter of the solid with its standard error and 95 % interval.
 
         No test bounds k_inf from below: it is at most so much, and has no error.
         """
-        return self._at_most(self.estimate.facts(self.solid, self.unit))
+        return self._replace_open_k_inf(self.estimate.facts(self.solid, self.unit))
 
     @property
-    def arm_facts(self) -> tuple[Fact, ...]:
+    def arm_facts(self) -> tuple[ReportedValue, ...]:
         """The same of the arms: those that stand for a fractional solid, not its own four."""
-        return self._at_most(self._of_arms.facts(self.model, self.unit))
+        return self._replace_open_k_inf(self._arm_estimate.facts(self.model, self.unit))
 
-    def _at_most(self, found: tuple[Fact, ...]) -> tuple[Fact, ...]:
+    def _replace_open_k_inf(self, found: tuple[ReportedValue, ...]) -> tuple[ReportedValue, ...]:
         """Facts with what a test leaves of k_inf: what it is at most."""
         return tuple(self._k_inf_at_most(one) if one.name == "k_inf" else one for one in found)
 
-    def _k_inf_at_most(self, formal: Fact) -> Fact:
+    def _k_inf_at_most(self, formal: ReportedValue) -> ReportedValue:
         """k_inf as every table has it, from its formal interval: what it is at most."""
         end = self.end_of_hold
         high = formal.high if end is None else end.k_inf[1]
@@ -498,7 +500,7 @@ class Fit(ByValue, Pictured, Documented):
         return replace(formal, low=np.nan, high=high, error=None, words=below)
 
     @property
-    def known(self) -> tuple[Fact, ...]:
+    def known(self) -> tuple[ReportedValue, ...]:
         """What a reader is told of the solid, by all tables alike.
 
         The stiffness at the end of the hold, then every parameter; of a spectrum, whose single
@@ -509,8 +511,8 @@ class Fit(ByValue, Pictured, Documented):
             ends = [("k_inf", model.k_inf, self.unit), ("k_0", model.k_0, self.unit)]
             if model.arms:
                 ends += [("tau from", model.tau[0], "s"), ("tau to", model.tau[-1], "s")]
-            found = self._at_most(
-                tuple(Fact(name, value, unit=of, error=np.inf) for name, value, of in ends)
+            found = self._replace_open_k_inf(
+                tuple(ReportedValue(name, value, unit=of, error=np.inf) for name, value, of in ends)
             )
         return found if end is None else (end.fact(model, self.unit), *found)
 
@@ -558,7 +560,7 @@ class Fit(ByValue, Pictured, Documented):
         return next((one.value for one in self.nuisance if one.name == "stiffness_factor"), 1.0)
 
     @property
-    def _of_arms(self) -> ParameterEstimate:
+    def _arm_estimate(self) -> ParameterEstimate:
         """What is known of the arms of the solid."""
         if isinstance(self.solid, FractionalZener) and self.parameters:
             return self.estimate.of_arms(self.solid)
@@ -587,12 +589,12 @@ class Fit(ByValue, Pictured, Documented):
         return self.evidence.checks
 
     @property
-    def by_depth(self) -> tuple[AtDepth, ...]:
+    def by_depth(self) -> tuple[DepthStiffness, ...]:
         """The stiffnesses of each test, where each has its own."""
         return self.evidence.by_depth
 
     @property
-    def moved(self) -> tuple[Moved, ...]:
+    def moved(self) -> tuple[ParameterChange, ...]:
         """What a further test changed."""
         return self.evidence.moved
 
@@ -617,7 +619,7 @@ class Fit(ByValue, Pictured, Documented):
         return self.evidence.creep
 
     @property
-    def left_open(self) -> LeftOpen | None:
+    def left_open(self) -> StiffnessLimits | None:
         r"""Between which limits tests leave k_inf, k(T) and k(3 T), in `unit`.
 
         T is the time that the seal was held, from the end of the ramp,
@@ -628,7 +630,9 @@ class Fit(ByValue, Pictured, Documented):
         """
         end = self.evidence.end_of_hold
         return (
-            None if end is None else LeftOpen(k_inf=end.k_inf, k_end=end.k_end, k_3end=end.k_3end)
+            None
+            if end is None
+            else StiffnessLimits(k_inf=end.k_inf, k_end=end.k_end, k_3end=end.k_3end)
         )
 
     # -- where it comes from ------------------------------------------------------------------
@@ -700,11 +704,11 @@ class Fit(ByValue, Pictured, Documented):
             (("count", f"{count:g}"), ("of", self.identity)),
             f"{count:g} in parallel of fit {self.identity}",
         )
-        scaled = self._scaled(count, step)
+        scaled = self._scale_stiffness(count, step)
         specimen = replace(self.specimen, length=length)
         return replace(scaled, provenance=replace(scaled.provenance, specimen=specimen))
 
-    def aged(self, left: Fact, says: str, *, checks: Sequence[Check] = ()) -> Fit:
+    def aged(self, left: ReportedValue, says: str, *, checks: Sequence[Check] = ()) -> Fit:
         r"""The fit of the same part when aging has left so much of it: every stiffness times that.
 
         .. math:: C' = f^2 C + \sigma_f^2\,k k^T
@@ -736,7 +740,7 @@ class Fit(ByValue, Pictured, Documented):
             (("left", repr(left.value)), ("of", self.identity)),
             f"{left.value:.4g} of fit {self.identity} is left {says}",
         )
-        scaled = self._scaled(left.value, step)
+        scaled = self._scale_stiffness(left.value, step)
         here = {one.name: one.value for one in self.estimate.facts(self.solid, self.unit)}
         k = np.array([here.get(name, 0.0) for name in self.parameters])
         known, by = scaled.estimate, error**2 * np.outer(k, k)
@@ -759,19 +763,20 @@ class Fit(ByValue, Pictured, Documented):
         DataError
             If the compression is not a number > 0, or one that no such seal has.
         """
-        compression = si(compression, "length")
+        compression = convert_to_si(compression, "length")
         tangent = self.model_at(compression)
-        refuse_far(compression, self.elastic_law, self.specimen.height)
+        require_plausible_compression(compression, self.elastic_law, self.specimen.height)
         if self.elastic_law is None or self.elastic_law.kind == "linear":
             return self
         factor = float(self.elastic_law.factor(compression))
         step = Step(
             "compression",
             (("compression_m", repr(compression)), ("of", self.identity)),
-            f"tangent at {written(compression, 'mm')}, {factor:.4g} times the secant of fit "
+            f"tangent at {format_quantity(compression, 'mm')}, {factor:.4g} times the secant of "
+            "fit "
             f"{self.identity}",
         )
-        return replace(self._scaled(factor, step), solid=tangent, elastic_law=None)
+        return replace(self._scale_stiffness(factor, step), solid=tangent, elastic_law=None)
 
     def with_elastic_law(
         self, law: ElasticLaw, *, checks: Sequence[Check] = (), stiffness: float | None = None
@@ -792,8 +797,8 @@ class Fit(ByValue, Pictured, Documented):
         held = self.elastic_law.depth
         if law.depth < 0.99 * held:
             raise DataError(
-                f"the law ends at {written(law.depth, 'mm')}, and the test was held at "
-                f"{written(held, 'mm')}: expected a cycle at least as deep"
+                f"the law ends at {format_quantity(law.depth, 'mm')}, and the test was held at "
+                f"{format_quantity(held, 'mm')}: expected a cycle at least as deep"
             )
         factor = held / float(law.path(held))
         if stiffness is not None:
@@ -801,10 +806,10 @@ class Fit(ByValue, Pictured, Documented):
         step = Step(
             "elastic law",
             (("depth_m", repr(law.depth)), ("of", self.identity)),
-            f"elastic law of compression load deflection to {written(law.depth, 'mm')}: "
+            f"elastic law of compression load deflection to {format_quantity(law.depth, 'mm')}: "
             f"stiffnesses there {factor:.4g} times the secant of fit {self.identity}",
         )
-        scaled = self._scaled(factor, step)
+        scaled = self._scale_stiffness(factor, step)
         return replace(
             scaled,
             elastic_law=replace(law, stiffness=scaled.model.k_inf),
@@ -840,15 +845,15 @@ class Fit(ByValue, Pictured, Documented):
             shape = named_shape(shape)
         drawn = isinstance(shape, Geometry)
         factor = shape.factor(mode, bonded=bonded) if isinstance(shape, Geometry) else shape
-        positive("geometry ", factor=factor, unit=" m")
+        require_positive("geometry ", factor=factor, unit=" m")
         step = Step(
             "part",
             (("factor_m", repr(factor)), ("shape", repr(shape) if drawn else "given")),
             f"{factor:.5g} m times the modulus of fit {self.identity}",
         )
-        return replace(self._scaled(factor, step), unit="N/m")
+        return replace(self._scale_stiffness(factor, step), unit="N/m")
 
-    def _scaled(self, count: float, step: Step) -> Fit:
+    def _scale_stiffness(self, count: float, step: Step) -> Fit:
         scale = np.array([1.0 if name.startswith(SHAPE) else count for name in self.parameters])
         other = self.alternative
         return replace(
@@ -872,6 +877,6 @@ class Fit(ByValue, Pictured, Documented):
         )
 
 
-def _own(found: dict[str, _One]) -> dict[str, _One]:
+def _drop_dashpots(found: dict[str, _One]) -> dict[str, _One]:
     """Without the dashpots, of which k and tau say all."""
     return {name: one for name, one in found.items() if not name.startswith("b")}

@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.base.provenance import Source, Step
-from dashpot.base.reported_values import Fact
+from dashpot.base.reported_values import ReportedValue
 from dashpot.datamodel.alternative_model import Alternative
 from dashpot.datamodel.band_error import BandError
 from dashpot.datamodel.bounds import EndOfHold
@@ -65,7 +65,7 @@ class Certificate:
 
 
 @dataclass(frozen=True)
-class Moved:
+class ParameterChange:
     """What a further test did to one parameter of the solid.
 
     Attributes
@@ -91,18 +91,20 @@ class Moved:
     after_most: float | None = None
 
     @property
-    def was(self) -> Fact | None:
+    def was(self) -> ReportedValue | None:
         """What it was, as a table has it; None for a new arm."""
         if self.before is None:
             return None
         high = np.nan if self.before_most is None else self.before_most
-        return Fact(self.name, self.before, high=high, unit=self.unit, error=self.before_se)
+        return ReportedValue(
+            self.name, self.before, high=high, unit=self.unit, error=self.before_se
+        )
 
     @property
-    def now(self) -> Fact:
+    def now(self) -> ReportedValue:
         """What it is, as a table has it."""
         high = np.nan if self.after_most is None else self.after_most
-        return Fact(self.name, self.after, high=high, unit=self.unit, error=self.after_se)
+        return ReportedValue(self.name, self.after, high=high, unit=self.unit, error=self.after_se)
 
     @property
     def shift(self) -> float | None:
@@ -146,7 +148,7 @@ class Explanation:
 
 
 @dataclass(frozen=True)
-class AtDepth:
+class DepthStiffness:
     """The stiffnesses of one test of several that share their relaxation times.
 
     Attributes
@@ -165,12 +167,14 @@ class AtDepth:
     k: tuple[float, ...]
     k_se: tuple[float, ...]
 
-    def facts(self, unit: str) -> tuple[Fact, ...]:
+    def facts(self, unit: str) -> tuple[ReportedValue, ...]:
         """Each stiffness with its error; an arm that is nothing here is one of other depths."""
-        rest = Fact("k_inf", self.k_inf, high=self.k_inf_most, unit=unit)
+        rest = ReportedValue("k_inf", self.k_inf, high=self.k_inf_most, unit=unit)
         names = (f"k_{j}" for j in range(1, len(self.k) + 1))
         each = zip(names, self.k, self.k_se, strict=True)
-        return rest, *(Fact(name, value, unit=unit, error=error) for name, value, error in each)
+        return rest, *(
+            ReportedValue(name, value, unit=unit, error=error) for name, value, error in each
+        )
 
 
 @dataclass(frozen=True)
@@ -207,8 +211,8 @@ class Evidence:
     orders: tuple[OrderScore, ...] = ()
     certificate: Certificate | None = None
     checks: tuple[Check, ...] = ()
-    by_depth: tuple[AtDepth, ...] = ()
-    moved: tuple[Moved, ...] = ()
+    by_depth: tuple[DepthStiffness, ...] = ()
+    moved: tuple[ParameterChange, ...] = ()
     explanations: tuple[Explanation, ...] = ()
     end_of_hold: EndOfHold | None = None
     creep: CreepEstimate | None = None

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import BoolArray, ByValue, FloatArray, frozen, samples
+from dashpot.base.arrays import BoolArray, EqualByValue, FloatArray, frozen, samples
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 
@@ -18,7 +18,7 @@ _NEAR = 8
 
 
 @dataclass(frozen=True, eq=False)
-class FreeModes(ByValue):
+class FreeModes(EqualByValue):
     r"""Undamped modes, scaled to a modal mass of 1 kg: :math:`u(p) = \sum_r \phi_r(p)\,q_r`.
 
     Attributes
@@ -53,7 +53,7 @@ class FreeModes(ByValue):
             raise DataError("a place or a shape of the modes is not finite")
         if (f < 0).any():
             raise DataError(f"a mode has a frequency of {f.min():g} Hz; expected numbers >= 0")
-        zeta = _each(self.damping_ratio, len(f))
+        zeta = _expand_damping_ratios(self.damping_ratio, len(f))
         still = np.flatnonzero(np.abs(shape).max(axis=(1, 2)) == 0)
         if still.size:
             raise DataError(
@@ -151,7 +151,7 @@ class FreeModes(ByValue):
         return motion @ R.T, motion
 
 
-def _each(damping_ratio: npt.ArrayLike, count: int) -> FloatArray:
+def _expand_damping_ratios(damping_ratio: npt.ArrayLike, count: int) -> FloatArray:
     """The damping ratio of each of so many modes."""
     zeta = np.array(damping_ratio, dtype=float)
     zeta = np.full(count, zeta) if zeta.shape == () else zeta

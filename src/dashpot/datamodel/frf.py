@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dashpot.base.array_units import SI, put_into_si, said_units, words_of
+from dashpot.base.array_units import SI, convert_field_to_si, make_units_field, words_of
 from dashpot.base.arrays import (
     BoolArray,
-    ByValue,
     ComplexArray,
+    EqualByValue,
     FloatArray,
     complex_samples,
     increasing,
@@ -22,9 +22,9 @@ from dashpot.base.arrays import (
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, Step
-from dashpot.base.reported_values import Fact
-from dashpot.base.result_mixins import Pictured, Series, arrays, verb
-from dashpot.base.serialisation import Documented
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.result_mixins import Plottable, Series, collect_arrays, load_function
+from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import Quantity, parse_unit
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ class Hit:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FRF(ByValue, Pictured, Documented):
+class FRF(EqualByValue, Plottable, Serialisable):
     r"""A frequency response function, measured or predicted.
 
     Sign convention: x(t) = Re X e^{+j omega t}; the receptance of a passive system has a
@@ -171,7 +171,7 @@ class FRF(ByValue, Pictured, Documented):
     checks: tuple[Check, ...] = ()
     source: tuple[Source, ...] = ()
     steps: tuple[Step, ...] = ()
-    units: str = said_units()
+    units: str = make_units_field()
 
     def __post_init__(self) -> None:
         self._into_si()
@@ -194,7 +194,7 @@ class FRF(ByValue, Pictured, Documented):
 
         As :func:`~dashpot.vibration.modal.dynamic_stiffness.dynamic_stiffness` finds them.
         """
-        of = verb("vibration.modal.dynamic_stiffness", "dynamic_stiffness")
+        of = load_function("vibration.modal.dynamic_stiffness", "dynamic_stiffness")
         found: DynamicStiffness = of(self, mass, seals=seals, **how)
         return found
 
@@ -203,7 +203,7 @@ class FRF(ByValue, Pictured, Documented):
         if self.units == SI:
             return
         hertz, of_value = words_of(self, {"frequency": "frequency", "value": "compliance"})
-        ratio = verb("reading.columns.response_units", "ratio")(of_value)
+        ratio = load_function("reading.columns.response_units", "ratio")(of_value)
         if ratio is None or ratio.order or ratio.kind.over_base != Kind(self.quantity).over_base:
             raise DataError(
                 f"FRF: '{of_value}' is no unit of {Kind(self.quantity).value}. Write for example "
@@ -214,7 +214,7 @@ class FRF(ByValue, Pictured, Documented):
                 f"FRF: '{of_value}' is a unit of {ratio.kind.value}, and the quantity is "
                 f"{Kind(self.quantity).value}. Say one of both otherwise"
             )
-        put_into_si(self, "frequency", parse_unit(hertz, "frequency"))
+        convert_field_to_si(self, "frequency", parse_unit(hertz, "frequency"))
         for name in ("value", "sd"):
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, ratio.factor * np.asarray(getattr(self, name)))
@@ -241,7 +241,7 @@ class FRF(ByValue, Pictured, Documented):
     @property
     def series(self) -> Series:
         """The response over frequency, and how well it is known."""
-        return arrays(self, frequency="Hz", value=self.unit, coherence="", sd=self.unit)
+        return collect_arrays(self, frequency="Hz", value=self.unit, coherence="", sd=self.unit)
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -339,10 +339,10 @@ class FRF(ByValue, Pictured, Documented):
             )
         relative = Kind.RELATIVE_TRANSMISSIBILITY
         if self.quantity.over_base:
-            return self.to(relative)._scaled(-1 / mass, Kind.ACCELERANCE).to(kind)
-        return self.to(Kind.ACCELERANCE)._scaled(-mass, relative).to(kind)
+            return self.to(relative)._scale_value(-1 / mass, Kind.ACCELERANCE).to(kind)
+        return self.to(Kind.ACCELERANCE)._scale_value(-mass, relative).to(kind)
 
-    def _scaled(self, factor: float, kind: Kind) -> FRF:
+    def _scale_value(self, factor: float, kind: Kind) -> FRF:
         """So many times as large, and of another kind."""
         sd = None if self.sd is None else abs(factor) * self.sd
         return replace(self, value=factor * self.value, quantity=kind, sd=sd)
@@ -444,7 +444,7 @@ class FRF(ByValue, Pictured, Documented):
             If the lines cannot support the method: fewer than 5 in the half-power band.
         """
         measured = self.to(Kind.ACCELERANCE)  # what was recorded, and cut at its end
-        find_modes = verb("vibration.modal.modes", "find_modes")
+        find_modes = load_function("vibration.modal.modes", "find_modes")
         found: tuple[Mode, ...] = find_modes(measured, method=method, band=band, count=count)
         if self.shift_sd == 0:
             return found
@@ -461,7 +461,7 @@ def _as_kind(receptance: ComplexArray, s: ComplexArray, kind: Kind) -> ComplexAr
 
 
 @dataclass(frozen=True)
-class Mode(Documented):
+class Mode(Serialisable):
     r"""One mode: a pole pair :math:`p = \omega_n(-\zeta \pm j\sqrt{1-\zeta^2})` and its residue.
 
     Attributes
@@ -495,7 +495,7 @@ class Mode(Documented):
     method: str = "model"
 
     @property
-    def facts(self) -> tuple[Fact, Fact, Fact]:
+    def facts(self) -> tuple[ReportedValue, ReportedValue, ReportedValue]:
         """Frequency, damping ratio and size of the residue, as tables have them."""
         frequency, damping_ratio, residue = (
             # nobody told how well a model's is known, and none is held
@@ -503,9 +503,11 @@ class Mode(Documented):
             for error in (self.frequency_se, self.damping_ratio_se, self.residue_se)
         )
         return (
-            Fact.known("frequency", self.frequency, frequency, unit="Hz"),
-            Fact.known("damping ratio", self.damping_ratio, damping_ratio, unit="1", read="%"),
-            Fact.known("residue", abs(self.residue), residue, unit="m/(N s)"),
+            ReportedValue.known("frequency", self.frequency, frequency, unit="Hz"),
+            ReportedValue.known(
+                "damping ratio", self.damping_ratio, damping_ratio, unit="1", read="%"
+            ),
+            ReportedValue.known("residue", abs(self.residue), residue, unit="m/(N s)"),
         )
 
     @property

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, ComplexArray, FloatArray
+from dashpot.base.arrays import ComplexArray, EqualByValue, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.result_mixins import verb
+from dashpot.base.result_mixins import load_function
 from dashpot.datamodel.frf import FRF, Kind, Mode
 
 SAME_LINES = 1e-6
@@ -16,7 +16,7 @@ SAME_LINES = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class FRFSet(ByValue):
+class FRFSet(EqualByValue):
     """FRFs of one structure at several points, on the same lines, under the same window.
 
     Attributes
@@ -119,14 +119,14 @@ class FRFSet(ByValue):
         DataError
             If the band holds too few lines.
         """
-        found: tuple[ModeShape, ...] = verb("vibration.modal.multi_point", "find_shapes")(
+        found: tuple[ModeShape, ...] = load_function("vibration.modal.multi_point", "find_shapes")(
             self, band=band, count=count
         )
         return found
 
 
 @dataclass(frozen=True, eq=False)
-class ModeShape(ByValue):
+class ModeShape(EqualByValue):
     """A mode and how each point moves in it.
 
     Attributes

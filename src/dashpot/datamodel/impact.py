@@ -8,27 +8,27 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dashpot.base.array_units import into_si, said_units
+from dashpot.base.array_units import convert_arrays_to_si, make_units_field
 from dashpot.base.arrays import (
-    ByValue,
+    EqualByValue,
     FloatArray,
     frozen,
-    measured,
     number_of_run,
     same_length,
     slices,
+    validate_measured,
 )
 from dashpot.base.errors import DataError
-from dashpot.base.provenance import Source, of_file
-from dashpot.base.result_mixins import Described, Series, verb
-from dashpot.base.serialisation import Documented
+from dashpot.base.provenance import Source, describe_record_source
+from dashpot.base.result_mixins import HasSummary, Series, load_function
+from dashpot.base.serialisation import Serialisable
 
 if TYPE_CHECKING:
     from dashpot.datamodel.frf import FRF
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ImpactTest(ByValue, Described, Documented):
+class ImpactTest(EqualByValue, HasSummary, Serialisable):
     """Hammer force and one or more accelerations, sampled together, in SI units.
 
     Attributes
@@ -72,18 +72,18 @@ class ImpactTest(ByValue, Described, Documented):
     positions: tuple[float, ...] | None = None
     source: tuple[Source, ...] = ()
     window_rate: float | None = None
-    units: str = said_units()
+    units: str = make_units_field()
 
     def __post_init__(self) -> None:
-        into_si(self, time="time", force="force", acceleration="acceleration")
-        time = measured("time", self.time, minimum=8)
-        force = measured("force", self.force, minimum=8)
+        convert_arrays_to_si(self, time="time", force="force", acceleration="acceleration")
+        time = validate_measured("time", self.time, minimum=8)
+        force = validate_measured("force", self.force, minimum=8)
         acceleration = np.atleast_2d(np.asarray(self.acceleration, dtype=float))
         names = self.channels or tuple(f"acceleration {i + 1}" for i in range(len(acceleration)))
         if len(names) != len(acceleration):
             raise DataError(f"{len(names)} channel names for {len(acceleration)} accelerations")
         for name, row in zip(names, acceleration, strict=True):
-            same_length(time=time, force=force, **{f"channel {name}": measured(name, row)})
+            same_length(time=time, force=force, **{f"channel {name}": validate_measured(name, row)})
         if self.positions is not None and len(self.positions) != len(acceleration):
             raise DataError(
                 f"{len(self.positions)} positions for {len(acceleration)} accelerometers"
@@ -126,7 +126,8 @@ class ImpactTest(ByValue, Described, Documented):
         one = self.source[0] if len(self.source) == 1 else None
         files = ", ".join(source.file for source in self.source)
         return (
-            of_file(one, len(self.time)) + (f" of {files}" if one is None and files else ""),
+            describe_record_source(one, len(self.time))
+            + (f" of {files}" if one is None and files else ""),
             (
                 f"{len(self.starts)} record{'s' * (len(self.starts) != 1)} at {self.rate:.6g} Hz, "
                 f"hammer to {np.abs(self.force).max():.4g} N, {', '.join(self.channels)}"
@@ -139,7 +140,7 @@ class ImpactTest(ByValue, Described, Documented):
         `how` says it otherwise: ``estimator``, ``window``, ``combine``, ``accept``, ``reject``,
         ``record``, ``mass``.
         """
-        found: FRF = verb("vibration.impact.frf_estimation", "estimate_frf")(self, **how)
+        found: FRF = load_function("vibration.impact.frf_estimation", "estimate_frf")(self, **how)
         return found
 
     def records(self) -> tuple[slice, ...]:

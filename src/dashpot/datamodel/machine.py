@@ -9,9 +9,9 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from dashpot.base.errors import DataError
-from dashpot.base.option_fields import key_of, offered, option
+from dashpot.base.option_fields import iterate_option_fields, key_of, option
 from dashpot.base.units import si_fields
-from dashpot.base.validators import not_negative, picked, positive
+from dashpot.base.validators import require_nonnegative, require_positive, select_fields
 
 # a baseline tells the drift where it leaves less than this part of what is usual
 _TOLD = 0.7
@@ -19,7 +19,7 @@ _TOLD = 0.7
 _ONE_CLOCK = 0.01
 
 
-class Usual(NamedTuple):
+class DefaultUncertainty(NamedTuple):
     """What a machine may do unseen if nothing is said of it: one standard deviation.
 
     Attributes
@@ -36,62 +36,66 @@ class Usual(NamedTuple):
     source: str
 
 
-USUAL: Mapping[str, Usual] = MappingProxyType({
-    "drift over the record": Usual(
+USUAL: Mapping[str, DefaultUncertainty] = MappingProxyType({
+    "drift over the record": DefaultUncertainty(
         3.5e-3, "of the final force", "data sheets of load cells: zero drift of a warm amplifier"
     ),
-    "drift rate": Usual(
+    "drift rate": DefaultUncertainty(
         2.4e-4, "1/s, of the final force, until it is warm",
         "simulation: .5 mN/s on a seal of 1 N, one in twenty",
     ),
-    "drift of a noisy cell": Usual(
+    "drift of a noisy cell": DefaultUncertainty(
         0.1, "1/s, of the scatter of its readings", "simulation: a cell too large for its test"
     ),
-    "warm after": Usual(
+    "warm after": DefaultUncertainty(
         120.0, "s; later it drifts as the root of time", "amplifiers settle within minutes"
     ),
-    "drift changes": Usual(
+    "drift changes": DefaultUncertainty(
         1e-3, "of the final force over the record", "a slope before contact may be another later on"
     ),
-    "delay": Usual(5e-3, "s, and one sample at least", "two converters, each with its own filter"),
-    "give": Usual(
+    "delay": DefaultUncertainty(5e-3, "s, and one sample at least", "two converters, each with its "
+                                                                    "own filter"),
+    "give": DefaultUncertainty(
         0.0125, "of the depth, under the largest force",
         "cells give .2 to .5 mm at full scale, of which a test uses a tenth to a third",
     ),
-    "give, named": Usual(0.1, "of the named one", "pressed steel on steel, once"),
-    "crosshead": Usual(
+    "give, named": DefaultUncertainty(0.1, "of the named one", "pressed steel on steel, once"),
+    "crosshead": DefaultUncertainty(
         1.25e-3, "of the depth in a factor e of time after its stop",
         "20 um in a factor e of time, of 8 mm, is two standard deviations",
     ),
-    "earlier press": Usual(
+    "earlier press": DefaultUncertainty(
         0.1, "of the depth, by which a seal was pressed for long before its record",
         "conditioning cycles to the full depth: their mean, less what a rest takes",
     ),
-    "set": Usual(
+    "set": DefaultUncertainty(
         0.03, "of the depth, by which its face may be lower than it was; half of a gap at most",
         "simulation: 4 s after conditioning cycles, half of what is left",
     ),
-    "rest after it": Usual(4.0, "s", "the time that a recorder takes to be started by hand"),
-    "folded mains": Usual(
+    "rest after it": DefaultUncertainty(4.0, "s", "the time that a recorder takes to be started by "
+                                                  "hand"),
+    "folded mains": DefaultUncertainty(
         5e-3, "of the largest force, as amplitude",
         "8 mN of a seal of 1.5 N, before a converter that states no filter",
     ),
-    "warming": Usual(0.7, "K, of the seal over its record", "a room without a chamber"),
-    "warming in a chamber": Usual(
+    "warming": DefaultUncertainty(0.7, "K, of the seal over its record", "a room without a "
+                                                                         "chamber"),
+    "warming in a chamber": DefaultUncertainty(
         0.5, "K, of the seal over its record", "what a chamber holds its temperature to"
     ),
-    "faster by warmth": Usual(
+    "faster by warmth": DefaultUncertainty(
         0.19, "of ln a_T in a kelvin", "WLF's universal constants 75 K above a glass transition"
     ),
-    "cable": Usual(
+    "cable": DefaultUncertainty(
         0.015, "of the stiffness of the seals at the resonance",
         "trials: cables of accelerometers add 1 to 3 %",
     ),
-    "loss of the cable": Usual(0.5, "its loss factor", "plasticised PVC and silicone jackets"),
-    "table": Usual(
+    "loss of the cable": DefaultUncertainty(0.5, "its loss factor", "plasticised PVC and silicone "
+                                                                    "jackets"),
+    "table": DefaultUncertainty(
         5e-3, "of the give of the seals", "a bench whose own modes lie ten times higher"
     ),
-    "mass that moves along": Usual(
+    "mass that moves along": DefaultUncertainty(
         3e-3, "of the mass", "half of a cable of 1 g, wax and a stud, on 100 to 200 g"
     ),
 })  # fmt: skip
@@ -181,7 +185,7 @@ class Machine:
         ------
         DataError
         """
-        for one in offered(self):
+        for one in iterate_option_fields(self):
             if getattr(self, one.name) is not None and one.name not in names:
                 raise DataError(
                     f"--machine {key_of(one)}= does not suit {of}. Leave it out; it takes "
@@ -279,6 +283,8 @@ class Machine:
 
     def __post_init__(self) -> None:
         si_fields(self)
-        known = picked(self, "sync", "drift", "compliance", "creep", "rest", "oven", "cable")
-        not_negative("machine ", **known, expected="a number >= 0 in SI units", optional=True)
-        positive("machine ", force_filter=self.force_filter, unit=" Hz", optional=True)
+        known = select_fields(self, "sync", "drift", "compliance", "creep", "rest", "oven", "cable")
+        require_nonnegative(
+            "machine ", **known, expected="a number >= 0 in SI units", optional=True
+        )
+        require_positive("machine ", force_filter=self.force_filter, unit=" Hz", optional=True)

@@ -21,10 +21,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict, cast
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, ComplexArray, FloatArray, Frozen, frozen
+from dashpot.base.arrays import ComplexArray, EqualByValue, FloatArray, FrozenArrays, frozen
 from dashpot.base.errors import DataError
-from dashpot.base.reported_values import Fact
-from dashpot.base.units import read_in
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.units import get_display_unit
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.interconversion import CreepSpectrum
 
@@ -94,7 +94,7 @@ class Residual:
 
 
 @dataclass(frozen=True, eq=False)
-class Profile(Frozen):
+class Profile(FrozenArrays):
     """Profile likelihood of one parameter: deviance against its value.
 
     Attributes
@@ -138,10 +138,10 @@ class Nuisance:
     prior_sd: float | None = None
 
     @property
-    def fact(self) -> Fact:
+    def fact(self) -> ReportedValue:
         """As every table of it has it."""
-        of, read = self.unit, read_in(self.unit, fine=True)
-        return Fact.known(self.name, self.value, self.standard_error, unit=of, read=read)
+        of, read = self.unit, get_display_unit(self.unit, fine=True)
+        return ReportedValue.known(self.name, self.value, self.standard_error, unit=of, read=read)
 
 
 class _SolidParameter(NamedTuple):
@@ -159,7 +159,7 @@ class _SolidParameter(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class ParameterEstimate(ByValue):
+class ParameterEstimate(EqualByValue):
     """How well the parameters of a solid are known.
 
     Attributes
@@ -233,7 +233,7 @@ class ParameterEstimate(ByValue):
         gradient = solid.arm_gradient()
         rows = [self.parameters.index(name) for name in ELEMENT]
 
-        def of_arms(covariance: FloatArray) -> FloatArray:
+        def transform_covariance(covariance: FloatArray) -> FloatArray:
             own = covariance[np.ix_(rows, rows)]
             if not np.isfinite(own).all():
                 return np.diag(np.full(len(gradient), inf))
@@ -241,10 +241,10 @@ class ParameterEstimate(ByValue):
 
         return ParameterEstimate(
             parameter_names(len(gradient) // 2),
-            of_arms(self.covariance),
+            transform_covariance(self.covariance),
             self.dof,
             self.residual,
-            of_noise=None if self.of_noise is None else of_arms(self.of_noise),
+            of_noise=None if self.of_noise is None else transform_covariance(self.of_noise),
         )
 
     def errors_of_vibration(
@@ -275,7 +275,7 @@ class ParameterEstimate(ByValue):
         ratio = (1 + known**2) / known * angle
         return float(size.max()), float(np.nanmax(ratio)) if np.isfinite(ratio).any() else inf
 
-    def facts(self, solid: Solid, unit: str, level: float = 0.95) -> tuple[Fact, ...]:
+    def facts(self, solid: Solid, unit: str, level: float = 0.95) -> tuple[ReportedValue, ...]:
         """Every parameter of a solid, its stiffnesses in `unit`, with error and interval.
 
         ``k_inf``, then ``k_1``, ``tau_1`` and ``b_1`` = k tau of each arm, and ``b`` of a dashpot
@@ -289,7 +289,7 @@ class ParameterEstimate(ByValue):
         units = {"k": unit, "tau": "s", "b": "N s/m" if unit == "N/m" else f"{unit} s"}
         ends = self.ends(solid, level)
         found = [
-            Fact(
+            ReportedValue(
                 row.name, float(row.value), *ends[row.name],
                 units.get(row.name.partition("_")[0], ""), row.standard_error,
             )
@@ -300,12 +300,12 @@ class ParameterEstimate(ByValue):
             error = self._error("b") if "b" in self.parameters else None
             reach = nan if error is None else self.quantile(level) * error
             low, high = max(given - reach, 0.0), given + reach
-            found.append(Fact("b", given, low, high, units["b"], error))
+            found.append(ReportedValue("b", given, low, high, units["b"], error))
         return tuple(found)
 
     def standard_errors(self, solid: Solid) -> StandardErrors:
         """Standard errors of k_inf, and of k, tau and b = k tau of each arm of `solid`."""
-        return cast("StandardErrors", _by_kind(self.errors(solid).items()))
+        return cast("StandardErrors", _split_by_kind(self.errors(solid).items()))
 
     def intervals(self, solid: Solid, level: float) -> Intervals:
         """Intervals at `level` of the same, from the profile where there is one.
@@ -315,7 +315,7 @@ class ParameterEstimate(ByValue):
         DataError
             If `level` is not between 0 and 1.
         """
-        return cast("Intervals", _by_kind(self.ends(solid, level).items()))
+        return cast("Intervals", _split_by_kind(self.ends(solid, level).items()))
 
     def errors(self, solid: Solid) -> dict[str, float]:
         """Standard errors of the parameters of `solid` by their names, SI units."""
@@ -399,7 +399,7 @@ class ParameterEstimate(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class CreepEstimate(Frozen):
+class CreepEstimate(FrozenArrays):
     r"""The compliances behind a solid that was fitted to creep, and how well they are known.
 
     Attributes
@@ -427,7 +427,7 @@ class CreepEstimate(Frozen):
         at = self.parameters.index(row)
         return scale * sqrt(max(float(self.covariance[at, at]), 0.0))
 
-    def facts(self, unit: str) -> tuple[Fact, ...]:
+    def facts(self, unit: str) -> tuple[ReportedValue, ...]:
         """The compliances, in `unit`, and times of a solid, and its flow where it flows."""
         of, numbers = self.spectrum, range(1, len(self.spectrum.d) + 1)
         rows = [("glass", of.glass, unit)]
@@ -436,12 +436,12 @@ class CreepEstimate(Frozen):
         if of.flow > 0:
             rows.append(("flow", of.flow, f"{unit} per s"))
         return tuple(
-            Fact(name, value, unit=of_it, error=self.standard_error(name))
+            ReportedValue(name, value, unit=of_it, error=self.standard_error(name))
             for name, value, of_it in rows
         )
 
 
-def _by_kind(each: Iterable[tuple[str, Any]]) -> dict[str, Any]:
+def _split_by_kind(each: Iterable[tuple[str, Any]]) -> dict[str, Any]:
     """What is told of k_inf, and of k, tau and b of every arm."""
     found: dict[str, Any] = {"k_inf": None, "k": (), "tau": (), "b": ()}
     for name, one in each:

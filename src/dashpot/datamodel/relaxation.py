@@ -9,16 +9,22 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.base.array_units import into_si, said_units
-from dashpot.base.arrays import ByValue, FloatArray, hold_measured, median, wave
+from dashpot.base.array_units import convert_arrays_to_si, make_units_field
+from dashpot.base.arrays import (
+    EqualByValue,
+    FloatArray,
+    hold_measured,
+    make_cosine_sequence,
+    median,
+)
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.plausibility import refuse_absurd_record
-from dashpot.base.provenance import Source, Step, of_file
-from dashpot.base.result_mixins import Described, Pictured, Series, arrays, verb
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import written
-from dashpot.base.validators import positive
+from dashpot.base.provenance import Source, Step, describe_record_source
+from dashpot.base.result_mixins import HasSummary, Plottable, Series, collect_arrays, load_function
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import format_quantity
+from dashpot.base.validators import require_positive
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
 from dashpot.numerics.design_matrices.data_compression import uniform_step
@@ -33,7 +39,7 @@ FEWEST_UNLOADED = 5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RelaxationTest(ByValue, Described, Documented):
+class RelaxationTest(EqualByValue, HasSummary, Serialisable):
     """A relaxation test as the machine wrote it, in SI units.
 
     Attributes
@@ -71,10 +77,10 @@ class RelaxationTest(ByValue, Described, Documented):
     force: FloatArray
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
-    units: str = said_units()
+    units: str = make_units_field()
 
     def __post_init__(self) -> None:
-        into_si(self, time="time", displacement="length", force="force")
+        convert_arrays_to_si(self, time="time", displacement="length", force="force")
         hold_measured(self, "time", "displacement", "force", minimum=8)
         refuse_absurd_record(self)
 
@@ -84,13 +90,13 @@ class RelaxationTest(ByValue, Described, Documented):
         A fit does so by itself; `how` says it otherwise: ``filter``, ``machine``, ``onset``,
         ``ramp_end``, ``hold_end``, ``cycle``.
         """
-        ready: RampHold = verb("preprocessing.prepare", "prepare")(self, **how)
+        ready: RampHold = load_function("preprocessing.prepare", "prepare")(self, **how)
         return ready
 
     @property
     def series(self) -> Series:
         """Displacement and force over time."""
-        return arrays(self, time="s", displacement="m", force="N")
+        return collect_arrays(self, time="s", displacement="m", force="N")
 
     @cached_property
     def displacement_quantum(self) -> float:
@@ -101,10 +107,11 @@ class RelaxationTest(ByValue, Described, Documented):
     def described(self) -> tuple[str, ...]:
         """Which record it is, and how far it reaches."""
         return (
-            of_file(self.source, len(self.time)),
+            describe_record_source(self.source, len(self.time)),
             (
                 f"{np.ptp(self.time):.5g} s; displacement spans "
-                f"{written(np.ptp(self.displacement), 'mm')}, force {np.ptp(self.force):.4g} N"
+                f"{format_quantity(np.ptp(self.displacement), 'mm')}, force "
+                f"{np.ptp(self.force):.4g} N"
             ),
         )
 
@@ -139,12 +146,12 @@ class Hum:
         size = complex(self.cosine, -self.sine)
         if step is not None:
             at_first = np.exp(1j * omega * (time[0] - self.origin))
-            return wave(len(time), omega * step, size * at_first)
+            return make_cosine_sequence(len(time), omega * step, size * at_first)
         return np.asarray((size * np.exp(1j * omega * (time - self.origin))).real)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RampHold(ByValue, Pictured, Documented):
+class RampHold(EqualByValue, Plottable, Serialisable):
     """A prepared relaxation test: the ramp and the hold known, compression positive, tared.
 
     Made by :func:`dashpot.preprocessing.prepare.prepare`; what every fit works on.
@@ -235,26 +242,26 @@ class RampHold(ByValue, Pictured, Documented):
                 f"the ramp must start, end and be held in that order, found onset "
                 f"{self.onset:g} s, ramp end {self.ramp_end:g} s, hold end {self.hold_end:g} s"
             )
-        positive(depth=self.depth, unit=" m", expected="a compression > 0")
+        require_positive(depth=self.depth, unit=" m", expected="a compression > 0")
 
     @property
     def series(self) -> Series:
         """Displacement and force over time."""
-        return arrays(self, time="s", displacement="m", force="N")
+        return collect_arrays(self, time="s", displacement="m", force="N")
 
     @property
     def described(self) -> tuple[str, ...]:
         """Which record it is, its ramp and hold, and what preparation noticed."""
         failed = (f"  {check.name}: {check.says}" for check in self.checks if check.failed)
         return (
-            of_file(self.source, len(self.time)),
+            describe_record_source(self.source, len(self.time)),
             (
-                f"ramp of {written(self.depth, 'mm')} in {self.ramp_time:.4g} s from "
+                f"ramp of {format_quantity(self.depth, 'mm')} in {self.ramp_time:.4g} s from "
                 f"{self.onset:.5g} s, held {self.hold_time:.5g} s"
             ),
             (
-                f"noise {written(self.force_noise, 'mN', '.3g')} and "
-                f"{written(self.displacement_noise, 'um', '.3g')}"
+                f"noise {format_quantity(self.force_noise, 'mN', '.3g')} and "
+                f"{format_quantity(self.displacement_noise, 'um', '.3g')}"
             ),
             *failed,
         )
@@ -312,7 +319,9 @@ class RampHold(ByValue, Pictured, Documented):
             return slice(0, int(np.searchsorted(self.time, self.onset)))
         if self.plate is not None:
             stop = int(np.searchsorted(self.time, self.onset))
-            pressed = np.flatnonzero(self.plate[:stop] >= self.displacement[:stop] - self._clear)
+            pressed = np.flatnonzero(
+                self.plate[:stop] >= self.displacement[:stop] - self._contact_clearance
+            )
             first = int(pressed[-1]) + 1 if pressed.size else 0
             # the last of them feel the face already
             stop = first + 9 * (stop - first) // 10
@@ -322,7 +331,7 @@ class RampHold(ByValue, Pictured, Documented):
         return slice(0, int(moved[0]) if moved.size else 0)
 
     @property
-    def _clear(self) -> float:
+    def _contact_clearance(self) -> float:
         """A plate so far from the face does not touch it, m."""
         return max(SETTLED * self.depth, self.displacement_quantum, 5 * self.displacement_noise)
 

@@ -8,11 +8,11 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ByValue, FloatArray, IndexArray, frozen
+from dashpot.base.arrays import EqualByValue, FloatArray, IndexArray, frozen
 from dashpot.base.errors import DataError
 from dashpot.base.plausibility import SIZES
-from dashpot.base.units import Quantity, si
-from dashpot.base.validators import not_negative
+from dashpot.base.units import Quantity, convert_to_si
+from dashpot.base.validators import require_nonnegative
 from dashpot.datamodel.fit import Fit
 from dashpot.registry import find_handler
 from dashpot.solids.elastic import ElasticLaw
@@ -181,7 +181,7 @@ class SealSection:
         here = fit if temperature is None else fit.at_temperature(temperature)
         if here.unit != "N/m":
             raise DataError(f"the fit is of a material, in {here.unit}: a seal line needs a part's")
-        metres = here.specimen.length if length is None else si(length, "length")
+        metres = here.specimen.length if length is None else convert_to_si(length, "length")
         if metres is None or not (np.isfinite(metres) and metres > 0):
             said = "is not known" if metres is None else f"is {metres!r} m"
             raise DataError(
@@ -211,7 +211,7 @@ class SealSection:
         tangent = np.ones_like(x) if self.law is None else self.law.factor(x)
         return np.where(x < 0, 0.0, tangent)
 
-    def ways(self, stations: Stations) -> tuple[Way, ...]:
+    def ways(self, stations: Stations) -> tuple[LineDirection, ...]:
         """What the stations answer, each way: normal to the line, then across and along it.
 
         Raises
@@ -228,16 +228,16 @@ class SealSection:
                 "the seal is not linear and how far it is pressed along the line is not stated; "
                 "give its compression, or gap and height"
             )
-        found = [Way(self.solid, share, stations.normal)]
+        found = [LineDirection(self.solid, share, stations.normal)]
         for name, direction in (("across", stations.across), ("along", stations.tangent)):
             one, rubs = getattr(self.shear, name), None
             if self.friction is not None:
                 stuck = getattr(self.friction, name) * self.solid.k_inf * share
                 rubs = (stuck, self._slip(stations))
             if isinstance(one, Solid):
-                found.append(Way(one, pieces, direction, rubs))
+                found.append(LineDirection(one, pieces, direction, rubs))
             else:
-                found.append(Way(self.solid, one * share, direction, rubs))
+                found.append(LineDirection(self.solid, one * share, direction, rubs))
         return tuple(found)
 
     def _slip(self, stations: Stations) -> FloatArray:
@@ -252,7 +252,7 @@ class SealSection:
 
 
 @dataclass(frozen=True, eq=False)
-class Way:
+class LineDirection:
     """The springs of a line in one direction.
 
     Attributes
@@ -294,7 +294,7 @@ class Joint:
 
 
 @dataclass(frozen=True, eq=False)
-class Stations(ByValue):
+class Stations(EqualByValue):
     r"""A line as the Gauss points of its cells, two a cell.
 
     .. math:: s_{1,2} = s_m \mp \frac{h}{2\sqrt 3}
@@ -332,7 +332,7 @@ class Stations(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class SealLine(ByValue):
+class SealLine(EqualByValue):
     """A polyline of seal.
 
     Attributes
@@ -380,7 +380,7 @@ class SealLine(ByValue):
                     f"{joint.name}, {joint.length:g} m long at {joint.at:g} m, is not on the seal "
                     f"line of {self.length:.4g} m"
                 )
-            not_negative(f"{joint.name}: ", factor=joint.factor)
+            require_nonnegative(f"{joint.name}: ", factor=joint.factor)
 
     @property
     def length(self) -> float:
@@ -422,7 +422,7 @@ class SealLine(ByValue):
         DataError
             If the pitch does not fit on the line.
         """
-        wanted, length = si(pitch, "length"), self.length
+        wanted, length = convert_to_si(pitch, "length"), self.length
         if not 0 < wanted <= length:
             raise DataError(
                 f"pitch = {pitch!r} on a seal line of {length:g} m; expected a distance > 0 that "

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, ByValue, FloatArray, frozen
+from dashpot.base.arrays import BoolArray, EqualByValue, FloatArray, frozen
 from dashpot.base.errors import DataError
-from dashpot.base.reported_values import Fact
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import celsius, in_unit
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import celsius, convert_to_unit
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import WLF, Arrhenius, FreeShifts, TemperatureLaw
 
@@ -55,11 +55,11 @@ class Shift:
     b_t_se: float = 0.0
 
     @property
-    def facts(self) -> tuple[Fact, Fact]:
+    def facts(self) -> tuple[ReportedValue, ReportedValue]:
         """Both shifts as a table has them; what was held has no error."""
         return (
-            Fact("log10 a_T", self.log10_a_t, error=self.se or None),
-            Fact("b_T", self.b_t, error=self.b_t_se or None),
+            ReportedValue("log10 a_T", self.log10_a_t, error=self.se or None),
+            ReportedValue("b_T", self.b_t, error=self.b_t_se or None),
         )
 
 
@@ -73,7 +73,7 @@ def shifts_with(
 
 
 @dataclass(frozen=True, eq=False)
-class TemperatureShifts(ByValue, Documented):
+class TemperatureShifts(EqualByValue, Serialisable):
     """The shifts of several temperatures, and the law laid through them.
 
     Attributes
@@ -132,11 +132,11 @@ class TemperatureShifts(ByValue, Documented):
         return self.law.reference
 
     @property
-    def constants(self) -> tuple[Fact, ...]:
+    def constants(self) -> tuple[ReportedValue, ...]:
         """Those of the law with their errors."""
         errors = self.law_covariance.diagonal() ** 0.5
         return tuple(
-            Fact(name, getattr(self.law, name), unit=unit, error=float(error), words=words)
+            ReportedValue(name, getattr(self.law, name), unit=unit, error=float(error), words=words)
             for name, error in zip(self.law_parameters, errors, strict=True)
             for words, unit in [_CONSTANTS[name]]
         )
@@ -181,13 +181,16 @@ class TemperatureShifts(ByValue, Documented):
         part = self.covariance[: len(self.shifts), : len(self.shifts)]
         if self.law_parameters:
             part = self.law_covariance
-        variance = float(carried(gradient[None], part)[0, 0]) + self._between(temperature) ** 2
+        variance = (
+            float(propagate_covariance(gradient[None], part)[0, 0])
+            + self._compute_bend_limit(temperature) ** 2
+        )
         se = float(np.sqrt(max(variance, 0.0)))
         errors = [shift.b_t_se / shift.b_t for shift in self.shifts]
         at = [shift.temperature for shift in self.shifts]
         return _LN10 * se, float(np.interp(temperature, at, errors))
 
-    def _between(self, temperature: float) -> float:
+    def _compute_bend_limit(self, temperature: float) -> float:
         """How far free shifts may bend between two tests, decades: half way by 3 % of the step."""
         at = np.array([shift.temperature for shift in self.shifts])
         if not isinstance(self.law, FreeShifts) or not at[0] < temperature < at[-1]:
@@ -226,7 +229,7 @@ class TemperatureShifts(ByValue, Documented):
             else:
                 by[row, row] = b_t
                 by[row, -2] = b_t * values.get(name, 0.0)
-        return carried(by, self._with_shifts(temperature, covariance))
+        return propagate_covariance(by, self._with_shifts(temperature, covariance))
 
     def _with_shifts(self, temperature: float, covariance: FloatArray) -> FloatArray:
         """Covariance of a solid's parameters, of ln a_T, ln b_T at T, and of the slope."""
@@ -276,10 +279,12 @@ class TemperatureShifts(ByValue, Documented):
         turn = np.array([np.interp(every, at, one) for one in np.eye(len(at))]).T - near
         turn[every == temperature] = 0.0
         both = np.kron(np.diag([scale, 1.0]), turn)
-        covariance = carried(both, self.covariance)
+        covariance = propagate_covariance(both, self.covariance)
         # what the shift there may be off by, all others are
         others = np.append(every != temperature, np.zeros(len(every))) * scale
-        covariance = covariance + self._between(temperature) ** 2 * np.outer(others, others)
+        covariance = covariance + self._compute_bend_limit(temperature) ** 2 * np.outer(
+            others, others
+        )
         error = np.sqrt(np.maximum(np.diag(covariance), 0.0)).reshape(2, -1)
         shifts = tuple(
             Shift(
@@ -353,11 +358,11 @@ class TemperatureShifts(ByValue, Documented):
     def _slope(self, name: str, temperature: float) -> float:
         value = float(getattr(self.law, name))
 
-        def at(factor: float) -> float:
+        def evaluate_shift(factor: float) -> float:
             law: Any = replace(self.law, **{name: factor * value})  # type: ignore[type-var]
             return float(law.log10_a_t(temperature))
 
-        return (at(1 + _STEP) - at(1 - _STEP)) / (2 * _STEP * value)
+        return (evaluate_shift(1 + _STEP) - evaluate_shift(1 - _STEP)) / (2 * _STEP * value)
 
     def b_t(self, temperature: float) -> float:
         """Factor of every stiffness at T, K: ln b straight in T between tests and beyond."""
@@ -374,7 +379,7 @@ class TemperatureShifts(ByValue, Documented):
         return float(np.exp(b[i] + slope * (temperature - at[i])))
 
 
-def near(temperature: FloatArray | None, asked: float) -> BoolArray:
+def find_near_samples(temperature: FloatArray | None, asked: float) -> BoolArray:
     """Return which samples lie within a kelvin of a temperature, K, shape (n,).
 
     Raises
@@ -389,7 +394,8 @@ def near(temperature: FloatArray | None, asked: float) -> BoolArray:
     within = np.abs(temperature - asked) <= ONE_TEMPERATURE / 2
     if not within.any():
         listed = ", ".join(
-            f"{value:.0f} degC" for value in np.unique(np.round(in_unit(temperature, "degC")))
+            f"{value:.0f} degC"
+            for value in np.unique(np.round(convert_to_unit(temperature, "degC")))
         )
         raise DataError(
             f"no sample within {ONE_TEMPERATURE / 2:g} K of {celsius(asked)}; the test has {listed}"
@@ -397,20 +403,20 @@ def near(temperature: FloatArray | None, asked: float) -> BoolArray:
     return np.asarray(within)
 
 
-def several(temperature: FloatArray | None) -> bool:
+def has_several_temperatures(temperature: FloatArray | None) -> bool:
     """Whether samples are too far apart in temperature, K, to be of one solid."""
     known = np.zeros(0) if temperature is None else np.asarray(temperature)
     return bool(known.size and np.ptp(known) > ONE_TEMPERATURE)
 
 
-def span(temperature: FloatArray | None) -> str:
+def format_temperature_range(temperature: FloatArray | None) -> str:
     """From which to which temperature, in words; nothing if there is but one."""
     if temperature is None:
         return ""
     return f", {temperature.min():.5g} to {temperature.max():.5g} K"
 
 
-def carried(turn: FloatArray, covariance: FloatArray) -> FloatArray:
+def propagate_covariance(turn: FloatArray, covariance: FloatArray) -> FloatArray:
     """Covariance of `turn` times what has this one; where it is infinite, so is what it reaches."""
     unknown = np.isinf(np.diag(covariance))
     found = np.asarray(turn @ np.where(np.isfinite(covariance), covariance, 0.0) @ turn.T)

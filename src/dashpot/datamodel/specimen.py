@@ -9,8 +9,8 @@ from dataclasses import dataclass, fields, replace
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import option
 from dashpot.base.plausibility import SIZES
-from dashpot.base.units import in_unit, si_fields, written
-from dashpot.base.validators import picked, positive
+from dashpot.base.units import convert_to_unit, format_quantity, si_fields
+from dashpot.base.validators import require_positive, select_fields
 
 # around all doors of a car, and across the widest profile
 _SIZES = {"length": SIZES["seal length"], "height": SIZES["seal height"]}
@@ -80,8 +80,8 @@ class Specimen:
                 ) from None
         if self.temperature is not None:
             tested_at("specimen temperature", self.temperature)
-        sizes = picked(self, *_SIZES)
-        positive("specimen ", **sizes, expected="a number > 0 in SI units", optional=True)
+        sizes = select_fields(self, *_SIZES)
+        require_positive("specimen ", **sizes, expected="a number > 0 in SI units", optional=True)
         for name, size in _SIZES.items():
             value = sizes[name] or 0.0
             size.refuse(value, f"specimen {name} = {value:g} m", remedy="Check its unit: mm or m?")
@@ -99,14 +99,15 @@ def tested_at(name: str, *temperatures: float) -> None:
         if not _COLDEST <= kelvin <= _HOTTEST:
             below = ", below absolute zero" if kelvin < 0 else ""
             raise DataError(
-                f"{name} = {kelvin:g} K, or {written(kelvin, 'degC', 'g')}{below}; "
+                f"{name} = {kelvin:g} K, or {format_quantity(kelvin, 'degC', 'g')}{below}; "
                 f"expected one that rubber is tested at, {_COLDEST:g} to {_HOTTEST:g} K, or "
-                f"{in_unit(_COLDEST, 'degC'):.0f} to {written(_HOTTEST, 'degC', '.0f')}: is the "
+                f"{convert_to_unit(_COLDEST, 'degC'):.0f} to "
+                f"{format_quantity(_HOTTEST, 'degC', '.0f')}: is the "
                 "unit degC or K, the sign right?"
             )
 
 
-def each_specimen(
+def make_file_specimens(
     specimen: Specimen | None, temperatures: Sequence[float], files: int
 ) -> tuple[Specimen | None, ...]:
     """Return the specimen of each file: one temperature, K, for all of them, or one for each.

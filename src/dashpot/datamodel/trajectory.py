@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from dashpot.base.arrays import ByValue, FloatArray, frozen, hold_measured
+from dashpot.base.arrays import EqualByValue, FloatArray, frozen, hold_measured
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 
 
 @dataclass(frozen=True, eq=False)
-class Trajectory(ByValue):
+class Trajectory(EqualByValue):
     """Where the plate is sent, or was.
 
     Attributes

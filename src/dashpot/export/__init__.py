@@ -52,7 +52,7 @@ def __getattr__(name: str) -> Callable[..., DeckText]:
     return TARGETS[name]
 
 
-def _asked_as(name: str, *, elsewhere: bool) -> str:
+def _format_unsupported_option(name: str, *, elsewhere: bool) -> str:
     """The option of an argument that a target lacks, and which other targets have it."""
     those = [one for one in TARGETS if name in signature(TARGETS[one]).parameters]
     more = f". Those of {', '.join(those)} do" if those and elsewhere else ""
@@ -121,7 +121,9 @@ def refuse_untaken(
     known = signature(write).parameters
     for name in choices:
         if name not in known:
-            raise ExportError(f"{target} decks take no {_asked_as(name, elsewhere=elsewhere)}")
+            raise ExportError(
+                f"{target} decks take no {_format_unsupported_option(name, elsewhere=elsewhere)}"
+            )
 
 
 def export_solid(
@@ -172,14 +174,14 @@ def find_writer(target: str) -> Callable[..., DeckText]:
     """
     if target in TARGETS:
         return TARGETS[target]
-    from dashpot.base.plugins import named, offered_too
+    from dashpot.base.plugins import find_plugin, format_plugin_names
     from dashpot.export.plugin_decks import target_of
 
-    plugin = named("decks", target)
+    plugin = find_plugin("decks", target)
     if plugin is None:
         raise ExportError(
             f"'{target}' is no solver; expected one of {', '.join(TARGETS)}."
-            f"{offered_too('decks')}".rstrip(".")
+            f"{format_plugin_names('decks')}".rstrip(".")
         )
     return target_of(plugin)
 

@@ -11,16 +11,16 @@ from typing import Protocol, TypeAlias
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import ExportError
 from dashpot.base.provenance import Source, Step
-from dashpot.base.units import written
+from dashpot.base.units import format_quantity
 from dashpot.base.version import byline
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
 from dashpot.export.checks import nominal_informed, rows_informed
 from dashpot.export.frequency_tables import Damping, Table, tabulate
-from dashpot.export.nonlinear_elements import Beside
+from dashpot.export.nonlinear_elements import NonlinearElements
 from dashpot.export.temperature_shift_cards import law_lines
-from dashpot.export.unit_systems import UnitSystem, one_line, text
+from dashpot.export.unit_systems import UnitSystem, convert_to_printable_ascii, text
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.solids.rate_independent import RateIndependent
@@ -144,11 +144,11 @@ class Deck:
         return self.units.stress(si) if self.material else self.units.stiffness(si)
 
     @cached_property
-    def beside(self) -> Beside:
+    def beside(self) -> NonlinearElements:
         """Sliders and a cubic spring beside the arms, deck units; empty of a linear solid."""
         if self.fit is None or isinstance(self.fit, Fit):
-            return Beside(self.units)
-        return Beside(self.units, self.fit.beside, self.fit.amplitudes)
+            return NonlinearElements(self.units)
+        return NonlinearElements(self.units, self.fit.beside, self.fit.amplitudes)
 
     @property
     def prony(self) -> list[tuple[float, float]]:
@@ -236,7 +236,7 @@ class Deck:
         remarks: Sequence[str] = (),
         table: Table | None = None,
         nominal: float | None = None,
-        said: Callable[[str], str] = one_line,
+        said: Callable[[str], str] = convert_to_printable_ascii,
     ) -> DeckText:
         """The text of the deck: its header behind the target's comment sign, then its cards.
 
@@ -244,12 +244,12 @@ class Deck:
         with a `nominal` frequency, Hz, whose stiffness the deck holds.
         `said` is how the target takes a line of others' words.
         """
-        informed = self._informed(table, nominal)
+        informed = self._check_valid_band(table, nominal)
         found = self._verdict(informed)
         header = [
             byline(title),
             *(() if found is None else (f"{found.use.upper()}: {found.says}",)),
-            *self._described(),
+            *self._format_header_lines(),
             verified,
             *remarks,
             *(() if table is None else (table.sentence,)),
@@ -261,7 +261,7 @@ class Deck:
         made.checks = (*self.checks, *informed)
         return made
 
-    def _informed(self, table: Table | None, nominal: float | None) -> tuple[Check, ...]:
+    def _check_valid_band(self, table: Table | None, nominal: float | None) -> tuple[Check, ...]:
         """Whether the test, if there is one, informs every row of a table, and what is nominal."""
         found: list[Check] = []
         if nominal is not None and self.band is not None:
@@ -279,7 +279,7 @@ class Deck:
         failed = tuple(check for check in informed if check.failed)
         return verdict((*self.fit.checks, *failed), sound=self.fit.sound)
 
-    def _described(self) -> list[str]:
+    def _format_header_lines(self) -> list[str]:
         units, specimen = self.units, self.specimen
         length, mass, time, force, stress = units.words
         stiffness, damping = units.stiffness_word, units.damping_word
@@ -309,12 +309,16 @@ class Deck:
             *described,
             *self.beside.described,
             "temperature: "
-            + ("not stated" if kelvin is None else f"{kelvin:.6g} K ({written(kelvin, 'degC')})"),
+            + (
+                "not stated"
+                if kelvin is None
+                else f"{kelvin:.6g} K ({format_quantity(kelvin, 'degC')})"
+            ),
             *([] if self.material else [f"contact length: {long}"]),
             *(law_lines(self.temperatures) if self.temperatures else ()),
             *self._elastic_law(),
             *self._pedigree(),
-            self._identified(),
+            self._format_valid_band(),
             *(f"OVERRIDE: {sentence}" for sentence in self.overrides),
             *(
                 f"{'NOTE' if check.grade == 'note' else 'CHECK FAILED'}: {check.says}"
@@ -366,7 +370,7 @@ class Deck:
                 lines.append("SIMULATED: the test behind this deck was made by a virtual rig")
         return lines
 
-    def _identified(self) -> str:
+    def _format_valid_band(self) -> str:
         if self.band is None:
             return "valid band: not stated; nothing marks what is extrapolated"
         band = f"valid band: {self.band[0]:.4g} to {self.band[1]:.4g} Hz"

@@ -149,7 +149,7 @@ def open_deck(
         raise ExportError(f"{target} has no form '{form}'; expected one of {', '.join(forms)}")
     system = unit_system(units)
     if isinstance(solid, Fit):
-        solid = _at(solid, specimen)
+        solid = _apply_temperature(solid, specimen)
     if isinstance(solid, Solid):
         deck = Deck(solid, system, specimen or Specimen(), form)
     else:
@@ -174,7 +174,7 @@ def open_deck(
     )
 
 
-def _at(fit: Fit, specimen: Specimen | None) -> Fit:
+def _apply_temperature(fit: Fit, specimen: Specimen | None) -> Fit:
     """The fit at the temperature asked for; one that nobody noted is only said now."""
     asked = None if specimen is None else specimen.temperature
     if asked is None or (fit.temperatures is None and fit.specimen.temperature is None):

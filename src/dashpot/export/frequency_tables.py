@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, Frozen
+from dashpot.base.arrays import FloatArray, FrozenArrays
 from dashpot.base.errors import ExportError
 from dashpot.solids.maxwell import Solid
 
@@ -20,7 +20,7 @@ _WITHIN = (np.arange(16) + 0.5) / 16  # where each interval is checked
 
 
 @dataclass(frozen=True, eq=False)
-class Table(Frozen):
+class Table(FrozenArrays):
     """Storage stiffness and damping at frequencies between which a solver draws straight lines.
 
     Attributes

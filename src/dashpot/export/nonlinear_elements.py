@@ -34,7 +34,7 @@ _APART = 1000
 
 
 @dataclass(frozen=True)
-class Beside:
+class NonlinearElements:
     """Sliders and a cubic spring beside a solid; none of either where it is linear.
 
     Attributes
@@ -76,7 +76,7 @@ class Beside:
         return float(10.0 ** np.ceil(np.log10(_APART * most)))
 
     @property
-    def apart(self) -> list[str]:
+    def node_spacing_remarks(self) -> list[str]:
         """What the header says of the two nodes where elements follow them."""
         far = f"{text(self.span)} {self.units.words[0]}"
         return [

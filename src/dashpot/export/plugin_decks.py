@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from importlib import import_module
 
-from dashpot.base.escaping import escaped
+from dashpot.base.escaping import escape_terminal_text
 from dashpot.base.plugins import Plugin
 from dashpot.datamodel.specimen import Specimen
 from dashpot.export.deck import DeckText, Exportable
@@ -54,7 +54,7 @@ def target_of(plugin: Plugin) -> Target:
         return deck.written(
             str(comment),
             f"deck by {plugin.says}",
-            escaped(cards).splitlines(),
+            escape_terminal_text(cards).splitlines(),
             verified=f"not verified by dashpot: written by {plugin.says}",
         )
 

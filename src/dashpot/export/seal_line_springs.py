@@ -78,7 +78,7 @@ class SpringRow:
         """Of a station: that of the body or frame, and that of the door; they coincide."""
         return first_id + 2 * station, first_id + 2 * station + 1
 
-    def numbered(self, first_id: int) -> str:
+    def format_node_numbering(self, first_id: int) -> str:
         """How a header says which nodes are whose."""
         last = self.nodes(len(self.stations) - 1, first_id)[1]
         return (

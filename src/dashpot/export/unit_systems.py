@@ -132,10 +132,11 @@ def text(value: float) -> str:
     return mantissa + ("" if "." in mantissa else ".") + exponent + power
 
 
-def packed(value: float, width: int) -> str:
+def format_fixed_width(value: float, width: int) -> str:
     """A number in at most `width` columns, with as many digits as they hold, always a point.
 
-    >>> packed(0.50212766, 10), packed(3.68393e-05, 10), packed(-120.0, 8)
+    >>> format_fixed_width(0.50212766, 10), format_fixed_width(3.68393e-05, 10), format_fixed_width(
+    ...     -120.0, 8)
     ('0.50212766', '3.68393E-5', '-120.')
     """
     if _finite(value) == 0:
@@ -145,9 +146,9 @@ def packed(value: float, width: int) -> str:
         mantissa, _, power = rounded.partition("E")
         plain = f"{value:.{max(digits - 1 - int(power), 0)}f}" if abs(int(power)) < 17 else ""
         for candidate in (
-            _pointed(plain),
-            re.sub(r"^(-?)0(?=\.)", r"\1", _pointed(plain)),
-            f"{_pointed(mantissa)}E{int(power)}",
+            _ensure_decimal_point(plain),
+            re.sub(r"^(-?)0(?=\.)", r"\1", _ensure_decimal_point(plain)),
+            f"{_ensure_decimal_point(mantissa)}E{int(power)}",
         ):
             if candidate and len(candidate) <= width and float(candidate) == float(rounded):
                 return candidate
@@ -163,17 +164,17 @@ def _finite(value: float) -> float:
     return value
 
 
-def _pointed(number: str) -> str:
+def _ensure_decimal_point(number: str) -> str:
     """Trailing zeros gone, a decimal point there."""
     if not number:
         return ""
     return number.rstrip("0") if "." in number else number + "."
 
 
-def one_line(line: str) -> str:
+def convert_to_printable_ascii(line: str) -> str:
     """Printable ASCII: a file name can hold anything, a solver reads no more.
 
-    >>> one_line("known to ±1 %, up to 1.2·10⁶ Hz")
+    >>> convert_to_printable_ascii("known to ±1 %, up to 1.2·10⁶ Hz")
     'known to +/-1 %, up to 1.2e6 Hz'
     """
     spelt = ascii_only(line.translate(_SPELT))

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Check, Remedy, worst
+from dashpot.base.checks import Check, Remedy, select_gravest_check
 from dashpot.base.choices import Method
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.relaxation import RampHold
@@ -52,7 +52,7 @@ class Residuals(NamedTuple):
     kappa: float
 
 
-def solid_checks(
+def run_relaxation_checks(
     records: Sequence[RampHold],
     model: GeneralizedMaxwell,
     error: FloatArray,
@@ -85,7 +85,9 @@ def solid_checks(
     answers = [
         *of_records(records, method=method, solids=[model] * len(records)),
         hold_long_enough(end),
-        *of_solid(records, model, error, left, window, end=end, needed=needed, in_arms=in_arms),
+        *run_solid_checks(
+            records, model, error, left, window, end=end, needed=needed, in_arms=in_arms
+        ),
     ]
     if len(records) > 1:
         answers.append(same_specimen(end_stiffnesses(records)))
@@ -100,7 +102,7 @@ class RelaxationWindow(NamedTuple):
     ends: tuple[str, str] = ("", "")
 
 
-def of_solid(
+def run_solid_checks(
     records: Sequence[RampHold],
     model: GeneralizedMaxwell,
     error: FloatArray,
@@ -112,7 +114,7 @@ def of_solid(
     needed: bool = False,
     in_arms: bool = True,
 ) -> list[Check]:
-    """Return the checks of a solid, as :func:`solid_checks`; `solids` at each record's temperature.
+    """Return the checks of a solid, as :func:`run_relaxation_checks`; `solids` at each record's temperature.
 
     Of several temperatures no arm is fast or slow by itself.
     """
@@ -122,8 +124,8 @@ def of_solid(
         *(_of_arms(model, error, window, needed=needed) if in_arms else ()),
         k_inf_positive(model, float(error[0]), end),
         k_inf_known(model, float(error[0]), records, end),
-        worst(arms_where_force_relaxes(one, record) for one, record in each),
-        worst(map(force_followed, records, left.every)),
+        select_gravest_check(arms_where_force_relaxes(one, record) for one, record in each),
+        select_gravest_check(map(force_followed, records, left.every)),
         residuals_random(left.kappa, left.rms, max(record.force_noise for record in records)),
         *(_of_fast_arms(records, model, error) if in_arms and not solids else ()),
         residuals_steady(left.every, rounding=ROUNDING * peak, peak=peak),

@@ -16,17 +16,17 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.provenance import Step
-from dashpot.base.units import written
+from dashpot.base.units import format_quantity
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.design_matrix import Design
+from dashpot.fitting.design_matrix import FitSetup
 from dashpot.fitting.fit_data import FitData, data_of
-from dashpot.fitting.fit_options import Asked
-from dashpot.fitting.linearity import Gate, Holds, gated
+from dashpot.fitting.fit_options import FitOptions
+from dashpot.fitting.linearity import HoldBlocks, LinearityResult, assess_linearity
 from dashpot.fitting.nuisance_priors import LINEAR_DELAY
 from dashpot.signals.noise import evenly_sampled
 
 
-class LateMotion(NamedTuple):
+class DelayedMotion(NamedTuple):
     """Tests whose motion is as late as their force.
 
     Attributes
@@ -39,7 +39,7 @@ class LateMotion(NamedTuple):
         Whether by low-passes of those time constants.
     """
 
-    holds: Holds
+    holds: HoldBlocks
     data: FitData
     lags: tuple[float, ...]
     filtered: bool = False
@@ -48,14 +48,14 @@ class LateMotion(NamedTuple):
     def of(
         cls,
         records: Sequence[RampHold],
-        design: Design,
+        design: FitSetup,
         lags: tuple[float, ...] = (),
         *,
         filtered: bool = False,
-    ) -> LateMotion:
+    ) -> DelayedMotion:
         """The data of records; as they are where no lags are said."""
         still = (0.0,) * len(records)
-        return cls(Holds(records), data_of(records, design), lags or still, filtered)
+        return cls(HoldBlocks(records), data_of(records, design), lags or still, filtered)
 
     def coefficients(self, found: Callable[[str], float]) -> Callable[[str], float]:
         """The value of a column by its name, a delay with what the motion was made late by."""
@@ -67,7 +67,7 @@ class LateMotion(NamedTuple):
         """What was done to the motion."""
         if not any(self.lags):
             return ()
-        late = " and ".join(written(lag, "ms", ".3g") for lag in self.lags)
+        late = " and ".join(format_quantity(lag, "ms", ".3g") for lag in self.lags)
         parameters = (("lag_s", ", ".join(f"{lag:.6g}" for lag in self.lags)),)
         how = f"put the motion behind a low-pass of {late}"
         if not self.filtered:
@@ -75,31 +75,33 @@ class LateMotion(NamedTuple):
         return (Step("lag", parameters, f"{how}, as the force comes"),)
 
 
-def soundest(recorded: LateMotion, asked: Asked) -> tuple[LateMotion, Gate]:
+def best_delayed_motion(
+    recorded: DelayedMotion, asked: FitOptions
+) -> tuple[DelayedMotion, LinearityResult]:
     """Return the motion under which a linear solid is sound, and how sound it is.
 
     As recorded where one is, or where a later motion makes none so; else the later motion that
     leaves least.
     """
-    gate = gated(recorded.holds, recorded.data, asked)
+    gate = assess_linearity(recorded.holds, recorded.data, asked)
     if gate.sound:
         return recorded, gate
-    tried = [(one, gated(one.holds, one.data, asked)) for one in _later(recorded, gate)]
+    tried = [(one, assess_linearity(one.holds, one.data, asked)) for one in _later(recorded, gate)]
     sound = [pair for pair in tried if pair[1].sound]
     return min(sound, key=lambda pair: pair[1].first.solutions[-1].sse, default=(recorded, gate))
 
 
-def _later(recorded: LateMotion, gate: Gate) -> Iterator[LateMotion]:
+def _later(recorded: DelayedMotion, gate: LinearityResult) -> Iterator[DelayedMotion]:
     """The motions that may be as late as the force of the best linear solid."""
     records, best = recorded.holds.records, gate.first.solutions[-1]
     found = [best.coefficient(f"delay@{i}") for i in range(len(records))]
     late = tuple(lag if lag > LINEAR_DELAY else 0.0 for lag in found)
     shifted, lags = zip(*map(_shifted, records, late), strict=True)
     if any(lags):
-        yield LateMotion.of(shifted, Design("full"), lags)
+        yield DelayedMotion.of(shifted, FitSetup("full"), lags)
     if any(late) and not any(record.machine.force_filter for record in records):
         behind = [*map(_behind, records, late)]
-        yield LateMotion.of(behind, Design("full"), late, filtered=True)
+        yield DelayedMotion.of(behind, FitSetup("full"), late, filtered=True)
 
 
 def _shifted(record: RampHold, lag: float) -> tuple[RampHold, float]:

@@ -23,20 +23,23 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
 from dashpot.base.reported_values import NORMAL
-from dashpot.base.units import written
+from dashpot.base.units import format_quantity
 from dashpot.datamodel.fit import Fit
-from dashpot.datamodel.fit_diagnostics import AtDepth
+from dashpot.datamodel.fit_diagnostics import DepthStiffness
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.checks.relaxation import separable
 from dashpot.fitting.checks.solid import arms_enough
 from dashpot.fitting.nonlinear_ramp.elastic_law_estimate import RampLaw
-from dashpot.fitting.nonlinear_ramp.elastic_law_selection import ramp_law, supported_by_holds
+from dashpot.fitting.nonlinear_ramp.elastic_law_selection import (
+    select_elastic_law,
+    supported_by_holds,
+)
 from dashpot.fitting.nonlinear_ramp.fit_construction import depth_error, held_ramps, ramp_fit
-from dashpot.fitting.nonlinear_ramp.hold_then_ramp import MAX_ARMS, follow
-from dashpot.fitting.pipeline import asked_arms
+from dashpot.fitting.nonlinear_ramp.hold_then_ramp import MAX_ARMS, fit_ramp_and_hold
+from dashpot.fitting.pipeline import requested_arms
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.fitting.tests_at_temperatures import checked_temperatures
-from dashpot.fitting.uncertainty.rig_sensitivity import moved_by_clocks, moved_by_rig
+from dashpot.fitting.uncertainty.rig_sensitivity import clock_sensitivity, rig_sensitivity
 from dashpot.numerics.inference.covariance_estimate import Estimate
 from dashpot.preprocessing.prepare_tests import Tests, ramp_holds
 from dashpot.solids.elastic import ElasticLaw
@@ -61,7 +64,7 @@ class DepthLaw:
     """
 
     law: ElasticLaw
-    by_depth: tuple[AtDepth, ...]
+    by_depth: tuple[DepthStiffness, ...]
     separable: Check
     fit: Fit
 
@@ -94,13 +97,13 @@ def fit_depths(
     depths = [test.depth for test in ordered]
     if len(set(depths)) < len(depths):
         raise FitError(
-            f"depths {', '.join(written(value, 'mm') for value in depths)}; expected "
+            f"depths {', '.join(format_quantity(value, 'mm') for value in depths)}; expected "
             "different compressions > 0: fit equal depths together without depth_law"
         )
     checked_temperatures(records, shared=False)
-    most = asked_arms(arms, max_arms)
+    most = requested_arms(arms, max_arms)
     asked = None if arms == "auto" else most
-    found = ramp_law(ordered, arms=asked, max_arms=most)
+    found = select_elastic_law(ordered, arms=asked, max_arms=most)
     each, held = _each(found), held_ramps(ordered, found)
     by_depth = tuple(
         each.at(i, test.depth, rig) for i, (test, rig) in enumerate(_by_rigs(ordered, held, found))
@@ -108,7 +111,8 @@ def fit_depths(
     for at in by_depth:
         if at.k_inf <= 0:
             raise FitError(
-                f"the test at {written(at.depth, 'mm')} has no equilibrium stiffness; hold it "
+                f"the test at {format_quantity(at.depth, 'mm')} has no equilibrium stiffness; hold "
+                "it "
                 "longer, or leave it out"
             )
     check = _separable(each)
@@ -119,7 +123,7 @@ def fit_depths(
     )
     together = ramp_fit(
         ordered, found, asked=asked, by_depth=by_depth, further=(check, *enough),
-        unseen=moved_by_rig(held, found.model),
+        unseen=rig_sensitivity(held, found.model),
     )  # fmt: skip
     return DepthLaw(found.law, by_depth, check, together)
 
@@ -135,14 +139,16 @@ class _Each(NamedTuple):
     dof: float
     law: ElasticLaw
 
-    def at(self, test: int, depth: float, rig: FloatArray) -> AtDepth:
+    def at(self, test: int, depth: float, rig: FloatArray) -> DepthStiffness:
         """Secant stiffnesses of one test at its depth; `rig` is what it may add to them."""
         scale = float(self.law.path(depth)) / depth
         error = self.known.standard_error[len(self.known.optimum.theta) :]
         noise = error[: self.k.size].reshape(self.k.shape)[test]
         k, se = scale * self.k[test], scale * np.hypot(noise, rig)
         most = float(k[0] + NORMAL * se[0])
-        return AtDepth(depth, float(k[0]), most, tuple(k[1:].tolist()), tuple(se[1:].tolist()))
+        return DepthStiffness(
+            depth, float(k[0]), most, tuple(k[1:].tolist()), tuple(se[1:].tolist())
+        )
 
 
 def _by_rigs(
@@ -151,10 +157,10 @@ def _by_rigs(
     """Each test, and what its rig may add to its own stiffnesses, N/m, on the path of the law."""
     model = found.model
     k = np.array((model.k_inf, *model.k))
-    moved = moved_by_rig(held, model, apart=True)
+    moved = rig_sensitivity(held, model, apart=True)
     for i, test in enumerate(tests):
         here = slice(i * len(k), (i + 1) * len(k))
-        clocks = moved_by_clocks([test], model)[: len(k)]
+        clocks = clock_sensitivity([test], model)[: len(k)]
         columns = np.column_stack((moved[here], depth_error(test) * k, clocks))
         yield test, np.linalg.norm(columns, axis=1)
 
@@ -163,7 +169,7 @@ def _each(found: RampLaw) -> _Each:
     """Fit each test with stiffnesses of its own, relaxation times and law shared."""
     followed = found.followed
     solid, log_tau = followed.weighted.solid, np.log(np.asarray(found.model.tau))
-    own = follow(
+    own = fit_ramp_and_hold(
         solid,
         found.hold,
         followed,
@@ -191,7 +197,7 @@ def _separable(each: _Each) -> Check:
         shapes = k[:, 1:] / k[:, :1]
         return np.asarray((shapes[1:] - shapes[0]).ravel())
 
-    apart = each.known.derived(differences)
+    apart = each.known.derive_quantity(differences)
     free = len(apart.values)
     told = np.linalg.lstsq(apart.covariance, apart.values, rcond=1e-12)[0]
     # a rare path: scipy's F distribution costs an import that a plain fit does not pay

@@ -15,12 +15,12 @@ from dashpot.datamodel.relaxation import MAX_CREEP, RampHold
 from dashpot.fitting.nuisance_priors import priors, spread_before, terms_of
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.data_compression import uniform_step
-from dashpot.numerics.design_matrices.delayed_force import Late
+from dashpot.numerics.design_matrices.delayed_force import DelayedForce
 from dashpot.numerics.design_matrices.hold import hold_block
 from dashpot.numerics.design_matrices.recorded_motion import recorded_block
 from dashpot.numerics.exponential_fit.log_tau_descent import Stack
 from dashpot.numerics.exponential_fit.variable_projection import Solution, solve
-from dashpot.preprocessing.denoising import true_motion
+from dashpot.preprocessing.denoising import denoise_displacement
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -36,7 +36,7 @@ _ROUNDED = 0.01
 _ROUGH = 2
 
 
-class Design(NamedTuple):
+class FitSetup(NamedTuple):
     """How the tests are set out: the method, and which nuisance terms."""
 
     method: Method
@@ -104,7 +104,7 @@ def block_of(
     )  # fmt: skip
 
 
-def compressed(tests: Sequence[RampHold], design: Design) -> tuple[DataBlock, ...]:
+def compressed(tests: Sequence[RampHold], design: FitSetup) -> tuple[DataBlock, ...]:
     """Return one block per test, a few hundred rows each, on which the fit is the full fit."""
     return tuple(
         block_of(test, method=design.method, terms=design.terms, index=i)
@@ -112,8 +112,8 @@ def compressed(tests: Sequence[RampHold], design: Design) -> tuple[DataBlock, ..
     )
 
 
-def nuisanced(
-    tests: Sequence[RampHold], design: Design, near: FloatArray | None = None
+def with_delay_columns(
+    tests: Sequence[RampHold], design: FitSetup, near: FloatArray | None = None
 ) -> tuple[DataBlock, ...]:
     r"""Return the blocks of :func:`compressed` with the column of a force that comes late.
 
@@ -130,7 +130,10 @@ def nuisanced(
     rows = [*blocks, *bound(tests, blocks, design)]
     rough_arms = _ROUGH if near is None else len(near)
     rough = solve(
-        rows, max(min(rough_arms, spare), 0), log_tau_start=near, negligible=one_more(rows)
+        rows,
+        max(min(rough_arms, spare), 0),
+        log_tau_start=near,
+        negligible=bic_penalty_per_arm(rows),
     )
     return tuple(
         block.with_delay(f"delay@{i}", _late(test, block, rough))
@@ -138,7 +141,7 @@ def nuisanced(
     )
 
 
-def one_more(blocks: Sequence[DataBlock]) -> float:
+def bic_penalty_per_arm(blocks: Sequence[DataBlock]) -> float:
     """Return what BIC asks one more arm to gain, in noise variances."""
     stack = Stack(blocks)
     return (1 + len(stack.groups)) * float(np.log(stack.samples))
@@ -147,7 +150,7 @@ def one_more(blocks: Sequence[DataBlock]) -> float:
 def bound(
     tests: Sequence[RampHold],
     blocks: Sequence[DataBlock],
-    design: Design,
+    design: FitSetup,
     spreads: Sequence[float] | None = None,
 ) -> tuple[DataBlock, ...]:
     """Return what is known of each load cell and its clock before the fit, a block per test.
@@ -171,14 +174,14 @@ def bound(
     return tuple(one.rows(block, spread) for one, block, spread in every)
 
 
-def _late(test: RampHold, block: DataBlock, rough: Solution) -> Late:
+def _late(test: RampHold, block: DataBlock, rough: Solution) -> DelayedForce:
     """The force of the first solution as one that comes late, N/s."""
     time, x, _ = motion(test)
     k = rough.arms[rough.groups.index(block.arm_group)]
     k_g = rough.coefficient(block.fixed_names[0]) + float(k.sum())
     arms = block.exact.evaluate(rough.log_tau, False).arms
     speed = np.gradient(x, uniform_step(time) or time)
-    return Late.of(arms, k, rough.tau, k_g, speed[first_sample(test) :])
+    return DelayedForce.from_arms(arms, k, rough.tau, k_g, speed[first_sample(test) :])
 
 
 def first_sample(test: RampHold) -> int:
@@ -186,7 +189,7 @@ def first_sample(test: RampHold) -> int:
     return priors(test).first
 
 
-def moves_on(test: RampHold) -> bool:
+def is_multi_step(test: RampHold) -> bool:
     """True if the plate moves on to another depth after the first ramp: there is no one hold."""
     return _moved(test) > _ANOTHER_DEPTH
 
@@ -232,11 +235,11 @@ def motion(test: RampHold) -> tuple[FloatArray, FloatArray, FloatArray]:
     A seal that the record finds in contact is at rest there: the force of that rest is offset.
     """
     used = slice(0, test.hold.stop)
-    x, _ = true_motion(test)
-    return evened(test.time[used] - test.time[0]), x - x[0], test.force[used]
+    x, _ = denoise_displacement(test)
+    return regular_clock(test.time[used] - test.time[0]), x - x[0], test.force[used]
 
 
-def evened(time: FloatArray) -> FloatArray:
+def regular_clock(time: FloatArray) -> FloatArray:
     """Return an even clock whose stamps were rounded as the even clock it is, else `time`.
 
     A text file rounds its times. Where every stamp is within a hundredth of a sample of a uniform

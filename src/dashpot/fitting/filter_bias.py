@@ -12,9 +12,9 @@ from dashpot.base.errors import DashpotError, FitError
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.checks import relaxation as checks
-from dashpot.fitting.design_matrix import NUISANCE, Design, compressed, eq5_obstacle, solid_of
+from dashpot.fitting.design_matrix import NUISANCE, FitSetup, compressed, eq5_obstacle, solid_of
 from dashpot.fitting.fit_data import data_of
-from dashpot.fitting.pipeline import chosen_arms
+from dashpot.fitting.pipeline import select_order
 from dashpot.numerics.exponential_fit.variable_projection import solve
 from dashpot.preprocessing.filters import Filter, filter_of, filtered
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -54,7 +54,7 @@ def filter_bias(test: RampHold) -> Check:
 
 def _supported(record: RampHold) -> GeneralizedMaxwell:
     """Return the solid with as many arms as the record supports."""
-    return chosen_arms(data_of([record], Design("full")), "auto").model
+    return select_order(data_of([record], FitSetup("full")), "auto").model
 
 
 def _changes(clean: RampHold, by: Filter, arms: int, method: Method) -> dict[str, float]:
@@ -77,7 +77,7 @@ def _solved(record: RampHold, arms: int, method: Method) -> dict[str, float]:
     if obstacle is not None:
         raise FitError(obstacle)
     model = solid_of(
-        solve(compressed([record], Design(method, NUISANCE if method == "full" else ())), arms)
+        solve(compressed([record], FitSetup(method, NUISANCE if method == "full" else ())), arms)
     )
     named = {"k_inf": model.k_inf}
     for j, (k, tau) in enumerate(zip(model.k, model.tau, strict=True), start=1):

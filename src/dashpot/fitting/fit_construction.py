@@ -33,7 +33,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 UNJUDGED = Evidence((0.0, 0.0), checks=(uncertainty_estimated(made=False),))
 
 
-class FoundSolid(NamedTuple):
+class SolidEstimate(NamedTuple):
     """What a search for a solid found.
 
     Attributes
@@ -53,8 +53,8 @@ class FoundSolid(NamedTuple):
     at_bound: bool = False
 
 
-def assembled(
-    found: FoundSolid,
+def build_fit(
+    found: SolidEstimate,
     evidence: Evidence,
     provenance: Provenance,
     *,

@@ -11,14 +11,20 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.design_matrix import Design, bound, nuisanced, one_more, solid_of
+from dashpot.fitting.design_matrix import (
+    FitSetup,
+    bic_penalty_per_arm,
+    bound,
+    solid_of,
+    with_delay_columns,
+)
 from dashpot.fitting.nuisance_priors import ROUNDING
 from dashpot.fitting.uncertainty.encoder_resolution import Encoder
 from dashpot.fitting.uncertainty.solution_covariance import estimated, residual_of, rounding
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit.log_tau_descent import Stack
 from dashpot.numerics.exponential_fit.variable_projection import Solution, solve, solve_orders
-from dashpot.numerics.inference.covariance import Noise, Series, noise_of
+from dashpot.numerics.inference.covariance import Noise, ResidualSeries, noise_of
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a prior whose assumed noise is within this factor of what the fit shows weighs what it should
@@ -80,12 +86,14 @@ class FitData:
         return max(_largest(block) for block in self.samples)
 
 
-def data_of(records: Sequence[RampHold], design: Design, near: FloatArray | None = None) -> FitData:
+def data_of(
+    records: Sequence[RampHold], design: FitSetup, near: FloatArray | None = None
+) -> FitData:
     """Return the tests as data, with what is known of load cell and clocks.
 
     Whose solid has relaxation times `near` some is not searched for: they are given as ln tau.
     """
-    blocks = nuisanced(records, design, near)
+    blocks = with_delay_columns(records, design, near)
     return FitData(
         blocks,
         [block.exact for block in blocks],
@@ -95,7 +103,7 @@ def data_of(records: Sequence[RampHold], design: Design, near: FloatArray | None
     )
 
 
-class First(NamedTuple):
+class InitialFit(NamedTuple):
     """Data whose priors weigh as the noise does, and the solutions that showed the noise.
 
     Attributes
@@ -112,7 +120,7 @@ class First(NamedTuple):
 
     data: FitData
     solutions: Sequence[Solution]
-    series: tuple[Series, ...]
+    series: tuple[ResidualSeries, ...]
     noises: tuple[Noise, ...]
     showed: Solution
 
@@ -121,7 +129,7 @@ class First(NamedTuple):
         """The values of the series."""
         return tuple(one.values for one in self.series)
 
-    def left_by(self, solution: Solution) -> tuple[Series, ...]:
+    def left_by(self, solution: Solution) -> tuple[ResidualSeries, ...]:
         """What a solution leaves of each record, where that is at hand; else nothing."""
         return self.series if solution is self.showed else ()
 
@@ -134,7 +142,7 @@ def weighed(
     thorough: bool = False,
     only: bool = False,
     near: FloatArray | None = None,
-) -> First:
+) -> InitialFit:
     """Solve up to `most` arms, with priors that weigh as the noise does that is left.
 
     Where ``auto`` chooses the number, records in time need no more arms than one beyond those
@@ -144,23 +152,23 @@ def weighed(
     data = data.bound()
 
     def solved() -> Sequence[Solution]:
-        least = one_more(data.rows) if data.in_time else 0.0
+        least = bic_penalty_per_arm(data.rows) if data.in_time else 0.0
         if only:
             one = solve(data.rows, most, log_tau_start=near, negligible=least, thorough=thorough)
             return (one,)
         return solve_orders(data.rows, most, negligible=least, every=not auto, thorough=thorough)
 
     solutions = solved()
-    series = tuple(Series(residual_of(solutions[-1], block)) for block in data.samples)
+    series = tuple(ResidualSeries(residual_of(solutions[-1], block)) for block in data.samples)
     noises = tuple(noise_of(one, rounding=rounding(data.peak)) for one in series)
     spreads = [float(np.sqrt(noise.autocovariance[0] * noise.kappa)) for noise in noises]
     if all(_WEIGHED[0] < a / b < _WEIGHED[1] for a, b in zip(spreads, data.units, strict=False)):
-        return First(data, solutions, series, noises, solutions[-1])
+        return InitialFit(data, solutions, series, noises, solutions[-1])
     data = data.bound(spreads)
-    return First(data, solved(), series, noises, solutions[-1])
+    return InitialFit(data, solved(), series, noises, solutions[-1])
 
 
-def determinable_arms(blocks: Sequence[DataBlock]) -> int:
+def max_determinable_arms(blocks: Sequence[DataBlock]) -> int:
     """Return how many arms the samples could determine at all, with two to spare."""
     stack = Stack(blocks)
     return max(0, (stack.samples - len(stack.names) - 2) // (1 + len(stack.groups)))
@@ -169,7 +177,7 @@ def determinable_arms(blocks: Sequence[DataBlock]) -> int:
 # -- data weighted by their own scatter -----------------------------------------------------------
 
 
-class Alone(NamedTuple):
+class SingleTestFit(NamedTuple):
     """The best that one test allows: its solid, and the scatter that each of its records leaves.
 
     Attributes
@@ -187,9 +195,11 @@ class Alone(NamedTuple):
     freedom: tuple[float, ...]
 
 
-def alone(blocks: Sequence[DataBlock], samples: Sequence[DataBlock], most: int) -> Alone:
+def fit_single_test(
+    blocks: Sequence[DataBlock], samples: Sequence[DataBlock], most: int
+) -> SingleTestFit:
     """Fit one test with as many arms as it bears, up to `most`."""
-    most = min(most, determinable_arms(blocks))
+    most = min(most, max_determinable_arms(blocks))
     best = solve_orders(blocks, most)[-1]
     peaks = [_largest(block) for block in samples]
     estimate = estimated(best, samples, peak=max(peaks))
@@ -202,7 +212,7 @@ def alone(blocks: Sequence[DataBlock], samples: Sequence[DataBlock], most: int) 
         float(np.sqrt(np.mean(residual**2) * noise.kappa / left))
         for residual, noise in zip(estimate.residuals, estimate.noises, strict=True)
     ]
-    return Alone(
+    return SingleTestFit(
         model,
         tuple(max(one, ROUNDING * (peak or 1.0)) for one, peak in zip(spreads, peaks, strict=True)),
         tuple(left * len(residual) for residual in estimate.residuals),

@@ -6,16 +6,23 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from dashpot.base.choices import FamilyAsked, Method, RampLawAsked, ShiftLaw, Vertical, refuse_other
+from dashpot.base.choices import (
+    FamilyAsked,
+    Method,
+    RampLawAsked,
+    ShiftLaw,
+    Vertical,
+    require_choice,
+)
 from dashpot.base.errors import FitError
 from dashpot.base.units import Quantity
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.design_matrix import NUISANCE, Design, eq5_obstacle
+from dashpot.fitting.design_matrix import NUISANCE, FitSetup, eq5_obstacle
 from dashpot.fitting.fractional_model.family_selection import checked_family
 
 
 @dataclass(frozen=True)
-class Asked:
+class FitOptions:
     """What a fit is asked for, its design apart.
 
     Attributes
@@ -48,11 +55,11 @@ class Asked:
 
 def checked_design(
     records: Sequence[RampHold],
-    asked: Asked,
+    asked: FitOptions,
     *,
     method: Method,
     nuisance: Sequence[str],
-) -> Design:
+) -> FitSetup:
     """Return how the tests are set out, if that and all else that is asked go together.
 
     Raises
@@ -68,7 +75,7 @@ def checked_design(
         raise FitError(
             f"nuisance = {nuisance!r}; expected a tuple of names out of {', '.join(NUISANCE)}"
         )
-    return Design(method, tuple(name for name in NUISANCE if name in nuisance))
+    return FitSetup(method, tuple(name for name in NUISANCE if name in nuisance))
 
 
 def refuse_shifts(
@@ -90,7 +97,7 @@ def refuse_shifts(
 
 
 def _refuse_method(records: Sequence[RampHold], method: str) -> None:
-    refuse_other("method", method, Method, FitError)
+    require_choice("method", method, Method, FitError)
     if method == "full":
         return
     for number, record in enumerate(records, start=1):
@@ -100,9 +107,9 @@ def _refuse_method(records: Sequence[RampHold], method: str) -> None:
             raise FitError(which + obstacle)
 
 
-def _refuse_law(asked: Asked, method: str) -> None:
+def _refuse_law(asked: FitOptions, method: str) -> None:
     law = asked.law
-    refuse_other("law", law, RampLawAsked, FitError)
+    require_choice("law", law, RampLawAsked, FitError)
     if law == "nonlinear" and method == "hold":
         raise FitError(
             "a nonlinear law is found from the ramp, and the method hold leaves the ramp out. "
@@ -114,7 +121,7 @@ def _refuse_law(asked: Asked, method: str) -> None:
         )
 
 
-def _refuse_family(asked: Asked) -> None:
+def _refuse_family(asked: FitOptions) -> None:
     checked_family(asked.family, asked.arms)
     if asked.family == "fractional" and asked.law == "nonlinear":
         raise FitError(

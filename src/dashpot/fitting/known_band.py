@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import runs
+from dashpot.base.arrays import find_true_runs
 from dashpot.datamodel.band_error import WELL_KNOWN, BandError
 
 #: lines that are sought between one that is known and one that is not, at most
@@ -43,7 +43,7 @@ def known_band(
     known = np.array([error[1] for error in lines.values()]) <= WELL_KNOWN
     if known.all() or not known.any():
         return band, _band_error(every)
-    parts = runs(known).tolist()
+    parts = find_true_runs(known).tolist()
     if around is not None:
         parts = [part for part in parts if at[part[0]] <= around <= at[part[1]]]
         if not parts:

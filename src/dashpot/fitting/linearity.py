@@ -11,19 +11,19 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.datamodel.relaxation import MAX_CREEP, RampHold
 from dashpot.fitting.design_matrix import (
-    Design,
+    FitSetup,
+    bic_penalty_per_arm,
     block_of,
     compressed,
     eq5_obstacle,
-    moves_on,
-    one_more,
+    is_multi_step,
     solid_of,
 )
-from dashpot.fitting.fit_data import First, FitData, determinable_arms, weighed
-from dashpot.fitting.fit_options import Asked
-from dashpot.fitting.fractional_model.family_selection import ChosenElement, element
+from dashpot.fitting.fit_data import FitData, InitialFit, max_determinable_arms, weighed
+from dashpot.fitting.fit_options import FitOptions
+from dashpot.fitting.fractional_model.family_selection import FractionalFit, element
 from dashpot.fitting.nonlinear_ramp.downsampling import ramp_obstacle
-from dashpot.fitting.nonlinear_ramp.goodness_of_fit import Soundness, linear_soundness
+from dashpot.fitting.nonlinear_ramp.goodness_of_fit import LinearFitQuality, linear_soundness
 from dashpot.fitting.uncertainty.solution_covariance import residual_of
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit.variable_projection import solve
@@ -37,7 +37,7 @@ _AS_GOOD = 1.01
 _SAME_ARM = 1e-6
 
 
-class Gate(NamedTuple):
+class LinearityResult(NamedTuple):
     """The linear solids that tests were offered, and whether one is sound.
 
     Attributes
@@ -50,9 +50,9 @@ class Gate(NamedTuple):
         Of the record that a linear solid explains worst; None where no ramp is judged.
     """
 
-    first: First
-    element: ChosenElement | None
-    judged: Soundness | None
+    first: InitialFit
+    element: FractionalFit | None
+    judged: LinearFitQuality | None
 
     @property
     def sound(self) -> bool:
@@ -60,7 +60,7 @@ class Gate(NamedTuple):
         return self.judged is None or self.judged.sound
 
 
-class Holds:
+class HoldBlocks:
     """The holds of some records alone, compressed once for all that asks them."""
 
     def __init__(self, records: Sequence[RampHold]) -> None:
@@ -70,7 +70,7 @@ class Holds:
     def blocks(self) -> tuple[DataBlock, ...]:
         """By eq. 5, or, where the plate creeps, as the answer to the recorded motion."""
         return tuple(
-            compressed([record], Design("hold", ()))[0]
+            compressed([record], FitSetup("hold", ()))[0]
             if eq5_obstacle(record) is None
             else block_of(record, terms=_terms_of_hold(record), start=record.settled.start)
             for record in self.records
@@ -79,10 +79,10 @@ class Holds:
     def left(self, i: int, start: FloatArray) -> FloatArray:
         """What as many arms as `start` has, or as many as it bears, leave of one hold alone."""
         block = self.blocks[i]
-        arms = min(max(len(start), _FEW), determinable_arms([block]))
+        arms = min(max(len(start), _FEW), max_determinable_arms([block]))
         # a start with two arms in one place, as at the edge of its shorter window, leads nowhere
         near = start if len(start) == arms and _apart(start, block.window) else None
-        least = one_more([block])
+        least = bic_penalty_per_arm([block])
         found = solve([block], arms, log_tau_start=near, negligible=least)
         return residual_of(found, block.exact)
 
@@ -92,7 +92,9 @@ class Holds:
         if held <= 1 + 2 * beside.arms or any(eq5_obstacle(record) for record in self.records):
             return None
         near = np.log(beside.tau)
-        found = solve(self.blocks, beside.arms, near=near, negligible=one_more(self.blocks))
+        found = solve(
+            self.blocks, beside.arms, near=near, negligible=bic_penalty_per_arm(self.blocks)
+        )
         return solid_of(found)
 
 
@@ -106,42 +108,44 @@ def _apart(log_tau: FloatArray, window: tuple[float, float]) -> bool:
     return bool(np.all(np.diff(inside) > _SAME_ARM))
 
 
-def gated(holds: Holds, data: FitData, asked: Asked) -> Gate:
+def assess_linearity(holds: HoldBlocks, data: FitData, asked: FitOptions) -> LinearityResult:
     """Return the linear solid that is asked for, and whether any is sound."""
-    enough = min(asked.max_arms, determinable_arms(data.blocks))
+    enough = min(asked.max_arms, max_determinable_arms(data.blocks))
     most = enough if asked.count is None else asked.count
     auto, point = asked.count is None, asked.point is not None
     first = weighed(data, most, auto=auto, thorough=asked.thorough, only=point)
-    gate = Gate(first, None, _judged(holds, first))
+    gate = LinearityResult(first, None, _judged(holds, first))
     if not gate.sound and most < enough:
         # too few arms are no reason to bend the law
         first = weighed(data, enough, thorough=asked.thorough)
-        gate = Gate(first, None, _judged(holds, first))
+        gate = LinearityResult(first, None, _judged(holds, first))
     if gate.sound or asked.family == "maxwell":
         return gate
     one = element(first.data)
     if asked.family == "fractional":
-        return Gate(first, one, None)
+        return LinearityResult(first, one, None)
     by_element = _worst(holds, one.estimate.residuals, first.solutions[-1].log_tau)
     sound = by_element is None or by_element.sound
-    return Gate(first, one, by_element if sound else gate.judged)
+    return LinearityResult(first, one, by_element if sound else gate.judged)
 
 
-def _judged(holds: Holds, first: First) -> Soundness | None:
+def _judged(holds: HoldBlocks, first: InitialFit) -> LinearFitQuality | None:
     """How well the best arms explain every record to its noise, ramp and hold alike."""
     least = _AS_GOOD * first.solutions[-1].sse
     near = next(one for one in first.solutions if one.sse <= least)
     return _worst(holds, first.residuals, near.log_tau)
 
 
-def _worst(holds: Holds, residuals: Sequence[FloatArray], log_tau: FloatArray) -> Soundness | None:
+def _worst(
+    holds: HoldBlocks, residuals: Sequence[FloatArray], log_tau: FloatArray
+) -> LinearFitQuality | None:
     """The first record that is not explained, or the ramp that is left with most.
 
     A record without one ramp and one hold to speak of shows no elastic law.
     """
     worst = None
     for i, (record, residual) in enumerate(zip(holds.records, residuals, strict=True)):
-        if moves_on(record) or ramp_obstacle(record) is not None:
+        if is_multi_step(record) or ramp_obstacle(record) is not None:
             continue
         found = linear_soundness(record, residual, holds.left(i, log_tau))
         if not found.sound:

@@ -16,7 +16,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, block_means, kept
+from dashpot.base.arrays import FloatArray, block_means, cache_on_record
 from dashpot.datamodel.machine import USUAL, Machine
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
@@ -68,7 +68,7 @@ class Prior(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Terms:
+class NuisanceTerms:
     """What is known beforehand of the linear terms that a rig adds to a record.
 
     Attributes
@@ -86,7 +86,7 @@ class Terms:
     since: float = 0.0
     least: float = 0.0
 
-    def beside(self, **more: Prior) -> Terms:
+    def beside(self, **more: Prior) -> NuisanceTerms:
         """The terms and further ones."""
         return replace(self, known={**self.known, **more})
 
@@ -128,7 +128,7 @@ WARMING = Prior(0.0, USUAL["warming in a chamber"].size)
 _RECORDED = 0.1
 
 
-class Priors(NamedTuple):
+class LoadCellPriors(NamedTuple):
     """What is known of one record's nuisance terms before the fit.
 
     Attributes
@@ -165,8 +165,8 @@ class Priors(NamedTuple):
     doubt: Prior
 
 
-@kept
-def priors(record: RampHold) -> Priors:
+@cache_on_record
+def priors(record: RampHold) -> LoadCellPriors:
     r"""Return what the record and its machine say of offset, drift and delay.
 
     The offset is the mean of the samples before contact, with standard error
@@ -182,7 +182,7 @@ def priors(record: RampHold) -> Priors:
     final = abs(float(force[last_of_hold(record)].mean()))
     noise = record.force_noise or scatter(time[record.hold], force[record.hold])
     if rest.stop - rest.start >= _FEWEST and not _loaded(record, rest):
-        offset, at, slope = at_rest(time[rest], force[rest], noise)
+        offset, at, slope = baseline_of_channel(time[rest], force[rest], noise)
     else:
         offset, at = _first_reading(record, noise), 0.0
         if record.loading_start is None:
@@ -192,7 +192,7 @@ def priors(record: RampHold) -> Priors:
     mean, sd, _ = machine.drift_told(slope, *known)
     *doubt, told = machine.drift_told(slope, *known, record.force_noise)
     source = "unknown" if machine.drift is None else "data sheet"
-    return Priors(
+    return LoadCellPriors(
         offset,
         at,
         Prior(mean, sd),
@@ -205,7 +205,7 @@ def priors(record: RampHold) -> Priors:
     )
 
 
-def terms_of(record: RampHold, *, claimed: bool = False) -> Terms:
+def terms_of(record: RampHold, *, claimed: bool = False) -> NuisanceTerms:
     """Return what is known of offset, drift and delay, their columns counting from its start.
 
     Of what is `claimed` as a limit the drift is as doubtful as it may be.
@@ -214,10 +214,10 @@ def terms_of(record: RampHold, *, claimed: bool = False) -> Terms:
     least = ROUNDING * float(np.abs(record.force).max())
     drift = known.doubt if claimed else known.drift
     each = {"offset": known.offset, "drift": drift, "delay": known.delay}
-    return Terms(each, -known.at, least)
+    return NuisanceTerms(each, -known.at, least)
 
 
-@kept
+@cache_on_record
 def spread_before(record: RampHold) -> float:
     """Return the standard deviation of one independent residual as the hold shows it unfitted, N.
 
@@ -251,7 +251,7 @@ class ChannelZero(NamedTuple):
     slope: Prior
 
 
-def at_rest(time: FloatArray, values: FloatArray, noise: float) -> ChannelZero:
+def baseline_of_channel(time: FloatArray, values: FloatArray, noise: float) -> ChannelZero:
     r"""Return the mean and the slope of a channel at rest, for correlated noise.
 
     `noise` is the least that its scatter can be.
@@ -273,7 +273,7 @@ def _first_motion(record: RampHold) -> int:
     return int(np.searchsorted(record.time, seen - _UNSEEN * record.ramp_time))
 
 
-class Material(NamedTuple):
+class SignificantDrift(NamedTuple):
     """The departures of a load cell that change the force at the end of the hold by `MATERIAL`.
 
     Attributes
@@ -288,10 +288,10 @@ class Material(NamedTuple):
     drift: float
 
 
-def material(record: RampHold) -> Material:
+def significant_drift(record: RampHold) -> SignificantDrift:
     """Return which departures from what is known of the load cell matter to the stiffness."""
     final = MATERIAL * abs(float(record.force[last_of_hold(record)].mean()))
-    return Material(final, final / (record.hold_end - record.onset))
+    return SignificantDrift(final, final / (record.hold_end - record.onset))
 
 
 def last_of_hold(record: RampHold) -> slice:
@@ -378,7 +378,7 @@ def _of_one_reading(record: RampHold, noise: float) -> float:
     return slow if slow > max(chance, _MISSED * float(np.abs(force).max())) else noise
 
 
-def warmed(specimen: Specimen) -> Prior:
+def recorded_warming(specimen: Specimen) -> Prior:
     """Return by how much the seal may have warmed over its record, K: as recorded, if it was."""
     return WARMING if specimen.warmed is None else Prior(specimen.warmed, _RECORDED)
 

@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.fitting.uncertainty.solution_covariance import Score, by_record, noises_of, rounding
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit.variable_projection import Jacobian, Solution, solve_orders
-from dashpot.numerics.inference.model_order import bic_of_deviance, needed
+from dashpot.numerics.inference.model_order import bic_of_deviance, is_significant_fall
 from dashpot.numerics.inference.whitening import whitened_block
 
 
@@ -50,7 +50,7 @@ def in_noise_metric(
         whitened_block(block, noise) for block, noise in zip(every_sample, noises, strict=True)
     ]
     # in the metric of the noise a row is worth one
-    blocks += [block.weighted(1 / np.sqrt(block.variance)) for block in priors if block.variance]
+    blocks += [block.scale_rows(1 / np.sqrt(block.variance)) for block in priors if block.variance]
     refitted = [*solve_orders(blocks, len(solutions) - 1, thorough=thorough)]
     # where a further arm with k > 0 does not help, its number leaves what the last one left
     refitted += [refitted[-1]] * (len(solutions) - len(refitted))
@@ -59,7 +59,7 @@ def in_noise_metric(
     falls = [before.sse - after.sse for before, after in pairwise(refitted)]
     significant = [
         True,
-        *(needed(f, b - a) for f, (a, b) in zip(falls, pairwise(size), strict=True)),
+        *(is_significant_fall(f, b - a) for f, (a, b) in zip(falls, pairwise(size), strict=True)),
     ]
     return tuple(
         Score(solution, bic_of_deviance(best.sse, effective=effective, parameters=count), clear)

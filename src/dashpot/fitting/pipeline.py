@@ -16,8 +16,8 @@ from dashpot.datamodel.fit_diagnostics import Certificate, OrderScore
 from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate, Profile, Residual
 from dashpot.fitting.checks.solid import arms_enough, optimum_found, samples_independent
 from dashpot.fitting.design_matrix import solid_of
-from dashpot.fitting.fit_construction import FoundSolid, nuisances
-from dashpot.fitting.fit_data import First, FitData, determinable_arms, weighed
+from dashpot.fitting.fit_construction import SolidEstimate, nuisances
+from dashpot.fitting.fit_data import FitData, InitialFit, max_determinable_arms, weighed
 from dashpot.fitting.uncertainty.profile_intervals import profiles
 from dashpot.fitting.uncertainty.solution_covariance import (
     Score,
@@ -37,7 +37,12 @@ from dashpot.numerics.inference.covariance import (
     noise_gain_differs,
     noise_gain_ratio,
 )
-from dashpot.numerics.inference.model_order import DECISIVE, Choice, Shortage, choose
+from dashpot.numerics.inference.model_order import (
+    DECISIVE,
+    OrderChoice,
+    Shortage,
+    select_model_order,
+)
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 # a step that would remove less of the residual than this is rounding, whatever it does to tau
@@ -51,7 +56,7 @@ ALL = 1 - 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class Chosen:
+class SelectedModel:
     """The optimum for the number of arms taken, its uncertainty, and every number tried.
 
     Attributes
@@ -70,7 +75,7 @@ class Chosen:
     data: FitData
     estimate: SolutionEstimate
     scores: tuple[Score, ...]
-    choice: Choice | None
+    choice: OrderChoice | None
     asked: int | None
 
     @property
@@ -127,7 +132,7 @@ class Chosen:
         arms = {f"k_{j}": k for j, k in enumerate(solution.arms.ravel().tolist(), start=1)}
         return {"k_inf": solution.coefficient("k_inf"), **arms}
 
-    def with_depth_doubt(self, doubts: Sequence[float]) -> Chosen:
+    def with_depth_doubt(self, doubts: Sequence[float]) -> SelectedModel:
         """As found, with what the encoder's step leaves unknown of each depth."""
         return replace(self, estimate=self.estimate.with_depth_doubt(doubts, self.stiffnesses))
 
@@ -153,7 +158,7 @@ class Chosen:
     @cached_property
     def certificate(self) -> Certificate:
         """How far the optimum can be from the best positive spectrum."""
-        return certified(self.data.rows, self.solution)
+        return certificate_for(self.data.rows, self.solution)
 
     @cached_property
     def shortage(self) -> Shortage | None:
@@ -169,7 +174,7 @@ class Chosen:
         gain = -solution.samples * float(np.log1p(-min(self.certificate.gap, ALL)))
         if gain < 2 * float(np.log(solution.samples)):
             return None
-        more = chosen_arms(self.data, "auto", max_arms=solution.order + FURTHER)
+        more = select_order(self.data, "auto", max_arms=solution.order + FURTHER)
         supported = more.solution.order
         if supported <= solution.order:
             return None
@@ -219,7 +224,7 @@ class Chosen:
         nuisance: tuple[Nuisance, ...] = (),
         *,
         unseen: FloatArray | None = None,
-    ) -> FoundSolid:
+    ) -> SolidEstimate:
         """The solid and what is known of it, as every fit is made of.
 
         `unseen`, shape (p, d), is what each doubt of a rig adds to the parameters: it is in every
@@ -237,10 +242,10 @@ class Chosen:
         if unseen is not None:
             estimate = estimate.with_rig(unseen)
         fewer = self.asked is not None and self.solution.order < self.asked
-        return FoundSolid(self.solid, estimate, fewer, bool(self.solution.at_bound.any()))
+        return SolidEstimate(self.solid, estimate, fewer, bool(self.solution.at_bound.any()))
 
 
-def asked_arms(arms: object, max_arms: object) -> int:
+def requested_arms(arms: object, max_arms: object) -> int:
     """Return the most arms to try.
 
     Raises
@@ -259,14 +264,14 @@ def asked_arms(arms: object, max_arms: object) -> int:
     return int(arms)  # type: ignore[call-overload,no-any-return]
 
 
-def chosen_arms(
+def select_order(
     data: FitData,
     arms: int | Literal["auto"],
     *,
     max_arms: int = 6,
     thorough: bool = False,
-    first: First | None = None,
-) -> Chosen:
+    first: InitialFit | None = None,
+) -> SelectedModel:
     """Fit every number of arms; take the number that the data support, or that was asked for.
 
     Parameters
@@ -281,9 +286,9 @@ def chosen_arms(
     first : First, optional
         What :func:`weighed` found, where it is known already.
     """
-    auto, most = arms == "auto", asked_arms(arms, max_arms)
+    auto, most = arms == "auto", requested_arms(arms, max_arms)
     if auto:
-        most = min(most, determinable_arms(data.blocks))
+        most = min(most, max_determinable_arms(data.blocks))
     first = first or weighed(data, most, auto=auto, thorough=thorough)
     data, noises = first.data, first.noises
     samples, peak, in_time = data.samples, data.peak, data.in_time
@@ -322,7 +327,7 @@ def chosen_arms(
         whole=whole(taken),
         left=first.left_by(scores[taken].solution),
     )
-    return Chosen(data, estimate, scores, choice if auto else None, None if auto else most)
+    return SelectedModel(data, estimate, scores, choice if auto else None, None if auto else most)
 
 
 # -- orders ---------------------------------------------------------------------------------------
@@ -348,13 +353,13 @@ def _scored(
 
 def _noise_gain(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -> float:
     known = directions(jacobians[: len(noises)])
-    return noise_gain_ratio(known, [*map(known.met, range(len(noises)), noises)])
+    return noise_gain_ratio(known, [*map(known.compute_record_gain, range(len(noises)), noises)])
 
 
 def _choice(
     scores: Sequence[Score], *, exhausted: bool, decisive: float, in_noise_metric: bool = False
-) -> Choice:
-    return choose(
+) -> OrderChoice:
+    return select_model_order(
         range(len(scores)),
         [score.bic for score in scores],
         [score.significant for score in scores],
@@ -372,7 +377,7 @@ def _whole(number: object) -> bool:
 # -- parts of a fit -------------------------------------------------------------------------------
 
 
-def certified(blocks: Sequence[DataBlock], solution: Solution) -> Certificate:
+def certificate_for(blocks: Sequence[DataBlock], solution: Solution) -> Certificate:
     """Return how far the optimum can be from the best positive spectrum."""
     found = certificate(blocks, solution)
     if found.optimal:

@@ -12,12 +12,12 @@ from dashpot.base.checks import Check
 from dashpot.base.choices import FamilyAsked, Method, RampLawAsked, ShiftLaw, Vertical
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step
-from dashpot.base.units import Quantity, si, written
+from dashpot.base.units import Quantity, convert_to_si, format_quantity
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.check_suite import Residuals, solid_checks
+from dashpot.fitting.check_suite import Residuals, run_relaxation_checks
 from dashpot.fitting.checks import relaxation as checks
 from dashpot.fitting.checks.solid import (
     arms_enough,
@@ -25,39 +25,39 @@ from dashpot.fitting.checks.solid import (
     loss_factor_known,
     order_agreed,
 )
-from dashpot.fitting.delay_correction import LateMotion, soundest
-from dashpot.fitting.design_matrix import NUISANCE, Design, solid_of
+from dashpot.fitting.delay_correction import DelayedMotion, best_delayed_motion
+from dashpot.fitting.design_matrix import NUISANCE, FitSetup, solid_of
 from dashpot.fitting.filter_bias import filter_bias
 from dashpot.fitting.fit_construction import (
     UNJUDGED,
-    FoundSolid,
-    assembled,
+    SolidEstimate,
+    build_fit,
     nuisances,
     point_estimate,
     provenance_of,
 )
-from dashpot.fitting.fit_data import First, data_of, weighed
-from dashpot.fitting.fit_options import Asked, checked_design, refuse_shifts
+from dashpot.fitting.fit_data import InitialFit, data_of, weighed
+from dashpot.fitting.fit_options import FitOptions, checked_design, refuse_shifts
 from dashpot.fitting.fractional_model.family_selection import (
-    ChosenElement,
-    FamilyChoice,
-    beside_bent,
+    FamilySelection,
+    FractionalFit,
     chosen_family,
-    named,
+    describe_fit,
     refuse_beside_shifts,
+    with_linear_fractional,
 )
-from dashpot.fitting.linearity import Gate, Holds
+from dashpot.fitting.linearity import HoldBlocks, LinearityResult
 from dashpot.fitting.nonlinear_ramp import checks as ramp_checks
-from dashpot.fitting.nuisance_priors import delay_prior, material, priors
-from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
+from dashpot.fitting.nuisance_priors import delay_prior, priors, significant_drift
+from dashpot.fitting.pipeline import SelectedModel, requested_arms, select_order
 from dashpot.fitting.relaxation_data import RelaxationData
-from dashpot.fitting.relaxation_likelihood import fitted_data, held_data
+from dashpot.fitting.relaxation_likelihood import fitted_data, hold_only_data
 from dashpot.fitting.replicates import refuse_copies
-from dashpot.fitting.tests_at_temperatures import checked_temperatures, reference_of
+from dashpot.fitting.tests_at_temperatures import checked_temperatures, reference_temperature
 from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra
 from dashpot.fitting.uncertainty.band_limits import band_of_hold
-from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_hold, spectra_of_holds
-from dashpot.fitting.uncertainty.rig_sensitivity import moved_by_clocks, moved_by_rig
+from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_hold_limits, spectra_of_holds
+from dashpot.fitting.uncertainty.rig_sensitivity import clock_sensitivity, rig_sensitivity
 from dashpot.fitting.uncertainty.solution_covariance import SolutionEstimate
 from dashpot.fitting.uncertainty.valid_band import informed_band
 from dashpot.preprocessing.prepare_tests import Tests, ramp_holds
@@ -96,9 +96,9 @@ def fit(
 
     ``method="full"`` answers the *recorded* motion x(t) from contact to the end of the hold, freed
     of the encoder's counts and noise where it shows any
-    (:func:`~dashpot.preprocessing.denoising.true_motion`). Offset and drift of the load cell and
-    the delay of the force are nuisance terms, each bound by what the record and its machine say of
-    it (:mod:`dashpot.fitting.nuisance_priors`); the force is never filtered,
+    (:func:`~dashpot.preprocessing.denoising.denoise_displacement`). Offset and drift of the load
+    cell and the delay of the force are nuisance terms, each bound by what the record and its
+    machine say of it (:mod:`dashpot.fitting.nuisance_priors`); the force is never filtered,
 
     .. math:: F(t) = S(t) - \delta\,\dot S(t) + F_0 + \dot F t, \qquad
               S(t) = k_\infty x(t) + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j} \dot x(u)\,du
@@ -167,13 +167,15 @@ def fit(
     if not records:
         raise FitError("there is no test to fit; expected at least one prepared test")
     refuse_copies(records)
-    most = asked_arms(arms, max_arms)
-    asked = Asked("auto" if arms == "auto" else most, max_arms, law, family, intervals, thorough)
+    most = requested_arms(arms, max_arms)
+    asked = FitOptions(
+        "auto" if arms == "auto" else most, max_arms, law, family, intervals, thorough
+    )
     design = checked_design(records, asked, method=method, nuisance=nuisance)
     temperatures = checked_temperatures(records, shared=method == "full")
-    reference = si(reference, "temperature")
+    reference = convert_to_si(reference, "temperature")
     if len(temperatures) > 1:
-        at = reference_of(temperatures, reference)
+        at = reference_temperature(temperatures, reference)
         refuse_beside_shifts(family)
         fit_shifted = find_handler("fit at several temperatures", records[0])
         found = fit_shifted(records, asked, vertical=vertical, shift_law=shift_law, reference=at)
@@ -213,7 +215,7 @@ def _with_law(found: Fit, law: RampLawAsked) -> Fit:
     return replace(found, provenance=replace(found.provenance, steps=(*earlier, step)))
 
 
-def followed(test: RampHold, found: Fit) -> Fit:
+def refit_nearby(test: RampHold, found: Fit) -> Fit:
     """Return the optimum of a test next to that of another cut of it, for a look.
 
     Relaxation times are descended to from those found there. Neither their number nor the law is
@@ -233,28 +235,28 @@ def followed(test: RampHold, found: Fit) -> Fit:
     near = np.log(found.model.tau)
     arms = len(near)
     method: Method = "hold" if found.method == "hold" else "full"
-    design = checked_design([test], Asked(arms, arms), method=method, nuisance=NUISANCE)
-    as_recorded = LateMotion(Holds([test]), data_of([test], design, near), (0.0,))
+    design = checked_design([test], FitOptions(arms, arms), method=method, nuisance=NUISANCE)
+    as_recorded = DelayedMotion(HoldBlocks([test]), data_of([test], design, near), (0.0,))
     first = weighed(as_recorded.data, arms, only=True, near=near)
     return _point(as_recorded, first, design, arms)
 
 
-def _of_one_temperature(records: Sequence[RampHold], design: Design, asked: Asked) -> Fit:
+def _of_one_temperature(records: Sequence[RampHold], design: FitSetup, asked: FitOptions) -> Fit:
     """Return the fit of a linear solid, or of a bent ramp where no linear solid is sound."""
-    late, first, one, gate = LateMotion.of(records, design), None, None, None
-    if design == Design("full"):
-        late, gate = soundest(late, asked)
+    late, first, one, gate = DelayedMotion.of(records, design), None, None, None
+    if design == FitSetup("full"):
+        late, gate = best_delayed_motion(late, asked)
         first, one = gate.first, gate.element
         # no law is bent by a ramp that answers to earlier loadings as well
         straight = gate.sound or any(record.loading_start is not None for record in records)
         bent = None if straight else _law_of(records, asked.law, asked.count)
         if bent is not None and not bent.sound:
             found = _by_ramp(records, bent, asked.count)
-            return found if one is None else beside_bent(found, bent.residuals, one)
+            return found if one is None else with_linear_fractional(found, bent.residuals, one)
     if asked.point is not None:
         first = first or weighed(late.data, asked.point, only=True)
         return _point(late, first, design, asked.point)
-    chosen = chosen_arms(
+    chosen = select_order(
         late.data,
         asked.arms,
         max_arms=asked.max_arms,
@@ -271,20 +273,20 @@ def _of_one_temperature(records: Sequence[RampHold], design: Design, asked: Aske
 def _law_of(records: Sequence[RampHold], law: RampLawAsked, arms: int | None = None) -> RampLaw:
     """Return the elastic law that the ramps support."""
     from dashpot.fitting.nonlinear_ramp.elastic_law_selection import (
-        ramp_law,  # a sound linear fit needs none
+        select_elastic_law,  # a sound linear fit needs none
     )
 
-    return ramp_law(records, law=law, arms=arms)
+    return select_elastic_law(records, law=law, arms=arms)
 
 
-def _point(late: LateMotion, first: First, design: Design, arms: int) -> Fit:
+def _point(late: DelayedMotion, first: InitialFit, design: FitSetup, arms: int) -> Fit:
     """Return the optimum alone, as a fit of which nothing more is known."""
     records = late.holds.records
     solution = first.solutions[: arms + 1][-1]
     model = solid_of(solution)
     own = nuisances(solution.fixed_names, late.coefficients(solution.coefficient), lambda _: np.inf)
-    return assembled(
-        FoundSolid(
+    return build_fit(
+        SolidEstimate(
             model,
             point_estimate(model, solution.samples, solution.sse, own),
             fewer=solution.order < arms,
@@ -297,7 +299,12 @@ def _point(late: LateMotion, first: First, design: Design, arms: int) -> Fit:
 
 
 def _assembled(
-    late: LateMotion, both: FamilyChoice, design: Design, gate: Gate | None, *, thorough: bool
+    late: DelayedMotion,
+    both: FamilySelection,
+    design: FitSetup,
+    gate: LinearityResult | None,
+    *,
+    thorough: bool,
 ) -> Fit:
     """Return the fit of a linear solid, with everything needed to judge it."""
     records, found = late.holds.records, both.best
@@ -312,12 +319,12 @@ def _assembled(
     spectra = spectra_of_holds(data, **_hold_of(records, both.arms))
     end = _end_of_hold(records, data, both.arms, spectra).holding(found.model)
     band, known = band_of_hold(spectra, found.solid, band)
-    unseen = moved_by_rig(data, found.solid)
+    unseen = rig_sensitivity(data, found.solid)
     if design.method == "hold" and "delay" in design.nuisance and found.solid is found.model:
-        unseen = np.hstack((unseen, moved_by_clocks(records, found.model)))
+        unseen = np.hstack((unseen, clock_sensitivity(records, found.model)))
     other = both.alternative(band)
     steps = (*_motion_steps(records, design), *late.steps)
-    return assembled(
+    return build_fit(
         found.outcome(
             found.residual,
             found.nuisances(
@@ -357,8 +364,8 @@ def _by_ramp(records: Sequence[RampHold], found: RampLaw, arms: int | None) -> F
     data = held_ramps(records, found)
     hold = _hold_of(records, found)
     spectra = spectra_of_holds(data, **hold)
-    end = end_of_hold(data, **hold, spectra=spectra)
-    unseen = moved_by_rig(data, found.model)
+    end = end_of_hold_limits(data, **hold, spectra=spectra)
+    unseen = rig_sensitivity(data, found.model)
     further = () if arms is None else (_holds_enough(records, found),)
     return ramp_fit(
         records, found, asked=arms, further=further, end=end, unseen=unseen, spectra=spectra
@@ -375,13 +382,13 @@ def _holds_enough(records: Sequence[RampHold], found: RampLaw) -> Check:
 
 
 def _of_doubtful_rigs(
-    records: Sequence[RampHold], found: Chosen, design: Design
+    records: Sequence[RampHold], found: SelectedModel, design: FitSetup
 ) -> list[RelaxationData]:
     """The records as what is claimed of their fit weighs them."""
     model, residuals = found.model, found.estimate.residuals
     if design.method == "hold":
         tests = zip(records, residuals, strict=True)
-        return [held_data(record, model, residual) for record, residual in tests]
+        return [hold_only_data(record, model, residual) for record, residual in tests]
     blocks = zip(records, found.data.blocks, residuals, strict=True)
     return [fitted_data(record, block, model, left) for record, block, left in blocks]
 
@@ -389,14 +396,14 @@ def _of_doubtful_rigs(
 def _end_of_hold(
     records: Sequence[RampHold],
     data: Sequence[RelaxationData],
-    found: Chosen,
+    found: SelectedModel,
     spectra: AdmissibleSpectra,
 ) -> EndOfHold:
     """What the records leave open of the stiffness at the end of the hold and beyond."""
-    return end_of_hold(data, **_hold_of(records, found), spectra=spectra)
+    return end_of_hold_limits(data, **_hold_of(records, found), spectra=spectra)
 
 
-def _hold_of(records: Sequence[RampHold], found: Chosen | RampLaw) -> _HoldArguments:
+def _hold_of(records: Sequence[RampHold], found: SelectedModel | RampLaw) -> _HoldArguments:
     """What their limits ask of the records and of the fit."""
     return {
         "time": max(record.hold_time for record in records),
@@ -406,15 +413,15 @@ def _hold_of(records: Sequence[RampHold], found: Chosen | RampLaw) -> _HoldArgum
 
 
 def _checks(
-    late: LateMotion, found: Chosen, design: Design, end: EndOfHold | None
+    late: DelayedMotion, found: SelectedModel, design: FitSetup, end: EndOfHold | None
 ) -> tuple[Check, ...]:
     """Return every check of the records and of the fit."""
     records, model, estimate = late.holds.records, found.model, found.estimate
     choice, error = found.choice, found.error
-    in_arms = not isinstance(found, ChosenElement)
+    in_arms = not isinstance(found, FractionalFit)
     answers = [
         *(filter_bias(record) for record in records if record.unfiltered is not None),
-        *solid_checks(
+        *run_relaxation_checks(
             records,
             model,
             error,
@@ -437,7 +444,7 @@ def _checks(
     return tuple(answers)
 
 
-def _load_cells(moved: LateMotion, found: Chosen, end: EndOfHold | None) -> list[Check]:
+def _load_cells(moved: DelayedMotion, found: SelectedModel, end: EndOfHold | None) -> list[Check]:
     """Return how far offset, drift and clocks had to go from what was known of them."""
     estimate, records = found.estimate, moved.holds.records
     value, names = moved.coefficients(estimate.solution.coefficient), estimate.solution.fixed_names
@@ -451,7 +458,9 @@ def _load_cells(moved: LateMotion, found: Chosen, end: EndOfHold | None) -> list
                 if kind == "offset" and f"drift@{i}" in names:
                     # where it is known: the fit's own is that at the first sample
                     departure += known.at * value(f"drift@{i}")
-                found.append((departure, *getattr(known, kind), getattr(material(record), kind)))
+                found.append(
+                    (departure, *getattr(known, kind), getattr(significant_drift(record), kind))
+                )
         return found
 
     beyond = np.inf if end is None else end.beyond
@@ -483,8 +492,8 @@ def _drift_correlation(estimate: SolutionEstimate) -> float | None:
 
 def _step(
     records: Sequence[RampHold],
-    found: Chosen,
-    design: Design,
+    found: SelectedModel,
+    design: FitSetup,
     *,
     thorough: bool,
 ) -> Step:
@@ -496,11 +505,11 @@ def _step(
         ("nuisance", ", ".join(design.nuisance) or "none"),
     )
     plural = f"{len(records)} tests" if len(records) > 1 else "one test"
-    says = f"fitted {named(found)} to {plural} by method {design.method!r}"
+    says = f"fitted {describe_fit(found)} to {plural} by method {design.method!r}"
     return Step("fit", options, says)
 
 
-def _motion_steps(records: Sequence[RampHold], design: Design) -> tuple[Step, ...]:
+def _motion_steps(records: Sequence[RampHold], design: FitSetup) -> tuple[Step, ...]:
     """Return what was taken out of each recorded displacement before the fit answered to it."""
     if design.method == "hold":
         return ()
@@ -509,8 +518,10 @@ def _motion_steps(records: Sequence[RampHold], design: Design) -> tuple[Step, ..
         count, noise = record.encoder_step, record.displacement_noise
         if count > 0 or noise > 0:
             says = (
-                f"read the displacement between counts of {written(count, 'um', '.3g')} and "
-                f"averaged its scatter of {written(noise, 'um', '.3g')} where the motion allows; "
+                f"read the displacement between counts of {format_quantity(count, 'um', '.3g')} "
+                "and "
+                f"averaged its scatter of {format_quantity(noise, 'um', '.3g')} where the motion "
+                "allows; "
                 "the force is as recorded"
             )
             parameters = (("count", f"{count:.6g} m"), ("noise", f"{noise:.6g} m"))

@@ -23,7 +23,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.datamodel.shift_factors import decades, shifted_log_tau
-from dashpot.fitting.nuisance_priors import Prior, Terms, kind_of
+from dashpot.fitting.nuisance_priors import NuisanceTerms, Prior, kind_of
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.inference.whitening import marginal
 from dashpot.solids.fractional import FractionalZener
@@ -83,7 +83,7 @@ class ThermalShift(NamedTuple):
         )
 
 
-class Unseen(NamedTuple):
+class UnmeasuredEffects(NamedTuple):
     """What a rig may add unseen, d terms, as sums of the columns that a block has.
 
     Attributes
@@ -100,11 +100,11 @@ class Unseen(NamedTuple):
     fixed: FloatArray
     arms: FloatArray
 
-    def but(self, *names: str) -> Unseen:
+    def but(self, *names: str) -> UnmeasuredEffects:
         """The terms without these."""
         kept = [name not in names for name in self.names]
         left = tuple(name for name in self.names if name not in names)
-        return Unseen(left, self.log_tau, self.fixed[:, kept], self.arms[:, kept])
+        return UnmeasuredEffects(left, self.log_tau, self.fixed[:, kept], self.arms[:, kept])
 
     def columns(self, fixed: FloatArray, arms: FloatArray) -> FloatArray:
         """One column a term, in the coordinates of these."""
@@ -160,14 +160,14 @@ class RelaxationData:
     block: DataBlock
     weight: float
     kappa: float
-    terms: Terms
+    terms: NuisanceTerms
     answer: GeneralizedMaxwell
     delay: float
     size: float
     certain: DataBlock
     misfit: float
     moved: ThermalShift | None = None
-    unseen: Unseen | None = None
+    unseen: UnmeasuredEffects | None = None
     drift: Prior = EXACT
 
     @property
@@ -198,11 +198,11 @@ class RelaxationData:
     def weighted(self, index: int) -> DataBlock:
         """The certain block in rows of unit noise; `index` tells private columns of tests apart."""
         names = (n if n in SOLID else f"{n}@{index}" for n in self.certain.fixed_names)
-        made = self.certain.weighted(self.weight, tuple(names))
+        made = self.certain.scale_rows(self.weight, tuple(names))
         where = self.moved
         if where is None:
             return made
-        return made.elsewhere(
+        return made.map_relaxation_times(
             where.log_tau, float(np.exp(where.log_b)), stretch=where.stretch, window=self.window
         )
 

@@ -22,22 +22,22 @@ from dashpot.fitting.nuisance_priors import (
     delay_prior,
     kind_of,
     priors,
+    recorded_warming,
     terms_of,
     unseen_warmth,
-    warmed,
 )
 from dashpot.fitting.relaxation_data import (
     DASHPOT,
     LN_10,
     RelaxationData,
     ThermalShift,
-    Unseen,
+    UnmeasuredEffects,
 )
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.data_compression import uniform_step
 from dashpot.numerics.design_matrices.hold import window_of
 from dashpot.numerics.design_matrices.recorded_motion import FARTHEST
-from dashpot.preprocessing.denoising import between_samples, rests, true_motion
+from dashpot.preprocessing.denoising import between_samples, denoise_displacement, rests
 from dashpot.signals.rig_disturbances import (
     earlier_press,
     folded_mains,
@@ -100,9 +100,9 @@ def relaxation_data(
     alone : Fit, optional
         Of this test alone, where `fit` is of more than this test: its solid leaves the noise.
     claimed : bool
-        For limits, which bear all that a rig may have done unseen (:func:`unseen`). A fit of
-        several tests is a point, and not of the doubtful rig: what could be moved by so much would
-        hide that the tests disagree.
+        For limits, which bear all that a rig may have done unseen (:func:`unmeasured_effects`). A
+        fit of several tests is a point, and not of the doubtful rig: what could be moved by so much
+        would hide that the tests disagree.
     moved : ThermalShift, optional
         How the solid that is asked about lies at the temperature of the test and of `fit`: the
         seal may then have warmed while it was recorded.
@@ -119,11 +119,11 @@ def relaxation_data(
     model, own = fit.few_arms, (alone or fit).few_arms
     if fit.method == "hold":
         held = _left_by(own, block_of(test, method="hold", terms=_CELL))
-        return held_data(test, model, held, claimed=claimed)
+        return hold_only_data(test, model, held, claimed=claimed)
     law = fit.elastic_law
     if law is not None and law.kind == "linear":
         law = None
-    (time, x, _), left = motion(test), true_motion(test)[1]
+    (time, x, _), left = motion(test), denoise_displacement(test)[1]
     left = np.hypot(left, between_samples(test, time, x, left))
     if law is not None:
         x, left = law.path(x), left * law.factor(x)
@@ -132,8 +132,8 @@ def relaxation_data(
         for name, (there, sd) in _doubts(test, time).items()
     }
     if claimed:
-        at = laid_out(test, time)
-        for name, (column, sd) in unseen(test, time[at], x[at], model).items():
+        at = sample_motion(test, time)
+        for name, (column, sd) in unmeasured_effects(test, time[at], x[at], model).items():
             doubts[name] = np.interp(time, time[at], column), sd
     if moved is not None:
         by_a, by_b = warms
@@ -167,7 +167,7 @@ def relaxation_data(
     found = replace(found, delay=0.0) if late else found
     if moved is None:
         return found
-    found = replace(found, terms=found.terms.beside(warming=warmed(test.specimen)))
+    found = replace(found, terms=found.terms.beside(warming=recorded_warming(test.specimen)))
     gain = _GAIN if moved.shift_sd > 0 else 0.0
     return replace(found, moved=moved, size=float(np.hypot(found.size, gain)))
 
@@ -247,7 +247,7 @@ def _at_its_temperature(
     return relaxation_data(test, here, alone=alone, claimed=claimed, moved=where, warms=rates)
 
 
-def held_data(
+def hold_only_data(
     test: RampHold,
     answer: GeneralizedMaxwell,
     residual: FloatArray,
@@ -308,8 +308,8 @@ def _doubted(
     The motion that is answered is `moved`, s and m; the rows begin at `start`, s, and their drift
     counts from `since`, s, all from the first sample on.
     """
-    time, x = (part[laid_out(test, moved[0])] for part in moved)
-    adds = unseen(test, time, x, data.answer)
+    time, x = (part[sample_motion(test, moved[0])] for part in moved)
+    adds = unmeasured_effects(test, time, x, data.answer)
     tau = np.geomspace(max(test.ramp_time / 100, test.step), 10 * test.hold_time, MIXED)
     shapes = {"k_inf": x, "offset": np.ones(len(time)), "drift": time - since}
     kinds = [kind_of(name) for name in data.block.fixed_names]
@@ -321,7 +321,9 @@ def _doubted(
     weights = np.linalg.lstsq(basis / scale, wanted, rcond=1e-9)[0] / scale[:, None]
     fixed = np.zeros((len(kinds), wanted.shape[1]))
     fixed[there] = weights[: len(own)]
-    return replace(data, unseen=Unseen(tuple(adds), np.log(tau), fixed, weights[len(own) :]))
+    return replace(
+        data, unseen=UnmeasuredEffects(tuple(adds), np.log(tau), fixed, weights[len(own) :])
+    )
 
 
 def noise_power(residual: FloatArray) -> float:
@@ -406,7 +408,7 @@ def _doubts(test: RampHold, time: FloatArray) -> dict[str, tuple[BoolArray, floa
     return found
 
 
-def unseen(
+def unmeasured_effects(
     test: RampHold, time: FloatArray, x: FloatArray, answer: GeneralizedMaxwell
 ) -> dict[str, tuple[FloatArray, float]]:
     """What a rig may add to the force that no record shows, in N a unit, and its sd in units.
@@ -463,7 +465,7 @@ def set_of(test: RampHold, answer: GeneralizedMaxwell) -> float:
     return set_sd(test.machine, answer, depth=test.depth, gap=test.gap) / test.depth
 
 
-def laid_out(test: RampHold, time: FloatArray) -> IndexArray:
+def sample_motion(test: RampHold, time: FloatArray) -> IndexArray:
     """Return some hundred samples of a motion, and some of what relaxes after it."""
     corner = test.ramp_end - test.time[0]
     even = int(np.searchsorted(time, corner + test.ramp_time))

@@ -66,7 +66,7 @@ def checked_temperatures(records: Sequence[RampHold], *, shared: bool) -> FloatA
     return found
 
 
-def reference_of(temperatures: FloatArray, asked: float | None) -> int:
+def reference_temperature(temperatures: FloatArray, asked: float | None) -> int:
     """Return which temperature, K, is the reference: the one asked for, or nearest to 23 degC.
 
     Raises

@@ -7,15 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import FloatArray, Frozen, same_length, samples
+from dashpot.base.arrays import FloatArray, FrozenArrays, same_length, samples
 from dashpot.base.errors import DataError, FitError
 from dashpot.numerics.design_matrices.hold import hold_block
-from dashpot.numerics.exponential_fit.certificate import Optimality, certificate
+from dashpot.numerics.exponential_fit.certificate import OptimalityCertificate, certificate
 from dashpot.numerics.exponential_fit.variable_projection import solve
 
 
 @dataclass(frozen=True, eq=False)
-class ExponentialSum(Frozen):
+class ExponentialSum(FrozenArrays):
     r"""The least-squares :math:`y = c + \sum_j a_j e^{-r_j x}`.
 
     Attributes
@@ -43,7 +43,7 @@ class ExponentialSum(Frozen):
     rate_errors: FloatArray
     constant_error: float
     converged: bool
-    certificate: Optimality | None
+    certificate: OptimalityCertificate | None
 
     def __call__(self, x: npt.ArrayLike) -> FloatArray:
         """The sum at x."""

@@ -7,8 +7,8 @@ from typing import TypeAlias
 
 from dashpot.base.checks import Check
 from dashpot.base.sentences import sentence
-from dashpot.base.units import in_unit, written
-from dashpot.planning.checks import known_to
+from dashpot.base.units import convert_to_unit, format_quantity
+from dashpot.planning.checks import format_relative_sd
 from dashpot.planning.expected_errors import ExpectedError, Pulse, RecordNeed, half_sine
 
 WORTH = 0.9
@@ -33,27 +33,29 @@ def advice(
         words.append(_ramp_advice(expected, alternatives, at=at, wanted=wanted))
     if need.record is None:
         words.append(
-            f"Record each hit for {needed(need):.3g} s{without}. Six time constants last "
+            f"Record each hit for {compute_record_length(need):.3g} s{without}. Six time constants "
+            "last "
             f"{need.for_decay:.3g} s; five lines in the half-power band need {need.for_lines:.3g} "
             "s. With an exponential window a shorter record does."
         )
     failed = {check.name for check in answers if check.failed}
     if "record_long_enough" in failed:
         words.append(
-            f"Record each hit for {needed(need):.3g} s{without} instead of {need.record:g} s, or "
+            f"Record each hit for {compute_record_length(need):.3g} s{without} instead of "
+            f"{need.record:g} s, or "
             "use an exponential window."
         )
     if tip is not None and "tip_excites" in failed:
         words.append(
             "Use a harder tip. A pulse shorter than "
-            f"{written(_pulse_for(at), 'ms', '.3g')} loses less than 10 dB at {at:g} Hz."
+            f"{format_quantity(_pulse_for(at), 'ms', '.3g')} loses less than 10 dB at {at:g} Hz."
         )
     if not words:
         words.append(f"This test will do. It gives the loss factor at {at:g} Hz well enough.")
     return tuple(words)
 
 
-def needed(need: RecordNeed) -> float:
+def compute_record_length(need: RecordNeed) -> float:
     """The record that a hit needs, s."""
     return max(need.for_decay, need.for_lines)
 
@@ -65,20 +67,23 @@ def _cold_advice(
     if not expected.repeated:
         return []
     alone = next(e for e in alternatives if e.method == expected.method and not e.repeated)
-    where, before = listed(expected.repeated), known_to(alone.loss_factor_sd)
+    where, before = format_temperatures(expected.repeated), format_relative_sd(alone.loss_factor_sd)
     if expected.loss_factor_sd > WORTH * alone.loss_factor_sd:
         colder = "" if min(expected.repeated) < room else " Test in the cold instead."
-        after = f"{known_to(expected.loss_factor_sd)} instead of {before}"
+        after = f"{format_relative_sd(expected.loss_factor_sd)} instead of {before}"
         return [
             f"A repeat at {where} hardly improves the loss factor at {at:g} Hz: {after}.{colder}"
         ]
     says = (
         f"Repeat it at {where} and fit all together. The loss factor at {at:g} Hz is then known "
-        f"to {known_to(expected.loss_factor_sd)} instead of {before}, if all arms shift alike."
+        f"to {format_relative_sd(expected.loss_factor_sd)} instead of {before}, if all arms shift "
+        "alike."
     )
     words = [says]
     if len(expected.repeated) == 1:
-        between = 5 * round(sum(in_unit(one, "degC") for one in (room, expected.repeated[0])) / 10)
+        between = 5 * round(
+            sum(convert_to_unit(one, "degC") for one in (room, expected.repeated[0])) / 10
+        )
         words.append(
             f"Test at a third temperature, such as {between:g} degC, too. Two temperatures cannot "
             "show arms that shift apart."
@@ -90,12 +95,17 @@ def _ramp_advice(
     expected: ExpectedError, alternatives: Sequence[ExpectedError], *, at: float, wanted: float
 ) -> str:
     ways = [
-        f"{how} ({known_to(best.loss_factor_sd)})"
+        f"{how} ({format_relative_sd(best.loss_factor_sd)})"
         for how, best in _ways(expected, alternatives, wanted)
     ]
-    none = "" if len(ways) > 1 else f" No faster ramp that was tried gives {known_to(wanted)}."
+    none = (
+        ""
+        if len(ways) > 1
+        else f" No faster ramp that was tried gives {format_relative_sd(wanted)}."
+    )
     return (
-        f"The loss factor at {at:g} Hz would be known to {known_to(expected.loss_factor_sd)} "
+        f"The loss factor at {at:g} Hz would be known to "
+        f"{format_relative_sd(expected.loss_factor_sd)} "
         f"only.{none} {sentence(', or '.join(ways))}"
     )
 
@@ -141,16 +151,16 @@ def _colder(expected: ExpectedError, alternatives: Sequence[ExpectedError], want
     good = [e for e in alternatives if e.repeated and e.loss_factor_sd <= wanted]
     if expected.repeated or not good:
         return "", None
-    return f"repeat it at {listed(good[0].repeated)}", good[0]
+    return f"repeat it at {format_temperatures(good[0].repeated)}", good[0]
 
 
-def listed(temperatures: Sequence[float]) -> str:
+def format_temperatures(temperatures: Sequence[float]) -> str:
     """Temperatures, K, in words.
 
-    >>> listed((273.15,)), listed((283.15, 273.15, 253.15))
+    >>> format_temperatures((273.15,)), format_temperatures((283.15, 273.15, 253.15))
     ('0 degC', '10, 0 and -20 degC')
     """
-    *others, last = (f"{in_unit(kelvin, 'degC'):.4g}" for kelvin in temperatures)
+    *others, last = (f"{convert_to_unit(kelvin, 'degC'):.4g}" for kelvin in temperatures)
     return f"{', '.join(others)}{' and ' * bool(others)}{last} degC"
 
 

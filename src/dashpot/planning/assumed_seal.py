@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.option_fields import option
-from dashpot.base.units import Quantity, si, si_fields
-from dashpot.base.validators import positive
+from dashpot.base.units import Quantity, convert_to_si, si_fields
+from dashpot.base.validators import require_positive
 from dashpot.planning.plan_options import IN_SI
 from dashpot.solids.demo_seals import PAPER, SHIFT
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -52,7 +52,7 @@ class SupposedSeal:
 
     def __post_init__(self) -> None:
         si_fields(self)
-        positive(temperature=self.temperature, expected=IN_SI, optional=True)
+        require_positive(temperature=self.temperature, expected=IN_SI, optional=True)
 
     @property
     def room(self) -> float:
@@ -67,5 +67,5 @@ class SupposedSeal:
             if any(1 / NEAR < own / tau < NEAR for own in self.model.tau):
                 return self.model, None
             arm = (USUAL_PART * self.model.k_0, tau)
-        known = si(arm[0], "stiffness"), si(arm[1], "time")
+        known = convert_to_si(arm[0], "stiffness"), convert_to_si(arm[1], "time")
         return self.model + GeneralizedMaxwell(0.0, known[:1], known[1:]), known

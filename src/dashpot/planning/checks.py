@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dashpot.base.checks import Finding, Remedy, criterion
-from dashpot.base.units import written
+from dashpot.base.units import format_quantity
 from dashpot.planning.expected_errors import Pulse, RecordNeed
 
 
@@ -11,7 +11,8 @@ from dashpot.planning.expected_errors import Pulse, RecordNeed
 def loss_factor_known(sd: float, at: float, wanted: float, *, remedy: str = "") -> Finding:
     """The loss factor would be known well enough."""
     return Finding(
-        f"The loss factor at {at:g} Hz would be known to {known_to(sd)}; {known_to(wanted)} is "
+        f"The loss factor at {at:g} Hz would be known to {format_relative_sd(sd)}; "
+        f"{format_relative_sd(wanted)} is "
         "wanted",
         sd,
         remedy=remedy or "Add a hammer test.",
@@ -54,7 +55,8 @@ def record_long_enough(need: RecordNeed) -> Finding:
 def tip_excites(tip: Pulse, at: float) -> Finding:
     """The hammer's tip excites the frequency that matters."""
     return Finding(
-        f"A pulse of {written(tip.duration, 'ms', 'g')} is {tip.level_db:.3f} dB at {at:g} Hz. It "
+        f"A pulse of {format_quantity(tip.duration, 'ms', 'g')} is {tip.level_db:.3f} dB at {at:g} "
+        "Hz. It "
         f"excites up to {tip.band_10db:.3g} Hz (-10 dB)",
         tip.level_db,
         remedy="Use a harder tip.",
@@ -66,6 +68,6 @@ def percent(value: float, beyond: str = "more than 1000 %") -> str:
     return beyond if value > 10 else f"{100 * value:.3g} %"
 
 
-def known_to(sd: float) -> str:
+def format_relative_sd(sd: float) -> str:
     """Return a relative standard deviation as a sentence says how well something is known."""
     return f"±{percent(sd)}" if sd <= 10 else "worse than ±1000 %"

@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.number_format import duration, rounded
+from dashpot.base.number_format import duration, round_to_error
 from dashpot.base.reported_values import NORMAL
 from dashpot.base.sentences import paragraph
 from dashpot.datamodel.bounds import STANDS, naming
@@ -169,7 +169,8 @@ class ExpectedArm:
 def expected_arms(model: GeneralizedMaxwell, bench: Bench) -> tuple[ExpectedArm, ...]:
     """What a fit of the solid's own arms would print of each."""
     planned, named = (
-        _of_arms(model, one) for one in (bench, _on_a_named_rig(bench, *_NAMED, "sync"))
+        _compute_arm_half_widths(model, one)
+        for one in (bench, _on_a_named_rig(bench, *_NAMED, "sync"))
     )
     least = np.minimum(planned, named)
     return tuple(
@@ -180,7 +181,7 @@ def expected_arms(model: GeneralizedMaxwell, bench: Bench) -> tuple[ExpectedArm,
     )
 
 
-def _of_arms(model: GeneralizedMaxwell, bench: Bench) -> FloatArray:
+def _compute_arm_half_widths(model: GeneralizedMaxwell, bench: Bench) -> FloatArray:
     """Half widths of k, tau and b of every arm over the value, shape (N, 3)."""
     n = model.arms
     arms = slice(1, 1 + 2 * n)
@@ -230,7 +231,7 @@ class ExpectedEnd:
         """How well it would be known, and what would tell more."""
         return paragraph(
             f"At the end of the hold the stiffness k({duration(self.time)}) would be known to "
-            f"about {rounded(100 * self.half_width, digits=2)} %",
+            f"about {round_to_error(100 * self.half_width, digits=2)} %",
             naming(self.time, self.half_width, self.named),
         )
 

@@ -8,15 +8,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, sample_count
-from dashpot.base.checks import Check, Checked
+from dashpot.base.checks import Check, HasChecks
 from dashpot.base.errors import DataError
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import Quantity, si
-from dashpot.base.validators import positive
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import Quantity, convert_to_si
+from dashpot.base.validators import require_positive
 from dashpot.planning import checks
-from dashpot.planning.advice import advice, listed, needed, remedy
+from dashpot.planning.advice import advice, compute_record_length, format_temperatures, remedy
 from dashpot.planning.assumed_seal import SupposedSeal
-from dashpot.planning.checks import known_to, percent
+from dashpot.planning.checks import format_relative_sd, percent
 from dashpot.planning.expected_errors import (
     ExpectedArm,
     ExpectedEnd,
@@ -49,7 +49,7 @@ COLDER = 10.0
 
 
 @dataclass(frozen=True)
-class Plan(Checked, Documented):
+class Plan(HasChecks, Serialisable):
     """What a test can and cannot tell at a frequency, and what to change.
 
     Attributes
@@ -105,7 +105,7 @@ class Plan(Checked, Documented):
     @property
     def sound(self) -> str:
         """How well the loss factor would be known."""
-        sd = known_to(self.expected.loss_factor_sd)
+        sd = format_relative_sd(self.expected.loss_factor_sd)
         return f"this test would give the loss factor at {self.at:g} Hz to {sd}"
 
     def __str__(self) -> str:
@@ -113,14 +113,14 @@ class Plan(Checked, Documented):
         rows = [
             f"{e.method:<8}{e.ramp_time:>10.3g}{e.hold_time:>10.3g}"
             f"{percent(e.storage_sd, 'unknown'):>12}{percent(e.loss_factor_sd, 'unknown'):>14}"
-            f"{f'  and at {listed(e.repeated)}' if e.repeated else ''}"
+            f"{f'  and at {format_temperatures(e.repeated)}' if e.repeated else ''}"
             for e in (self.expected, *self.alternatives)
         ]
         title = f"expected standard deviation at {self.at:g} Hz"
-        return "\n".join([title, head, *rows, *self._of_arms, self.end.says, *self.advice])
+        return "\n".join([title, head, *rows, *self._arm_table, self.end.says, *self.advice])
 
     @property
-    def _of_arms(self) -> list[str]:
+    def _arm_table(self) -> list[str]:
         """A table of the arms."""
         if not self.arms:
             return []
@@ -179,12 +179,12 @@ def plan(
     DataError
         If a number is not positive, or the law does not reach so far.
     """
-    at = si(at, "frequency")
+    at = convert_to_si(at, "frequency")
     asked = [cold] if isinstance(cold, str | float | int) else cold
-    places = [si(each, "temperature") for each in asked]
-    positive(at=at, wanted=wanted, expected=IN_SI)
+    places = [convert_to_si(each, "temperature") for each in asked]
+    require_positive(at=at, wanted=wanted, expected=IN_SI)
     for each in places:
-        positive(cold=each, expected=IN_SI)
+        require_positive(cold=each, expected=IN_SI)
     room, law = seal.room, seal.law
     repeats = tuple(elsewhere(kelvin, room, law) for kelvin in places)
     refuse_twice(places)
@@ -203,7 +203,7 @@ def plan(
     alternatives = (
         *(
             expected_error(supposed, other, at, index, repeats=where)
-            for other, where in _others(bench, repeats, room, law)
+            for other, where in _build_alternatives(bench, repeats, room, law)
         ),
         expected_error(supposed, replace(bench, method="full"), at, index, rows),
     )
@@ -223,7 +223,7 @@ def plan(
     )  # fmt: skip
 
 
-def _others(
+def _build_alternatives(
     bench: Bench, repeats: Sequence[Elsewhere], room: float, law: TemperatureLaw
 ) -> list[tuple[Bench, Sequence[Elsewhere]]]:
     """The tests beside the one that was asked for, each with its repeats."""
@@ -260,7 +260,7 @@ def _band(bench: Bench, repeats: Sequence[Elsewhere]) -> tuple[float, float]:
 def _without_arm(seal: GeneralizedMaxwell, mass: float | None, at: float) -> str:
     """The record that the seal needs if the arm that was supposed is not there."""
     need = record_need(seal, mass_for_peak(seal, at) if mass is None else mass, None)
-    return f" ({needed(need):.3g} s if no arm of the seal damps there)"
+    return f" ({compute_record_length(need):.3g} s if no arm of the seal damps there)"
 
 
 def _lines(at: float, record: float | None) -> FloatArray:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from dashpot.base.choices import Method, refuse_other
+from dashpot.base.choices import Method, require_choice
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import option
 from dashpot.base.units import si_fields
-from dashpot.base.validators import positive
+from dashpot.base.validators import require_positive
 
 IN_SI = "a number > 0 in SI units"
 
@@ -30,7 +30,7 @@ class PlannedRamp:
 
     def __post_init__(self) -> None:
         si_fields(self)
-        positive(
+        require_positive(
             depth=self.depth,
             ramp_time=self.ramp_time,
             hold_time=self.hold_time,
@@ -40,7 +40,7 @@ class PlannedRamp:
             expected=IN_SI,
             optional=True,
         )
-        refuse_other("method", self.method, Method)
+        require_choice("method", self.method, Method)
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class HammerPlan:
 
     def __post_init__(self) -> None:
         si_fields(self)
-        positive(
+        require_positive(
             mass=self.mass,
             seals=self.seals,
             record=self.record,

@@ -6,7 +6,7 @@ import numpy as np
 
 from dashpot.base.arrays import sample_count
 from dashpot.base.errors import DataError
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.trajectory import Trajectory
 from dashpot.simulation.kinematics import Point, setpoints, unit
 
@@ -41,18 +41,22 @@ def planned_trajectory(
     DataError
         If a time is no whole number of intervals, or not positive.
     """
-    step = si(interval, "time")
+    step = convert_to_si(interval, "time")
     if not (np.isfinite(step) and step > 0):
         raise DataError(f"a set-point each {step!r} s; expected a time > 0, such as 10ms")
     said = {"rest": baseline, "ramp": ramp_time, "hold": hold_time}
-    counts = {name: _steps(name, si(value, "time"), step) for name, value in said.items()}
+    counts = {
+        name: _steps(name, convert_to_si(value, "time"), step) for name, value in said.items()
+    }
     if not counts["ramp"]:
         raise DataError("the ramp takes no time; a controller needs one set-point in it at least")
-    stop = tuple(si(depth, "length") * unit(along))
+    stop = tuple(convert_to_si(depth, "length") * unit(along))
     line = setpoints((0, 0, 0), stop, duration=counts["ramp"] * step, interval=step)
     rest, held = np.zeros((counts["rest"], 3)), np.tile(stop, (counts["hold"], 1))
     share = np.arange(counts["ramp"] + 1) / counts["ramp"]
-    pressed = si(depth, "length") * np.concatenate([rest[:, 0], share, np.ones(counts["hold"])])
+    pressed = convert_to_si(depth, "length") * np.concatenate(
+        [rest[:, 0], share, np.ones(counts["hold"])]
+    )
     points = np.vstack([rest, line, held])
     # a count times a decimal interval is not that decimal
     time = np.round(np.arange(len(points)) * step, 12)

@@ -10,10 +10,10 @@ first used.
 
 from typing import Any
 
-from dashpot.base.lazy import names_of
+from dashpot.base.lazy import build_lazy_exports
 from dashpot.registry import find_handler, list_names
 
-_find, _, _core = names_of(__name__, __file__)
+_find, _, _core = build_lazy_exports(__name__, __file__)
 
 __all__ = sorted([*_core, *list_names("plot")])  # noqa: PLE0605
 

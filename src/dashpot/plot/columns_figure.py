@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.plot.picture import MEASURED, Line, Panel, Picture, Scale, around
+from dashpot.plot.picture import MEASURED, Line, Panel, Picture, Scale, compute_padded_limits
 
 MOST = 6
 """Columns that are drawn."""
@@ -49,11 +49,11 @@ def columns(
     x, word = np.arange(1.0, len(values) + 1), "row of those drawn"
     if along is not None:
         x, word = values[:, along], names[along]
-    across = Scale(word, around(x, margin=0.0))
+    across = Scale(word, compute_padded_limits(x, margin=0.0))
     panels = tuple(
         Panel(
             across,
-            Scale(names[i], around(values[:, i])),
+            Scale(names[i], compute_padded_limits(values[:, i])),
             (Line(x, values[:, i], MEASURED),),
             title=roles[i] or "",
             height=90,

@@ -7,7 +7,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 
 
-def extremes(
+def downsample_to_extremes(
     x: FloatArray, y: FloatArray, *, bins: int = 500, log: bool = False
 ) -> tuple[FloatArray, FloatArray]:
     """The lowest and the highest sample of every bin of x, in the order they were recorded.
@@ -19,21 +19,21 @@ def extremes(
     x, y = _positive(x, y) if log else (x, y)
     if len(x) <= 2 * bins:
         return x, y
-    label, starts = _binned(x, bins, log)
+    label, starts = _assign_bins(x, bins, log)
     low = _first_equal(y, np.minimum.reduceat(y, starts), label)
     high = _first_equal(y, np.maximum.reduceat(y, starts), label)
     kept = np.union1d(low, high)
     return x[kept], y[kept]
 
 
-def means(
+def downsample_to_means(
     x: FloatArray, y: FloatArray, *, bins: int = 120, log: bool = False
 ) -> tuple[FloatArray, FloatArray]:
     """The mean of x and of y over every bin that holds a sample."""
     x, y = _positive(x, y) if log else (x, y)
     if len(x) == 0:
         return x, y
-    _, starts = _binned(x, bins, log)
+    _, starts = _assign_bins(x, bins, log)
     count = np.diff(np.append(starts, len(x)))
     return np.add.reduceat(x, starts) / count, np.add.reduceat(y, starts) / count
 
@@ -43,7 +43,7 @@ def _positive(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
     return x[first:], y[first:]
 
 
-def _binned(x: FloatArray, bins: int, log: bool) -> tuple[IndexArray, IndexArray]:
+def _assign_bins(x: FloatArray, bins: int, log: bool) -> tuple[IndexArray, IndexArray]:
     """Number the bin of every sample 0, 1, 2..., empty bins left out; where each bin starts."""
     scale = np.log(x) if log else x
     span = scale[-1] - scale[0] or 1.0

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray
-from dashpot.base.units import in_unit
+from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.fit import Fit
 from dashpot.plot.picture import (
     FIT,
@@ -34,7 +34,7 @@ LABELS = {
 
 
 @dataclass(frozen=True, eq=False)
-class DrawnQuantity:
+class PlottedQuantity:
     """A quantity as it is drawn: in the unit that is read, and the three errors of it."""
 
     name: str
@@ -45,16 +45,16 @@ class DrawnQuantity:
     good: tuple[float, float]
 
     @property
-    def nested(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def nested_errors(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """All errors together, those of phase and scatter, and scatter alone."""
         inner = np.hypot(self.random, self.phase)
         return np.hypot(inner, self.mass), inner, self.random
 
-    def of(self, solid: Solid, f: FloatArray) -> FloatArray:
+    def evaluate_for_solid(self, solid: Solid, f: FloatArray) -> FloatArray:
         """The same quantity as a solid has it, at `f`, Hz."""
         omega = 2 * np.pi * f
         if self.name == "storage":
-            return in_unit(solid.storage(omega=omega), "N/mm")
+            return convert_to_unit(solid.storage(omega=omega), "N/mm")
         return (
             solid.loss(omega=omega) / omega
             if self.name == "damping"
@@ -98,15 +98,18 @@ def dynamic_stiffness(
         if np.isfinite(line.good).all():
             marks.append(Span(span[0], line.good[0], "away", "not usable", True, 1.0))
             marks.append(Span(line.good[1], span[1], "away", hatched=True, tint=1.0))
-        f, one = averaged(measured.frequency, line)
-        for error, label, tint in zip(one.nested, errors, (0.15, 0.25, 0.4), strict=True):
+        f, one = average_octave_bands(measured.frequency, line)
+        for error, label, tint in zip(one.nested_errors, errors, (0.15, 0.25, 0.4), strict=True):
             marks.append(Area(f, one.value - error, one.value + error, "ref", label, tint=tint))
         low, high = extent(measured.frequency, line.value)
         gap = np.full(len(f), np.nan)
         marks.append(Line(np.column_stack([f, f, gap]).ravel(),
                           np.column_stack([low, high, gap]).ravel(), Pen("ref", 0.8),
                           "range of the lines"))  # fmt: skip
-        marks += [Line(dense, line.of(one.solid, dense), pen, who) for one, pen, who in solids]
+        marks += [
+            Line(dense, line.evaluate_for_solid(one.solid, dense), pen, who)
+            for one, pen, who in solids
+        ]
         marks.append(Dots(f, one.value, "measured", "from the FRF"))
         axes = Scale(FREQUENCY, span, log=True), Scale(LABELS[line.name], _view(one, f))
         panels.append(Panel(*axes, tuple(marks), height=210))
@@ -118,31 +121,39 @@ def dynamic_stiffness(
     return Picture("direct", caption, strips, 3, stamp, width=900.0)
 
 
-def quantities(measured: DynamicStiffness) -> tuple[DrawnQuantity, DrawnQuantity, DrawnQuantity]:
+def quantities(
+    measured: DynamicStiffness,
+) -> tuple[PlottedQuantity, PlottedQuantity, PlottedQuantity]:
     """Storage stiffness, damping and loss factor with their errors."""
     m, omega = measured, 2 * np.pi * measured.frequency
     none = np.zeros(len(omega))
 
-    def of_factor(loss: FloatArray, storage: FloatArray) -> FloatArray:
+    def compute_factor_error(loss: FloatArray, storage: FloatArray) -> FloatArray:
         return np.asarray(np.abs(m.loss_factor) * np.hypot(loss / m.loss, storage / m.storage))
 
     storage, random, phase, mass = (
-        in_unit(one, "N/mm")
+        convert_to_unit(one, "N/mm")
         for one in (m.storage, m.storage_random, m.storage_phase, m.storage_mass)
     )
     return (
-        DrawnQuantity("storage", storage, random, phase, mass, m.storage_band),
-        DrawnQuantity("damping", m.damping, m.loss_random / omega, m.loss_phase / omega, none,
-                 m.loss_band),
-        DrawnQuantity("loss_factor", m.loss_factor, of_factor(m.loss_random, m.storage_random),
-                 of_factor(m.loss_phase, m.storage_phase), of_factor(none, m.storage_mass),
-                 m.loss_band),
-    )  # fmt: skip
+        PlottedQuantity("storage", storage, random, phase, mass, m.storage_band),
+        PlottedQuantity(
+            "damping", m.damping, m.loss_random / omega, m.loss_phase / omega, none, m.loss_band
+        ),
+        PlottedQuantity(
+            "loss_factor",
+            m.loss_factor,
+            compute_factor_error(m.loss_random, m.storage_random),
+            compute_factor_error(m.loss_phase, m.storage_phase),
+            compute_factor_error(none, m.storage_mass),
+            m.loss_band,
+        ),
+    )
 
 
-def averaged(
-    f: FloatArray, line: DrawnQuantity, *, per_octave: int = 12
-) -> tuple[FloatArray, DrawnQuantity]:
+def average_octave_bands(
+    f: FloatArray, line: PlottedQuantity, *, per_octave: int = 12
+) -> tuple[FloatArray, PlottedQuantity]:
     """The mean over every part of an octave, lines weighted by their scatter.
 
     Scatter shrinks with the number of lines; the errors of phase and mass, alike in all, stay.
@@ -155,7 +166,7 @@ def averaged(
         return np.asarray(np.add.reduceat(weight * values, starts) / total)
 
     scatter = np.sqrt(np.add.reduceat((weight * line.random) ** 2, starts)) / total
-    return mean(f), DrawnQuantity(
+    return mean(f), PlottedQuantity(
         line.name, mean(line.value), scatter, mean(line.phase), mean(line.mass), line.good
     )
 
@@ -181,11 +192,11 @@ def _span(measured: DynamicStiffness) -> tuple[float, float]:
     return max(low / 1.3, float(f[0])), min(high * 1.3, float(f[-1]))
 
 
-def _view(one: DrawnQuantity, f: FloatArray) -> tuple[float, float]:
+def _view(one: PlottedQuantity, f: FloatArray) -> tuple[float, float]:
     """Limits that show the usable part with its errors, not the excesses beside it."""
     usable = (f >= one.good[0]) & (f <= one.good[1])
     near = usable if usable.any() else np.ones(len(f), dtype=bool)
-    error = one.nested[0]
+    error = one.nested_errors[0]
     low = float(np.min((one.value - error)[near]))
     high = float(np.max((one.value + error)[near]))
     if one.name != "storage" and not one.good[1] > 2 * one.good[0]:

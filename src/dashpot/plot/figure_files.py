@@ -5,8 +5,8 @@ from __future__ import annotations
 import io
 from pathlib import Path
 
-from dashpot.base.atomic import write_whole
-from dashpot.base.choices import Drawn, FigureSize, words
+from dashpot.base.atomic import write_atomic
+from dashpot.base.choices import Drawn, FigureSize, get_choice_values
 from dashpot.base.errors import ExportError
 from dashpot.base.version import byline
 from dashpot.plot.matplotlib_writer import to_figure
@@ -28,7 +28,7 @@ def save(
     """
     target = Path(path)
     try:
-        write_whole(target, rendered(picture, target.suffix, dpi=dpi, size=size))
+        write_atomic(target, rendered(picture, target.suffix, dpi=dpi, size=size))
     except ExportError as error:
         raise ExportError(f"{target.name}: {error}") from None
     except OSError as error:
@@ -51,7 +51,7 @@ def rendered(
     """
     kind = suffix.lower().lstrip(".")
     picture = picture if size is None else picture.sized(size)
-    if kind not in words(Drawn):
+    if kind not in get_choice_values(Drawn):
         raise ExportError(
             f"a figure is written as .pdf, .png or .svg, found '{suffix or 'no suffix'}'"
         )

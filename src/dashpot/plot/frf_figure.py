@@ -10,12 +10,12 @@ from typing import Literal
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.number_format import rounded, where
-from dashpot.base.units import in_unit
+from dashpot.base.number_format import format_band, round_to_error
+from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.bounds import FRFBounds
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.plot.dynamic_stiffness_figure import FREQUENCY
-from dashpot.plot.frf_lines import half_power, phase_axis, smooth, unwrapped
+from dashpot.plot.frf_lines import break_wrapped_phase, half_power, phase_axis, smooth
 from dashpot.plot.picture import (
     JOINT,
     MEASURED,
@@ -34,10 +34,10 @@ from dashpot.plot.picture import (
     Scale,
     Span,
     Tag,
-    around,
+    compute_padded_limits,
     joint_pen,
 )
-from dashpot.plot.provenance_stamp import of_frf
+from dashpot.plot.provenance_stamp import format_frf_stamp
 from dashpot.plot.style import sequential
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.peaks import find_peak
@@ -46,10 +46,10 @@ PENS = (MEASURED, PREDICTED, JOINT, *SIMPLER)
 
 # what people read: the unit, and the factor from SI
 SHOWN = {
-    Kind.RECEPTANCE: ("mm/N", in_unit(1.0, "mm/N")),
-    Kind.MOBILITY: ("(mm/s)/N", in_unit(1.0, "mm/s")),
+    Kind.RECEPTANCE: ("mm/N", convert_to_unit(1.0, "mm/N")),
+    Kind.MOBILITY: ("(mm/s)/N", convert_to_unit(1.0, "mm/s")),
     Kind.ACCELERANCE: ("1/kg", 1.0),
-    Kind.DYNAMIC_STIFFNESS: ("N/mm", in_unit(1.0, "N/mm")),
+    Kind.DYNAMIC_STIFFNESS: ("N/mm", convert_to_unit(1.0, "N/mm")),
     Kind.TRANSMISSIBILITY: ("m/m", 1.0),
     Kind.RELATIVE_TRANSMISSIBILITY: ("m/m", 1.0),
 }
@@ -76,7 +76,7 @@ class Curve:
 
 
 @dataclass(frozen=True, eq=False)
-class Spread:
+class PredictionBand:
     """Between which limits a magnitude is predicted, shape (2, n): accelerance, 1/kg, or T."""
 
     frequency: FloatArray
@@ -85,7 +85,7 @@ class Spread:
     pen: Pen | None = None
     """Of the curve that it is of; by default the one that is predicted."""
 
-    def of_kind(self, kind: Kind) -> FloatArray:
+    def convert_to_kind(self, kind: Kind) -> FloatArray:
         """The same limits for another kind of FRF; those over a base that moves are their own."""
         omega = 2 * np.pi * self.frequency
         if kind is Kind.ACCELERANCE or kind.over_base:
@@ -96,13 +96,13 @@ class Spread:
         return self.limits / (omega if kind is Kind.MOBILITY else omega**2)
 
 
-def spreads(bounds: FRFBounds | None) -> tuple[Spread, ...]:
+def make_prediction_bands(bounds: FRFBounds | None) -> tuple[PredictionBand, ...]:
     """What a prediction leaves open, the wider first."""
     if bounds is None:
         return ()
     return (
-        Spread(bounds.frequency, bounds.unseen, BOUND),
-        Spread(bounds.frequency, bounds.parameter, INTERVAL),
+        PredictionBand(bounds.frequency, bounds.unseen, BOUND),
+        PredictionBand(bounds.frequency, bounds.parameter, INTERVAL),
     )
 
 
@@ -153,18 +153,18 @@ def frf(
         for i, (one, name) in enumerate(zip(same, names, strict=True))
     ]
     curves[0] = replace(curves[0], peak=_peak_inside(measured))
-    known = () if interval is None else (Spread(*interval),)
+    known = () if interval is None else (PredictionBand(*interval),)
     leveled = tuple(
-        Spread(curve.frf.frequency, limits, "", curve.pen)
+        PredictionBand(curve.frf.frequency, limits, "", curve.pen)
         for curve, limits in zip(curves[1:], intervals, strict=False)
         if limits is not None
     )
     caption = "Frequency response function: magnitude and phase."
-    upper, *others_below = _bode(curves, (*(spreads(band) or known), *leveled))
+    upper, *others_below = _bode(curves, (*(make_prediction_bands(band) or known), *leveled))
     if informed is not None:
-        upper = _informed(upper, informed)
+        upper = _shade_valid_band(upper, informed)
     strip = (upper, *others_below)
-    return Picture("frf", caption, (strip,), 1, stamp or of_frf(measured))
+    return Picture("frf", caption, (strip,), 1, stamp or format_frf_stamp(measured))
 
 
 def _peak_inside(frf: FRF) -> tuple[float, float] | None:
@@ -177,11 +177,11 @@ def _peak_inside(frf: FRF) -> tuple[float, float] | None:
     return _peak_of(frf)
 
 
-def _informed(panel: Panel, band: tuple[float, float]) -> Panel:
+def _shade_valid_band(panel: Panel, band: tuple[float, float]) -> Panel:
     """The part of the axis that a test informs, shaded; where none is in sight, words say so."""
     low, high = panel.x.limits
     if not band[0] < band[1] or band[1] < low or band[0] > high:
-        said = f"informed {where(band)}: all of this is extrapolated"
+        said = f"informed {format_band(band)}: all of this is extrapolated"
         return replace(panel, note=said)
     shade = Span(max(band[0], low), min(band[1], high), "fit", "valid band", tint=0.07)
     return replace(panel, marks=(shade, *panel.marks))
@@ -211,12 +211,14 @@ def comparison(
     stamp : str
         What the figure says of its origin; by default the files of the measured FRF.
     """
-    known = () if interval is None else (Spread(*interval),)
-    strip = _bode(curves_of(comparison, joint, failed=failed), spreads(band) or known)
+    known = () if interval is None else (PredictionBand(*interval),)
+    strip = _bode(curves_of(comparison, joint, failed=failed), make_prediction_bands(band) or known)
     caption = (
         "Accelerance of the mass on its seals, measured and predicted, with phase and coherence."
     )
-    return Picture("comparison", caption, (strip,), 1, stamp or of_frf(comparison.measured))
+    return Picture(
+        "comparison", caption, (strip,), 1, stamp or format_frf_stamp(comparison.measured)
+    )
 
 
 def resonance(
@@ -247,7 +249,9 @@ def resonance(
     """
     curves = resonance_curves(comparison, predicted, joint=joint, failed=failed, rival=rival)
     view = about_peaks(curves)
-    panel = magnitude_panel(curves, spreads(band)[:1], view=view, height=height, tagged=True)
+    panel = magnitude_panel(
+        curves, make_prediction_bands(band)[:1], view=view, height=height, tagged=True
+    )
     caption = "Accelerance of the mass on its seals: measured, and as the solids predict it."
     return Picture("resonance", caption, ((panel,),), 1, stamp)
 
@@ -292,14 +296,16 @@ def nyquist(
     every = np.concatenate(ranges)
     what = measured.quantity.value.replace("_", " ")
     panel = Panel(
-        Scale(f"real part of {what}, {unit}", around(every.real, margin=0.08)),
-        Scale(f"imaginary part of {what}, {unit}", around(every.imag, margin=0.08)),
+        Scale(f"real part of {what}, {unit}", compute_padded_limits(every.real, margin=0.08)),
+        Scale(f"imaginary part of {what}, {unit}", compute_padded_limits(every.imag, margin=0.08)),
         (Rule(0.0, REF, across=True), Rule(0.0, REF), *marks),
         height=300,
         square=True,
     )
     caption = "Nyquist plot: imaginary against real part; rings are the half-power points."
-    return Picture("nyquist", caption, ((panel,),), 1, stamp or of_frf(measured), width=420.0)
+    return Picture(
+        "nyquist", caption, ((panel,),), 1, stamp or format_frf_stamp(measured), width=420.0
+    )
 
 
 # -- panels ---------------------------------------------------------------------------------------
@@ -360,7 +366,7 @@ def _pens(first: FRF, others: int, *, ordered: bool) -> tuple[Pen, ...]:
 
 def magnitude_panel(
     curves: Sequence[Curve],
-    spread: Sequence[Spread] = (),
+    spread: Sequence[PredictionBand] = (),
     *,
     view: tuple[float, float] | None = None,
     height: float = 240.0,
@@ -393,7 +399,7 @@ def magnitude_panel(
     for one in curves:
         if one.frf.sd is not None:
             marks.append(_scatter(one, scale))
-    for one in _layered(curves):
+    for one in _sort_by_layer(curves):
         at, value = drawn[id(one)]
         pen = replace(one.pen, width=UNDER) if one.pen is JOINT else one.pen
         marks.append(Line(at, scale * np.abs(value), pen, one.label))
@@ -408,22 +414,22 @@ def phase_panel(curves: Sequence[Curve], view: tuple[float, float]) -> Panel:
     """Phases of FRFs, on the part of the circle that they use."""
     lowest, ticks = phase_axis(np.concatenate([one.frf.value for one in curves]))
     marks: list[Mark] = []
-    for one in _layered(curves):
+    for one in _sort_by_layer(curves):
         f, value = smooth(one.frf)
-        x, y = unwrapped(f, value, lowest)
+        x, y = break_wrapped_phase(f, value, lowest)
         marks.append(Line(x, y, one.pen, one.label))
     axes = (Scale(FREQUENCY, view, log=True),
             Scale("phase, °", (ticks[0] - 15, ticks[-1] + 15), ticks=ticks))  # fmt: skip
     return Panel(*axes, tuple(marks), height=90)
 
 
-def _layered(curves: Sequence[Curve]) -> list[Curve]:
+def _sort_by_layer(curves: Sequence[Curve]) -> list[Curve]:
     """In the order of drawing: broad ones first, then what failed, what was measured over all."""
     over = {JOINT: 0, REJECTED: 2, MEASURED: 3}
     return sorted(curves, key=lambda one: over.get(one.pen, 1))
 
 
-def _bode(curves: Sequence[Curve], spread: Sequence[Spread]) -> tuple[Panel, ...]:
+def _bode(curves: Sequence[Curve], spread: Sequence[PredictionBand]) -> tuple[Panel, ...]:
     upper = magnitude_panel(curves, spread, tagged=True)
     if len(curves) == 1:
         upper = replace(upper, marks=(*upper.marks, *_half_power(curves[0])))
@@ -443,10 +449,10 @@ def coherence_panels(measured: FRF, frequency: Scale) -> tuple[Panel, ...]:
 
 
 def _area(
-    one: Spread, kind: Kind, scale: float, curve: tuple[FloatArray, ComplexArray] | None
+    one: PredictionBand, kind: Kind, scale: float, curve: tuple[FloatArray, ComplexArray] | None
 ) -> Area:
     """The area between limits; on the lines of its own curve too, and never narrower than that."""
-    f, (low, high) = one.frequency, scale * one.of_kind(kind)
+    f, (low, high) = one.frequency, scale * one.convert_to_kind(kind)
     if curve is not None:
         at, value = curve
         inside = (at >= f[0]) & (at <= f[-1])
@@ -483,7 +489,10 @@ def _peaks(curves: Sequence[Curve], unit: str) -> list[Tag]:
         if one.peak is None or one.pen is REJECTED:
             continue
         hz, height = one.peak
-        text = f"{one.label.partition(' from')[0]} {rounded(hz, digits=4)} Hz, {rounded(height)}"
+        text = (
+            f"{one.label.partition(' from')[0]} {round_to_error(hz, digits=4)} Hz, "
+            f"{round_to_error(height)}"
+        )
         ink = inks.get(one.pen.colour, one.pen.colour)
         tags.append(
             Tag(hz, height, f"{text} {unit}", ink, dots.get(one.pen, ""),
@@ -500,7 +509,7 @@ def _half_power(one: Curve) -> list[Mark]:
     width, height = 2 * peak.damping_ratio * peak.frequency, peak.height / math.sqrt(2)
     ends = peak.frequency + np.array([-0.5, 0.5]) * width
     # its damping is the mode's, which is fitted to all lines
-    said = f"{rounded(width, digits=2)} Hz wide at −3 dB"
+    said = f"{round_to_error(width, digits=2)} Hz wide at −3 dB"
     return [Line(ends, np.full(2, height), Pen("fit", 2.0)),
             Tag(float(ends[1]), height, said, "fit")]  # fmt: skip
 

@@ -8,16 +8,16 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.datamodel.frf import FRF
 
 
-def turned(value: ComplexArray, lowest: float) -> FloatArray:
+def wrap_phase(value: ComplexArray, lowest: float) -> FloatArray:
     """Phase in degrees within one turn from `lowest`."""
     return np.asarray((np.degrees(np.angle(value)) - lowest) % 360 + lowest)
 
 
-def unwrapped(
+def break_wrapped_phase(
     frequency: FloatArray, value: ComplexArray, lowest: float
 ) -> tuple[FloatArray, FloatArray]:
     """Phase in degrees from `lowest` up to a full turn more, broken by nan where it wraps."""
-    degrees = turned(value, lowest)
+    degrees = wrap_phase(value, lowest)
     breaks = np.flatnonzero(np.abs(np.diff(degrees)) > 180) + 1
     return np.insert(frequency, breaks, np.nan), np.insert(degrees, breaks, np.nan)
 
@@ -30,11 +30,11 @@ def phase_axis(values: ComplexArray) -> tuple[float, tuple[float, ...]]:
     """
 
     def cuts(lowest: float) -> int:
-        return int(np.count_nonzero(np.abs(np.diff(turned(values, lowest))) > 180))
+        return int(np.count_nonzero(np.abs(np.diff(wrap_phase(values, lowest))) > 180))
 
-    often = bool(np.mean(np.abs(turned(values, -180.0)) > 165) > 0.02)
+    often = bool(np.mean(np.abs(wrap_phase(values, -180.0)) > 165) > 0.02)
     lowest = min((-90.0, -270.0), key=cuts) if often else -180.0
-    degrees = turned(values, lowest)
+    degrees = wrap_phase(values, lowest)
     first = 90 * np.floor((np.percentile(degrees, 1) + 20) / 90)
     last = 90 * np.ceil((np.percentile(degrees, 99) - 20) / 90)
     return lowest, tuple(np.arange(first, max(last, first + 90) + 1, 90).tolist())

@@ -8,13 +8,13 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.units import in_unit
+from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.frf import FRF, Hit
 from dashpot.datamodel.impact import ImpactTest
-from dashpot.plot.downsampling import extremes
+from dashpot.plot.downsampling import downsample_to_extremes
 from dashpot.plot.picture import REF, REJECTED, Line, Mark, Panel, Pen, Picture, Rule, Scale, Span
-from dashpot.plot.picture import around as about
-from dashpot.plot.provenance_stamp import of_frf
+from dashpot.plot.picture import compute_padded_limits as about
+from dashpot.plot.provenance_stamp import format_frf_stamp
 from dashpot.vibration.impact.hits import HitBlock, cut_hits
 
 ACCEPTED = Pen("fit", 1.1)
@@ -22,7 +22,7 @@ USABLE = 20.0
 """The hammer excites the part where its force is within so many dB of that at 0 Hz."""
 
 
-class DrawnHit(NamedTuple):
+class PlottedHit(NamedTuple):
     """A hit as it is drawn: with its clock, s after the hit, and the verdict on it."""
 
     block: HitBlock
@@ -60,7 +60,7 @@ def hits(impact: ImpactTest, frf: FRF, *, stamp: str = "") -> Picture:
     """
     verdicts = {hit.name: hit for hit in frf.hits}
     judged = [
-        DrawnHit(one, (np.arange(len(one.force)) - one.onset) / one.rate, verdicts.get(one.name))
+        PlottedHit(one, (np.arange(len(one.force)) - one.onset) / one.rate, verdicts.get(one.name))
         for one in cut_hits([impact])
     ]
     # rejected ones over the others, to be seen
@@ -71,7 +71,7 @@ def hits(impact: ImpactTest, frf: FRF, *, stamp: str = "") -> Picture:
         "the band that every accepted hit excites."
     )
     strips = tuple((panel,) for panel in panels)
-    return Picture("hits", caption, strips, 2, stamp or of_frf(frf))
+    return Picture("hits", caption, strips, 2, stamp or format_frf_stamp(frf))
 
 
 def force_spectrum(hit: HitBlock) -> tuple[FloatArray, FloatArray]:
@@ -86,28 +86,30 @@ def force_spectrum(hit: HitBlock) -> tuple[FloatArray, FloatArray]:
     return frequency, np.asarray(20 * np.log10(level / level[0]), dtype=float)
 
 
-def _key(one: DrawnHit) -> str:
+def _key(one: PlottedHit) -> str:
     return "hit, accepted" if one.accepted else f"hit {one.block.name}, rejected"
 
 
-def _pulses(judged: Sequence[DrawnHit]) -> Panel:
+def _pulses(judged: Sequence[PlottedHit]) -> Panel:
     width = max(max(one.block.width(0.1), 8 / one.block.rate) for one in judged)
     # a double hit shows its second
     end = max(one.last(one.block.force, 0.1) for one in judged) + 0.6 * width
     lines = []
     for one in judged:
         near = (one.time > -0.6 * width) & (one.time < end)
-        x, y = extremes(in_unit(one.time[near], "ms"), one.block.force[near], bins=250)
+        x, y = downsample_to_extremes(
+            convert_to_unit(one.time[near], "ms"), one.block.force[near], bins=250
+        )
         lines.append(Line(x, y, one.pen, _key(one)))
     accepted = sum(one.accepted for one in judged)
-    span = in_unit(-0.6 * width, "ms"), in_unit(end, "ms")
+    span = convert_to_unit(-0.6 * width, "ms"), convert_to_unit(end, "ms")
     axes = (Scale("time after the hit, ms", span),
             Scale("hammer force, N", about(*(line.y for line in lines))))  # fmt: skip
     title = f"{accepted} of {len(judged)} hits accepted"
     return Panel(*axes, tuple(lines), title=title, height=150)
 
 
-def _spectra(judged: Sequence[DrawnHit]) -> Panel:
+def _spectra(judged: Sequence[PlottedHit]) -> Panel:
     ends, lines = [], []
     for one in judged:
         frequency, level = force_spectrum(one.block)
@@ -123,12 +125,12 @@ def _spectra(judged: Sequence[DrawnHit]) -> Panel:
         note = f"usable to {min(ends):.0f} Hz (−{USABLE:.0f} dB)"
     for frequency, level, pen in lines:
         seen = frequency <= top
-        marks.append(Line(*extremes(frequency[seen], level[seen], bins=200), pen))
+        marks.append(Line(*downsample_to_extremes(frequency[seen], level[seen], bins=200), pen))
     axes = Scale("frequency, Hz", (0.0, float(top))), Scale("force, dB re 0 Hz", (-50.0, 5.0))
     return Panel(*axes, tuple(marks), title="Force spectra", height=150, note=note)
 
 
-def _answers(impact: ImpactTest, judged: Sequence[DrawnHit]) -> list[Panel]:
+def _answers(impact: ImpactTest, judged: Sequence[PlottedHit]) -> list[Panel]:
     """Acceleration after each hit, one panel for each of the first channels."""
     channels = min(len(impact.channels), 3)
     # the acceleration falls below 1 % of its peak for good
@@ -144,7 +146,9 @@ def _answers(impact: ImpactTest, judged: Sequence[DrawnHit]) -> list[Panel]:
         lines = []
         for one in judged:
             inside = one.time <= shown
-            x, y = extremes(one.time[inside], one.block.acceleration[i, inside], bins=bins)
+            x, y = downsample_to_extremes(
+                one.time[inside], one.block.acceleration[i, inside], bins=bins
+            )
             lines.append(Line(x, y, one.pen, _key(one)))
         start = float(min(line.x[0] for line in lines))
         span = max(float(np.max(np.abs(line.y))) for line in lines) * 1.08

@@ -29,7 +29,7 @@ from dashpot.plot.picture import (
     Tag,
 )
 from dashpot.plot.style import BOLD, SMALL
-from dashpot.plot.ticks import between, numbers, place, written
+from dashpot.plot.ticks import compute_minor_ticks, format_ticks, numbers, place
 
 Anchor = Literal["start", "middle", "end"]
 
@@ -76,7 +76,7 @@ class Word(NamedTuple):
     size: float = SMALL
 
 
-class Hair(NamedTuple):
+class AxisLine(NamedTuple):
     """A straight line of the axes."""
 
     x0: float
@@ -124,12 +124,12 @@ class Frame(NamedTuple):
     panel: Panel
     box: Box
     inner: tuple[Polyline | Fill | Markers, ...]
-    hairs: tuple[Hair, ...]
+    hairs: tuple[AxisLine, ...]
     ticks: tuple[Word, ...]
     words: tuple[Word, ...]
 
 
-class Laid(NamedTuple):
+class StripLayout(NamedTuple):
     """A strip laid out."""
 
     width: float
@@ -137,19 +137,19 @@ class Laid(NamedTuple):
     frames: tuple[Frame, ...]
 
 
-class Placed(NamedTuple):
+class PlacedStrip(NamedTuple):
     """A strip on a sheet: its upper left corner, px."""
 
     x: float
     y: float
-    laid: Laid
+    laid: StripLayout
 
 
 class Sheet(NamedTuple):
     """A picture as a file has it: its strips, the samples of its key, and words."""
 
     height: float
-    strips: tuple[Placed, ...]
+    strips: tuple[PlacedStrip, ...]
     key: tuple[tuple[float, float, Keyed], ...]
     words: tuple[Word, ...]
 
@@ -162,7 +162,7 @@ def text_width(text: str, *, bold: bool = False) -> float:
     return SMALL * sum(sizes.get(letter, 0.56) for letter in text) * (1.06 if bold else 1.0)
 
 
-def lay_out(strip: tuple[Panel, ...], width: float) -> Laid:
+def lay_out(strip: tuple[Panel, ...], width: float) -> StripLayout:
     """Return the places of a strip `width` px wide."""
     ticks = [[] if panel.drawing else _upright(panel) for panel in strip]
     widest = max((text_width(word) for each in ticks for _, word in each), default=0.0)
@@ -176,11 +176,11 @@ def lay_out(strip: tuple[Panel, ...], width: float) -> Laid:
         box = Box(left, named + above, inner_width, panel.height)
         shown, at = panel, ticks[i]
         if panel.square:
-            shown = _squared(panel, inner_width)
+            shown = _equalise_scales(panel, inner_width)
             at = [] if panel.drawing else _upright(shown)
         frames.append(_frame(shown, box, at, named=last))
         y = box.y + box.height + (_beneath(panel) if last else 10)
-    return Laid(width, y, tuple(frames))
+    return StripLayout(width, y, tuple(frames))
 
 
 def _beneath(panel: Panel) -> float:
@@ -194,16 +194,16 @@ def _upright(panel: Panel) -> list[tuple[float, str]]:
     if panel.y.unnumbered:
         return []
     at = numbers(panel.y, panel.height, 22 if panel.y.log or panel.height < 110 else 30)
-    return list(zip(at, written(panel.y, at), strict=True))
+    return list(zip(at, format_ticks(panel.y, at), strict=True))
 
 
-def arranged(picture: Picture) -> Sheet:
+def arrange_sheet(picture: Picture) -> Sheet:
     """Return the places of everything that leaves as a file: strips in rows, key, stamp."""
     y, strips = MARGIN, []
     for columns, each in picture.in_rows:
         wide = (picture.width - 2 * MARGIN - BETWEEN * (columns - 1)) / columns
         row = [lay_out(one, wide) for one in each]
-        strips += [Placed(MARGIN + i * (wide + BETWEEN), y, one) for i, one in enumerate(row)]
+        strips += [PlacedStrip(MARGIN + i * (wide + BETWEEN), y, one) for i, one in enumerate(row)]
         y += max(one.height for one in row)
     x, y, key, words = MARGIN, y + ROW, [], []
     for mark in picture.key:
@@ -221,29 +221,29 @@ def arranged(picture: Picture) -> Sheet:
     return Sheet(y + MARGIN, tuple(strips), tuple(key), tuple(words))
 
 
-def _squared(panel: Panel, width: float) -> Panel:
+def _equalise_scales(panel: Panel, width: float) -> Panel:
     """The panel with the limits of one axis widened until both have one scale."""
     (x0, x1), (y0, y1) = panel.x.limits, panel.y.limits
     unit = max((x1 - x0) / width, (y1 - y0) / panel.height)
 
-    def about(low: float, high: float, length: float) -> tuple[float, float]:
+    def widen_limits(low: float, high: float, length: float) -> tuple[float, float]:
         middle, half = (low + high) / 2, unit * length / 2
         return middle - half, middle + half
 
     return replace(
         panel,
-        x=replace(panel.x, limits=about(x0, x1, width)),
-        y=replace(panel.y, limits=about(y0, y1, panel.height)),
+        x=replace(panel.x, limits=widen_limits(x0, x1, width)),
+        y=replace(panel.y, limits=widen_limits(y0, y1, panel.height)),
     )
 
 
 def _frame(panel: Panel, box: Box, upright: list[tuple[float, str]], *, named: bool) -> Frame:
     """One panel; `named` gives its horizontal axis numbers and a label."""
-    hairs: list[Hair] = []
+    hairs: list[AxisLine] = []
     ticks: list[Word] = []
-    said = _above(panel, box)
+    said = _make_panel_words(panel, box)
     if not panel.drawing:
-        numbered = _numbered(panel.x, box)
+        numbered = _make_horizontal_numbers(panel.x, box)
         hairs, ticks = _axes(panel, box, upright, numbered)
         if named:
             ticks += numbered
@@ -252,21 +252,26 @@ def _frame(panel: Panel, box: Box, upright: list[tuple[float, str]], *, named: b
     inner = tuple(one for mark in panel.marks for one in _inner(mark, panel, box))
     tags = [mark for mark in panel.marks if isinstance(mark, Tag)]
     return Frame(
-        panel, box, inner, tuple(hairs), tuple(ticks), (*said, *_tagged(tags, panel, box, inner))
+        panel,
+        box,
+        inner,
+        tuple(hairs),
+        tuple(ticks),
+        (*said, *_place_tags(tags, panel, box, inner)),
     )
 
 
 def _axes(
     panel: Panel, box: Box, upright: list[tuple[float, str]], numbered: list[Word]
-) -> tuple[list[Hair], list[Word]]:
+) -> tuple[list[AxisLine], list[Word]]:
     """The lines of both axes, and the numbers of the upright one."""
     bottom, right = box.y + box.height, box.x + box.width
     heights = [bottom - box.height * float(place(panel.y, value)) for value, _ in upright]
-    hairs = [Hair(box.x, y, right, y, "line") for y in heights]
-    hairs.append(Hair(box.x, bottom, right, bottom, "edge"))
-    hairs += [Hair(one.x, bottom, one.x, bottom + 5, "edge") for one in numbered]
-    small = box.x + box.width * place(panel.x, between(panel.x))
-    hairs += [Hair(x, bottom, x, bottom + 3, "edge") for x in small]
+    hairs = [AxisLine(box.x, y, right, y, "line") for y in heights]
+    hairs.append(AxisLine(box.x, bottom, right, bottom, "edge"))
+    hairs += [AxisLine(one.x, bottom, one.x, bottom + 5, "edge") for one in numbered]
+    small = box.x + box.width * place(panel.x, compute_minor_ticks(panel.x))
+    hairs += [AxisLine(x, bottom, x, bottom + 3, "edge") for x in small]
     ticks = [
         Word(box.x - 6, y + 4, word, anchor="end")
         for y, (_, word) in zip(heights, upright, strict=True)
@@ -274,14 +279,14 @@ def _axes(
     return hairs, ticks
 
 
-def _noted(panel: Panel, width: float) -> list[str]:
+def _wrap_note(panel: Panel, width: float) -> list[str]:
     """The note in lines, each no wider than the axes."""
     return _broken(panel.note, width) if panel.note else []
 
 
 def _rows_above(panel: Panel, width: float) -> int:
     """Rows of a note over the one that names the upright axis, beside which a short one stands."""
-    lines = _noted(panel, width)
+    lines = _wrap_note(panel, width)
     if panel.bare or panel.drawing:
         return len(lines) if panel.drawing else 0
     wide = text_width(panel.y.label) + text_width(panel.note) + RIGHT
@@ -299,7 +304,7 @@ def _broken(text: str, width: float) -> list[str]:
     return [line.rstrip(" ·") for line in lines]
 
 
-def _above(panel: Panel, box: Box) -> list[Word]:
+def _make_panel_words(panel: Panel, box: Box) -> list[Word]:
     """What stands above the axes: what they show upright, the title, a note."""
     said = [] if panel.bare or panel.drawing else [Word(box.x - 4, box.y - 6, panel.y.label)]
     for i, line in enumerate(panel.below.split("\n") if panel.below else ()):
@@ -312,20 +317,20 @@ def _above(panel: Panel, box: Box) -> list[Word]:
         if rows and not panel.drawing:
             above -= ROW
         said.append(Word(0, box.y + above, panel.title, "ink", bold=True, size=BOLD))
-    lines = _noted(panel, box.width)
+    lines = _wrap_note(panel, box.width)
     over = ROW * (len(lines) if rows and not panel.drawing else len(lines) - 1)
     for i, line in enumerate(lines):
         said.append(Word(box.x + box.width, box.y - 6 - over + ROW * i, line, anchor="end"))
     return said
 
 
-def _numbered(scale: Scale, box: Box) -> list[Word]:
+def _make_horizontal_numbers(scale: Scale, box: Box) -> list[Word]:
     """The numbers below the horizontal axis."""
     at = numbers(scale, box.width, 46)
     places = box.x + box.width * place(scale, at)
     return [
         Word(x, box.y + box.height + 18, word, anchor="middle")
-        for x, word in zip(places, written(scale, at), strict=True)
+        for x, word in zip(places, format_ticks(scale, at), strict=True)
     ]
 
 
@@ -337,7 +342,7 @@ def _points(panel: Panel, box: Box, x: FloatArray, y: FloatArray) -> FloatArray:
     return np.column_stack([np.clip(across, -far, far), np.clip(down, -far, far)])
 
 
-def _in_sight(panel: Panel, x: FloatArray, *rows: FloatArray) -> tuple[FloatArray, ...]:
+def _clip_to_axis(panel: Panel, x: FloatArray, *rows: FloatArray) -> tuple[FloatArray, ...]:
     """The part of a curve that runs between the limits of its axis, and one point beyond."""
     low, high = panel.x.limits
     if len(x) < 2 or not np.all(np.diff(x) > 0):
@@ -352,10 +357,10 @@ def _parts(points: FloatArray) -> tuple[FloatArray, ...]:
     known = np.isfinite(points).all(axis=1)
     edges = np.flatnonzero(np.diff(np.concatenate(([False], known, [False])).astype(np.int8)))
     pairs = zip(edges[::2], edges[1::2], strict=True)
-    return tuple(straightened(points[start:stop]) for start, stop in pairs if stop - start > 1)
+    return tuple(simplify_line(points[start:stop]) for start, stop in pairs if stop - start > 1)
 
 
-def straightened(points: FloatArray) -> FloatArray:
+def simplify_line(points: FloatArray) -> FloatArray:
     """A curve less the points that lie on the line between their neighbours, to `STRAIGHT`."""
     for first in (1, 2) * 4:
         i = np.arange(first, len(points) - 1, 2)
@@ -373,7 +378,7 @@ def straightened(points: FloatArray) -> FloatArray:
 
 def _inner(mark: Mark, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]:
     if isinstance(mark, Line):
-        points = _points(panel, box, *_in_sight(panel, mark.x, mark.y))
+        points = _points(panel, box, *_clip_to_axis(panel, mark.x, mark.y))
         return [Polyline(_parts(points), mark.pen, mark.label)]
     if isinstance(mark, Dots):
         return _dots(mark, panel, box)
@@ -395,11 +400,13 @@ def _inner(mark: Mark, panel: Panel, box: Box) -> list[Polyline | Fill | Markers
         ends = [(0, h * (1 - at)), (w, h * (1 - at))] if mark.across else [(w * at, 0), (w * at, h)]
         return [Polyline((np.array(ends, dtype=float),), mark.pen)]
     return [
-        Markers(_points(panel, box, *_at(mark)), 9.0, mark.colour, mark.dot == "hollow")
+        Markers(
+            _points(panel, box, *_get_tag_position(mark)), 9.0, mark.colour, mark.dot == "hollow"
+        )
     ] * bool(mark.dot)
 
 
-def _at(tag: Tag) -> tuple[FloatArray, FloatArray]:
+def _get_tag_position(tag: Tag) -> tuple[FloatArray, FloatArray]:
     return np.array([tag.x]), np.array([tag.y])
 
 
@@ -415,10 +422,10 @@ def _dots(mark: Dots, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]
 
 
 def _area(mark: Area, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]:
-    x, *edges = _in_sight(panel, mark.x, mark.low, mark.high)
+    x, *edges = _clip_to_axis(panel, mark.x, mark.low, mark.high)
     places = [_points(panel, box, x, edge) for edge in edges]
     known = np.isfinite(places).all(axis=(0, 2))
-    low, high = (straightened(edge[known]) for edge in places)
+    low, high = (simplify_line(edge[known]) for edge in places)
     ring = np.concatenate([low, high[::-1]])
     tint = TINT_OF_HATCH if mark.hatched else mark.tint
     made: list[Polyline | Fill | Markers] = [Fill((ring,), mark.colour, tint, mark.hatched)]
@@ -434,12 +441,12 @@ def _area(mark: Area, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]
 # -- words at points ------------------------------------------------------------------------------
 
 
-def _tagged(
+def _place_tags(
     tags: list[Tag], panel: Panel, box: Box, inner: tuple[Polyline | Fill | Markers, ...]
 ) -> list[Word]:
     """Words beside their points, inside the axes, clear of each other, and best of all else."""
     drawn = _strokes(inner, box) if tags else np.zeros((0, 2))
-    places = [_points(panel, box, *_at(tag))[0] + (box.x, box.y) for tag in tags]
+    places = [_points(panel, box, *_get_tag_position(tag))[0] + (box.x, box.y) for tag in tags]
     taken = [Box(x - 5, y - 5, 10, 10) for tag, (x, y) in zip(tags, places, strict=True)
              if not tag.end]  # fmt: skip
     # what reaches beyond the sheet stands further in, upon its own curve
@@ -447,9 +454,9 @@ def _tagged(
     made = [
         Word(min(x + 6, most - text_width(tag.text, bold=tag.bold)), y, tag.text, tag.colour,
              tag.bold, halo=True)
-        for tag, x, y in _named(tags, places)
+        for tag, x, y in _place_end_names(tags, places)
     ]  # fmt: skip
-    taken += map(_room, made)
+    taken += map(_get_word_box, made)
     for tag, (x, y) in zip(tags, places, strict=True):
         if tag.end:
             continue
@@ -466,12 +473,18 @@ def _tagged(
             (box.x + box.width - 4, y + 21, "end"), (box.x + 4, y + 21, "start"),
         ]  # fmt: skip
         laid = [
-            _laid(tag, lines, near, far, _Surroundings(box, taken, drawn, _hatched(inner, box)))
+            _place_tag_lines(
+                tag,
+                lines,
+                near,
+                far,
+                _Surroundings(box, taken, drawn, _get_hatched_rings(inner, box)),
+            )
             for lines in dict.fromkeys(((tag.text,), tuple(_halves(tag.text))))
         ]
         # in two lines only where one has no room, or more runs through it
         words, _ = min(laid, key=lambda one: one[1])
-        taken += map(_room, words)
+        taken += map(_get_word_box, words)
         made += words
     return made
 
@@ -498,7 +511,7 @@ def _halves(text: str) -> list[str]:
     return [text[:middle], text[middle + 1 :]]
 
 
-def _laid(
+def _place_tag_lines(
     tag: Tag,
     lines: tuple[str, ...],
     near: list[_Spot],
@@ -516,23 +529,28 @@ def _laid(
             for i, line in enumerate(lines)
         ]
 
-    def clear(made: list[Word]) -> bool:
-        return all(_clear(_room(one), beside.box, beside.taken) for one in made)
+    def is_clear(made: list[Word]) -> bool:
+        return all(_is_free_box(_get_word_box(one), beside.box, beside.taken) for one in made)
 
-    def crossed(made: list[Word]) -> int:
+    def count_crossings(made: list[Word]) -> int:
         return sum(
-            _crossed(_room(one), beside.drawn) + _upon(_room(one), beside.hatched) for one in made
+            _count_crossed_points(_get_word_box(one), beside.drawn)
+            + _count_points_inside(_get_word_box(one), beside.hatched)
+            for one in made
         )
 
-    free = [one for one in map(words, near) if clear(one)]
+    free = [one for one in map(words, near) if is_clear(one)]
     if free:
-        best = min(free, key=crossed)
-        return best, (0.0, crossed(best))
-    away = next((one for one in map(words, far) if clear(one)), None)
+        best = min(free, key=count_crossings)
+        return best, (0.0, count_crossings(best))
+    away = next((one for one in map(words, far) if is_clear(one)), None)
     if away is not None:
-        return away, (0.5, crossed(away))
+        return away, (0.5, count_crossings(away))
     # where nothing is clear of the others, what stays inside is read
-    out = [max(_beyond(_room(one), beside.box) for one in words(spot)) for spot in near]
+    out = [
+        max(_compute_overhang(_get_word_box(one), beside.box) for one in words(spot))
+        for spot in near
+    ]
     least = min(out)
     return words(near[out.index(least)]), (1.0 + least, 0)
 
@@ -553,20 +571,20 @@ def _strokes(inner: tuple[Polyline | Fill | Markers, ...], box: Box) -> FloatArr
     return np.asarray(np.concatenate(found) + np.array([box.x, box.y]))
 
 
-def _hatched(inner: tuple[Polyline | Fill | Markers, ...], box: Box) -> list[FloatArray]:
+def _get_hatched_rings(inner: tuple[Polyline | Fill | Markers, ...], box: Box) -> list[FloatArray]:
     """The rings within which something is hatched."""
     hatches = (one for one in inner if isinstance(one, Fill) and one.hatched)
     return [part + np.array((box.x, box.y)) for one in hatches for part in one.parts]
 
 
-def _crossed(room: Box, drawn: FloatArray) -> int:
+def _count_crossed_points(room: Box, drawn: FloatArray) -> int:
     """How much of what is drawn runs through some words."""
     x, y = drawn.T
     across = (x > room.x) & (x < room.x + room.width)
     return int(np.count_nonzero(across & (y > room.y + 2) & (y < room.y + room.height - 2)))
 
 
-def _upon(room: Box, rings: list[FloatArray]) -> int:
+def _count_points_inside(room: Box, rings: list[FloatArray]) -> int:
     """How many places along the middle of some words lie inside rings, every few px."""
     x = np.arange(room.x, room.x + room.width + 1e-9, 5.0)[:, None]
     y, found = room.y + room.height / 2, 0
@@ -579,7 +597,7 @@ def _upon(room: Box, rings: list[FloatArray]) -> int:
     return found
 
 
-def _named(tags: list[Tag], places: list[FloatArray]) -> list[tuple[Tag, float, float]]:
+def _place_end_names(tags: list[Tag], places: list[FloatArray]) -> list[tuple[Tag, float, float]]:
     """The names at the ends of curves from the top down, none upon another.
 
     Those that are too near to stand where their curves end keep their order, about their middle.
@@ -605,20 +623,20 @@ def _named(tags: list[Tag], places: list[FloatArray]) -> list[tuple[Tag, float, 
     return found
 
 
-def _clear(room: Box, box: Box, taken: list[Box]) -> bool:
+def _is_free_box(room: Box, box: Box, taken: list[Box]) -> bool:
     """Whether some words stand inside the axes, and on nothing."""
     beside = box.x - 2 <= room.x and room.x + room.width <= box.x + box.width + RIGHT
     above = box.y - 4 <= room.y <= box.y + box.height - ROW
     return beside and above and not any(_meet(room, other) for other in taken)
 
 
-def _room(word: Word) -> Box:
+def _get_word_box(word: Word) -> Box:
     wide = text_width(word.text, bold=word.bold)
     left = word.x - {"start": 0.0, "middle": 0.5, "end": 1.0}[word.anchor] * wide
     return Box(left, word.y - 12, wide, ROW)
 
 
-def _beyond(room: Box, box: Box) -> float:
+def _compute_overhang(room: Box, box: Box) -> float:
     """How far some words reach out of the axes on either side, px."""
     right = room.x + room.width - box.x - box.width - RIGHT
     return max(box.x - room.x, 0.0) + max(right, 0.0)

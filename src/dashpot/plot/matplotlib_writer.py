@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.plot.layout import Fill, Frame, Markers, Polyline, Word, arranged
+from dashpot.plot.layout import Fill, Frame, Markers, Polyline, Word, arrange_sheet
 from dashpot.plot.picture import Dots, Keyed, Line, Pen, Picture, Rule
 from dashpot.plot.style import LIGHT
 
@@ -28,7 +28,7 @@ def to_figure(picture: Picture) -> Figure:
     from matplotlib.figure import Figure
     from matplotlib.font_manager import fontManager
 
-    sheet = arranged(picture)
+    sheet = arrange_sheet(picture)
     made = Figure(figsize=(picture.width / INCH, sheet.height / INCH), facecolor="white")
     ax = made.add_axes((0, 0, 1, 1))
     ax.set(xlim=(0, picture.width), ylim=(sheet.height, 0))

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Protocol
 
 from dashpot.base.number_format import seals
-from dashpot.base.units import written
+from dashpot.base.units import format_quantity
 from dashpot.datamodel.bounds import FRFBounds
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
@@ -62,7 +62,7 @@ def hero(study: Story) -> Picture:
     Without a comparison, the fits alone.
     """
     test, c = study.prepared, study.comparison
-    shown = relaxation.fitted(study.fit, study.alternatives, test)
+    shown = relaxation.make_plotted_fits(study.fit, study.alternatives, test)
     word, factor = unit_of(test.displacement, "m")
     title = (
         f"Relaxation test: {factor * test.depth:.3g} {word} in {test.ramp_time:.3g} s, "
@@ -81,9 +81,9 @@ def hero(study: Story) -> Picture:
         failed = study.joint is not None and study.joint.verdict.use == "do not use"
         curves = frf_figure.curves_of(c, study.joint_comparison, failed=failed)
         view = (frf_figure.VIEW[0] * c.measured_hz, frf_figure.VIEW[1] * c.measured_hz)
-        bounds = frf_figure.spreads(study.frf_band)[:1]
+        bounds = frf_figure.make_prediction_bands(study.frf_band)[:1]
         upper = frf_figure.magnitude_panel(curves, bounds, view=view, height=210, tagged=True)
-        mass = "" if study.mass is None else f"{written(study.mass, 'g')} on "
+        mass = "" if study.mass is None else f"{format_quantity(study.mass, 'g')} on "
         titled = replace(upper, title=f"Hammer test: {mass}{seals(study.seals)}")
         strips.append((titled, frf_figure.phase_panel(curves, upper.x.limits)))
     said = stamp(sources, study.fit.specimen, mass=study.mass, seals=study.seals)

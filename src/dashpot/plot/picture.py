@@ -13,8 +13,8 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.choices import FigureSize
-from dashpot.base.result_mixins import verb
-from dashpot.base.units import in_unit, read_in
+from dashpot.base.result_mixins import load_function
+from dashpot.base.units import convert_to_unit, get_display_unit
 
 COLUMN = 321.0
 """px, of which 96 are an inch: the 85 mm of a journal's column."""
@@ -204,7 +204,7 @@ class Panel:
     below: str = ""
 
 
-def _beside(row: tuple[tuple[Panel, ...], ...], columns: int) -> int:
+def _count_strips_across(row: tuple[tuple[Panel, ...], ...], columns: int) -> int:
     """How many strips of a row of its own stand beside each other where others are so many."""
     if all(panel.drawing for strip in row for panel in strip):
         return columns if columns > 1 else min(len(row), _DRAWINGS)
@@ -248,7 +248,7 @@ class Picture:
         found, at = [], 0
         for count in self.rows or (len(self.strips),):
             row = self.strips[at : at + count]
-            full = _beside(row, columns) if self.rows else columns
+            full = _count_strips_across(row, columns) if self.rows else columns
             found += [(full, row[i : i + full]) for i in range(0, len(row), full)]
             at += count
         return tuple(found)
@@ -291,7 +291,7 @@ class Picture:
 
     def _repr_html_(self) -> str:
         """Show itself in a notebook."""
-        text: str = verb("plot.svg", "to_svg")(self)
+        text: str = load_function("plot.svg", "to_svg")(self)
         return text
 
 
@@ -305,18 +305,18 @@ def unit_of(values: FloatArray, unit: Literal["N", "m"]) -> tuple[str, float]:
         "N": ("N", "mN", "µN", "nN", "pN"),
         "m": ("mm", "µm", "nm"),
     }[unit]
-    large = (word for word in choices if in_unit(size, word) >= 0.1)
+    large = (word for word in choices if convert_to_unit(size, word) >= 0.1)
     word = next(large, choices[0] if size == 0 else choices[-1])
-    return word, in_unit(1.0, word)
+    return word, convert_to_unit(1.0, word)
 
 
 def read_as(unit: str) -> tuple[str, float]:
     """The word and the factor in which people read what is in a unit of SI."""
-    word = read_in(unit)
-    return word, in_unit(1.0, word)
+    word = get_display_unit(unit)
+    return word, convert_to_unit(1.0, word)
 
 
-def around(*arrays: FloatArray, margin: float = 0.06) -> tuple[float, float]:
+def compute_padded_limits(*arrays: FloatArray, margin: float = 0.06) -> tuple[float, float]:
     """Limits that hold every finite value with a margin; 0 and 1 if there is none."""
     values = np.concatenate([np.asarray(a, dtype=float).ravel() for a in arrays])
     values = values[np.isfinite(values)]
@@ -325,14 +325,14 @@ def around(*arrays: FloatArray, margin: float = 0.06) -> tuple[float, float]:
     return low - pad, high + pad
 
 
-def around_log(*arrays: FloatArray, margin: float = 1.25) -> tuple[float, float]:
+def compute_padded_log_limits(*arrays: FloatArray, margin: float = 1.25) -> tuple[float, float]:
     """Limits of a logarithmic axis that hold every array, less what is not above zero."""
     above = np.concatenate([np.asarray(a).ravel() for a in arrays])
     above = above[np.isfinite(above) & (above > 0)]
     return float(above.min()) / margin, float(above.max()) * margin
 
 
-def inside(
+def split_at_band(
     known: tuple[float, float], x: FloatArray, y: FloatArray, label: str, *, beyond: str
 ) -> tuple[Line, Line]:
     """A curve, solid inside the `known` band and dashed outside it."""

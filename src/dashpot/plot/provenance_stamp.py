@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from dashpot.base import number_format
-from dashpot.base.number_format import shown
+from dashpot.base.number_format import format_with_error
 from dashpot.base.provenance import Source, sources_of
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
@@ -37,30 +37,30 @@ def stamp(
     files = list(dict.fromkeys(source.file for source in sources))
     simulated = any(source.simulated for source in sources)
     named = ", ".join(files) if len(files) <= NAMED else f"{files[0]} and {len(files) - 1} more"
-    said = ["SIMULATED"] * (simulated or _simulated(specimen)) + [named]
+    said = ["SIMULATED"] * (simulated or _is_simulated(specimen)) + [named]
     if specimen is not None:
         said += [specimen.name, f"lot {specimen.lot}" * bool(specimen.lot), specimen.date]
     if mass is not None:
         on = "" if seals is None else f" on {number_format.seals(seals)}"
-        said.append(f"{shown(mass, 'g', digits=4)}{on}")
+        said.append(f"{format_with_error(mass, 'g', digits=4)}{on}")
     return "  ·  ".join(part for part in said if part)
 
 
-def _simulated(specimen: Specimen | None) -> bool:
+def _is_simulated(specimen: Specimen | None) -> bool:
     """A record in memory says so in its notes."""
     return specimen is not None and "simulated" in specimen.notes.lower()
 
 
-def of_test(test: RampHold | RelaxationTest) -> str:
+def format_test_stamp(test: RampHold | RelaxationTest) -> str:
     """Of one test of a specimen."""
     return stamp(sources_of([test]), test.specimen)
 
 
-def of_fit(fit: Fit) -> str:
+def format_fit_stamp(fit: Fit) -> str:
     """Of a fit."""
     return stamp(fit.source, fit.specimen)
 
 
-def of_frf(frf: FRF) -> str:
+def format_frf_stamp(frf: FRF) -> str:
     """Of a measured FRF."""
     return stamp(frf.source)

@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.choices import Method, words
-from dashpot.base.number_format import rounded
+from dashpot.base.choices import Method, get_choice_values
+from dashpot.base.number_format import round_to_error
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.plot.downsampling import extremes, means
+from dashpot.plot.downsampling import downsample_to_extremes, downsample_to_means
 from dashpot.plot.picture import (
     BENEATH,
     FIT,
@@ -31,11 +31,11 @@ from dashpot.plot.picture import (
     Scale,
     Span,
     Tag,
-    around,
+    compute_padded_limits,
     unit_of,
 )
-from dashpot.plot.provenance_stamp import of_fit, of_test
-from dashpot.preprocessing.denoising import true_motion
+from dashpot.plot.provenance_stamp import format_fit_stamp, format_test_stamp
+from dashpot.preprocessing.denoising import denoise_displacement
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 DATA = Pen("measured", 1.2)
@@ -66,17 +66,17 @@ def segments(prepared: RampHold, *, stamp: str = "") -> Picture:
         inside = (t >= limits[0]) & (t <= limits[1])
         strip: list[Panel] = []
         for values, label in rows:
-            x, y = extremes(t[inside], values[inside], bins=400, log=log)
+            x, y = downsample_to_extremes(t[inside], values[inside], bins=400, log=log)
             marks: list[Mark] = [*_segments(prepared, limits)]
             marks.append(Line(x, y, MEASURED, "measured"))
-            axes = (Scale(SINCE, limits, log), Scale(label, around(y)))
+            axes = (Scale(SINCE, limits, log), Scale(label, compute_padded_limits(y)))
             strip.append(Panel(*axes, tuple(marks), title=title * (not strip), height=130))
         strips.append(tuple(strip))
     caption = (
         "The test as prepared: displacement and force, the ramp on linear time, the hold on "
         "logarithmic time."
     )
-    return Picture("segments", caption, tuple(strips), 2, stamp or of_test(prepared))
+    return Picture("segments", caption, tuple(strips), 2, stamp or format_test_stamp(prepared))
 
 
 def fit(
@@ -97,7 +97,7 @@ def fit(
     stamp : str
         What the figure says of its origin; by default the fit's files, specimen and date.
     """
-    shown = fitted(fit, alternatives, prepared)
+    shown = make_plotted_fits(fit, alternatives, prepared)
     # the chosen one first
     residuals = [residual_panel(one, prepared)
                  for one in sorted(shown, key=lambda one: one.fit is not fit)]  # fmt: skip
@@ -106,10 +106,10 @@ def fit(
         "shape."
     )
     strip = (force_panel(shown, prepared), *residuals)
-    return Picture("fit", caption, (strip,), 1, stamp or of_fit(fit))
+    return Picture("fit", caption, (strip,), 1, stamp or format_fit_stamp(fit))
 
 
-class DrawnFit(NamedTuple):
+class PlottedFit(NamedTuple):
     """A fit as it is drawn: its pen, time from first contact, s, and the force it says there, N."""
 
     fit: Fit
@@ -133,10 +133,12 @@ class DrawnFit(NamedTuple):
         return self.time[inside], measured - self.force[inside]
 
 
-def fitted(chosen: Fit, alternatives: Sequence[Fit], prepared: RampHold) -> list[DrawnFit]:
+def make_plotted_fits(
+    chosen: Fit, alternatives: Sequence[Fit], prepared: RampHold
+) -> list[PlottedFit]:
     """The curves of all fits that are shown."""
     return [
-        DrawnFit(one, FIT if one is chosen else SIMPLER[one.model.arms % 2],
+        PlottedFit(one, FIT if one is chosen else SIMPLER[one.model.arms % 2],
                *fitted_force(one, prepared))
         for one in fits_to_show(chosen, alternatives)
     ]  # fmt: skip
@@ -149,7 +151,7 @@ def fits_to_show(fit: Fit, alternatives: Sequence[Fit]) -> list[Fit]:
 
 
 def force_panel(
-    shown: Sequence[DrawnFit], prepared: RampHold, *, title: str = "", height: float = 210.0
+    shown: Sequence[PlottedFit], prepared: RampHold, *, title: str = "", height: float = 210.0
 ) -> Panel:
     """Force with the fitted curves over it, on log time."""
     start, end = _log_start(prepared), _end(prepared)
@@ -157,7 +159,7 @@ def force_panel(
 
     def line(t: FloatArray, force: FloatArray, pen: Pen, label: str) -> Line:
         drawn = (t >= start) & (t <= end)
-        return Line(*extremes(t[drawn], scale * force[drawn], bins=350, log=True),
+        return Line(*downsample_to_extremes(t[drawn], scale * force[drawn], bins=350, log=True),
                     pen, label)  # fmt: skip
 
     data = line(prepared.time - prepared.onset, prepared.force, DATA, "measured")
@@ -165,15 +167,18 @@ def force_panel(
     curves = [line(one.time, one.force, one.pen, one.label)
               for one in sorted(shown, key=lambda one: one.pen is FIT)]  # fmt: skip
     marks: list[Mark] = [*_segments(prepared, (start, end)), data, *curves]
-    axes = (Scale(SINCE, (start, end), log=True), Scale(f"force, {unit}", around(data.y)))
+    axes = (
+        Scale(SINCE, (start, end), log=True),
+        Scale(f"force, {unit}", compute_padded_limits(data.y)),
+    )
     return Panel(*axes, tuple(marks), title=title, height=height)
 
 
 def upon_panels(
-    one: DrawnFit,
+    one: PlottedFit,
     prepared: RampHold,
     *,
-    other: DrawnFit | None = None,
+    other: PlottedFit | None = None,
     whole: RampHold | None = None,
 ) -> tuple[Panel, Panel, Panel]:
     """Ramp, hold and residual with the record upon its fit, and all of the record in sight.
@@ -235,7 +240,7 @@ def record_panels(prepared: RampHold, *, whole: RampHold | None = None) -> tuple
 
 
 def fit_lines(
-    one: DrawnFit, prepared: RampHold, whole: RampHold | None = None
+    one: PlottedFit, prepared: RampHold, whole: RampHold | None = None
 ) -> tuple[Line, Line]:
     """The fit on the ramp and on the hold of :func:`upon_panels`."""
     _, scale = unit_of(prepared.force, "N")
@@ -247,11 +252,11 @@ def fit_lines(
     )
 
 
-def mean_residual(one: DrawnFit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
+def mean_residual(one: PlottedFit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
     """The mean residual of :func:`upon_panels`, N, over time since the end of the ramp."""
     c, axis = prepared.ramp_time, _upon_axes(prepared, prepared)[1]
     when, left = one.residual(prepared, c + axis.limits[0])
-    return means(when - c, left, log=True)
+    return downsample_to_means(when - c, left, log=True)
 
 
 def _upon_axes(prepared: RampHold, whole: RampHold) -> tuple[tuple[float, float], Scale]:
@@ -267,17 +272,17 @@ def _ramp_line(
     at: FloatArray, y: FloatArray, seen: tuple[float, float], pen: Pen, label: str
 ) -> Line:
     inside = (at >= seen[0]) & (at <= seen[1])
-    return Line(*extremes(at[inside], y[inside], bins=250), pen, label)
+    return Line(*downsample_to_extremes(at[inside], y[inside], bins=250), pen, label)
 
 
 def _hold_line(at: FloatArray, y: FloatArray, axis: Scale, pen: Pen, label: str) -> Line:
     start, last = axis.limits
     inside = (at >= start) & (at <= last)
-    return Line(*extremes(at[inside], y[inside], bins=350, log=True), pen, label)
+    return Line(*downsample_to_extremes(at[inside], y[inside], bins=350, log=True), pen, label)
 
 
 def residual_panel(
-    one: DrawnFit, prepared: RampHold, *, since: float = 0.0, axis: Scale | None = None
+    one: PlottedFit, prepared: RampHold, *, since: float = 0.0, axis: Scale | None = None
 ) -> Panel:
     """Measured less fitted force against log time, and the noise it should be.
 
@@ -288,7 +293,7 @@ def residual_panel(
     when = when - since
     unit, scale = unit_of(left, "N")
     drawn = scale * left
-    x, mean = means(when, drawn, log=True)
+    x, mean = downsample_to_means(when, drawn, log=True)
     low, high = _ranges(when, drawn, x)
     noise = scale * prepared.force_noise
     marks: list[Mark] = [Area(x, low, high, one.pen.colour, "residual: range of samples")]
@@ -297,13 +302,13 @@ def residual_panel(
         marks += pair
     marks.append(Line(x, mean, Pen(one.pen.colour, 1.4), "residual: mean"))
     # of a fit to several tests the residual has no unit
-    of_force = one.fit.method in words(Method)
+    of_force = one.fit.method in get_choice_values(Method)
     size = one.fit.residual.rms if of_force else float(np.sqrt(np.mean(left**2)))
     word, factor = unit_of(np.array([size]), "N")
     label = f"residual of {one.fit.called}, {unit}"
-    rms = f"rms {rounded(factor * size)} {word}"
+    rms = f"rms {round_to_error(factor * size)} {word}"
     across = axis or Scale(SINCE, (_log_start(prepared), _end(prepared)), log=True)
-    upright = Scale(label, around(low, high, margin=0.08))
+    upright = Scale(label, compute_padded_limits(low, high, margin=0.08))
     return Panel(across, upright, tuple(marks), height=90, note=rms)
 
 
@@ -322,8 +327,8 @@ def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
     the elastic law. Offset, drift and delay are those that the fit found; of a fit to other tests
     too, offset and drift are those that leave least.
     """
-    one = _at_temperature(one, prepared)
-    solid = _at_depth(one, prepared.depth)
+    one = _shift_to_temperature(one, prepared)
+    solid = _select_depth_solid(one, prepared.depth)
     if one.method == "hold":
         used = prepared.hold
         time, begun = prepared.time[used], prepared.ramp_end
@@ -332,7 +337,7 @@ def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
         )
     else:
         used = slice(0, prepared.hold.stop)
-        time, (x, _) = prepared.time[used], true_motion(prepared)
+        time, (x, _) = prepared.time[used], denoise_displacement(prepared)
         law, begun = one.elastic_law, time[0]
         path = x - x[0] if law is None or law.kind == "linear" else law.path(x - x[0])
         force = solid.force(time, path)
@@ -343,7 +348,7 @@ def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
     }
     told = {term.name: term.value for term in one.nuisance if term.name in terms}
     allowed = {term.name.partition(" ")[0] for term in one.nuisance} & set(terms)
-    if one.method not in words(Method):
+    if one.method not in get_choice_values(Method):
         # a fit to other tests too tells what it found of those
         told, allowed = {}, {"offset", "drift"}
     if told:
@@ -358,7 +363,7 @@ def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
     return time - prepared.onset, force
 
 
-def _at_temperature(one: Fit, prepared: RampHold) -> Fit:
+def _shift_to_temperature(one: Fit, prepared: RampHold) -> Fit:
     """The fit at the temperature of a test, where several were fitted."""
     moved, kelvin = one.temperatures, prepared.specimen.temperature
     if moved is None or kelvin is None:
@@ -366,7 +371,7 @@ def _at_temperature(one: Fit, prepared: RampHold) -> Fit:
     return one.at_temperature(moved.nearest(kelvin).temperature)
 
 
-def _at_depth(one: Fit, depth: float) -> Solid:
+def _select_depth_solid(one: Fit, depth: float) -> Solid:
     """The solid at this depth, where every test of the fit has stiffnesses of its own."""
     if not one.by_depth:
         return one.solid
@@ -396,7 +401,7 @@ def _log_start(prepared: RampHold) -> float:
 
 def _headroom(values: FloatArray) -> tuple[float, float]:
     """Limits with room above the curves, where a handle has its name."""
-    low, high = around(values)
+    low, high = compute_padded_limits(values)
     return low, high + 0.12 * (high - low)
 
 

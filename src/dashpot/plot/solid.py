@@ -7,12 +7,17 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.choices import Method, words
+from dashpot.base.choices import Method, get_choice_values
 from dashpot.base.errors import DataError
-from dashpot.base.units import in_unit, written
+from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.datamodel.bounds import StiffnessBounds
 from dashpot.datamodel.fit import Fit
-from dashpot.plot.dynamic_stiffness_figure import FREQUENCY, LABELS, averaged, quantities
+from dashpot.plot.dynamic_stiffness_figure import (
+    FREQUENCY,
+    LABELS,
+    average_octave_bands,
+    quantities,
+)
 from dashpot.plot.frf_figure import BOUND, INTERVAL
 from dashpot.plot.picture import (
     FIT,
@@ -26,13 +31,13 @@ from dashpot.plot.picture import (
     Rule,
     Scale,
     Span,
-    around,
-    around_log,
-    inside,
+    compute_padded_limits,
+    compute_padded_log_limits,
     joint_pen,
     read_as,
+    split_at_band,
 )
-from dashpot.plot.provenance_stamp import of_fit
+from dashpot.plot.provenance_stamp import format_fit_stamp
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
 
 SECANT = Pen("ref", 1.4, (6, 3))
@@ -73,7 +78,7 @@ def spectrum(fit: Fit, *, joint: Fit | None = None, stamp: str = "") -> Picture:
     axes = Scale("relaxation time τ, s", limits, log=True), Scale(words.arm, (0.0, 1.2 * tallest))
     caption = "Relaxation spectrum: one stem per Maxwell arm, 95 % intervals of k and τ."
     panel = Panel(*axes, tuple(marks), height=220)
-    return Picture("spectrum", caption, ((panel,),), 1, stamp or of_fit(fit), width=420.0)
+    return Picture("spectrum", caption, ((panel,),), 1, stamp or format_fit_stamp(fit), width=420.0)
 
 
 def elastic_law(fit: Fit, *, compression: float | None = None, stamp: str = "") -> Picture:
@@ -91,16 +96,17 @@ def elastic_law(fit: Fit, *, compression: float | None = None, stamp: str = "") 
     if law is None:
         raise DataError("the fit has no elastic law: it is not of a relaxation test")
     x = np.linspace(0.0, law.depth, 201)
-    knots, at = np.asarray(law.knots), in_unit(x, "mm")
+    knots, at = np.asarray(law.knots), convert_to_unit(x, "mm")
     straight = np.full(len(x), law.stiffness)
     tangent, error = (
-        in_unit(one, "N/mm") for one in (law.tangent(x), 2 * law.stiffness * law.factor_se(x))
+        convert_to_unit(one, "N/mm")
+        for one in (law.tangent(x), 2 * law.stiffness * law.factor_se(x))
     )
-    secant = f"secant at {written(law.depth, 'mm', '.3g')}"
+    secant = f"secant at {format_quantity(law.depth, 'mm', '.3g')}"
     rest: tuple[Mark, ...] = ()
     if compression is not None:
-        where = f"the mass rests at {written(compression, 'mm', '.3g')}"
-        rest = (Rule(in_unit(compression, "mm"), RESONANCE, where),)
+        where = f"the mass rests at {format_quantity(compression, 'mm', '.3g')}"
+        rest = (Rule(convert_to_unit(compression, "mm"), RESONANCE, where),)
     force = (
         *rest,
         Line(at, law.stiffness * x, SECANT, secant),
@@ -109,13 +115,15 @@ def elastic_law(fit: Fit, *, compression: float | None = None, stamp: str = "") 
     stiffness = (
         *rest,
         Area(at, tangent - error, tangent + error, "fit", "± 2 standard errors"),
-        Line(at, in_unit(straight, "N/mm"), SECANT, secant),
+        Line(at, convert_to_unit(straight, "N/mm"), SECANT, secant),
         Line(at, tangent, FIT, "elastic law"),
-        Dots(in_unit(knots, "mm"), in_unit(law.tangent(knots), "N/mm"), "fit", size=5),
+        Dots(
+            convert_to_unit(knots, "mm"), convert_to_unit(law.tangent(knots), "N/mm"), "fit", size=5
+        ),
     )
     below = Scale("compression, mm", (0.0, float(at[-1])))
     highest = float(np.max([law.force(x), law.stiffness * x]))
-    steepest = around(tangent, tangent + error, margin=0.0)[1]
+    steepest = compute_padded_limits(tangent, tangent + error, margin=0.0)[1]
     panels = (
         Panel(below, Scale("relaxed force, N", (0.0, 1.08 * highest)), force),
         Panel(below, Scale("tangent stiffness k∞, N/mm", (0.0, 1.08 * steepest)), stiffness),
@@ -125,7 +133,7 @@ def elastic_law(fit: Fit, *, compression: float | None = None, stamp: str = "") 
         "Small vibration feels the tangent where the mass rests, not the secant."
     )
     strips = tuple((panel,) for panel in panels)
-    return Picture("law", caption, strips, 2, stamp or of_fit(fit))
+    return Picture("law", caption, strips, 2, stamp or format_fit_stamp(fit))
 
 
 def stiffness(
@@ -173,7 +181,7 @@ def stiffness(
         if joint is not None:
             own = factor * getattr(joint.solid, name)(frequency=f)
             marks.append(Line(f, own, *joint_pen(failed=joint.verdict.use == "do not use")))
-        marks += inside(fit.band, f, curve, words.fit, beyond=f"{words.fit}, extrapolated")
+        marks += split_at_band(fit.band, f, curve, words.fit, beyond=f"{words.fit}, extrapolated")
         if data is not None:
             marks.append(_sweep(data, name, factor))
         marks += _points(measured, name)
@@ -189,7 +197,7 @@ def stiffness(
         "is extrapolated."
     )
     strips = tuple((panel,) for panel in panels)
-    return Picture("stiffness", caption, strips, 3, stamp or of_fit(fit), width=900.0)
+    return Picture("stiffness", caption, strips, 3, stamp or format_fit_stamp(fit), width=900.0)
 
 
 def _scale(name: str, label: str, curve: FloatArray, marks: list[Mark]) -> Scale:
@@ -197,12 +205,12 @@ def _scale(name: str, label: str, curve: FloatArray, marks: list[Mark]) -> Scale
     points = [m.y for m in marks if isinstance(m, (Line, Dots))]
     tops = [m.high for m in marks if isinstance(m, Area)]
     # a bound that no test sets runs out at the top of the axis
-    highest = around(*points, *tops, margin=0.0)[1]
+    highest = compute_padded_limits(*points, *tops, margin=0.0)[1]
     if name == "storage" or not curve.max() > 0:
         lowest = min(0.0, float(np.nanmin(curve)))
         return Scale(label, (lowest, 1.08 * highest if highest > 0 else 1.0))
     # a lower limit that touches zero must not make the axis dive after it
-    low, high = around_log(*points, margin=1.4)
+    low, high = compute_padded_log_limits(*points, margin=1.4)
     return Scale(label, (max(low, 1e-4 * high), max(high, min(1.2 * highest, 30 * high))), log=True)
 
 
@@ -218,7 +226,7 @@ class _Words(NamedTuple):
 
 
 def _words(fit: Fit) -> _Words:
-    of_force = fit.method in words(Method)
+    of_force = fit.method in get_choice_values(Method)
     band = "band of the relaxation test" if of_force else "band of the test"
     name = "relaxation fit" if of_force else "fit"
     _, scale = read_as(fit.unit)
@@ -284,9 +292,9 @@ def _points(measured: DynamicStiffness | None, name: str) -> list[Dots]:
         return []
     lines = {one.name: one for one in quantities(measured)}
     line = lines["damping" if name == "loss" else name]
-    f, one = averaged(measured.frequency, line, per_octave=3)
+    f, one = average_octave_bands(measured.frequency, line, per_octave=3)
     good = (f >= one.good[0]) & (f <= one.good[1])
-    factor = in_unit(2 * np.pi * f, "N/mm") if name == "loss" else np.ones(len(f))
-    value, error = factor * one.value, factor * one.nested[0]
+    factor = convert_to_unit(2 * np.pi * f, "N/mm") if name == "loss" else np.ones(len(f))
+    value, error = factor * one.value, factor * one.nested_errors[0]
     points = Dots(f[good], value[good], "measured", "straight from the FRF", error=error[good])
     return [points] * bool(good.any())  # an FRF may be good nowhere

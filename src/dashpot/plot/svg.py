@@ -18,13 +18,13 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ExportError
 from dashpot.plot import style
 from dashpot.plot.layout import (
+    AxisLine,
     Fill,
     Frame,
-    Hair,
     Markers,
     Polyline,
     Word,
-    arranged,
+    arrange_sheet,
     lay_out,
     limits,
 )
@@ -54,7 +54,7 @@ def swatch(mark: Keyed, *, name: str) -> str:
 
 def to_svg(picture: Picture) -> str:
     """The picture as an SVG file: every strip, the key, the stamp."""
-    name, sheet = checked(picture.name), arranged(picture)
+    name, sheet = validate_svg_id(picture.name), arrange_sheet(picture)
     body = [_patterns([f for one in sheet.strips for f in one.laid.frames], name)]
     for x, y, one in sheet.strips:
         frames = "".join(_frame(frame, name) for frame in one.frames)
@@ -73,7 +73,7 @@ def to_svg(picture: Picture) -> str:
     )
 
 
-def checked(name: str) -> str:
+def validate_svg_id(name: str) -> str:
     """The name, if an id can begin with it."""
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9-]*", name):
         raise ExportError(f"'{name}' cannot begin an SVG id; use letters, digits and hyphens")
@@ -88,7 +88,7 @@ def _text(words: str) -> str:
     return escape("".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in words))
 
 
-def _hair(one: Hair) -> str:
+def _hair(one: AxisLine) -> str:
     return (
         f'<path d="M{one.x0:.1f} {one.y0:.1f}L{one.x1:.1f} {one.y1:.1f}" '
         f'stroke="var(--{one.colour})"/>'

@@ -44,7 +44,7 @@ def numbers(scale: Scale, length: float, apart: float) -> tuple[float, ...]:
         return found
     if scale.log:
         return closer if SHORT[0] <= closer[0] and closer[-1] <= SHORT[1] else found
-    return closer if max(map(len, written(scale, closer))) <= LETTERS else found
+    return closer if max(map(len, format_ticks(scale, closer))) <= LETTERS else found
 
 
 def _numbers(scale: Scale, length: float, apart: float) -> tuple[float, ...]:
@@ -97,7 +97,7 @@ def _decades(limits: tuple[float, float]) -> list[tuple[float, ...]]:
     ]
 
 
-def between(scale: Scale) -> tuple[float, ...]:
+def compute_minor_ticks(scale: Scale) -> tuple[float, ...]:
     """Values of a logarithmic axis with a small tick: the whole numbers of every decade."""
     low, high = scale.limits
     if not scale.log or not 3 < high / low < 1e6:
@@ -106,7 +106,7 @@ def between(scale: Scale) -> tuple[float, ...]:
     return tuple(v for d in decades for m in range(1, 10) if low <= (v := m * 10.0**d) <= high)
 
 
-def written(scale: Scale, values: Sequence[float]) -> list[str]:
+def format_ticks(scale: Scale, values: Sequence[float]) -> list[str]:
     """Tick values as text: as many decimals as the axis needs, the same for all if it is even."""
     if scale.log:
         plain = all(PLAIN[0] <= v <= PLAIN[1] for v in values)

@@ -7,21 +7,21 @@ from typing import Protocol
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, kept, median, runs
-from dashpot.base.checks import Check, Finding, Remedy, criterion, worst
+from dashpot.base.arrays import FloatArray, cache_on_record, find_true_runs, median
+from dashpot.base.checks import Check, Finding, Remedy, criterion, select_gravest_check
 from dashpot.base.errors import DataError
-from dashpot.base.number_format import rounded
-from dashpot.base.sentences import lowered
+from dashpot.base.number_format import round_to_error
+from dashpot.base.sentences import decapitalise_sentence
 from dashpot.base.status import Status
-from dashpot.base.units import celsius, written
+from dashpot.base.units import celsius, format_quantity
 from dashpot.datamodel.relaxation import MAX_CREEP, SETTLING, RampHold, quantum
 from dashpot.datamodel.specimen import Specimen
 from dashpot.preprocessing.contact import MIN_BASELINE, Baseline, Touch
-from dashpot.preprocessing.denoising import CORNERS, LOST, bends, but_corners, true_motion
+from dashpot.preprocessing.denoising import CORNERS, LOST, bends, but_corners, denoise_displacement
 from dashpot.preprocessing.history import EarlierLoadings
-from dashpot.signals.clock import BESIDE, leaps, ticks_evenly
+from dashpot.signals.clock import BESIDE, clock_jumps, ticks_evenly
 from dashpot.signals.frozen import BEFORE, FEWEST, frozen_runs
-from dashpot.signals.noise import median_of_three, spikes, usual_scatter
+from dashpot.signals.noise import median_of_three, robust_scatter, spikes
 from dashpot.signals.segments import MotionSegment, RampHoldCycle
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 
@@ -124,7 +124,7 @@ def baseline_recorded(before: Baseline) -> Finding:
     count = f"{before.samples} sample{'s' * (before.samples != 1)}"
     return Finding(
         f"{before.samples} samples ({before.duration:.3g} s) before contact give the tare to "
-        f"{written(before.noise / max(before.samples, 1) ** 0.5, 'mN', '.2g')}",
+        f"{format_quantity(before.noise / max(before.samples, 1) ** 0.5, 'mN', '.2g')}",
         float(before.samples),
         instead=f"The record has {count} before contact; at least {MIN_BASELINE:.0f} are needed. "
         "The fitted offset alone sets the zero of the force",
@@ -137,14 +137,16 @@ def contact_found(touch: Touch, depth: float, *, given: bool) -> Finding:
     """First contact is known well enough."""
     if given:
         return Finding(
-            f"Contact was given, {written(touch.gap, 'mm', '.3g')} after the start of the motion"
+            f"Contact was given, {format_quantity(touch.gap, 'mm', '.3g')} after the start of the "
+            "motion"
         )
     if touch.gap == 0:
         return Finding("The seal touches where the motion begins: there is no air gap")
     doubt = touch.standard_error / depth
     return Finding(
         f"The depth is known to {100 * doubt:.2g} %. The plate crosses an air gap of "
-        f"{written(touch.gap, 'mm', '.3g')} (± {written(touch.standard_error, 'mm', '.1g')}) "
+        f"{format_quantity(touch.gap, 'mm', '.3g')} (± "
+        f"{format_quantity(touch.standard_error, 'mm', '.1g')}) "
         "before the force rises",
         doubt,
         "Every stiffness has the same uncertainty",
@@ -166,7 +168,7 @@ def preload_absent(carried: float, rise: float, *, moving: bool = False) -> Find
     if carried:
         says = (
             f"The load cell reads {carried:.3g} N as the ramp starts, "
-            f"{rounded(100 * share, digits=2)} % of the rise"
+            f"{round_to_error(100 * share, digits=2)} % of the rise"
         )
     late = moving and share > LATE_START
     return Finding(
@@ -189,7 +191,8 @@ def ramp_recorded(rise: float, change: float) -> Finding:
         "The ramp raises the force that relaxes",
         abs(change) / max(abs(rise), 1e-300),
         instead=f"The record begins within its ramp, or after it. The force changes by "
-        f"{written(rise, 'mN', '.3g')} in the ramp and by {written(change, 'mN', '.3g')} in the "
+        f"{format_quantity(rise, 'mN', '.3g')} in the ramp and by "
+        f"{format_quantity(change, 'mN', '.3g')} in the "
         "hold; no part relaxes more than it was loaded",
         remedy="Start recording a second before the ramp.",
     )
@@ -199,7 +202,7 @@ def refuse_late_start(where: str, rise: float, change: float) -> None:
     """Raise DataError if the record begins after its ramp: nothing in a fit of it would be true."""
     answer = ramp_recorded(rise, change)
     if answer.failed:
-        raise DataError(f"{where}: {lowered(answer.told)}")
+        raise DataError(f"{where}: {decapitalise_sentence(answer.told)}")
 
 
 @criterion(
@@ -269,8 +272,9 @@ def face_recovered(seen: float, expected: float, *, error: float, depth: float) 
     """
     off = max(abs(seen - expected) - 3 * error, 0.0)
     return Finding(
-        f"The plate meets the seal again {written(seen, 'mm', '.3g')} from first contact, where "
-        f"its face is expected at {written(expected, 'mm', '.3g')}",
+        f"The plate meets the seal again {format_quantity(seen, 'mm', '.3g')} from first contact, "
+        "where "
+        f"its face is expected at {format_quantity(expected, 'mm', '.3g')}",
         float(np.copysign(off, seen - expected)) / depth,
         "The seal was set, or recovers otherwise than it relaxes",
         "Let it rest before the test.",
@@ -385,7 +389,7 @@ def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
 
 def _leap_of(time: FloatArray, onset: float, least: float) -> Finding | None:
     """The leap of an even clock that is longest for its place, if any is long."""
-    found = leaps(time)
+    found = clock_jumps(time)
     if not found or not ticks_evenly(time):
         return None
     shares = [one.step / max(abs(time[one.at] - onset), least) for one in found]
@@ -494,7 +498,7 @@ def motion_resolved(test: RampHold) -> Finding:
     count the rows of the ramp for less by it.
     """
     ramp = test.held_until(test.ramp_end + test.ramp_time)
-    x, left = true_motion(ramp)
+    x, left = denoise_displacement(ramp)
     time, force = test.time[: len(x)], test.force[: len(x)]
     if len(x) < 4 * CORNERS:
         return Finding("The ramp has too few samples to show how its motion bends between them")
@@ -508,10 +512,11 @@ def motion_resolved(test: RampHold) -> Finding:
     seen = missed[np.abs(missed) * stiffness * value > LOST * worst]
     steps_on = value > LOST and np.count_nonzero(np.diff(np.sign(seen))) >= TO_AND_FRO
     return Finding(
-        f"Between two samples the bend of the motion is worth {written(worst, 'mN', '.2g')}",
+        "Between two samples the bend of the motion is worth "
+        f"{format_quantity(worst, 'mN', '.2g')}",
         value,
         f"That is {value:.2g} times the noise at many samples. Fast arms follow what is missed",
-        f"Sample at {rounded(needed, digits=2)} Hz or faster.",
+        f"Sample at {round_to_error(needed, digits=2)} Hz or faster.",
         faulted=bool(steps_on),
         grade="limit" if value > GROSSLY else None,
     )
@@ -527,11 +532,12 @@ def motion_measured(test: RampHold) -> Finding:
     fall = float(force[middle : middle + part].mean() - force[-part:].mean())
     creep = 1e-3 * abs(float(force[-part:].mean()))
     share = f" ({100 * creep / fall:.2g} % of its fall)" if fall > creep else ""
-    step = f", or its step of {written(test.encoder_step, 'um', '.3g')} hides the change"
+    step = f", or its step of {format_quantity(test.encoder_step, 'um', '.3g')} hides the change"
     return Finding(
         "The displacement does not change in the hold: it is the commanded one"
         f"{step if test.encoder_step else ''}. A crosshead that crept by 0.1 % of the depth would "
-        f"change the force by {written(creep, 'mN', '.2g')}{share} over the last half of the hold",
+        f"change the force by {format_quantity(creep, 'mN', '.2g')}{share} over the last half of "
+        "the hold",
         remedy="Measure the displacement at the seal.",
     )
 
@@ -585,10 +591,10 @@ def of_records(
         *zip(*before, strict=True), still, *zip(*after, strict=True), relaxes,
         *zip(*last, strict=True),
     )  # fmt: skip
-    return tuple(map(worst, columns))
+    return tuple(map(select_gravest_check, columns))
 
 
-@kept
+@cache_on_record
 def _as_recorded(
     test: RampHold,
 ) -> tuple[tuple[Check, ...], tuple[Check, ...], tuple[Check, ...]]:
@@ -637,7 +643,7 @@ def force_resolved(force: FloatArray, rise: float | None = None) -> Finding:
     quanta = (float(np.ptp(force)) if rise is None else rise) / step
     return Finding(
         f"The peak force is {quanta:.0f} steps of the sensor's resolution "
-        f"({written(step, 'mN', '.3g')}); at least {MIN_QUANTA:.0f} are needed",
+        f"({format_quantity(step, 'mN', '.3g')}); at least {MIN_QUANTA:.0f} are needed",
         quanta,
         "Fewer steps cannot show a decay",
         "Press deeper, take a longer piece, or use a smaller sensor.",
@@ -649,8 +655,9 @@ def refuse_unresolved(where: str, rise: float, force: FloatArray) -> None:
     if force_resolved(force, rise).failed:
         step = quantum(force)
         raise DataError(
-            f"{where}: not fitted. The force rises by {written(rise, 'mN', '.3g')}, "
-            f"{rise / step:.0f} steps of the sensor's {written(step, 'mN', '.3g')}; at least "
+            f"{where}: not fitted. The force rises by {format_quantity(rise, 'mN', '.3g')}, "
+            f"{rise / step:.0f} steps of the sensor's {format_quantity(step, 'mN', '.3g')}; at "
+            "least "
             f"{MIN_QUANTA:.0f} are needed. Press deeper, take a longer piece, or use a smaller "
             "sensor."
         )
@@ -663,7 +670,7 @@ def refuse_saturated(where: str, test: RampHold) -> None:
         return
     plausible = columns_plausible(test)
     if plausible.failed:
-        raise DataError(f"{where}: {lowered(plausible.told)}")
+        raise DataError(f"{where}: {decapitalise_sentence(plausible.told)}")
     top, _, first, last = _flat_top(test.force)
     raise DataError(
         f"{where}: not fitted. The force is clipped at {top:.4g} N above the tare from "
@@ -677,7 +684,7 @@ def _flat_top(force: FloatArray) -> tuple[float, int, int, int]:
     """Return the highest force, how often it is read, and its longest run: first and last."""
     top = float(force.max())
     at_top = force >= top - 1e-9 * abs(top)
-    found = runs(at_top)
+    found = find_true_runs(at_top)
     first, last = found[np.argmax(found[:, 1] - found[:, 0])].tolist()
     return top, int(np.count_nonzero(at_top)), first, last
 
@@ -692,7 +699,8 @@ def depth_resolved(test: RampHold) -> Finding:
     """The depth is known well enough to divide a force by it, and the ramp to tell a fast arm."""
     doubt = test.depth_doubt
     return Finding(
-        f"The encoder gives the depth of {written(test.depth, 'mm')} to ±{100 * doubt:.2g} %. "
+        f"The encoder gives the depth of {format_quantity(test.depth, 'mm')} to ±{100 * doubt:.2g} "
+        "%. "
         "Every stiffness shares this uncertainty, and its standard error includes it",
         doubt,
         "What lies between its counts on the ramp looks like a fast arm",
@@ -765,7 +773,8 @@ def force_relaxes(test: RampHold, solid: GeneralizedMaxwell | None = None) -> Fi
         unexplained = force_rise(test, solid)[0]
         if unexplained <= limit:
             return Finding(
-                f"The force rises by {written(rise, 'mN', '.3g')} after an unloading, as the "
+                f"The force rises by {format_quantity(rise, 'mN', '.3g')} after an unloading, as "
+                "the "
                 "fitted model does",
                 unexplained,
                 limit=limit,
@@ -773,8 +782,9 @@ def force_relaxes(test: RampHold, solid: GeneralizedMaxwell | None = None) -> Fi
     return Finding(
         "The force does not rise during the hold",
         rise,
-        instead=f"The force rises by {written(rise, 'mN', '.3g')} during the hold; noise explains "
-        f"{written(limit, 'mN', '.3g')}. No relaxing part does that",
+        instead=f"The force rises by {format_quantity(rise, 'mN', '.3g')} during the hold; noise "
+        "explains "
+        f"{format_quantity(limit, 'mN', '.3g')}. No relaxing part does that",
         remedy="Look for swelling, warming, a plate that creeps, or a sensor that drifts.",
         limit=limit,
     )
@@ -809,7 +819,7 @@ def force_rise(test: RampHold, solid: GeneralizedMaxwell | None = None) -> tuple
     answer = secant * (x - x.mean()) if solid is None else _answer_of(solid, test)[test.hold]
     tenths = [part.mean() for part in np.array_split(force - answer, 10)]
     rise = float(tenths[-1] - min(tenths))
-    noise = max(test.force_noise, usual_scatter(test.time, test.force))
+    noise = max(test.force_noise, robust_scatter(test.time, test.force))
     scatter = noise / np.sqrt(len(force) / 10)
     return rise, float(max(7.0 * scatter, 0.005 * np.abs(force).max()))
 

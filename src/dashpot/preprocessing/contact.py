@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
-from dashpot.base.units import in_unit, written
+from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.numerics.inference.covariance import white
 
 # samples: fewer have no scatter to speak of
@@ -61,7 +61,7 @@ def baseline_of(time: FloatArray, force: FloatArray) -> Baseline:
     return Baseline(len(force), float(np.ptp(time)), level, noise, slope, error, middle)
 
 
-def zeroed(
+def subtract_tare(
     time: FloatArray, force: FloatArray, found: Baseline, *, drift: float | str | None, where: str
 ) -> tuple[FloatArray, Step]:
     """Take off the tare, and the drift if it was asked for.
@@ -80,16 +80,18 @@ def zeroed(
     rate = found.slope if drift == "baseline" else float(drift or 0.0)
     tare = found.level if found.long_enough else 0.0
     says = (
-        f"tare of {written(tare, 'mN')} from {found.samples} samples before contact"
+        f"tare of {format_quantity(tare, 'mN')} from {found.samples} samples before contact"
         if found.long_enough
         else "no tare: the record starts on the ramp"
     )
     if np.isfinite(found.slope_error):
         says += (
-            f"; the baseline drifts by {in_unit(found.slope, 'mN/s'):.2g} +- "
-            f"{in_unit(found.slope_error, 'mN/s'):.1g} mN/s"
+            f"; the baseline drifts by {convert_to_unit(found.slope, 'mN/s'):.2g} +- "
+            f"{convert_to_unit(found.slope_error, 'mN/s'):.1g} mN/s"
         )
-    says += f"; {written(rate, 'mN/s', '.3g')} taken off" if rate else "; no drift taken off"
+    says += (
+        f"; {format_quantity(rate, 'mN/s', '.3g')} taken off" if rate else "; no drift taken off"
+    )
     parameters = (("tare_n", repr(tare)), ("drift_n_per_s", repr(rate)))
     return force - tare - rate * (time - found.middle), Step("tare", parameters, says)
 
@@ -229,7 +231,7 @@ class Touch(NamedTuple):
     standard_error: float = 0.0
 
 
-def touch_of(
+def first_contact(
     displacement: FloatArray,
     force: FloatArray,
     *,

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray, distinct, median
-from dashpot.numerics.least_squares.nnls import linear
+from dashpot.numerics.least_squares.nnls import solve_linear
 from dashpot.solids.maxwell import arm_response
 
 # delays that are tried, up to so many standard deviations of what the clocks may hide
@@ -37,7 +37,7 @@ class Lateness(NamedTuple):
     deviance: float
 
 
-def lateness(
+def contact_delay(
     time: FloatArray,
     pressed: FloatArray,
     force: FloatArray,
@@ -74,7 +74,7 @@ def lateness(
     for delay in np.linspace(0.0, MOST * delay_sd, DELAYS).tolist():
         columns = [np.interp(time[rows] - delay, time, one) for one in answers]
         design = np.column_stack((np.ones(len(rows)), *columns))
-        left = target - design @ linear(design, target, must)[0]
+        left = target - design @ solve_linear(design, target, must)[0]
         misfit = len(rows) * float(np.log(max(float(left @ left), 1e-300)))
         tried = Lateness(delay, misfit + (delay / delay_sd) ** 2)
         best, risen = (tried, 0) if tried.deviance < best.deviance else (best, risen + 1)

@@ -17,7 +17,7 @@ ENOUGH = 200_000
 ON_THE_RAMP = 500
 
 
-def averaged(record: RampHold) -> RampHold:
+def decimate(record: RampHold) -> RampHold:
     r"""Average neighbouring samples of a record that is longer than any fit needs.
 
     A mean over m samples is a filter that commutes with every linear solid,

@@ -12,7 +12,7 @@ from itertools import product
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, IndexArray, kept
+from dashpot.base.arrays import FloatArray, IndexArray, cache_on_record
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.numerics.design_matrices.data_compression import IN_CACHE
 from dashpot.solids.maxwell import arm_response
@@ -50,8 +50,8 @@ TO_MEDIAN = (
 )  # fmt: skip
 
 
-@kept
-def true_motion(test: RampHold) -> tuple[FloatArray, FloatArray]:
+@cache_on_record
+def denoise_displacement(test: RampHold) -> tuple[FloatArray, FloatArray]:
     r"""Displacement of a test up to the end of its hold, freed of counts and noise.
 
     A first-order low-pass in the force channel, which a linear solid cannot
@@ -91,7 +91,7 @@ def between_samples(
     ----------
     test : RampHold
     time, x, left : array, shape (n,)
-        s, and what :func:`true_motion` returns, m.
+        s, and what :func:`denoise_displacement` returns, m.
     """
     missed = bends(test, time, x, left)
     missed[time > test.ramp_end + test.ramp_time] = 0.0

@@ -13,11 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, runs
+from dashpot.base.arrays import FloatArray, find_true_runs
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.numerics.design_matrices.recorded_motion import recorded_block
 from dashpot.numerics.exponential_fit.variable_projection import solve_orders
-from dashpot.preprocessing.denoising import true_motion
+from dashpot.preprocessing.denoising import denoise_displacement
 from dashpot.signals.noise import median_of_three
 from dashpot.solids.free_face import face_under_plate
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -127,7 +127,7 @@ def _first_face(record: RampHold, plate: FloatArray) -> FloatArray:
 def _solid_of(record: RampHold, arms: int) -> tuple[GeneralizedMaxwell, float]:
     """A solid that follows the last loading after the earlier ones, and what it leaves, N rms."""
     used = slice(0, record.hold.stop)
-    x, _ = true_motion(record)
+    x, _ = denoise_displacement(record)
     time = record.time[used] - record.time[0]
     first = int(np.searchsorted(record.time, record.onset))
     # the force is tared: an offset would take what slow arms do
@@ -146,14 +146,14 @@ def _solid_of(record: RampHold, arms: int) -> tuple[GeneralizedMaxwell, float]:
 def _misfit(record: RampHold, solid: GeneralizedMaxwell) -> float:
     """By how much the earlier loadings differ from a solid, of their own force."""
     stop = record.start
-    x = true_motion(record)[0][:stop]
+    x = denoise_displacement(record)[0][:stop]
     time, force = record.time[:stop] - record.time[0], record.force[:stop]
     if stop < 8:
         return 0.0
     answer = solid.force(time, x - x[0])
     least = PRESSED_PART * float(record.force.max())
     worst = 0.0
-    for a, b in runs(answer > max(least, PRESSED * record.force_noise)).tolist():
+    for a, b in find_true_runs(answer > max(least, PRESSED * record.force_noise)).tolist():
         size = float(np.sqrt(np.mean(answer[a : b + 1] ** 2)))
         if b - a < 4 or size < 0.05 * float(record.force.max()):
             continue

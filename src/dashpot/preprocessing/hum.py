@@ -16,9 +16,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, fast_length, median, turned_sum, wave
+from dashpot.base.arrays import (
+    FloatArray,
+    compute_single_dft,
+    find_fast_length,
+    make_cosine_sequence,
+    median,
+)
 from dashpot.base.provenance import Step
-from dashpot.base.units import written
+from dashpot.base.units import format_quantity
 from dashpot.datamodel.relaxation import Hum
 
 # a line stands out of its neighbourhood by this factor in power: white noise does so once in 1e8
@@ -68,7 +74,7 @@ def hum_lines(
     step = (time[-1] - time[0]) / (n - 1)
     window = _hann(n)
     # a prime number of them takes ten times as long
-    bins = fast_length(n)
+    bins = find_fast_length(n)
     rest = _detrended(time, force)
     stiffest = 0.0
     if displacement is not None:
@@ -112,7 +118,7 @@ def white_noise(time: FloatArray, values: FloatArray) -> float:
     """
     window = _hann(len(values))
     windowed = window * _detrended(time, values)
-    power = np.abs(np.fft.rfft(windowed, fast_length(len(values)))) ** 2
+    power = np.abs(np.fft.rfft(windowed, find_fast_length(len(values)))) ** 2
     return float(np.sqrt(median(power) / np.log(2) / (window @ window)))
 
 
@@ -125,7 +131,7 @@ def _detrended(time: FloatArray, values: FloatArray) -> FloatArray:
 def _plate_amplitude(moved: FloatArray, window: FloatArray, step: float, frequency: float) -> float:
     """The amplitude of a line of the plate's motion, m; 0 if it does not stand out."""
     windowed = window * moved
-    bins = fast_length(len(moved))
+    bins = find_fast_length(len(moved))
     power = np.abs(np.fft.rfft(windowed, bins)) ** 2
     at = round(frequency * bins * step)
     low, high = max(at - _NEIGHBOURS, 1), at + _NEIGHBOURS + 1
@@ -142,7 +148,8 @@ def hum_step(lines: tuple[Hum, ...]) -> tuple[Step, ...]:
     if not lines:
         return ()
     listed = ", ".join(
-        f"{written(line.amplitude, 'mN', '.3g')} at {line.frequency:.5g} Hz" for line in lines
+        f"{format_quantity(line.amplitude, 'mN', '.3g')} at {line.frequency:.5g} Hz"
+        for line in lines
     )
     parameters = tuple((f"{line.frequency:.6g} Hz", f"{line.amplitude:.6g} N") for line in lines)
     return (Step("hum", parameters, f"hum taken off the force: {listed}"),)
@@ -179,9 +186,9 @@ def _refined(rest: FloatArray, step: float, frequency: float) -> float:
 
 
 def _transform(values: FloatArray, step: float, frequency: float) -> complex:
-    return turned_sum(values, -2 * np.pi * frequency * step)
+    return compute_single_dft(values, -2 * np.pi * frequency * step)
 
 
 def _hann(count: int) -> FloatArray:
     """Hann's window, as numpy.hanning makes it with a cosine for each sample."""
-    return 0.5 - wave(count, 2 * np.pi / (count - 1), 0.5)
+    return 0.5 - make_cosine_sequence(count, 2 * np.pi / (count - 1), 0.5)

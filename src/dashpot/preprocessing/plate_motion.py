@@ -7,16 +7,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, kept, median
+from dashpot.base.arrays import FloatArray, cache_on_record, median
 from dashpot.base.errors import DataError
 from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.signals.load_history import (
     at_one_speed,
     began_late,
-    creeps,
     held_by_plate,
+    is_creep,
     relaxes,
-    turned,
+    rising_sign,
 )
 from dashpot.signals.noise import median_of_three
 from dashpot.signals.segments import (
@@ -174,7 +174,7 @@ def find_motion(
         turn, segments = sign, find_segments(test.time, x, _resolution(test))
     time, x, force = test.time, turn * test.displacement, test.force
     driven = began_late(x, force) or at_one_speed(time, x, segments)
-    if not driven and creeps(time, x, force, cycles_of(segments)):
+    if not driven and is_creep(time, x, force, cycles_of(segments)):
         raise DataError(
             f"{where}: this is a creep test, because the force is held while the displacement goes "
             "on. Use dashpot fit (Python: fit of a CreepTest)"
@@ -187,17 +187,17 @@ def find_motion(
     return replace(_of_cycle(test, turn, cycles, index), segments=segments)
 
 
-@kept
+@cache_on_record
 def _turned(test: RelaxationTest) -> tuple[int, tuple[MotionSegment, ...]]:
-    return turned(test.time, test.displacement, _resolution(test))
+    return rising_sign(test.time, test.displacement, _resolution(test))
 
 
-@kept
+@cache_on_record
 def _resolution(test: RelaxationTest) -> float:
     return resolution_of(test.time, test.displacement, test.displacement_quantum)
 
 
-def given_motion(
+def motion_from_times(
     test: RelaxationTest, *, onset: float, ramp_end: float, hold_end: float, sign: int | None
 ) -> PlateMotion:
     """The motion between times that the user gave, s.

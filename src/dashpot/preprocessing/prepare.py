@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, median, noted, sealed
+from dashpot.base.arrays import FloatArray, median, replace_notes, set_readonly
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.base.plausibility import SIZES, short
+from dashpot.base.plausibility import SIZES, format_quantity_short
 from dashpot.base.provenance import Step, sources_of
-from dashpot.base.units import Quantity, si, written
+from dashpot.base.units import Quantity, convert_to_si, format_quantity
 from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
@@ -23,11 +23,11 @@ from dashpot.preprocessing.contact import (
     Baseline,
     Touch,
     baseline_of,
-    touch_of,
-    zeroed,
+    first_contact,
+    subtract_tare,
 )
-from dashpot.preprocessing.contact_delay import AFTER, MOST, Lateness, lateness
-from dashpot.preprocessing.decimation import averaged
+from dashpot.preprocessing.contact_delay import AFTER, MOST, Lateness, contact_delay
+from dashpot.preprocessing.decimation import decimate
 from dashpot.preprocessing.denoising import denoised
 from dashpot.preprocessing.filters import filtered, parse_filter
 from dashpot.preprocessing.history import EarlierLoadings, follow_history, is_bonded
@@ -38,7 +38,7 @@ from dashpot.preprocessing.plate_motion import (
     find_motion,
     first_press,
     from_contact,
-    given_motion,
+    motion_from_times,
     presses_before,
 )
 from dashpot.signals.noise import evenly_sampled, median_of_three, scatter, without_spikes
@@ -113,8 +113,12 @@ def prepare(
         If there is no ramp, no hold, a force on both sides of zero, a saturated or an
         unresolved force, or times out of order.
     """
-    contact, onset, ramp_end = si(contact, "length"), si(onset, "time"), si(ramp_end, "time")
-    hold_end, force_range = si(hold_end, "time"), si(force_range, "force")
+    contact, onset, ramp_end = (
+        convert_to_si(contact, "length"),
+        convert_to_si(onset, "time"),
+        convert_to_si(ramp_end, "time"),
+    )
+    hold_end, force_range = convert_to_si(hold_end, "time"), convert_to_si(force_range, "force")
     where = test.source.file if test.source is not None else "the record"
     by = None if filter is None else parse_filter(filter)
     _refuse_choices(sign=sign, drift=drift, force_range=force_range)
@@ -145,7 +149,7 @@ def prepare(
     earlier = _earlier(test, x, turn * clean, motion, (before, touch), given=contact, late=late)
     if earlier is not None:
         before, touch = earlier.zero, earlier.met_again
-    force, tared = zeroed(test.time, force, before, drift=drift, where=where)
+    force, tared = subtract_tare(test.time, force, before, drift=drift, where=where)
     times = _times(motion, touch, test.time, step, (onset, ramp_end, hold_end))
     record = _record(test, x, force, motion, touch, times=times, count=count, earlier=earlier)
     # of a long record every channel weighs: these are not needed beside its spectrum
@@ -167,7 +171,7 @@ def prepare(
     checks.refuse_saturated(where, record)
     SIZES["ramp"].refuse(
         record.ramp_time,
-        f"{where}: the ramp takes {short(record.ramp_time, 's')}",
+        f"{where}: the ramp takes {format_quantity_short(record.ramp_time, 's')}",
         remedy="Check the unit of time: --units time=ms (Python: units='ms, mm, N').",
     )
     last = record.last_loading
@@ -204,7 +208,7 @@ def prepare(
     steps += [*_known(record.machine), _ramped(record, motion), *hum_step(record.hum)]
     if past is not None:
         steps.append(_followed_step(record, past, len(presses_before(motion))))
-    record = averaged(noted(record, steps=tuple(steps), checks=tuple(answers)))
+    record = decimate(replace_notes(record, steps=tuple(steps), checks=tuple(answers)))
     return record if by is None else filtered(record, by)
 
 
@@ -304,7 +308,7 @@ def _motion(
 ) -> PlateMotion:
     onset, ramp_end, hold_end = times
     if onset is not None and ramp_end is not None and hold_end is not None:
-        return given_motion(test, onset=onset, ramp_end=ramp_end, hold_end=hold_end, sign=sign)
+        return motion_from_times(test, onset=onset, ramp_end=ramp_end, hold_end=hold_end, sign=sign)
     if hold_end is not None:
         # what comes after a given end is not there
         until = int(np.searchsorted(test.time, hold_end, side="right"))
@@ -370,7 +374,7 @@ def _touch(
             noise = scatter(time[rising], force[rising])
 
         def met(moved: FloatArray) -> Touch:
-            return touch_of(
+            return first_contact(
                 moved[rising],
                 force[rising] - level,
                 noise=max(noise, 1e-6 * (float(force[peak]) - level)),
@@ -409,7 +413,9 @@ def _but_late(
 
     def late_from(contact: float) -> Lateness:
         pressed = np.maximum(x[watched] - contact, 0.0)
-        return lateness(time[watched], pressed, force[watched], corners=ends, delay_sd=delay_sd)
+        return contact_delay(
+            time[watched], pressed, force[watched], corners=ends, delay_sd=delay_sd
+        )
 
     best, behind = touch, late_from(touch.displacement)
     if touch.gap <= MOST * delay_sd * motion.line.speed:
@@ -491,8 +497,8 @@ def _record(
     late = slice(held.start + (held.stop - held.start) // 10, held.stop)
     return RampHold(
         time=t[kept],
-        displacement=sealed(compression)[kept],
-        force=sealed(force)[kept],
+        displacement=set_readonly(compression)[kept],
+        force=set_readonly(force)[kept],
         onset=onset,
         ramp_end=ramp_end,
         hold_end=hold_end,
@@ -504,7 +510,7 @@ def _record(
         source=test.source,
         gap=max(touch.gap, 0.0),
         loading_start=None if earlier is None else float(t[motion.start]),
-        plate=None if earlier is None or earlier.bonded else sealed(compression.copy())[kept],
+        plate=None if earlier is None or earlier.bonded else set_readonly(compression.copy())[kept],
     )
 
 
@@ -542,7 +548,7 @@ def _without_hum(record: RampHold) -> RampHold:
         record = _quiet_beside_lines(record)
     if not lines:
         return record
-    force = sealed(record.force - hum)
+    force = set_readonly(record.force - hum)
     late = slice(held.start + (held.stop - held.start) // 10, held.stop)
     noise = scatter(record.time[late], force[late])
     return replace(record, force=force, force_noise=noise, hum=lines)
@@ -563,8 +569,9 @@ def _risen(record: RampHold, before: Baseline, where: str, *, pulled: bool = Fal
     if peak <= 8 * record.force_noise:
         raise DataError(
             f"{where}: the force does not rise while the plate presses (by "
-            f"{written(peak, 'mN', '.3g')}, with a scatter of "
-            f"{written(record.force_noise, 'mN', '.3g')}); check the force column, its unit and "
+            f"{format_quantity(peak, 'mN', '.3g')}, with a scatter of "
+            f"{format_quantity(record.force_noise, 'mN', '.3g')}); check the force column, its "
+            "unit and "
             "the sign"
         )
     if before.long_enough and not pulled and least < -max(8 * record.force_noise, 0.1 * peak):
@@ -599,8 +606,10 @@ def _on_the_machine(record: RampHold, preload: float, machine: Machine) -> RampH
     sank = _mean(record.time[record.hold], given[record.hold])
     if not sank < record.depth:
         raise DataError(
-            f"a machine of {written(machine.compliance, 'um/N')} gives {written(sank, 'mm')} under "
-            f"the force of the hold, and the plate moved {written(record.depth, 'mm')}; check the "
+            f"a machine of {format_quantity(machine.compliance, 'um/N')} gives "
+            f"{format_quantity(sank, 'mm')} under "
+            f"the force of the hold, and the plate moved {format_quantity(record.depth, 'mm')}; "
+            "check the "
             "unit of the compliance"
         )
     return replace(
@@ -665,7 +674,7 @@ def _kept(motion: PlateMotion, record: RampHold) -> Step:
 
 def _met(touch: Touch) -> Step:
     says = (
-        f"an air gap of {written(touch.gap, 'mm')} is taken off the displacement"
+        f"an air gap of {format_quantity(touch.gap, 'mm')} is taken off the displacement"
         if touch.gap > 0
         else "contact where the motion begins"
     )
@@ -674,9 +683,10 @@ def _met(touch: Touch) -> Step:
 
 def _ramped(record: RampHold, motion: PlateMotion) -> Step:
     says = (
-        f"the ramp runs at {written(motion.line.speed, 'mm/s')} from {record.onset:.6g} s to "
+        f"the ramp runs at {format_quantity(motion.line.speed, 'mm/s')} from {record.onset:.6g} s "
+        "to "
         f"{record.ramp_end:.6g} s ({record.ramp_time:.5g} s), the hold to {record.hold_end:.6g} s "
-        f"({record.hold_time:.5g} s), at {written(record.depth, 'mm', '.5g')}"
+        f"({record.hold_time:.5g} s), at {format_quantity(record.depth, 'mm', '.5g')}"
     )
     parameters = (
         ("onset_s", repr(record.onset)),

@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, median, runs
+from dashpot.base.arrays import FloatArray, find_true_runs, median
 from dashpot.datamodel.relaxation import quantum
-from dashpot.preprocessing.contact import find_contact, touch_of
+from dashpot.preprocessing.contact import find_contact, first_contact
 from dashpot.preprocessing.strokes import Stroke
-from dashpot.signals.noise import usual_scatter
+from dashpot.signals.noise import robust_scatter
 
 _RESTED = 5
 """Samples that make a mean worth taking off."""
@@ -68,12 +68,12 @@ def zero_of(
     contact has its zero at its first samples, unless they carry more than a twentieth of the rise:
     that is a preload, and is left.
     """
-    noise = max(usual_scatter(clock, force), quantum(force) / 12**0.5)
+    noise = max(robust_scatter(clock, force), quantum(force) / 12**0.5)
     rested = first.first + 1 >= _RESTED
     start = slice(0, first.first + 1)
     level, rest, top = median(force[start]), median(x[: first.first + 1]), float(x[first.last])
     rise = float(force[first.last]) - level
-    touch = touch_of(
+    touch = first_contact(
         x[: first.last + 1],
         force[: first.last + 1] - level,
         noise=noise,
@@ -108,7 +108,7 @@ def _in_air(
     noise: float,
     rise: float,
 ) -> Zero:
-    stays = runs(x < contact - margin)
+    stays = find_true_runs(x < contact - margin)
     counts = np.diff(stays, axis=1)[:, 0] + 1
     long = counts >= max(_RESTED, (noise / (_KNOWN * max(rise, 1e-300))) ** 2)
     long[0] = True
@@ -128,7 +128,7 @@ def _in_air(
     )
 
 
-def met_again(x: FloatArray, force: FloatArray, *, noise: float) -> float | None:
+def later_contact(x: FloatArray, force: FloatArray, *, noise: float) -> float | None:
     """Return the compression at which a later loading meets the seal, m; None if in no air."""
     found = find_contact(x, force, noise=noise)
     return None if found is None or found.sample < _RESTED else found.displacement

@@ -18,8 +18,8 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.escaping import escaped
-from dashpot.reading.time_budget import Patience
+from dashpot.base.escaping import escape_terminal_text
+from dashpot.reading.time_budget import TimeBudget
 
 _BLOCK = 1 << 18
 """Bytes read at once: their numbers fit in a processor's cache."""
@@ -34,7 +34,7 @@ SILENCE = 30
 
 
 @dataclass(frozen=True)
-class Raw:
+class RawFile:
     """The bytes of a file: held in memory, or (`path` alone) too many for that."""
 
     name: str
@@ -62,9 +62,9 @@ class Raw:
         return len(self.held) if self.held or self.path is None else self.path.stat().st_size
 
     @cached_property
-    def patience(self) -> Patience:
+    def patience(self) -> TimeBudget:
         """What reading it may cost in this process."""
-        return Patience(self.size)
+        return TimeBudget(self.size)
 
     @cached_property
     def sha256(self) -> str:
@@ -84,7 +84,7 @@ class Raw:
 
 
 @contextmanager
-def about(name: str) -> Iterator[None]:
+def add_name_to_errors(name: str) -> Iterator[None]:
     """Put a file's name before what is wrong with it or with its numbers."""
     try:
         yield
@@ -99,7 +99,7 @@ def like_json(head: bytes) -> bool:
     return head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{")
 
 
-def open_raw(path: str | Path) -> Raw:
+def open_raw(path: str | Path) -> RawFile:
     """Return the file at `path`, or stdin for ``-``.
 
     Raises
@@ -110,7 +110,11 @@ def open_raw(path: str | Path) -> Raw:
     if str(path) == "-" and sys.stdin is None:
         raise ReadError("stdin is closed; give the path of a file")
     try:
-        raw = Raw("stdin", None, _stdin(sys.stdin.buffer)) if str(path) == "-" else _at(Path(path))
+        raw = (
+            RawFile("stdin", None, _stdin(sys.stdin.buffer))
+            if str(path) == "-"
+            else _open_path(Path(path))
+        )
     except (FileNotFoundError, NotADirectoryError):
         raise ReadError(missing(path)) from None
     except (OSError, ValueError) as error:
@@ -136,21 +140,25 @@ def missing(path: str | Path) -> str:
         beside = []
     folded = {name.casefold(): name for name in beside}
     near = get_close_matches(place.name.casefold(), folded, 1)
-    meant = f"Did you mean {escaped(str(place.with_name(folded[near[0]])))}?" if near else ""
+    meant = (
+        f"Did you mean {escape_terminal_text(str(place.with_name(folded[near[0]])))}?"
+        if near
+        else ""
+    )
     return f"{place}: there is no such file or folder. {meant or 'Give one that is there.'}"
 
 
-def _at(path: Path) -> Raw:
-    found, name = path.stat(), escaped(path.name)
+def _open_path(path: Path) -> RawFile:
+    found, name = path.stat(), escape_terminal_text(path.name)
     mode = found.st_mode
     if stat.S_ISFIFO(mode):  # it has no path to be opened again
-        return Raw(name, None, _fifo(path, (found.st_dev, found.st_ino)))
+        return RawFile(name, None, _fifo(path, (found.st_dev, found.st_ino)))
     if not stat.S_ISREG(mode):
         what = "folder" if stat.S_ISDIR(mode) else "socket" if stat.S_ISSOCK(mode) else "device"
         raise ReadError(f"{path} is a {what}; give the file to read")
     _keep_what_is_freed()
     with path.open("rb") as stream:
-        return Raw(name, path, b"" if found.st_size >= _HELD else stream.read())
+        return RawFile(name, path, b"" if found.st_size >= _HELD else stream.read())
 
 
 @lru_cache(maxsize=1)
@@ -166,7 +174,7 @@ def _keep_what_is_freed() -> None:
 @lru_cache(maxsize=1)
 def _stdin(stream: BinaryIO) -> bytes:
     """What stdin holds; kept, for a pipe can be read only once and a file is looked at twice."""
-    return _drained(stream, "stdin")
+    return _read_pipe(stream, "stdin")
 
 
 @lru_cache(maxsize=8)
@@ -175,10 +183,10 @@ def _fifo(path: Path, _one: tuple[int, int]) -> bytes:
     descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
     os.set_blocking(descriptor, True)
     with os.fdopen(descriptor, "rb") as stream:
-        return _drained(stream, escaped(path.name))
+        return _read_pipe(stream, escape_terminal_text(path.name))
 
 
-def _drained(stream: BinaryIO, name: str) -> bytes:
+def _read_pipe(stream: BinaryIO, name: str) -> bytes:
     """All that a pipe brings, if it ends."""
     parts, size = [], 0
     while block := _next_block(stream, name):

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.option_fields import flag_of, key_of, offered, option
+from dashpot.base.option_fields import flag_of, iterate_option_fields, key_of, option
 from dashpot.base.parsing import parsed_toml
 from dashpot.base.units import Dimension, parse_quantity, si_fields
 
@@ -204,7 +204,7 @@ class ReadOptions:
             if number is not None and number < 1:
                 raise DataError(f"{name} = {number}; {name}s are counted from 1")
         if self.encoding is not None:
-            _known_encoding(self.encoding)
+            _validate_encoding(self.encoding)
         object.__setattr__(self, "delimiter", _delimiter(self.delimiter))
         object.__setattr__(self, "decimal", _decimal(self.decimal))
 
@@ -276,7 +276,7 @@ OF_BENCH = ("displacement", "cycle")
 def _sections() -> dict[str, tuple[str, ...]]:
     """The fields of a profile by section; "" is its head. A field without one is an error."""
     found: dict[str, tuple[str, ...]] = {}
-    for one in offered(ReadOptions):
+    for one in iterate_option_fields(ReadOptions):
         section = one.metadata["section"]
         found[section] = (*found.get(section, ()), one.name)
     return found
@@ -289,12 +289,12 @@ _HEAD: Mapping[str, tuple[Dimension, str]] = {
 """Quantities at the head of a profile: their dimension and SI unit."""
 PROFILE = frozenset({*_HEAD, "units", *filter(None, _SECTIONS)})
 """What stands in a profile: its tables, and the quantities at its head."""
-_ASKED = {one.name: one.metadata for one in offered(ReadOptions)}
+_ASKED = {one.name: one.metadata for one in iterate_option_fields(ReadOptions)}
 _ALSO = {"hammer": "force", "complex_modulus": "magnitude", "loss_angle": "phase"}
 """Roles whose unit may be given by another's name."""
 _FLAGS = {
     one.name: f"{flag_of(one)} {key_of(one)}" if "under" in one.metadata else flag_of(one)
-    for one in offered(ReadOptions)
+    for one in iterate_option_fields(ReadOptions)
 }
 
 
@@ -307,7 +307,7 @@ def flag(name: str) -> str:
     return _FLAGS[name]
 
 
-def _known_encoding(word: str) -> None:
+def _validate_encoding(word: str) -> None:
     """Raise where an encoding does not turn bytes into text, as zlib and punycode do not."""
     try:
         reads = "a;1,5".encode(word).decode(word) == "a;1,5"

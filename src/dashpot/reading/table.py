@@ -54,7 +54,7 @@ class Column:
 
 
 @dataclass(frozen=True, eq=False)
-class Loaded:
+class LoadedColumns:
     """The numbers of chosen columns.
 
     Attributes
@@ -83,7 +83,7 @@ class Loaded:
     doubts: tuple[tuple[int | None, Question], ...] = ()
     above: tuple[tuple[str, ...], ...] = ()
 
-    def where(self, row: int) -> str:
+    def format_row_position(self, row: int) -> str:
         """Where a row is: "line 12" of a text file, "row 3" of another."""
         return f"line {self.line(row)}" if self.lines else f"row {row + 1}"
 
@@ -99,7 +99,7 @@ class FileTable:
 
     format: str
     columns: tuple[Column, ...]
-    load: Callable[[Sequence[int]], Loaded]
+    load: Callable[[Sequence[int]], LoadedColumns]
     encoding: str = ""
     delimiter: str = ""
     decimal: str = ""
@@ -112,9 +112,9 @@ class FileTable:
     """What the file says about a sampling rate, for when it has no time."""
 
 
-def in_memory(
+def make_loader(
     values: FloatArray, starts: tuple[int, ...] = (0,), segments: tuple[str, ...] = ()
-) -> Callable[[Sequence[int]], Loaded]:
+) -> Callable[[Sequence[int]], LoadedColumns]:
     """Return the `load` of a table that is already read."""
     names = segments or ("",) * len(starts)
-    return lambda indexes: Loaded(values[:, list(indexes)], starts, names)
+    return lambda indexes: LoadedColumns(values[:, list(indexes)], starts, names)

@@ -21,7 +21,7 @@ def seconds_for(size: int) -> float:
     return min(max(_SECONDS, size / _PACE), _LONGEST)
 
 
-class Patience:
+class TimeBudget:
     """What this process spends on a file that is parsed in it: no more than a child would get.
 
     All that reads a file shares it, however often its rows are read.
@@ -38,7 +38,7 @@ class Patience:
         self._line = 1
 
     @contextmanager
-    def counted(self) -> Iterator[None]:
+    def count_time_spent(self) -> Iterator[None]:
         """Count what is spent within."""
         self._began = time.thread_time()
         try:
@@ -46,7 +46,7 @@ class Patience:
         finally:
             self._spent += time.thread_time() - self._began
 
-    def asked(self, line: int) -> None:
+    def check_time_limit(self, line: int) -> None:
         """Raise a ReadError if it is spent at a line.
 
         Raises

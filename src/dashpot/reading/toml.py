@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.parsing import parsed_toml
 from dashpot.base.units import Dimension, parse_quantity
-from dashpot.reading.raw_file import Raw, open_raw
+from dashpot.reading.raw_file import RawFile, open_raw
 
 Vector: TypeAlias = tuple[float, float, float]
 
@@ -18,7 +18,7 @@ _LARGEST = 1 << 24
 """Bytes: nobody writes more by hand."""
 
 
-def tables_of(path: str | Path) -> tuple[Raw, dict[str, Any]]:
+def tables_of(path: str | Path) -> tuple[RawFile, dict[str, Any]]:
     """Return a TOML file and its tables.
 
     Raises
@@ -70,7 +70,7 @@ class Section:
             if name not in self.entries:
                 raise ReadError(f"{self.where}: {name} is missing")
 
-    def one_of(self, *names: str) -> str:
+    def find_single_key(self, *names: str) -> str:
         """Return the one of these keys that stands there, "" if none does."""
         found = [name for name in names if name in self.entries]
         if len(found) > 1:

@@ -10,11 +10,11 @@ from typing import Protocol
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.atomic import write_whole
+from dashpot.base.atomic import write_atomic
 from dashpot.base.errors import DataError
-from dashpot.base.escaping import neutral, remark
+from dashpot.base.escaping import escape_formula, format_csv_comment
 from dashpot.base.provenance import Source
-from dashpot.base.units import in_unit, written
+from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.base.version import byline
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.impact import ImpactTest
@@ -71,10 +71,10 @@ def write_relaxation(
     temperature of the specimen, if it is known.
     """
     head = ["time [s]", "displacement [mm]", "force [N]"]
-    columns = [test.time, in_unit(test.displacement, "mm"), test.force]
+    columns = [test.time, convert_to_unit(test.displacement, "mm"), test.force]
     source = () if test.source is None else (test.source,)
-    above = [*_stamped(source, comments), *_stated(test.specimen)]
-    return _written(_text(above, head, columns), path)
+    above = [*_add_simulated_stamp(source, comments), *_format_temperature(test.specimen)]
+    return _write_text(_text(above, head, columns), path)
 
 
 def write_gauges(
@@ -90,8 +90,8 @@ def write_gauges(
     `ReadOptions(calibration=)` makes the force.
     """
     head = ["time [s]", "displacement [mm]", *(f"G{i} [V]" for i in range(len(volts)))]
-    columns = [test.time, in_unit(test.displacement, "mm"), *volts]
-    return _written(_text([*comments, *_stated(test.specimen)], head, columns), path)
+    columns = [test.time, convert_to_unit(test.displacement, "mm"), *volts]
+    return _write_text(_text([*comments, *_format_temperature(test.specimen)], head, columns), path)
 
 
 def write_trajectory(
@@ -106,8 +106,10 @@ def write_trajectory(
     if motion.position is not None:
         head += ["x [mm]", "y [mm]", "z [mm]"]
         columns += list(motion.position.T)
-    moved = [np.round(in_unit(column, "mm"), 9) + 0.0 for column in columns]  # no zero is negative
-    return _written(_text(comments, head, [motion.time, *moved]), path)
+    moved = [
+        np.round(convert_to_unit(column, "mm"), 9) + 0.0 for column in columns
+    ]  # no zero is negative
+    return _write_text(_text(comments, head, [motion.time, *moved]), path)
 
 
 def temperature_line(kelvin: float) -> str:
@@ -116,7 +118,7 @@ def temperature_line(kelvin: float) -> str:
     >>> temperature_line(273.15)
     'temperature: 0 degC'
     """
-    return f"temperature: {round(in_unit(kelvin, 'degC'), 9):.12g} degC"
+    return f"temperature: {round(convert_to_unit(kelvin, 'degC'), 9):.12g} degC"
 
 
 def write_shifts(
@@ -129,14 +131,14 @@ def write_shifts(
     each = shifts.shifts
     head = ["temperature [degC]", "log10_a_t [1]", "se [1]", "b_t [1]"]
     columns = [
-        np.array([round(in_unit(one.temperature, "degC"), 9) for one in each]),
+        np.array([round(convert_to_unit(one.temperature, "degC"), 9) for one in each]),
         np.array([one.log10_a_t for one in each]),
         np.array([one.se for one in each]),
         np.array([one.b_t for one in each]),
     ]
-    reference = f"reference {written(shifts.reference, 'degC', '.9g')}"
+    reference = f"reference {format_quantity(shifts.reference, 'degC', '.9g')}"
     above = [byline("shift factors"), *comments, f"{reference}, law {shifts.law.kind}"]
-    return _written(_text(above, head, columns), path)
+    return _write_text(_text(above, head, columns), path)
 
 
 def write_impact(
@@ -148,13 +150,17 @@ def write_impact(
     names where they have them. The records follow one another; a line with the names stands
     again before each further one.
     """
-    head = ["time [s]", "hammer [N]", *(f"{_named(name)} [m/s^2]" for name in test.channels)]
+    head = [
+        "time [s]",
+        "hammer [N]",
+        *(f"{_format_channel_name(name)} [m/s^2]" for name in test.channels),
+    ]
     parts = []
     for number, record in enumerate(test.records()):
-        above = [f"record: {number + 1}"] if number else _stamped(test.source, comments)
+        above = [f"record: {number + 1}"] if number else _add_simulated_stamp(test.source, comments)
         columns = [test.time[record], test.force[record], *test.acceleration[:, record]]
         parts.append(_text(above, head, columns))
-    return _written("".join(parts), path)
+    return _write_text("".join(parts), path)
 
 
 def write_frf(frf: FRF, path: str | Path | None = None, *, comments: Sequence[str] = ()) -> str:
@@ -166,7 +172,7 @@ def write_frf(frf: FRF, path: str | Path | None = None, *, comments: Sequence[st
     """
     above = [
         byline("frequency response function"),
-        *_stamped(frf.source, comments),
+        *_add_simulated_stamp(frf.source, comments),
         f"kind: {frf.quantity.value}",
         f"shift [1/s]: {float(frf.shift)!r}",
         *([f"shift sd [1/s]: {float(frf.shift_sd)!r}"] if frf.shift_sd else []),
@@ -186,7 +192,7 @@ def write_frf(frf: FRF, path: str | Path | None = None, *, comments: Sequence[st
     if frf.sd is not None:
         named.append((f"sd [{unit}]", frf.sd))
     text = _text(above, [name for name, _ in named], [values for _, values in named])
-    return _written(text, path)
+    return _write_text(text, path)
 
 
 def frf_uff(frf: FRF, *, title: str = "dashpot FRF") -> bytes:
@@ -245,25 +251,25 @@ def frf_uff(frf: FRF, *, title: str = "dashpot FRF") -> bytes:
         return path.read_bytes()
 
 
-def _named(name: str) -> str:
+def _format_channel_name(name: str) -> str:
     """A channel's name as a header cell: no delimiter, no bracket, no formula."""
-    return neutral(name.translate(str.maketrans(',;\t"[]()', "        "))) or "acceleration"
+    return escape_formula(name.translate(str.maketrans(',;\t"[]()', "        "))) or "acceleration"
 
 
-def _stamped(sources: Iterable[Source], comments: Sequence[str]) -> list[str]:
+def _add_simulated_stamp(sources: Iterable[Source], comments: Sequence[str]) -> list[str]:
     """The comments, under the stamp of what was simulated unless one carries it already."""
     stamp = "simulated" if any(source.simulated for source in sources) else ""
     said = any(stamp in comment.casefold() for comment in comments)
     return [*([] if said or not stamp else [stamp]), *comments]
 
 
-def _stated(specimen: Specimen) -> list[str]:
+def _format_temperature(specimen: Specimen) -> list[str]:
     """The line of the temperature of a test, if it is known."""
     return [] if specimen.temperature is None else [temperature_line(specimen.temperature)]
 
 
 def _text(above: Sequence[str], head: Sequence[str], columns: Sequence[FloatArray]) -> str:
-    lines = [f"# {remark(line)}" for line in above]
+    lines = [f"# {format_csv_comment(line)}" for line in above]
     lines.append(",".join(head))
     # repr is the shortest text that reads back as the same number
     cells = [map(repr, np.asarray(column, dtype=float).tolist()) for column in columns]
@@ -271,7 +277,7 @@ def _text(above: Sequence[str], head: Sequence[str], columns: Sequence[FloatArra
     return "\n".join(lines) + "\n"
 
 
-def _written(text: str, path: str | Path | None) -> str:
+def _write_text(text: str, path: str | Path | None) -> str:
     if path is not None:
-        write_whole(path, text.encode())
+        write_atomic(path, text.encode())
     return text

@@ -27,7 +27,7 @@ from dashpot.registry.row import (
 )
 
 if TYPE_CHECKING:
-    from dashpot.base.form_fields import Ask
+    from dashpot.base.form_fields import FormField
 
 __all__ = [
     "COMMANDS",
@@ -53,10 +53,10 @@ __all__ = [
     "figure_of",
     "find_handler",
     "list_names",
-    "load",
+    "load_object",
     "page_of",
     "row_of",
-    "takers",
+    "find_kinds_by_option",
 ]
 
 _PACKAGE = "dashpot.extensions"
@@ -75,7 +75,7 @@ def _read_rows() -> Iterator[Extension]:
         yield rows.EXTENSION
 
 
-def load(word: str) -> Any:
+def load_object(word: str) -> Any:
     """Return what a word names: ``"package.module:name"``."""
     module, _, name = word.partition(":")
     return getattr(import_module(module), name)
@@ -169,7 +169,7 @@ def find_handler(task: str, subject: object) -> Any:
     else:
         names = [_type_name(kind) for kind in type(subject).__mro__]
     word = next((words[name] for name in names if name in words), None)
-    return load(word) if word else None
+    return load_object(word) if word else None
 
 
 def list_names(task: str) -> tuple[str, ...]:
@@ -177,7 +177,7 @@ def list_names(task: str) -> tuple[str, ...]:
     return tuple(_HANDLERS.get(task, {}))
 
 
-def takers(option: str) -> str:
+def find_kinds_by_option(option: str) -> str:
     """Return the kinds whose fit takes an option of the command, as its help wants them."""
     return " ".join(kind.name for kind in KINDS.values() if option in kind.takes)
 
@@ -190,19 +190,19 @@ def row_of(noun: object) -> KindOfTest | None:
 def figure_of(noun: object) -> Any:
     """Return the function that draws a record or a result; None if none does."""
     word = FIGURES.get(_type_name(type(noun)))
-    return load(word) if word else None
+    return load_object(word) if word else None
 
 
 def page_of(noun: object) -> Any:
     """Return what lays out the page of a result or of what it is one of; None if nothing does."""
     words = (_PAGES.get(_type_name(kind)) for kind in type(noun).__mro__)
-    return next((load(word) for word in words if word), None)
+    return next((load_object(word) for word in words if word), None)
 
 
-def asks_of(name: str) -> tuple[Ask, ...]:
+def asks_of(name: str) -> tuple[FormField, ...]:
     """Return what the app asks beside the files of a kind."""
     kind = KINDS.get(name)
-    return load(f"{kind.panel}:ASKS") if kind is not None and kind.panel else ()
+    return load_object(f"{kind.panel}:ASKS") if kind is not None and kind.panel else ()
 
 
 def _type_name(kind: type) -> str:

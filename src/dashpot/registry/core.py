@@ -55,10 +55,10 @@ EXTENSION = Extension(
             "dashpot.workflow.response.frf_prediction:Prediction": "dashpot.report.notebook:draw_prediction",
         },
         "text": {
-            "dashpot.planning.plan:Plan": "dashpot.text_output.frequency_table:plainly",
+            "dashpot.planning.plan:Plan": "dashpot.text_output.frequency_table:render_summary",
             "dashpot.datamodel.fit:Fit": "dashpot.text_output.results:fit",
             "dashpot.workflow.vibration.impact_tests:Agreement": "dashpot.text_output.results:agreement",
-            "dashpot.workflow.vibration.impact_tests:Identified": "dashpot.text_output.identification:identified",
+            "dashpot.workflow.vibration.impact_tests:Identified": "dashpot.text_output.identification:render_identification",
             "dashpot.workflow.vibration.impact_tests:ImpactResult": "dashpot.text_output.results:impact",
             "dashpot.workflow.response.frf_prediction:Prediction": "dashpot.text_output.results:prediction",
             "dashpot.workflow.study:Study": "dashpot.text_output.results:study",

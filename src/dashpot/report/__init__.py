@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from dashpot.base.provenance import Step
-from dashpot.base.result_mixins import Judged
+from dashpot.base.result_mixins import HasVerdict
 from dashpot.plot.picture import Picture
 from dashpot.registry import find_handler
 from dashpot.report import first_screen, result_page, summary, tables
@@ -19,7 +19,7 @@ __all__ = ["html", "paged", "write_study"]
 
 
 def html(
-    study: Study | Judged, *, lead: Picture | None = None, beside: Sequence[Picture] = ()
+    study: Study | HasVerdict, *, lead: Picture | None = None, beside: Sequence[Picture] = ()
 ) -> str:
     """Return the report as one self-contained HTML file.
 
@@ -46,20 +46,22 @@ def html(
     write = find_handler("html", study)
     if write is not None:
         return str(write(study))
-    return _rendered("judged.html", result_page.contents(study, lead=lead, beside=beside))
+    return _render_template(
+        "judged.html", result_page.build_page_contents(study, lead=lead, beside=beside)
+    )
 
 
 def write_study(study: Study) -> str:
     """Return the report of a study."""
-    return _rendered("report.html", _contents(study))
+    return _render_template("report.html", _contents(study))
 
 
 def paged(found: object) -> bool:
     """Whether a result has a page."""
-    return find_handler("html", found) is not None or result_page.paged(found)
+    return find_handler("html", found) is not None or result_page.has_kind_page(found)
 
 
-def _rendered(name: str, contents: dict[str, Any]) -> str:
+def _render_template(name: str, contents: dict[str, Any]) -> str:
     return str(environment("dashpot.report").get_template(name).render(contents))
 
 
@@ -83,8 +85,8 @@ def _contents(study: Study) -> dict[str, Any]:
         "about_decks": first_screen.about_decks(found, decks),
         "files": first_screen.files(study, found, decks),
         "sentences": summary.sentences(study, found),
-        "weighty": summary.weighty(study, found),
-        "simulated": summary.simulated(study),
+        "weighty": summary.select_decisive_checks(study, found),
+        "simulated": summary.find_simulated_files(study),
         "straight": summary.straight(study),
         "inferred": summary.inferred_mass(study),
         "tallies": {
@@ -101,12 +103,12 @@ def _contents(study: Study) -> dict[str, Any]:
         "orders": tables.orders(study),
         "routes": tables.two_routes(study),
         "nuisances": tables.nuisances(study.fit),
-        "frequency": tables.in_frequency(study),
+        "frequency": tables.make_frequency_table(study),
         "arms": tables.arms_tested(study.comparison),
         "resonance": tables.resonance(study),
         "hits": tables.hits(study.measured),
         "explanations": tables.explanations(study.joint),
-        "moved": tables.moved(study.joint),
+        "moved": tables.make_change_table(study.joint),
         "joint_coefficients": tables.coefficients(study.joint, length),
         "joint_arms": tables.arms_tested(study.joint_comparison),
         "joint_nuisances": tables.nuisances(study.joint),

@@ -10,13 +10,13 @@ from typing import Any, NamedTuple, Protocol
 
 from dashpot.base.checks import Verdict
 from dashpot.base.errors import DashpotError, ExportError
-from dashpot.base.number_format import where
-from dashpot.base.units import in_unit
+from dashpot.base.number_format import format_band
+from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.fit import Fit
 from dashpot.export import SUFFIXES, DeckText, deck_for, reads
 from dashpot.export.deck import NonlinearFit
 from dashpot.registry import find_handler
-from dashpot.report.page_frame import held
+from dashpot.report.page_frame import encode_data_uri
 from dashpot.workflow.json_archive import from_json
 
 _SYSTEM = "mm-t-s"
@@ -78,7 +78,7 @@ class Attachment(NamedTuple):
 
 def attachment(name: str, label: str, about: str, kind: str, text: str) -> Attachment:
     """A text as a file inside the page."""
-    return Attachment(name, label, about, held(kind, text))
+    return Attachment(name, label, about, encode_data_uri(kind, text))
 
 
 class AttachedDeck(NamedTuple):
@@ -97,7 +97,7 @@ class AttachedDeck(NamedTuple):
     options: tuple[str, ...]
 
 
-def exported(document: str) -> DeckSource | None:
+def load_exportable(document: str) -> DeckSource | None:
     """What ``dashpot export`` reads from a result's document; None where it reads nothing."""
     try:
         found = from_json(document)
@@ -137,7 +137,7 @@ def decks(found: DeckSource, compression: float | None = None) -> tuple[Attached
     said: dict[str, Any] = {}
     options = ["--unit-system", _SYSTEM]
     if compression is not None:
-        depth = f"{round(in_unit(compression, 'mm'), 4)}mm"
+        depth = f"{round(convert_to_unit(compression, 'mm'), 4)}mm"
         said["compression"] = depth
         options += ["--compression", depth]
     terms = _terms_of(found)
@@ -145,7 +145,7 @@ def decks(found: DeckSource, compression: float | None = None) -> tuple[Attached
     options += [word for name, value in terms.choices.items() for word in (f"--{name}", value)]
     of_band: dict[str, Any] = {}
     if terms.band and not terms.choices:
-        of_band["frequency_range"] = _inside(terms.band)
+        of_band["frequency_range"] = _round_band_inwards(terms.band)
     options += [word for name in terms.unstated for word in ("--allow", name)]
     made = []
     for target in _SOLVERS:
@@ -159,7 +159,7 @@ def decks(found: DeckSource, compression: float | None = None) -> tuple[Attached
     return tuple(made)
 
 
-def about(found: DeckSource, made: Sequence[AttachedDeck]) -> str:
+def format_deck_note(found: DeckSource, made: Sequence[AttachedDeck]) -> str:
     """Where the decks hold, and what they miss; why there is none."""
     if found.verdict.use == "do not use":
         return ""
@@ -168,10 +168,10 @@ def about(found: DeckSource, made: Sequence[AttachedDeck]) -> str:
         return f"No deck is here, because {terms.reason}."
     unknown = " and ".join(words for name, words in _UNSTATED.items() if name in made[0].options)
     asked = f" Before you use one, state {unknown}." if unknown else ""
-    return f"Decks are valid {where(terms.band)}.{asked}" if terms.band else asked.strip()
+    return f"Decks are valid {format_band(terms.band)}.{asked}" if terms.band else asked.strip()
 
 
-def attached(made: Sequence[AttachedDeck], document: str) -> list[Attachment]:
+def attach_decks(made: Sequence[AttachedDeck], document: str) -> list[Attachment]:
     """Decks as files inside the page, each with its command of the result's document."""
     files = []
     for i, (target, text, options) in enumerate(made):
@@ -188,7 +188,7 @@ def attached(made: Sequence[AttachedDeck], document: str) -> list[Attachment]:
     return files
 
 
-def _inside(band: tuple[float, float]) -> tuple[float, float]:
+def _round_band_inwards(band: tuple[float, float]) -> tuple[float, float]:
     """The band to four digits, no wider than it is."""
     low, high = (
         float(Decimal(end).normalize(Context(prec=4, rounding=way)))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from dashpot import plot
 from dashpot.plot.picture import Panel, joint_pen
-from dashpot.plot.svg import checked, strip, swatch
+from dashpot.plot.svg import strip, swatch, validate_svg_id
 from dashpot.registry import find_handler
 from dashpot.vibration.systems.frf_prediction import predict_frf
 from dashpot.workflow.study import Study
@@ -29,7 +29,7 @@ BESIDE_WORDS = {"fit", "spectrum", "nyquist"}
 
 
 @dataclass(frozen=True)
-class Drawn:
+class RenderedFigure:
     """One figure as a page has it.
 
     Attributes
@@ -57,19 +57,19 @@ class Drawn:
     full: tuple[int, ...] = ()
 
 
-def drawn(
+def render_figure(
     picture: plot.Picture,
     *,
     width: float | None = None,
     low: float | None = None,
     phone: int = 1,
-) -> Drawn:
+) -> RenderedFigure:
     """Draw a picture for a page: `width` px wide, by default what its columns leave.
 
     On a phone and on paper its panels are `low` px high together at most, if that is given. On a
     phone `phone` strips stand beside each other, on paper three at most.
     """
-    name = checked(picture.name)
+    name = validate_svg_id(picture.name)
     columns = min(picture.columns, len(picture.strips))
     each = width or min(picture.width, (PAGE - 24 * (columns - 1)) / columns)
 
@@ -81,7 +81,7 @@ def drawn(
         for i, (one, count) in enumerate(zip(picture.strips, full, strict=True)):
             beside = count if kind == "wide" else min(count, _FEW) if count > _FEW else 1
             own = (across - _GUTTER * (beside - 1)) / beside if picture.rows else each
-            shown = _within(one, most)
+            shown = _scale_to_height(one, most)
             found.append(strip(shown, name=f"{name}-{kind}-{i}", width=own, kind=kind))
         return tuple(found)
 
@@ -94,25 +94,25 @@ def drawn(
     paper = strips(sheet, "paper", most) if low or columns > 2 else ()
     made = strips(each, "wide"), strips(small, "narrow", most), paper
     rows = full if picture.rows else ()
-    return Drawn(name, picture.caption, picture.stamp, *made, key, columns, rows)
+    return RenderedFigure(name, picture.caption, picture.stamp, *made, key, columns, rows)
 
 
-def _within(panels: tuple[Panel, ...], most: float) -> tuple[Panel, ...]:
+def _scale_to_height(panels: tuple[Panel, ...], most: float) -> tuple[Panel, ...]:
     """Panels no higher than that together, px."""
     share = min(1.0, most / sum(panel.height for panel in panels))
     return tuple(replace(panel, height=share * panel.height) for panel in panels)
 
 
-def figures_of(study: Study) -> dict[str, Drawn]:
+def figures_of(study: Study) -> dict[str, RenderedFigure]:
     """Every figure that this study can fill, by name; "lead" is that of the first screen."""
-    every = (*_of_relaxation(study), *_of_vibration(study))
+    every = (*_make_relaxation_pictures(study), *_make_vibration_pictures(study))
     found = {
-        one.name: drawn(
+        one.name: render_figure(
             replace(one, stamp=stamp(study)), width=HALF if one.name in BESIDE_WORDS else None
         )
         for one in every
     }
-    return found | {"lead": drawn(replace(lead(study), name="lead"), width=LEAD, low=LOW)}
+    return found | {"lead": render_figure(replace(lead(study), name="lead"), width=LEAD, low=LOW)}
 
 
 def stamp(study: Study) -> str:
@@ -143,19 +143,19 @@ def lead(study: Study) -> plot.Picture:
         study.comparison,
         predicted,
         joint=study.joint_comparison,
-        failed=_failed(study),
+        failed=_has_failed_joint_fit(study),
         band=study.frf_band,
         rival=study.rival,
         stamp=said,
     )
 
 
-def _failed(study: Study) -> bool:
+def _has_failed_joint_fit(study: Study) -> bool:
     """Whether the joint fit is not to be used, however well it follows the hammer."""
     return study.joint is not None and study.joint.verdict.use == "do not use"
 
 
-def _of_relaxation(study: Study) -> Iterator[plot.Picture]:
+def _make_relaxation_pictures(study: Study) -> Iterator[plot.Picture]:
     yield plot.segments(study.prepared)
     yield plot.fit(study.fit, study.prepared, alternatives=study.alternatives)
     if study.further and study.fit.temperatures is not None:
@@ -175,14 +175,18 @@ def _of_relaxation(study: Study) -> Iterator[plot.Picture]:
     )
 
 
-def _of_vibration(study: Study) -> Iterator[plot.Picture]:
+def _make_vibration_pictures(study: Study) -> Iterator[plot.Picture]:
     if study.comparison is not None:
         c, joint = study.comparison, study.joint_comparison
-        yield plot.comparison(c, joint=joint, failed=_failed(study), band=study.frf_band)
+        yield plot.comparison(
+            c, joint=joint, failed=_has_failed_joint_fit(study), band=study.frf_band
+        )
         after = () if joint is None else (joint.predicted,)
-        name = joint_pen(failed=_failed(study))[1]
+        name = joint_pen(failed=_has_failed_joint_fit(study))[1]
         labels = ("measured", "predicted", name)
-        yield plot.nyquist(c.measured, c.predicted, *after, labels=labels, failed=_failed(study))
+        yield plot.nyquist(
+            c.measured, c.predicted, *after, labels=labels, failed=_has_failed_joint_fit(study)
+        )
     elif study.measured is not None:
         yield plot.frf(study.measured, labels=("measured",))
     elif study.prediction is not None:

@@ -9,8 +9,15 @@ import numpy as np
 
 from dashpot.base import number_format
 from dashpot.base.checks import Check
-from dashpot.base.number_format import counted, decibels, duration, percent, rounded, shown
-from dashpot.base.units import in_unit, written
+from dashpot.base.number_format import (
+    decibels,
+    duration,
+    format_count,
+    format_with_error,
+    percent,
+    round_to_error,
+)
+from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.report import attachments
 from dashpot.report.attachments import AttachedDeck, Attachment, attachment
 from dashpot.vibration.comparison.comparison import Comparison
@@ -50,20 +57,20 @@ class Row(NamedTuple):
 def header(study: Study) -> tuple[tuple[str, str], ...]:
     """What was tested, where it comes from, by whom, when, and under what."""
     specimen = study.prepared.specimen
-    length = "" if specimen.length is None else f"{shown(specimen.length, 'mm')} long"
+    length = "" if specimen.length is None else f"{format_with_error(specimen.length, 'mm')} long"
     what = ", ".join(part for part in (specimen.name, length) if part)
     kelvin = specimen.temperature
-    mass = "" if study.mass is None else shown(study.mass, "g", digits=4)
+    mass = "" if study.mass is None else format_with_error(study.mass, "g", digits=4)
     inferred = " (found from the FRF)" if study.mass_inferred else ""
     rows = (
         ("Specimen", what),
         ("Lot", specimen.lot),
         ("Operator", specimen.operator),
         ("Date", specimen.date),
-        ("Temperature", "" if kelvin is None else written(kelvin, "°C", ".1f")),
+        ("Temperature", "" if kelvin is None else format_quantity(kelvin, "°C", ".1f")),
         ("Mass", mass + inferred),
         ("Seals", "" if study.mass is None else f"{study.seals:g}"),
-        ("Test depth", shown(study.prepared.depth, "mm")),
+        ("Test depth", format_with_error(study.prepared.depth, "mm")),
     )
     return tuple((name, value or NOT_GIVEN) for name, value in rows)
 
@@ -89,7 +96,7 @@ def tally(checks: Iterable[Check], weighed: Collection[Check]) -> tuple[str, str
     notes = sum(check.grade == "note" for check in failed)
     said = f"{len(judged) - len(failed)} of {len(judged)}"
     if notes and notes == len(failed):
-        said += f", {counted(notes, 'note')}"
+        said += f", {format_count(notes, 'note')}"
     heavy = mark_of(check for check in judged if check in weighed)
     return ("note" if failed and heavy == "good" else heavy), said
 
@@ -140,7 +147,8 @@ def _stiffness_light(study: Study, found: Recommendation, held: Comparison) -> L
         worst = "bad" if off > 2 * STORAGE_LIMIT else "care" if off > 0 else "good"
         mark = max(mark, worst, key=ORDER.index)
         here, there, *ends = (
-            rounded(in_unit(one, "N/mm"), digits=3) for one in (seen.model, seen.hammer, *seen.test)
+            round_to_error(convert_to_unit(one, "N/mm"), digits=3)
+            for one in (seen.model, seen.hammer, *seen.test)
         )
         other = f"test {' to '.join(ends)}" if max(seen.off[1:], default=0.0) else f"hammer {there}"
         said = f"K\N{PRIME}{NBSP}{here}, {other}{NBSP}N/mm"
@@ -176,7 +184,7 @@ def _storage_at_peak(study: Study, found: Recommendation) -> _Storage | None:
     factor = 1.0 if point is None else point.factor
     model = solid.under_hammer * factor * float(solid.solid.storage(frequency=hertz))
     near = STORAGE_LIMIT * abs(hammer)
-    off = [_outside(model, hammer - max(error, near), hammer + max(error, near))]
+    off = [_compute_excess(model, hammer - max(error, near), hammer + max(error, near))]
     test: tuple[float, ...] = ()
     wide = study.unseen
     if found.joint and wide is not None and wide.frequency[0] <= hertz <= wide.frequency[-1]:
@@ -185,12 +193,12 @@ def _storage_at_peak(study: Study, found: Recommendation) -> _Storage | None:
             rests * float(np.interp(np.log(hertz), np.log(wide.frequency), edge))
             for edge in wide.storage
         )
-        off.append(_outside(hammer, low - error, high + error))
-        off.append(_outside(model, low - error, high + error))
+        off.append(_compute_excess(hammer, low - error, high + error))
+        off.append(_compute_excess(model, low - error, high + error))
     return _Storage(model, hammer, tuple(off), test)
 
 
-def _outside(value: float, low: float, high: float) -> float:
+def _compute_excess(value: float, low: float, high: float) -> float:
     """How far a value lies beyond two ends, relative to the nearer one; 0 between them."""
     return max(low - value, value - high, 0.0) / max(abs(low if value < low else high), 1e-300)
 
@@ -232,7 +240,7 @@ def solid_heading(found: Recommendation) -> str:
 
 def band_row(found: Recommendation) -> Row:
     """The frequencies that the solid is known at."""
-    low, high = (rounded(end, digits=2) for end in found.solid.band)
+    low, high = (round_to_error(end, digits=2) for end in found.solid.band)
     return Row("Valid band", "", low, high, "Hz", "", bound=False)
 
 
@@ -240,7 +248,7 @@ def under_mass(study: Study, found: Recommendation) -> tuple[str, tuple[Row, ...
     """What the mass does on its seals; nothing without a mass."""
     if study.mass is None or not found.under_mass:
         return "", ()
-    weight, seals = shown(study.mass, "g", digits=4), study.seals
+    weight, seals = format_with_error(study.mass, "g", digits=4), study.seals
     said = f"{weight} on {number_format.seals(seals)}"
     if study.mass_inferred:
         said += ", the mass found from the FRF"
@@ -255,23 +263,23 @@ def rows(answers: Iterable[Answer]) -> tuple[Row, ...]:
 
 
 def _row(one: Answer) -> Row:
-    measured = "" if one.by_hammer is None else one.by_hammer.cells.value
+    measured = "" if one.measured_fact is None else one.measured_fact.cells.value
     return Row(_name(one), *one.fact.ends, one.fact.word, measured, one.bound)
 
 
 def _name(one: Answer) -> str:
-    where = "" if one.at is None else f"{rounded(one.at)}{NBSP}Hz"
+    where = "" if one.at is None else f"{round_to_error(one.at)}{NBSP}Hz"
     return {
         "frequency": "Peak frequency",
         "damping": "Damping ratio",
         "peak": "Peak height",
-        "end of hold": f"Stiffness at end of hold, {_held(one.at or 0.0)}",
+        "end of hold": f"Stiffness at end of hold, {_format_hold_time(one.at or 0.0)}",
         "dynamic stiffness": f"Dynamic stiffness, {where}",
         "loss factor": f"Loss factor, {where}",
     }[one.quantity]
 
 
-def _held(seconds: float) -> str:
+def _format_hold_time(seconds: float) -> str:
     return duration(seconds).replace(".0 ", " ").replace(" ", NBSP)
 
 
@@ -289,7 +297,7 @@ def files(
     solid, about = fits.pop(name)
     label = "Download this model" if found.recommended else "Download anyway"
     made = [_json(name, label, about if found.recommended else f"DO NOT USE: {about}", solid)]
-    made += attachments.attached(made_decks, name)
+    made += attachments.attach_decks(made_decks, name)
     if study.comparison is not None:
         lines = _lines(study.comparison, study.joint_comparison)
         about = "measured and predicted accelerance, line by line"
@@ -307,7 +315,7 @@ def decks(found: Recommendation) -> tuple[AttachedDeck, ...]:
 
 def about_decks(found: Recommendation, made_decks: Sequence[AttachedDeck]) -> str:
     """Where the decks hold, and what they miss."""
-    return attachments.about(found.solid, made_decks) if found.recommended else ""
+    return attachments.format_deck_note(found.solid, made_decks) if found.recommended else ""
 
 
 def _json(name: str, label: str, about: str, noun: object) -> Attachment:

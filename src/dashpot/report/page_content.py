@@ -9,12 +9,12 @@ from itertools import groupby
 from typing import Any, NamedTuple
 
 from dashpot.base.checks import Check
-from dashpot.base.checks import tally as how_many
-from dashpot.base.number_format import rounded
+from dashpot.base.checks import format_check_tally as how_many
+from dashpot.base.number_format import round_to_error
 from dashpot.base.provenance import Source
-from dashpot.base.reported_values import UNKNOWN, Fact
-from dashpot.base.result_mixins import Judged
-from dashpot.base.units import written
+from dashpot.base.reported_values import UNKNOWN, ReportedValue
+from dashpot.base.result_mixins import HasVerdict
+from dashpot.base.units import format_quantity
 from dashpot.datamodel.specimen import Specimen
 from dashpot.plot.picture import Picture
 from dashpot.registry import page_of
@@ -42,7 +42,7 @@ class Group(NamedTuple):
     rows: tuple[Row, ...]
 
 
-class Fold(NamedTuple):
+class CollapsibleSection(NamedTuple):
     """Something that is opened: a table, a picture, or both."""
 
     title: str
@@ -86,7 +86,7 @@ class KindPage:
     groups: tuple[Group, ...]
     sources: tuple[Source, ...]
     note: str = "From and to are the 95 % interval; an empty cell was not computed."
-    folds: tuple[Fold, ...] = ()
+    folds: tuple[CollapsibleSection, ...] = ()
     name: str = ""
 
 
@@ -110,7 +110,7 @@ def _light(part: Topic, behind: Sequence[Check]) -> Light:
     return Light(part.name, mark, said or how_many(behind).rstrip(".") or count)
 
 
-def row(fact: Fact, name: str = "") -> Row:
+def row(fact: ReportedValue, name: str = "") -> Row:
     """A number as the table has it: value, from, to, unit."""
     known = fact.bounded and fact.error != 0
     cells = fact.cells
@@ -121,26 +121,29 @@ def row(fact: Fact, name: str = "") -> Row:
     return Row(name or fact.symbol, value, low, high, fact.word, "", bound=False)
 
 
-def group(title: str, facts: Iterable[Fact]) -> Group:
+def group(title: str, facts: Iterable[ReportedValue]) -> Group:
     """Facts under one heading."""
     return Group(title, tuple(map(row, facts)))
 
 
-def by_place(facts: Iterable[Fact]) -> Iterable[Group]:
+def group_by_record(facts: Iterable[ReportedValue]) -> Iterable[Group]:
     """Facts of the whole, then those of each record, whose names begin with it."""
     for place, each in groupby(facts, lambda one: one.symbol.rpartition(": ")[0]):
         yield Group(place, tuple(row(one, one.symbol.rpartition(": ")[2]) for one in each))
 
 
-def who(specimen: Specimen | None) -> tuple[tuple[str, str], ...]:
+def format_specimen_header(specimen: Specimen | None) -> tuple[tuple[str, str], ...]:
     """What is said of the specimen: the first four facts of the line."""
     one = specimen or Specimen()
-    length = "" if one.length is None else f"{written(one.length, 'mm', '.4g')} long"
+    length = "" if one.length is None else f"{format_quantity(one.length, 'mm', '.4g')} long"
     told = (
         ("Specimen", ", ".join(filter(None, (one.name, length)))),
         ("Lot", one.lot),
         ("Operator", one.operator),
-        ("Temperature", "" if one.temperature is None else written(one.temperature, "°C", ".1f")),
+        (
+            "Temperature",
+            "" if one.temperature is None else format_quantity(one.temperature, "°C", ".1f"),
+        ),
     )
     return tuple((name, said or NOT_GIVEN) for name, said in told)
 
@@ -154,13 +157,13 @@ def sources_behind(found: Any) -> tuple[Source, ...]:
     return (given,) if isinstance(given, Source) else tuple(dict.fromkeys(given))
 
 
-def tried(orders: Sequence[tuple[str, float]]) -> Fold:
+def make_law_ranking(orders: Sequence[tuple[str, float]]) -> CollapsibleSection:
     """Every law that was tried, best first."""
     least = min(score for _, score in orders)
     rows = tuple(
-        (name, rounded(score - least)) for name, score in sorted(orders, key=lambda o: o[1])
+        (name, round_to_error(score - least)) for name, score in sorted(orders, key=lambda o: o[1])
     )
-    return Fold(
+    return CollapsibleSection(
         "Laws tried", "BIC above the least", TextTable(("law", "BIC above the least"), rows)
     )
 
@@ -176,24 +179,24 @@ def kind_page(found: Any) -> KindPage:
     own = page_of(found)
     if own is not None:
         page: KindPage = own(found)
-        return page if page.name else replace(page, name=_called(found.schema))
-    facts = found.facts if isinstance(found, Judged) else ()
+        return page if page.name else replace(page, name=_get_schema_name(found.schema))
+    facts = found.facts if isinstance(found, HasVerdict) else ()
     if not facts:
         raise TypeError(f"a {type(found).__name__} has no page")
     picture = found.plot()
     return KindPage(
         about=picture.name.replace("-", " "),
-        strip=who(getattr(found, "specimen", None)),
+        strip=format_specimen_header(getattr(found, "specimen", None)),
         lights=lights(found.checks, Topic("Checks")),
         answers="Measured and fitted",
         picture=picture,
         told="What was found",
-        groups=tuple(by_place(facts)),
+        groups=tuple(group_by_record(facts)),
         sources=sources_behind(found),
         name=picture.name,
     )
 
 
-def _called(schema: str) -> str:
+def _get_schema_name(schema: str) -> str:
     """A schema without its house and its number."""
     return schema.partition("/")[2].partition("@")[0]

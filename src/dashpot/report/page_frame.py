@@ -34,11 +34,11 @@ def environment(package: str) -> Environment:
         lstrip_blocks=True,
     )
     found.filters.update(
-        words=number_format.words,
+        words=number_format.split_identifier,
         sentence=sentence,
-        readable=number_format.readable,
+        readable=number_format.format_typographic,
         shorter=number_format.shorter,
-        rounded=number_format.rounded,
+        rounded=number_format.round_to_error,
         hertz=number_format.hertz,
     )
     return found
@@ -66,7 +66,7 @@ def frame() -> dict[str, Any]:
     }
 
 
-def held(kind: str, text: str) -> str:
+def encode_data_uri(kind: str, text: str) -> str:
     """A link that holds the file itself."""
     return f"data:{kind};base64,{base64.b64encode(text.encode()).decode()}"
 

@@ -9,13 +9,13 @@ from typing import Any
 
 from dashpot.base.checks import Check, Verdict
 from dashpot.base.provenance import Source
-from dashpot.base.serialisation import Documented
+from dashpot.base.serialisation import Serialisable
 from dashpot.plot.picture import Picture
 from dashpot.report import attachments, tables
 from dashpot.report.attachments import attachment
-from dashpot.report.figures import LEAD, Drawn, drawn
+from dashpot.report.figures import LEAD, RenderedFigure, render_figure
 from dashpot.report.first_screen import tally
-from dashpot.report.page_content import Fold, KindPage, kind_page
+from dashpot.report.page_content import CollapsibleSection, KindPage, kind_page
 from dashpot.report.page_frame import COLOURS, frame
 
 _COLUMNS = 2
@@ -26,7 +26,7 @@ _ALL = "numbers.json"
 """Every number of a result of which a file keeps the fit."""
 
 
-def contents(
+def build_page_contents(
     found: Any, *, lead: Picture | None = None, beside: Sequence[Picture] = ()
 ) -> dict[str, Any]:
     """What the page of a result of a kind holds.
@@ -42,15 +42,18 @@ def contents(
     """
     page = kind_page(found)
     figure = lead or page.picture
-    folds = (*(Fold("The test", one.caption, None, one) for one in beside), *page.folds)
+    folds = (
+        *(CollapsibleSection("The test", one.caption, None, one) for one in beside),
+        *page.folds,
+    )
     names = dict.fromkeys(one.file for one in page.sources)
     document = f"{page.name}.json"
     text = text_of(found.kept)
     told = "every number" if found.kept is found else "the fit, for other commands"
     files = [attachment(document, f"Download {document}", told, "application/json", text)]
-    behind = attachments.exported(text)
+    behind = attachments.load_exportable(text)
     decks = () if behind is None else attachments.decks(behind)
-    files += attachments.attached(decks, document)
+    files += attachments.attach_decks(decks, document)
     if found.kept is not found:
         whole = text_of(found)
         files.append(attachment(_ALL, _ALL, "every number", "application/json", whole))
@@ -64,7 +67,7 @@ def contents(
         },
         "folds": folds,
         "files": files,
-        "about_decks": "" if behind is None else attachments.about(behind, decks),
+        "about_decks": "" if behind is None else attachments.format_deck_note(behind, decks),
     }
 
 
@@ -86,14 +89,14 @@ def judgement(
     }
 
 
-def _wide(picture: Picture, name: str) -> Drawn:
+def _wide(picture: Picture, name: str) -> RenderedFigure:
     """A figure for the 760 px of a page, or for less."""
     columns = min(picture.columns, len(picture.strips), _COLUMNS)
     each = (LEAD - 24 * (columns - 1)) / columns
-    return drawn(replace(picture, name=name, columns=columns), width=each)
+    return render_figure(replace(picture, name=name, columns=columns), width=each)
 
 
-def paged(found: object) -> bool:
+def has_kind_page(found: object) -> bool:
     """Whether a result has all that its page holds."""
     try:
         return isinstance(kind_page(found), KindPage)
@@ -101,6 +104,6 @@ def paged(found: object) -> bool:
         return False
 
 
-def text_of(found: Documented) -> str:
+def text_of(found: Serialisable) -> str:
     """The JSON that ``dashpot fit --json`` prints."""
     return json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False)

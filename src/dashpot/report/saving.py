@@ -7,10 +7,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from dashpot.base.atomic import write_whole
-from dashpot.base.choices import Drawn, words
+from dashpot.base.atomic import write_atomic
+from dashpot.base.choices import Drawn, get_choice_values
 from dashpot.base.errors import ExportError
-from dashpot.base.serialisation import Documented
+from dashpot.base.serialisation import Serialisable
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.impact import ImpactTest
 from dashpot.datamodel.relaxation import RelaxationTest
@@ -38,19 +38,19 @@ def save(noun: Any, path: str | Path) -> Path:
     target = Path(path)
     suffix = target.suffix.lower().lstrip(".")
     writers = {"json": _document, "html": _page, "csv": _table}
-    if suffix in words(Drawn):
+    if suffix in get_choice_values(Drawn):
         from dashpot.plot.figure_files import save as save_picture
 
         save_picture(_picture(noun), target)
     elif suffix in writers:
         text = writers[suffix](noun, target.name)
         try:
-            write_whole(target, text.encode())
+            write_atomic(target, text.encode())
         except OSError as error:
             reason = error.strerror or error
             raise ExportError(f"{target}: it cannot be written: {reason}") from None
     else:
-        known = ", ".join(f".{one}" for one in (*writers, *words(Drawn)))
+        known = ", ".join(f".{one}" for one in (*writers, *get_choice_values(Drawn)))
         raise ExportError(f"{target.name}: a result is written as {known}. Name the file so")
     return target
 
@@ -62,7 +62,7 @@ def _picture(noun: Any) -> Any:
 
 
 def _document(noun: Any, name: str) -> str:
-    if not isinstance(noun, Documented):
+    if not isinstance(noun, Serialisable):
         raise ExportError(f"{name}: a {type(noun).__name__} has no document")
     return json.dumps(noun.document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 

@@ -9,7 +9,14 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.checks import GRADES, Check
-from dashpot.base.number_format import counted, hertz, readable, rounded, shown, where
+from dashpot.base.number_format import (
+    format_band,
+    format_count,
+    format_typographic,
+    format_with_error,
+    hertz,
+    round_to_error,
+)
 from dashpot.base.provenance import Source
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
@@ -34,7 +41,7 @@ def title(study: Study) -> str:
 def sentences(study: Study, found: Recommendation) -> tuple[str, ...]:
     """What the tests say, one thought a sentence, below the verdict."""
     return tuple(
-        readable(sentence)
+        format_typographic(sentence)
         for sentence in (_solid(found), _end(found), _resting(study), _hammer(study), _joint(study))
         if sentence
     )
@@ -42,17 +49,18 @@ def sentences(study: Study, found: Recommendation) -> tuple[str, ...]:
 
 def _solid(found: Recommendation) -> str:
     fit = found.solid
-    arms = counted(fit.model.arms, "Maxwell arm")
+    arms = format_count(fit.model.arms, "Maxwell arm")
     if isinstance(fit.solid, FractionalZener):
-        arms = f"a springpot of slope {rounded(fit.solid.alpha)} beside it"
+        arms = f"a springpot of slope {round_to_error(fit.solid.alpha)} beside it"
     tests = "both tests" if found.joint else "the relaxation test"
     return (
-        f"One seal behaves as a spring of {_at_most(fit)} with {arms}. At once it "
-        f"has {shown(fit.model.k_0, 'N/mm')}. The valid band of {tests} is {hertz(fit.band)}."
+        f"One seal behaves as a spring of {_format_k_inf(fit)} with {arms}. At once it "
+        f"has {format_with_error(fit.model.k_0, 'N/mm')}. The valid band of {tests} is "
+        f"{hertz(fit.band)}."
     )
 
 
-def _at_most(fit: Fit) -> str:
+def _format_k_inf(fit: Fit) -> str:
     """k_inf with what it is at most."""
     cells = next(fact for fact in fit.facts if fact.name == "k_inf").cells
     return ", ".join(filter(None, (cells.with_unit, cells.interval)))
@@ -71,14 +79,17 @@ def _resting(study: Study) -> str:
         return ""
     tangent, secant, depth = rests.tangent, rests.secant, rests.point.depth or 0.0
     here, there = (
-        "" if one.frequency is None else f" ({rounded(one.frequency, digits=4)} Hz)"
+        "" if one.frequency is None else f" ({round_to_error(one.frequency, digits=4)} Hz)"
         for one in (tangent, secant)
     )
     beyond = ", deeper than tested" if rests.point.beyond else ""
     return (
-        f"The mass rests at {shown(rests.point.compression, 'mm')}{beyond}. It vibrates on the "
-        f"tangent stiffness, {shown(tangent.stiffness, 'N/mm', tangent.stiffness_se)}{here}. The "
-        f"secant at {shown(depth, 'mm')} is {shown(secant.stiffness, 'N/mm')}{there}."
+        f"The mass rests at {format_with_error(rests.point.compression, 'mm')}{beyond}. It "
+        "vibrates on the "
+        "tangent stiffness, "
+        f"{format_with_error(tangent.stiffness, 'N/mm', tangent.stiffness_se)}{here}. The "
+        f"secant at {format_with_error(depth, 'mm')} is "
+        f"{format_with_error(secant.stiffness, 'N/mm')}{there}."
     )
 
 
@@ -106,12 +117,12 @@ def _joint(study: Study) -> str:
             return f"The two tests match only if {lead.says}."
         return "No single seal matches both tests, whatever mass, gain or stiffness is taken."
     return (
-        f"Fitted to both tests together, {_named(joint)} "
+        f"Fitted to both tests together, {_format_model_name(joint)} "
         f"{_meets(after)} in frequency and {max(abs(after.ratio_db), 0.1):.1f} dB at the peak."
     )
 
 
-def _named(fit: Fit) -> str:
+def _format_model_name(fit: Fit) -> str:
     return "a fractional model" if fit.family == "fractional" else f"a model of {fit.called}"
 
 
@@ -130,8 +141,10 @@ def straight(study: Study) -> str:
     mass, phase = 100 * d.mass_sd / d.mass, math.degrees(d.phase_sd)
     return (
         f"With an uncertainty of {mass:.2g} % of the mass and {phase:.2g}° of the phase, the "
-        f"storage stiffness is known to 10 % {where(d.storage_band)}. The loss is known to 30 % "
-        f"{where(d.loss_band)}. At higher frequencies the mass hides the seal; at lower ones the "
+        f"storage stiffness is known to 10 % {format_band(d.storage_band)}. The loss is known to "
+        "30 % "
+        f"{format_band(d.loss_band)}. At higher frequencies the mass hides the seal; at lower ones "
+        "the "
         "phase hides its damping."
     )
 
@@ -141,12 +154,13 @@ def inferred_mass(study: Study) -> str:
     if not (study.mass_inferred and study.mass is not None):
         return ""
     return (
-        f"The mass of {shown(study.mass, 'g', digits=4)} was found from the measured FRF, "
+        f"The mass of {format_with_error(study.mass, 'g', digits=4)} was found from the measured "
+        "FRF, "
         "so the agreement in frequency proves nothing. Weigh the block."
     )
 
 
-def simulated(study: Study) -> tuple[str, ...]:
+def find_simulated_files(study: Study) -> tuple[str, ...]:
     """The files that the virtual rig or hammer made; a record in memory says so in its notes."""
     files = tuple(source.file for source in sources(study) if source.simulated)
     if not files and "simulated" in study.prepared.specimen.notes.lower():
@@ -173,14 +187,16 @@ MOST_WORDS = 100
 """Of the checks on the first screen: what stands on one page of paper with all the rest."""
 
 
-class Weighty(NamedTuple):
+class DecisiveCheck(NamedTuple):
     """A failed check, and what it speaks of."""
 
     subject: str
     check: Check
 
 
-def weighty(study: Study, found: Recommendation) -> tuple[tuple[Weighty, ...], int]:
+def select_decisive_checks(
+    study: Study, found: Recommendation
+) -> tuple[tuple[DecisiveCheck, ...], int]:
     """The failed checks behind the verdict that there is room for, the gravest first; how many not.
 
     Less the one that the verdict quotes, and less the notes on a solid of the relaxation test
@@ -192,7 +208,7 @@ def weighty(study: Study, found: Recommendation) -> tuple[tuple[Weighty, ...], i
         for check in checks:
             subject.setdefault(check, stage)
     failed = [
-        Weighty(SUBJECTS[subject.get(check, "story")], check)
+        DecisiveCheck(SUBJECTS[subject.get(check, "story")], check)
         for check in study.weighed
         if check.failed and check not in quoted
         if not (found.joint and check.grade == "note" and subject.get(check) == "fit")

@@ -12,20 +12,20 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import GRADES, Check
 from dashpot.base.errors import DashpotError
 from dashpot.base.number_format import (
-    cell,
     decibels,
     duration,
+    format_cell,
+    format_signed_difference,
+    format_typographic,
     percent,
-    readable,
-    rounded,
-    signed,
-    words,
+    round_to_error,
+    split_identifier,
 )
-from dashpot.base.reported_values import Fact
-from dashpot.base.units import in_unit
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.bounds import StiffnessBounds
 from dashpot.datamodel.fit import Fit
-from dashpot.datamodel.fit_diagnostics import Moved
+from dashpot.datamodel.fit_diagnostics import ParameterChange
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.vibration.comparison.comparison import Comparison
@@ -76,8 +76,15 @@ def checks(groups: Sequence[tuple[str, Sequence[Check]]], weighed: Collection[Ch
         for check in found:
             distinct.setdefault((check.name, check.says), (stage, check))
     ordered = sorted(distinct.values(), key=lambda pair: _gravity(pair[1], weighed))
-    rows = tuple((_state(check, weighed), stage, words(check.name), readable(check.told))
-                 for stage, check in ordered)  # fmt: skip
+    rows = tuple(
+        (
+            _state(check, weighed),
+            stage,
+            split_identifier(check.name),
+            format_typographic(check.told),
+        )
+        for stage, check in ordered
+    )
     marks = tuple(_mark(check, weighed) for _, check in ordered)
     return TextTable(("", "stage", "question", "answer"), rows, marks)
 
@@ -111,24 +118,28 @@ def test_facts(prepared: RampHold) -> TextTable:
     even = float(np.ptp(steps)) < 0.01 / rate
     specimen = prepared.specimen
     rows = [
-        ("compression", cell(prepared.depth, "mm", digits=4), "mm"),
-        ("ramp", rounded(prepared.ramp_time), "s"),
-        ("speed", cell(prepared.depth / prepared.ramp_time, "mm/s"), "mm/s"),
-        ("hold", rounded(prepared.hold_time), "s"),
+        ("compression", format_cell(prepared.depth, "mm", digits=4), "mm"),
+        ("ramp", round_to_error(prepared.ramp_time), "s"),
+        ("speed", format_cell(prepared.depth / prepared.ramp_time, "mm/s"), "mm/s"),
+        ("hold", round_to_error(prepared.hold_time), "s"),
         ("samples", f"{len(prepared.time)}", ""),
-        ("sampling" if even else "sampling, uneven, median", rounded(rate), "Hz"),
-        ("force noise (standard deviation)", cell(prepared.force_noise, "mN", digits=2), "mN"),
+        ("sampling" if even else "sampling, uneven, median", round_to_error(rate), "Hz"),
+        (
+            "force noise (standard deviation)",
+            format_cell(prepared.force_noise, "mN", digits=2),
+            "mN",
+        ),
     ]
     if prepared.preload:
-        rows.append(("preload at the first sample", rounded(prepared.preload), "N"))
+        rows.append(("preload at the first sample", round_to_error(prepared.preload), "N"))
     if specimen.length:
-        rows.append(("length under the plate", cell(specimen.length, "mm", digits=4), "mm"))
+        rows.append(("length under the plate", format_cell(specimen.length, "mm", digits=4), "mm"))
     if specimen.height:
         strain = prepared.depth / specimen.height
-        rows.append(("free height", cell(specimen.height, "mm", digits=4), "mm"))
-        rows.append(("compression / height", cell(strain, "%", digits=2), "%"))
+        rows.append(("free height", format_cell(specimen.height, "mm", digits=4), "mm"))
+        rows.append(("compression / height", format_cell(strain, "%", digits=2), "%"))
     if specimen.temperature:
-        rows.append(("temperature", f"{in_unit(specimen.temperature, 'degC'):.1f}", "°C"))
+        rows.append(("temperature", f"{convert_to_unit(specimen.temperature, 'degC'):.1f}", "°C"))
     return TextTable(("", "value", "unit"), tuple(rows))
 
 
@@ -143,7 +154,7 @@ def coefficients(fit: Fit | None, length: float | None) -> TextTable | None:
         each = ""
         if length is not None and one.unit not in ("s", ""):
             scale = 0.1 / length
-            value = rounded(one.shown(one.value) * scale, one.size * scale)
+            value = round_to_error(one.shown(one.value) * scale, one.size * scale)
             each = f"{value} {cells.unit}"
         rows.append(row if length is None else (*row, each))
     head = ("", "value ± standard error", "95 % interval", "unit", "per 100 mm")
@@ -155,7 +166,7 @@ def orders(study: Study) -> TextTable:
     fit = study.fit
     best = min((one.bic for one in fit.orders), default=math.nan)
     scores = {
-        one.arms: (rounded(one.bic - best, digits=4), "yes" if one.significant else "no")
+        one.arms: (round_to_error(one.bic - best, digits=4), "yes" if one.significant else "no")
         for one in fit.orders
     }
     shown = {one.arms: (one.model, math.sqrt(one.sse / fit.residual.n)) for one in fit.orders}
@@ -166,14 +177,14 @@ def orders(study: Study) -> TextTable:
         model, rms = shown[arms]
         chosen = arms == fit.model.arms and bool(own)
         listed = ", ".join(
-            f"{cell(k, 'N/mm')} at {rounded(tau)} s"
+            f"{format_cell(k, 'N/mm')} at {round_to_error(tau)} s"
             for k, tau in zip(model.k, model.tau, strict=True)
         )
         rows.append((
             f"{arms}{' (chosen)' * chosen}",
-            cell(model.k_inf, "N/mm", digits=4),
+            format_cell(model.k_inf, "N/mm", digits=4),
             listed or "none",
-            cell(rms, "mN"),
+            format_cell(rms, "mN"),
             *scores.get(arms, ("", "")),
         ))  # fmt: skip
         marks.append("chosen" * chosen)
@@ -212,7 +223,7 @@ def nuisances(fit: Fit | None) -> TextTable | None:
     return TextTable(VALUE, rows)
 
 
-def in_frequency(study: Study) -> TextTable:
+def make_frequency_table(study: Study) -> TextTable:
     """Stiffness and loss factor of one seal at some frequencies, and whether they are known."""
     (low, high), unseen = study.fit.band, study.unseen
     marked = () if study.comparison is None else (study.comparison.measured_hz,)
@@ -222,15 +233,15 @@ def in_frequency(study: Study) -> TextTable:
         factor = max(f / high, low / f)
         known = factor < 1.0001
         cells = [
-            rounded(f),
-            cell(stiffness.real, "N/mm"),
-            cell(stiffness.imag, "N/mm"),
-            rounded(stiffness.imag / stiffness.real),
+            round_to_error(f),
+            format_cell(stiffness.real, "N/mm"),
+            format_cell(stiffness.imag, "N/mm"),
+            round_to_error(stiffness.imag / stiffness.real),
         ]
         if unseen is not None:
-            cells.append(_range_at(unseen, in_unit(unseen.storage, "N/mm"), f))
+            cells.append(_range_at(unseen, convert_to_unit(unseen.storage, "N/mm"), f))
             cells.append(_range_at(unseen, unseen.loss_factor, f))
-        cells.append("identified" if known else f"extrapolated ×{rounded(factor, digits=2)}")
+        cells.append("identified" if known else f"extrapolated ×{round_to_error(factor, digits=2)}")
         rows.append(tuple(cells))
         marks.append("" if known else "doubt")
     head = ["frequency, Hz", "storage K′, N/mm", "loss K″, N/mm", "loss factor"]
@@ -243,7 +254,7 @@ def _range_at(band: StiffnessBounds, limits: FloatArray, f: float) -> str:
     if not band.frequency[0] <= f <= band.frequency[-1]:
         return "not computed"
     low, high = (float(np.interp(np.log(f), np.log(band.frequency), edge)) for edge in limits)
-    return f"{rounded(low, digits=3)} to {rounded(high, digits=3)}"
+    return f"{round_to_error(low, digits=3)} to {round_to_error(high, digits=3)}"
 
 
 # -- the hammer test ------------------------------------------------------------------------------
@@ -256,34 +267,53 @@ def peaks(study: Study) -> TextTable | None:
         return None
     head = ["", "measured", "predicted", "difference"]
     columns = [
-        ("peak frequency, Hz", "peak accelerance, 1/kg", "damping ratio, %",
-         "FRAC (1 is alike)", "rms difference, dB"),
-        (Fact.known("", c.measured_hz, c.measured_hz_se or None, unit="Hz").cells.with_error,
-         rounded(c.measured_peak), _measured_damping(c), "", ""),
-        *_predicted(c),
-    ]  # fmt: skip
+        (
+            "peak frequency, Hz",
+            "peak accelerance, 1/kg",
+            "damping ratio, %",
+            "FRAC (1 is alike)",
+            "rms difference, dB",
+        ),
+        (
+            ReportedValue.known(
+                "", c.measured_hz, c.measured_hz_se or None, unit="Hz"
+            ).cells.with_error,
+            round_to_error(c.measured_peak),
+            _measured_damping(c),
+            "",
+            "",
+        ),
+        *_make_prediction_columns(c),
+    ]
     if joint is not None:
         head += ["after the joint fit", "difference"]
-        columns += _predicted(joint)
+        columns += _make_prediction_columns(joint)
     return TextTable(tuple(head), tuple(zip(*columns, strict=True)))
 
 
-def _predicted(c: Comparison) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def _make_prediction_columns(c: Comparison) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """What a solid predicts of each row of the table of peaks, and how far that is off."""
-    damping = "none" if c.predicted_damping is None else rounded(100 * c.predicted_damping)
+    damping = "none" if c.predicted_damping is None else round_to_error(100 * c.predicted_damping)
     off = "" if c.damping_ratio_error is None else percent(c.damping_ratio_error)
     return (
-        (rounded(c.predicted_hz, digits=4), rounded(c.predicted_peak), damping, rounded(c.frac),
-         rounded(c.rms_db)),
+        (
+            round_to_error(c.predicted_hz, digits=4),
+            round_to_error(c.predicted_peak),
+            damping,
+            round_to_error(c.frac),
+            round_to_error(c.rms_db),
+        ),
         (percent(c.frequency_error), decibels(c.ratio_db), off, "", ""),
-    )  # fmt: skip
+    )
 
 
 def _measured_damping(c: Comparison) -> str:
     if c.measured_damping is None:
         return "not supported by the record"
     se = c.measured_damping_se or None
-    return Fact.known("damping ratio", c.measured_damping, se, unit="1", read="%").cells.with_error
+    return ReportedValue.known(
+        "damping ratio", c.measured_damping, se, unit="1", read="%"
+    ).cells.with_error
 
 
 def resonance(study: Study) -> TextTable | None:
@@ -305,8 +335,8 @@ def resonance(study: Study) -> TextTable | None:
         point = operating_point(one, mass=mass, seals=study.seals, compression=given)
         on = study.seals * one.under_hammer * point.solid(one)
         for mode in model_modes(on, mass)[:1]:
-            rows.append((f"{says}: exact pole", rounded(mode.frequency, digits=5),
-                         rounded(100 * mode.damping_ratio)))  # fmt: skip
+            rows.append((f"{says}: exact pole", round_to_error(mode.frequency, digits=5),
+                         round_to_error(100 * mode.damping_ratio)))  # fmt: skip
     return TextTable(("", "natural frequency, Hz", "damping ratio, %"), tuple(rows))
 
 
@@ -324,7 +354,7 @@ def _mode_cells(measured: FRF, way: str, c: Comparison) -> tuple[str, str]:
     try:
         modes = measured.modes(method=way, band=c.band)
     except DashpotError as refused:
-        return "refused", readable(str(refused))
+        return "refused", format_typographic(str(refused))
     if not modes:
         return "none found", ""
     # rocking and other modes beside it are not what the prediction is of
@@ -358,9 +388,9 @@ def hits(frf: FRF | None) -> TextTable | None:
     rows = tuple(
         (
             hit.name,
-            rounded(hit.time, digits=4),
-            rounded(hit.peak),
-            cell(hit.duration, "ms"),
+            round_to_error(hit.time, digits=4),
+            round_to_error(hit.peak),
+            format_cell(hit.duration, "ms"),
             "accepted" if hit.accepted else "rejected",
             "; ".join(hit.reasons),
         )[:columns]
@@ -374,17 +404,21 @@ def explanations(joint: Fit | None) -> TextTable | None:
     if joint is None or not joint.explanations:
         return None
     rows = tuple(
-        (readable(one.says), rounded(one.fall, digits=4), "yes" if one.explains else "no")
+        (
+            format_typographic(one.says),
+            round_to_error(one.fall, digits=4),
+            "yes" if one.explains else "no",
+        )
         for one in joint.explanations
     )
     return TextTable(("if", "chi-square falls by", "explains both tests"), rows)
 
 
-def moved(joint: Fit | None) -> TextTable | None:
+def make_change_table(joint: Fit | None) -> TextTable | None:
     """What the hammer changed in the solid."""
     if joint is None or not joint.moved:
         return None
-    rows = tuple(_moved_row(one) for one in joint.moved)
+    rows = tuple(_make_change_row(one) for one in joint.moved)
     marks = tuple("doubt" if row[-1] == "new" else "" for row in rows)
     head = (
         "",
@@ -396,10 +430,10 @@ def moved(joint: Fit | None) -> TextTable | None:
     return TextTable(head, rows, marks)
 
 
-def _moved_row(m: Moved) -> tuple[str, ...]:
+def _make_change_row(m: ParameterChange) -> tuple[str, ...]:
     was, now = m.was, m.now
     name, after = ", ".join(filter(None, (now.symbol, now.word))), now.cells.with_limit
     if was is None:
         return name, "", after, "", "new"
     change = percent(now.value / was.value - 1) if was.value else ""
-    return name, was.cells.with_limit, after, change, signed(m.shift)
+    return name, was.cells.with_limit, after, change, format_signed_difference(m.shift)

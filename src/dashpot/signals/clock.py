@@ -26,7 +26,7 @@ class Leap(NamedTuple):
     beside: float
 
 
-def leaps(time: FloatArray) -> list[Leap]:
+def clock_jumps(time: FloatArray) -> list[Leap]:
     """Return the steps that are ten times the usual on either side; at an end, of one side."""
     steps = np.diff(time)
     if len(steps) < 2 * BESIDE or not steps.max() > LEAP * steps.min():

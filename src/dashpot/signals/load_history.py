@@ -14,7 +14,7 @@ from dashpot.signals.segments import (
     cycles_of,
     find_segments,
     loading_of,
-    mirrored,
+    negated,
 )
 
 STEADY = 0.01
@@ -31,7 +31,7 @@ SETTLES = 0.05
 """Part of its level by which a displacement may move that is held from the first sample on."""
 
 
-def loading_in(time: FloatArray, displacement: FloatArray, force: FloatArray) -> Loading:
+def classify_load_history(time: FloatArray, displacement: FloatArray, force: FloatArray) -> Loading:
     """What a record shows, whether or not it can be prepared: a ramp and a hold, or what else.
 
     Ramps up and down at one speed are compression load deflection; a sine is not.
@@ -43,12 +43,12 @@ def loading_in(time: FloatArray, displacement: FloatArray, force: FloatArray) ->
     """
     if held_throughout(force) and goes_on(displacement):
         return "creep"
-    turn, segments = turned(time, displacement)
+    turn, segments = rising_sign(time, displacement)
     if began_late(displacement, force):
         return "other"
     if at_one_speed(time, turn * displacement, segments):
         return "cld"
-    if creeps(time, turn * displacement, force, cycles_of(segments)):
+    if is_creep(time, turn * displacement, force, cycles_of(segments)):
         return "creep"
     return loading_of(segments)
 
@@ -65,13 +65,13 @@ def goes_on(x: FloatArray) -> bool:
     return abs(float(x[-tenth:].mean() - x[:tenth].mean())) > GONE * float(np.ptp(x))
 
 
-def turned(
+def rising_sign(
     time: FloatArray, displacement: FloatArray, resolution: float | None = None
 ) -> tuple[int, tuple[MotionSegment, ...]]:
     """Return the sign that makes the first ramp rise, and what then is found."""
     segments = find_segments(time, displacement, resolution)
     if _falls_first(segments):
-        return -1, mirrored(segments)
+        return -1, negated(segments)
     return 1, segments
 
 
@@ -112,7 +112,7 @@ def _change(values: FloatArray, hold: MotionSegment) -> float:
     return float(held[-tenth:].mean() - held[:tenth].mean())
 
 
-def creeps(
+def is_creep(
     time: FloatArray, x: FloatArray, force: FloatArray, held: Sequence[RampHoldCycle]
 ) -> bool:
     """True if it is the force that is ramped and held, while the displacement goes on.
@@ -123,7 +123,7 @@ def creeps(
     if held and all(abs(_change(x, cycle.hold)) <= far for cycle in held):
         return False
     pushed = find_segments(time, force)
-    for turn, segments in ((1, pushed), (-1, mirrored(pushed))):
+    for turn, segments in ((1, pushed), (-1, negated(pushed))):
         for cycle in cycles_of(segments):
             ramped = float(x[cycle.ramp.last] - x[cycle.ramp.first])
             onward = _change(x, cycle.hold) * np.sign(ramped)

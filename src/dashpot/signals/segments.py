@@ -10,9 +10,9 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.errors import DataError
 from dashpot.base.sentences import sentence
-from dashpot.base.units import written
+from dashpot.base.units import format_quantity
 from dashpot.datamodel.relaxation import quantum
-from dashpot.signals.noise import median_of_three, usual_scatter
+from dashpot.signals.noise import median_of_three, robust_scatter
 
 _LEAST_MOVE = 0.05
 """A move smaller than this part of the whole travel is settling, not a ramp."""
@@ -91,7 +91,7 @@ def find_segments(
     return tuple(_segment(kind, time, x, first, last) for kind, first, last in sides)
 
 
-def mirrored(segments: Iterable[MotionSegment]) -> tuple[MotionSegment, ...]:
+def negated(segments: Iterable[MotionSegment]) -> tuple[MotionSegment, ...]:
     """What :func:`find_segments` finds of the same record with its sign turned."""
     return tuple(
         part._replace(kind=_TURNED[part.kind], origin=-part.origin, level=-part.level)
@@ -101,7 +101,7 @@ def mirrored(segments: Iterable[MotionSegment]) -> tuple[MotionSegment, ...]:
 
 def resolution_of(time: FloatArray, displacement: FloatArray, count: float) -> float:
     """What a displacement can differ by without having moved, m: 4 sigma, and half a quantum."""
-    return 4 * usual_scatter(time, displacement) + 0.5 * count
+    return 4 * robust_scatter(time, displacement) + 0.5 * count
 
 
 def _segment(
@@ -367,5 +367,5 @@ def _in_words(segment: MotionSegment) -> str:
     if segment.kind == "hold":
         return f"hold {segment.start:.5g} to {segment.end:.5g} s"
     verb = "ramp" if segment.kind == "load" else "unloading"
-    moved = written(segment.level - segment.origin, "mm", "+.4g")
+    moved = format_quantity(segment.level - segment.origin, "mm", "+.4g")
     return f"{verb} {segment.start:.5g} to {segment.end:.5g} s by {moved}"

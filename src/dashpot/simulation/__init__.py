@@ -1,5 +1,5 @@
 """The virtual rig and the virtual hammer: records whose truth is known."""
 
-from dashpot.base.lazy import names_of
+from dashpot.base.lazy import build_lazy_exports
 
-__getattr__, __dir__, __all__ = names_of(__name__, __file__)
+__getattr__, __dir__, __all__ = build_lazy_exports(__name__, __file__)

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.validators import not_negative, picked, positive
+from dashpot.base.validators import require_nonnegative, require_positive, select_fields
 
 
 @dataclass(frozen=True)
@@ -63,9 +63,9 @@ class Axis:
 
     def __post_init__(self) -> None:
         above = ("frequency", "damping", "rate", "drag", "filter_time", "limit")
-        positive("axis ", **picked(self, *above))
+        require_positive("axis ", **select_fields(self, *above))
         others = ("friction", "integral", "integral_zone", "standstill")
-        not_negative("axis ", **picked(self, *others))
+        require_nonnegative("axis ", **select_fields(self, *others))
         if self.frequency > self.rate / 20:
             raise DataError(
                 f"a loop of {self.frequency:g} Hz needs a control rate of at least "

@@ -9,8 +9,8 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.units import in_unit, written
-from dashpot.base.validators import not_negative, picked, positive
+from dashpot.base.units import convert_to_unit, format_quantity
+from dashpot.base.validators import require_nonnegative, require_positive, select_fields
 
 
 @dataclass(frozen=True)
@@ -43,15 +43,17 @@ class Daq:
     filter: float = 0.0
 
     def __post_init__(self) -> None:
-        positive("daq ", **picked(self, "bits", "span", "rate", "channels", "fastest"))
-        not_negative("daq ", filter=self.filter, expected="a corner in Hz, or 0")
+        require_positive(
+            "daq ", **select_fields(self, "bits", "span", "rate", "channels", "fastest")
+        )
+        require_nonnegative("daq ", filter=self.filter, expected="a corner in Hz, or 0")
         asked = self.channels * self.rate
         if asked > self.fastest:
             raise DataError(
-                f"{self.channels} channels at {written(self.rate, 'kHz', 'g')} are "
-                f"{in_unit(asked, 'kHz'):g} kS/s; the card converts "
-                f"{in_unit(self.fastest, 'kHz'):g} kS/s in all: take "
-                f"{written(self.fastest / self.channels, 'kHz')} at most, or fewer channels"
+                f"{self.channels} channels at {format_quantity(self.rate, 'kHz', 'g')} are "
+                f"{convert_to_unit(asked, 'kHz'):g} kS/s; the card converts "
+                f"{convert_to_unit(self.fastest, 'kHz'):g} kS/s in all: take "
+                f"{format_quantity(self.fastest / self.channels, 'kHz')} at most, or fewer channels"
             )
 
     @property
@@ -90,12 +92,12 @@ class Daq:
         at : array, shape (m,)
             When the first channel is sampled, s.
         """
-        seen = self._filtered(clock, volts)
+        seen = self._filter_voltages(clock, volts)
         return np.array(
             [np.interp(at + self.skew(i), clock, one) for i, one in enumerate(seen, start=1)]
         )
 
-    def _filtered(self, clock: FloatArray, volts: FloatArray) -> FloatArray:
+    def _filter_voltages(self, clock: FloatArray, volts: FloatArray) -> FloatArray:
         if not self.filter:
             return volts
         from scipy import signal

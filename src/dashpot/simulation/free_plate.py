@@ -44,7 +44,7 @@ def free_plate(
     p = np.asarray(place, dtype=float)
     nodes, weights = legendre.leggauss(_DEGREE + 2)
 
-    def along(side: float, order: int, x: FloatArray) -> FloatArray:
+    def evaluate_derivatives(side: float, order: int, x: FloatArray) -> FloatArray:
         """Derivatives of every polynomial, shape (degree, x)."""
         rows = [legendre.legder(row, order) for row in np.eye(_DEGREE)]
         return (2 / side) ** order * np.array([legendre.legval(x, row) for row in rows])
@@ -52,7 +52,9 @@ def free_plate(
     def inner(a: FloatArray, b: FloatArray) -> FloatArray:
         return (a * weights) @ b.T
 
-    X, Y = ([along(side, order, nodes) for order in range(3)] for side in (width, height))
+    X, Y = (
+        [evaluate_derivatives(side, order, nodes) for order in range(3)] for side in (width, height)
+    )
     area = width * height
     M = mass / 4 * np.kron(inner(X[0], X[0]), inner(Y[0], Y[0]))
     mixed = np.kron(inner(X[2], X[0]), inner(Y[0], Y[2]))
@@ -66,7 +68,7 @@ def free_plate(
     squared, vectors = np.linalg.eigh(K / root / root[:, None])
     kept = 3 + elastic
     x, y = 2 * p[:, 0] / width - 1, 2 * p[:, 1] / height - 1
-    product = along(width, 0, x)[:, None] * along(height, 0, y)[None]
+    product = evaluate_derivatives(width, 0, x)[:, None] * evaluate_derivatives(height, 0, y)[None]
     moved = (vectors[:, :kept] / root[:, None]).T @ product.reshape(-1, len(p))
     shape = np.zeros((kept, len(p), 3))
     shape[:, :, 2] = moved

@@ -32,18 +32,23 @@ def truth_json(truth: Truth, *, instrument: Instrument | None = None) -> str:
     The same truth, written twice, is the same text. Complex numbers are ``[re, im]``; what
     is unlimited is null. The `instrument` is that of a record in gauge voltages.
     """
-    body = {"schema": "dashpot/truth@1", "simulated": True, "kind": truth.kind, **_plain(truth)}
+    body = {
+        "schema": "dashpot/truth@1",
+        "simulated": True,
+        "kind": truth.kind,
+        **_to_plain_value(truth),
+    }
     if instrument is not None:
-        body["instrument"] = _plain(instrument)
+        body["instrument"] = _to_plain_value(instrument)
     return json.dumps(body, indent=2, allow_nan=False)
 
 
-def _plain(value: Any) -> Any:
+def _to_plain_value(value: Any) -> Any:
     if is_dataclass(value):
         named = {field.name: getattr(value, field.name) for field in fields(value)}
-        return {k: _plain(v) for k, v in named.items() if not isinstance(v, np.ndarray)}
+        return {k: _to_plain_value(v) for k, v in named.items() if not isinstance(v, np.ndarray)}
     if isinstance(value, tuple | list):
-        return [_plain(item) for item in value]
+        return [_to_plain_value(item) for item in value]
     if isinstance(value, complex):
         return [value.real, value.imag]
     if isinstance(value, float) and math.isinf(value):

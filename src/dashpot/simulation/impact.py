@@ -10,10 +10,10 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray, sample_count
 from dashpot.base.errors import DataError
-from dashpot.base.units import Quantity, si
-from dashpot.base.validators import positive
+from dashpot.base.units import Quantity, convert_to_si
+from dashpot.base.validators import require_positive
 from dashpot.datamodel.impact import ImpactTest
-from dashpot.simulation.rig import Climate, in_steps
+from dashpot.simulation.rig import Climate, round_to_quantum
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 
 _OVERSAMPLING = 4
@@ -57,7 +57,7 @@ class Oscillator:
     residues: ComplexArray
 
     @classmethod
-    def on(cls, solid: GeneralizedMaxwell, inertia: float) -> Oscillator:
+    def from_solid(cls, solid: GeneralizedMaxwell, inertia: float) -> Oscillator:
         """A mass (or a moment of inertia) on a solid (or a rotary one).
 
         Raises
@@ -314,14 +314,14 @@ def simulate_impact(
     DataError
         If the mass, the seals or the hits are not positive, or the seal has no k_inf.
     """
-    mass = si(mass, "mass")
+    mass = convert_to_si(mass, "mass")
     rig = Hammer() if rig is None else rig
-    positive(mass=mass, seals=seals, hits=hits)
+    require_positive(mass=mass, seals=seals, hits=hits)
     if climate is not None:
         model = climate.felt(model)
     random = np.random.default_rng(seed)
-    bounce = Oscillator.on(seals * model, mass)
-    rock = Oscillator.on((seals * rig.arm**2) * model, mass * rig.length**2 / 12)
+    bounce = Oscillator.from_solid(seals * model, mass)
+    rock = Oscillator.from_solid((seals * rig.arm**2) * model, mass * rig.length**2 / 12)
     pulses = tuple(_pulse(rig, random) for _ in range(hits))
     eccentricities = tuple(float(e) for e in rig.eccentricity * random.standard_normal(hits))
     signals = _motion(rig, bounce, rock, pulses, eccentricities)
@@ -400,12 +400,12 @@ def _motion(
             part.append(signal[:-1])
     joined = [[np.concatenate(part)] if rig.continuous else part for part in parts]
     return [
-        np.concatenate([_decimate(_highpassed(x, rig) if channel else x) for x in records])
+        np.concatenate([_decimate(_apply_highpass(x, rig) if channel else x) for x in records])
         for channel, records in enumerate(joined)
     ]
 
 
-def _highpassed(signal: FloatArray, rig: Hammer) -> FloatArray:
+def _apply_highpass(signal: FloatArray, rig: Hammer) -> FloatArray:
     """A first-order high pass is what a Maxwell arm does to its elongation."""
     if rig.highpass == 0:
         return signal
@@ -434,4 +434,6 @@ def _record(
     measured = signal + offset + noise * random.standard_normal(len(signal))
     if rig.bits == 0:
         return np.asarray(measured)
-    return in_steps(np.clip(measured, -full_scale, full_scale), 2 * full_scale / 2**rig.bits)
+    return round_to_quantum(
+        np.clip(measured, -full_scale, full_scale), 2 * full_scale / 2**rig.bits
+    )

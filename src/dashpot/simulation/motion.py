@@ -12,7 +12,7 @@ from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.datamodel.specimen import Specimen
 from dashpot.datamodel.trajectory import Trajectory
 from dashpot.simulation.kinematics import setpoints
-from dashpot.simulation.rig import Climate, Rig, RigTruth, in_steps, piece
+from dashpot.simulation.rig import Climate, Rig, RigTruth, prepare_specimen, round_to_quantum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 _CYCLES = 1.5
@@ -64,9 +64,9 @@ def simulate_path(
     sample_count(end, max(rig.axis.rate, rig.rate))
     clock = np.arange(round(end * rig.axis.rate) + 1) / rig.axis.rate
     reference = _staircase(clock, path, rig)
-    return _recorded(
+    return _simulate_record(
         model, clock, rig.axis.follow(reference), rig=rig, seed=seed, end=end, glued=True,
-        specimen=specimen or piece(model, rig, None)[1],
+        specimen=specimen or prepare_specimen(model, rig, None)[1],
     )  # fmt: skip
 
 
@@ -96,13 +96,13 @@ def simulate_motion(
         Makes the seal that of its temperature, which the record's specimen then states.
     """
     rig = Rig() if rig is None else rig
-    model, specimen = piece(model, rig, climate)
+    model, specimen = prepare_specimen(model, rig, climate)
     since = motion.time - motion.time[0]
     sample_count(since[-1], max(rig.axis.rate, rig.rate))
     clock = np.arange(round(since[-1] * rig.axis.rate) + 1) / rig.axis.rate
     sent = np.searchsorted(since, clock + 1e-9, side="right")
     reference = motion.displacement[np.minimum(sent, len(since) - 1)]
-    test, position, force = _recorded(
+    test, position, force = _simulate_record(
         model,
         clock,
         rig.axis.follow(reference),
@@ -118,7 +118,7 @@ def simulate_motion(
     return SimulatedMotion(test, truth)
 
 
-def _recorded(
+def _simulate_record(
     model: GeneralizedMaxwell,
     clock: FloatArray,
     motion: FloatArray,
@@ -135,7 +135,7 @@ def _recorded(
     fine = max(1, int(np.ceil(rig.rate / rig.axis.rate)))
     if fine > 1:
         dense = np.arange((len(clock) - 1) * fine + 1) / (rig.axis.rate * fine)
-        motion, clock = _between(dense, clock, motion), dense
+        motion, clock = _interpolate_motion(dense, clock, motion), dense
     pressed = rig.compression(motion)
     answer = model.force(clock, pressed)
     if not glued:
@@ -147,7 +147,7 @@ def _recorded(
     measured = position + rig.position_noise * random.standard_normal(len(time))
     test = RelaxationTest(
         time=time,
-        displacement=in_steps(measured, rig.encoder),
+        displacement=round_to_quantum(measured, rig.encoder),
         force=rig.read(time, force, random),
         specimen=specimen,
         units="SI",
@@ -184,7 +184,7 @@ def _staircase(clock: FloatArray, path: tuple[tuple[float, float], ...], rig: Ri
     return np.asarray(sent[np.clip(count, 0, len(sent) - 1)])
 
 
-def _between(dense: FloatArray, clock: FloatArray, motion: FloatArray) -> FloatArray:
+def _interpolate_motion(dense: FloatArray, clock: FloatArray, motion: FloatArray) -> FloatArray:
     """Smooth motion between control instants."""
     from scipy.interpolate import CubicSpline
 

@@ -8,11 +8,11 @@ from typing import ClassVar
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.units import Quantity, si
-from dashpot.base.validators import positive
+from dashpot.base.units import Quantity, convert_to_si
+from dashpot.base.validators import require_positive
 from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.simulation.motion import simulate_path
-from dashpot.simulation.rig import Climate, Rig, RigTruth, piece
+from dashpot.simulation.rig import Climate, Rig, RigTruth, prepare_specimen
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
@@ -82,10 +82,14 @@ def simulate_relaxation(
     DataError
         If depth or a time is not positive, or the law knows nothing of the temperature.
     """
-    depth, ramp_time, hold_time = si(depth, "length"), si(ramp_time, "time"), si(hold_time, "time")
+    depth, ramp_time, hold_time = (
+        convert_to_si(depth, "length"),
+        convert_to_si(ramp_time, "time"),
+        convert_to_si(hold_time, "time"),
+    )
     rig = Rig() if rig is None else rig
-    positive(depth=depth, ramp_time=ramp_time, hold_time=hold_time)
-    model, specimen = piece(model, rig, climate)
+    require_positive(depth=depth, ramp_time=ramp_time, hold_time=hold_time)
+    model, specimen = prepare_specimen(model, rig, climate)
     travel = rig.gap + depth
     duration = ramp_time * travel / depth
     test, position, force = simulate_path(

@@ -8,9 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, samples
+from dashpot.base.arrays import EqualByValue, FloatArray, samples
 from dashpot.base.errors import DataError
-from dashpot.base.validators import not_negative, picked
+from dashpot.base.validators import require_nonnegative, select_fields
 from dashpot.datamodel.specimen import Specimen
 from dashpot.simulation.axis import Axis
 from dashpot.solids.demo_seals import SHIFT
@@ -93,7 +93,7 @@ class Rig:
             if not value > 0:
                 raise DataError(f"rig {name} = {value!r}; expected a number > 0")
         least = ("baseline", "encoder", "gap", "tilt", "noise", "position_noise", "quantum")
-        not_negative("rig ", **picked(self, *least))
+        require_nonnegative("rig ", **select_fields(self, *least))
         if not 0 <= self.softening < 1:
             raise DataError(
                 f"rig softening = {self.softening!r}; expected a share from 0 to below 1"
@@ -124,7 +124,7 @@ class Rig:
         """What the load cell writes for a true `force`, N."""
         signal = self.disturbed(time, force, random)
         signal = signal + self.noise * random.standard_normal(len(time))
-        return in_steps(np.clip(signal, -self.limit, self.limit), self.quantum)
+        return round_to_quantum(np.clip(signal, -self.limit, self.limit), self.quantum)
 
     def disturbed(
         self, time: FloatArray, force: FloatArray, random: np.random.Generator
@@ -161,7 +161,7 @@ class Climate:
         return at_temperature(seal, self.temperature, self.law)
 
 
-def piece(
+def prepare_specimen(
     seal: GeneralizedMaxwell, rig: Rig, climate: Climate | None
 ) -> tuple[GeneralizedMaxwell, Specimen]:
     """Return the seal as it is in a climate, and what a record on the rig says of it."""
@@ -172,7 +172,7 @@ def piece(
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class RigTruth(ByValue):
+class RigTruth(EqualByValue):
     """What really happened on the virtual rig.
 
     Attributes
@@ -204,6 +204,6 @@ class RigTruth(ByValue):
             object.__setattr__(self, name, samples(name, getattr(self, name)))
 
 
-def in_steps(values: FloatArray, quantum: float) -> FloatArray:
+def round_to_quantum(values: FloatArray, quantum: float) -> FloatArray:
     """`values` rounded to whole quanta; a quantum of 0 leaves them alone."""
     return np.asarray(np.round(values / quantum) * quantum) if quantum > 0 else values

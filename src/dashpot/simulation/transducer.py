@@ -10,7 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.units import written
+from dashpot.base.units import format_quantity
 from dashpot.base.version import byline
 from dashpot.simulation.daq import Daq
 from dashpot.simulation.kinematics import tilted
@@ -156,7 +156,8 @@ class Instrument:
             left = size * self.daq.passed(line)
             if seen is not None and size:
                 found.append(
-                    f"{name} of {line:g} Hz shows at {seen:g} Hz, {written(left, 'mN', '.3g')}: "
+                    f"{name} of {line:g} Hz shows at {seen:g} Hz, "
+                    f"{format_quantity(left, 'mN', '.3g')}: "
                     f"{self.daq.rate:g} samples a second are too few for it, and the filter lets "
                     "it through"
                 )

@@ -27,7 +27,7 @@ _BEYOND = np.geomspace(1e-3, 1e8, 130)
 """Amplitudes over the one that begins to slip, less 1, at which the answer is tabulated."""
 
 
-def slider_behind(solid: GeneralizedMaxwell, omega: float, ratio: FloatArray) -> ComplexArray:
+def coulomb_in_series(solid: GeneralizedMaxwell, omega: float, ratio: FloatArray) -> ComplexArray:
     """Stiffness of a solid before a Coulomb element over its own, at one frequency.
 
     Parameters

@@ -17,9 +17,9 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
 from dashpot.base.errors import DataError
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import in_unit, written
-from dashpot.base.validators import positive
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import convert_to_unit, format_quantity
+from dashpot.base.validators import require_positive
 
 # a law is gentle if its tangent at the depth, and its path, leave the secant by no more than this
 GENTLE, STRAIGHT = 0.10, 0.025
@@ -27,7 +27,7 @@ GENTLE, STRAIGHT = 0.10, 0.025
 SMOOTH, SLACK = 0.30, 0.004
 
 
-class BareLaw(NamedTuple):
+class TangentTable(NamedTuple):
     """The kind of an elastic law, compressions, m, and the tangent stiffness there, N/m."""
 
     kind: str
@@ -36,7 +36,7 @@ class BareLaw(NamedTuple):
 
 
 @dataclass(frozen=True)
-class ElasticLaw(Documented):
+class ElasticLaw(Serialisable):
     r"""Relaxed force against compression, its tangent linear between knots.
 
     .. math:: F_e(x) = k \int_0^x t(u)\,du, \qquad \frac1h \int_0^h t(u)\,du = 1
@@ -129,9 +129,9 @@ class ElasticLaw(Documented):
         return self.stiffness * self.factor(x)
 
     @property
-    def bare(self) -> BareLaw:
+    def bare(self) -> TangentTable:
         """What follows of it alone."""
-        return BareLaw(self.kind, self.knots, self.tangents)
+        return TangentTable(self.kind, self.knots, self.tangents)
 
     @property
     def tangents(self) -> FloatArray:
@@ -172,7 +172,8 @@ class ElasticLaw(Documented):
         deepest, last = float(self.path(self.depth)), self.ratio[-1]
         if not 0 <= target < np.inf or (target > deepest and last <= 0):
             raise DataError(
-                f"no compression carries {force:.4g} N: at {written(self.depth, 'mm')} the relaxed "
+                f"no compression carries {force:.4g} N: at {format_quantity(self.depth, 'mm')} the "
+                "relaxed "
                 f"force is {self.stiffness * deepest:.4g} N, its tangent "
                 f"{self.stiffness * last:.4g} N/m"
             )
@@ -219,7 +220,7 @@ class PolynomialLaw:
 
     def __post_init__(self) -> None:
         a = samples("coefficients", self.coefficients)
-        positive("PolynomialLaw: ", depth=self.depth, optional=True)
+        require_positive("PolynomialLaw: ", depth=self.depth, optional=True)
         if not a.any():
             raise DataError(
                 f"PolynomialLaw: coefficients = {self.coefficients!r}; expected one other than 0"
@@ -315,8 +316,9 @@ def compare_with_curve(
     for depth in depths:
         if not x[0] <= depth <= x[-1]:
             raise DataError(
-                f"the compression curve runs from {in_unit(x[0], 'mm'):.4g} to "
-                f"{written(x[-1], 'mm')} and does not reach the depth of {written(depth, 'mm')}; "
+                f"the compression curve runs from {convert_to_unit(x[0], 'mm'):.4g} to "
+                f"{format_quantity(x[-1], 'mm')} and does not reach the depth of "
+                f"{format_quantity(depth, 'mm')}; "
                 "measure it deeper"
             )
         relaxed, curve = float(law.force(depth)), float(np.interp(depth, x, y))
@@ -326,7 +328,7 @@ def compare_with_curve(
                 depth,
                 relaxed,
                 curve,
-                f"at {written(depth, 'mm')} the compression curve reads {curve:.4g} N, "
+                f"at {format_quantity(depth, 'mm')} the compression curve reads {curve:.4g} N, "
                 f"{ratio:+.2g} % of the relaxed {relaxed:.4g} N; a curve driven at a finite "
                 "speed lies above by what has not relaxed yet",
             )

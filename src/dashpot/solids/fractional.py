@@ -30,8 +30,8 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
 from dashpot.base.errors import DataError
-from dashpot.base.serialisation import Documented
-from dashpot.base.validators import positive
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.validators import require_positive
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.solids.parallel import Parallel
 
@@ -142,7 +142,7 @@ def _beyond(u: float, alpha: float) -> tuple[float, float]:
 
 
 @dataclass(frozen=True)
-class FractionalZener(Solid, Documented):
+class FractionalZener(Solid, Serialisable):
     r"""A spring beside a spring and a springpot in series; with a dashpot beside them, if given.
 
     .. math:: K(s) = \frac{k_\infty + k_0 (s\tau)^\alpha}{1 + (s\tau)^\alpha} + b s, \qquad
@@ -185,7 +185,7 @@ class FractionalZener(Solid, Documented):
         for name, value in zip(("k_inf", "k_0", "b"), (*ends, float(self.b)), strict=True):
             if not (isfinite(value) and value >= 0):
                 raise DataError(f"{name} = {value!r}; a passive solid needs {name} >= 0 and finite")
-        positive(tau=self.tau, unit=" s", expected="a relaxation time > 0")
+        require_positive(tau=self.tau, unit=" s", expected="a relaxation time > 0")
         if not 0 < self.alpha <= 1:
             raise DataError(
                 f"alpha = {self.alpha!r}; expected 0 < alpha <= 1, from a spring to a dashpot"

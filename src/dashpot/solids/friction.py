@@ -18,7 +18,12 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.solids.maxwell import Solid
 from dashpot.solids.networks import series, spring
-from dashpot.solids.rate_independent import InParallel, RateIndependent, above_zero, amplitudes
+from dashpot.solids.rate_independent import (
+    InParallel,
+    RateIndependent,
+    amplitudes,
+    require_positive_parameters,
+)
 
 _Path = tuple[tuple[float, float], ...]
 
@@ -90,7 +95,7 @@ class Jenkins(Masing):
     slip: float
 
     def __post_init__(self) -> None:
-        above_zero(self, "k", "slip")
+        require_positive_parameters(self, "k", "slip")
 
     @property
     def yields_at(self) -> float:
@@ -103,7 +108,7 @@ class Jenkins(Masing):
 
     def stiffness(self, amplitude: npt.ArrayLike) -> ComplexArray:
         """Equivalent stiffness, N/m, in closed form."""
-        return self.k * slipping_share(amplitudes(amplitude), self.yields_at)
+        return self.k * jenkins_reduction(amplitudes(amplitude), self.yields_at)
 
     def in_series(self, solid: Solid, omega: FloatArray, amplitude: FloatArray) -> ComplexArray:
         """Complex stiffness of a solid and this behind it: its spring belongs to the solid."""
@@ -115,7 +120,7 @@ class Jenkins(Masing):
         return replace(self, k=count * self.k, slip=count * self.slip)
 
 
-def slipping_share(amplitude: npt.ArrayLike, yields_at: npt.ArrayLike) -> ComplexArray:
+def jenkins_reduction(amplitude: npt.ArrayLike, yields_at: npt.ArrayLike) -> ComplexArray:
     """Equivalent stiffness of a Jenkins element over its k; broadcasts over both, m."""
     r = np.minimum(np.divide(yields_at, amplitude), 1.0)
     theta = np.arccos(1 - 2 * r)
@@ -135,7 +140,7 @@ class Coulomb(RateIndependent):
     slip: float
 
     def __post_init__(self) -> None:
-        above_zero(self, "slip")
+        require_positive_parameters(self, "slip")
 
     def unloading(self, x: FloatArray, amplitude: FloatArray) -> FloatArray:
         """The slider's force against the motion, N."""
@@ -150,13 +155,15 @@ class Coulomb(RateIndependent):
         K, arms = solid.complex_stiffness(omega=omega), solid.maxwell
         if not arms.arms and not arms.b:
             return Jenkins(arms.k_inf, self.slip).stiffness(amplitude)
-        from dashpot.solids.coulomb_in_series import slider_behind  # costs an import that few need
+        from dashpot.solids.coulomb_in_series import (
+            coulomb_in_series,  # costs an import that few need
+        )
 
         found = np.empty(K.shape, dtype=complex)
         for each in np.unique(omega):
             here = omega == each
             ratio = amplitude[here] * np.abs(K[here]) / self.slip
-            found[here] = K[here] * slider_behind(arms, float(each), ratio)
+            found[here] = K[here] * coulomb_in_series(arms, float(each), ratio)
         return found
 
     def start(self) -> tuple[float, float]:
@@ -192,7 +199,7 @@ class Iwan(Masing):
     slip: float
 
     def __post_init__(self) -> None:
-        above_zero(self, "k", "slip")
+        require_positive_parameters(self, "k", "slip")
 
     def backbone(self, x: npt.ArrayLike) -> FloatArray:
         """Force, N, of the first loading."""
@@ -232,7 +239,7 @@ class Berg(RateIndependent):
     half_way: float
 
     def __post_init__(self) -> None:
-        above_zero(self, "limit", "half_way")
+        require_positive_parameters(self, "limit", "half_way")
 
     def _from(self, turn: Any, way: Any, up: Any) -> Any:
         """Force after moving `way` >= 0 from a turning point; `up` is +1 or -1."""
@@ -291,7 +298,7 @@ class Kraus(RateIndependent):
     loss: float | None = None
 
     def __post_init__(self) -> None:
-        above_zero(self, "k", "half_way", "exponent")
+        require_positive_parameters(self, "k", "half_way", "exponent")
         if self.exponent >= 1 or (self.loss is not None and not 0 <= self.loss < np.inf):
             raise DataError(
                 f"Kraus's law with m = {self.exponent:g}, loss = {self.loss}; expected 0 < m < 1 "
@@ -355,7 +362,7 @@ def jenkins_like(element: RateIndependent, *, to: float, per_decade: int = 10) -
     grid = np.geomspace(to / 1e3, to, 3 * per_decade + 1)
     # what slips beyond the largest amplitude is a spring there
     yields = np.append(grid, 1e3 * to)
-    share = slipping_share(grid[:, None], yields).real
+    share = jenkins_reduction(grid[:, None], yields).real
     k, _ = nnls(share, element.stiffness(grid).real)
     return InParallel(
         tuple(

@@ -12,9 +12,9 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
 from dashpot.base.errors import DataError
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import Quantity, si
-from dashpot.base.validators import positive
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import Quantity, convert_to_si
+from dashpot.base.validators import require_positive
 
 if TYPE_CHECKING:
     from dashpot.solids.interconversion import CreepSpectrum
@@ -37,7 +37,7 @@ def angular(
         raise TypeError("say frequency= in Hz or omega= in rad/s")
     if frequency is None:
         return np.asarray(omega, dtype=float)
-    hertz = si(frequency, "frequency") if isinstance(frequency, str) else frequency
+    hertz = convert_to_si(frequency, "frequency") if isinstance(frequency, str) else frequency
     return 2 * np.pi * np.asarray(hertz, dtype=float)
 
 
@@ -149,7 +149,7 @@ class MaxwellArm(NamedTuple):
 
 
 @dataclass(frozen=True)
-class GeneralizedMaxwell(Solid, Documented):
+class GeneralizedMaxwell(Solid, Serialisable):
     r"""A spring, a dashpot and any number of Maxwell arms in parallel.
 
     .. math::
@@ -268,7 +268,9 @@ class GeneralizedMaxwell(Solid, Documented):
 
     def with_length(self, length: float, *, measured_length: float) -> GeneralizedMaxwell:
         """The same section at another contact length, both in m: stiffness is per length."""
-        positive(length=length, measured_length=measured_length, unit=" m", expected="a length > 0")
+        require_positive(
+            length=length, measured_length=measured_length, unit=" m", expected="a length > 0"
+        )
         return self * (length / measured_length)
 
     def shifted(self, a_t: float, b_t: float = 1.0) -> GeneralizedMaxwell:
@@ -277,7 +279,7 @@ class GeneralizedMaxwell(Solid, Documented):
         Relaxation times times `a_t`, stiffnesses times `b_t`
         (:mod:`dashpot.solids.shift_laws`).
         """
-        positive(a_t=a_t, expected="a shift factor > 0")
+        require_positive(a_t=a_t, expected="a shift factor > 0")
         slower = replace(self, tau=tuple(a_t * tau for tau in self.tau), b=self.b * a_t)
         return slower * b_t
 
@@ -332,7 +334,7 @@ class GeneralizedMaxwell(Solid, Documented):
         with A = depth / ramp_time and c = ramp_time. Equation (5) as printed holds
         exp(c/tau), which overflows for tau < c/709; this form cannot.
         """
-        positive(ramp_time=ramp_time, unit=" s", expected="a time > 0")
+        require_positive(ramp_time=ramp_time, unit=" s", expected="a time > 0")
         t = np.asarray(t, dtype=float)
         k, tau = self._arms()
         b = k * tau

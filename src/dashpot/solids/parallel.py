@@ -11,12 +11,12 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.serialisation import Documented
+from dashpot.base.serialisation import Serialisable
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 
 @dataclass(frozen=True)
-class Parallel(Solid, Documented):
+class Parallel(Solid, Serialisable):
     """Solids that share one displacement: their forces add.
 
     Attributes

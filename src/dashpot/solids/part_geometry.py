@@ -23,8 +23,8 @@ import numpy as np
 
 from dashpot.base.choices import PartMode
 from dashpot.base.errors import DataError
-from dashpot.base.number_format import counted
-from dashpot.base.units import si
+from dashpot.base.number_format import format_count
+from dashpot.base.units import convert_to_si
 
 RUBBER = 0.4995
 """Poisson's ratio that a rubber has, nearly: a bulk modulus 1000 times its shear modulus."""
@@ -344,7 +344,7 @@ def _of_rubber(poisson: float) -> None:
 
 def _lengths(shape: Geometry, *names: str) -> None:
     for name in names:
-        value = si(getattr(shape, name), "length")
+        value = convert_to_si(getattr(shape, name), "length")
         if not (np.isfinite(value) and value > 0):
             raise DataError(f"{type(shape).__name__}: {name} = {value!r} m; expected a length > 0")
         object.__setattr__(shape, name, float(value))
@@ -370,7 +370,7 @@ def named_shape(words: str) -> Geometry:
     given = lengths.split(",")
     if len(given) != len(asked):
         raise DataError(
-            f"'{words}' has {counted(len(given), 'length')}; expected {len(asked)}: "
+            f"'{words}' has {format_count(len(given), 'length')}; expected {len(asked)}: "
             f"{', '.join(asked)}, with their units and commas between them"
         )
-    return kind(*(si(one.strip(), "length") for one in given))
+    return kind(*(convert_to_si(one.strip(), "length") for one in given))

@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
 from dashpot.base.errors import DataError
-from dashpot.base.validators import picked, positive
+from dashpot.base.validators import require_positive, select_fields
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 _NODES = 400
@@ -153,7 +153,7 @@ class RateIndependent(AmplitudeDependent):
 
 
 @dataclass(frozen=True)
-class Since(AmplitudeDependent):
+class RelativeToAmplitude(AmplitudeDependent):
     r"""What an element has changed by since an amplitude: :math:`N(X) - N(X_0)`.
 
     Beside a solid that was measured at X_0 with the element in it, it gives the solid and the
@@ -181,7 +181,7 @@ class Since(AmplitudeDependent):
         """Refused, as :meth:`start`."""
         return self.start()  # type: ignore[no-any-return]  # it raises
 
-    def __mul__(self, count: float) -> Since:
+    def __mul__(self, count: float) -> RelativeToAmplitude:
         """`count` in parallel."""
         return replace(self, element=self.element * count)
 
@@ -390,9 +390,9 @@ def amplitudes(amplitude: npt.ArrayLike) -> FloatArray:
     return X
 
 
-def above_zero(element: Any, *names: str) -> None:
+def require_positive_parameters(element: Any, *names: str) -> None:
     """Refuse an element one of whose numbers is not above 0."""
-    positive(f"{type(element).__name__}: ", **picked(element, *names))
+    require_positive(f"{type(element).__name__}: ", **select_fields(element, *names))
 
 
 def _marched(part: Solid | AmplitudeDependent) -> AmplitudeDependent | _Stepped:

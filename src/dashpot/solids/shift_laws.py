@@ -18,8 +18,8 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
 from dashpot.base.errors import DataError
-from dashpot.base.serialisation import Documented
-from dashpot.base.validators import positive
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.validators import require_positive
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 GAS = 8.314462618
@@ -29,7 +29,7 @@ _LN10 = log(10.0)
 _UNIVERSAL = 17.44, 51.6
 
 
-class TemperatureLaw(ABC, Documented):
+class TemperatureLaw(ABC, Serialisable):
     """Shift factor against temperature: 1 at the reference.
 
     Attributes
@@ -95,7 +95,7 @@ class WLF(TemperatureLaw):
     reference: float
 
     def __post_init__(self) -> None:
-        positive("WLF ", c1=self.c1, c2=self.c2, reference=self.reference)
+        require_positive("WLF ", c1=self.c1, c2=self.c2, reference=self.reference)
 
     @classmethod
     def universal(cls, *, glass: float, reference: float) -> WLF:
@@ -166,7 +166,7 @@ class Arrhenius(TemperatureLaw):
     reference: float
 
     def __post_init__(self) -> None:
-        positive("Arrhenius ", energy=self.energy, reference=self.reference)
+        require_positive("Arrhenius ", energy=self.energy, reference=self.reference)
 
     @property
     def kind(self) -> str:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from dashpot.base.result_mixins import Judged
+from dashpot.base.result_mixins import HasVerdict
 from dashpot.registry import find_handler
 
 if TYPE_CHECKING:
     from dashpot.text_output.layout import Text
 
 
-def text_of(result: object) -> Text:
+def render_text(result: object) -> Text:
     """Return the text of a result.
 
     Raises
@@ -26,21 +26,21 @@ def text_of(result: object) -> Text:
     return found(result)
 
 
-def printed(noun: Any) -> str:
+def format_result(noun: Any) -> str:
     """Return what a command prints of a result; of what is none, what a shell shows."""
     found = _teller(noun)
     if found is None:
         return repr(noun)
-    from dashpot.text_output.terminal_layout import shown
+    from dashpot.text_output.terminal_layout import format_for_screen
 
     checks = getattr(noun, "weighed", None) or noun.checks
-    return "\n".join(shown(found(noun), getattr(noun, "verdict", None), checks))
+    return "\n".join(format_for_screen(found(noun), getattr(noun, "verdict", None), checks))
 
 
 def _teller(noun: object) -> Callable[[Any], Text] | None:
     handler: Callable[[Any], Text] | None = find_handler("text", noun)
-    if handler is None and isinstance(noun, Judged) and noun.facts:
-        from dashpot.text_output.frequency_table import by_facts
+    if handler is None and isinstance(noun, HasVerdict) and noun.facts:
+        from dashpot.text_output.frequency_table import render_facts
 
-        return by_facts
+        return render_facts
     return handler

@@ -8,10 +8,10 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.base.number_format import ascii_only
-from dashpot.base.result_mixins import Judged
-from dashpot.base.units import read_in
+from dashpot.base.result_mixins import HasVerdict
+from dashpot.base.units import get_display_unit
 from dashpot.text_output.layout import Text, facts, table
-from dashpot.text_output.results import rounded, with_error
+from dashpot.text_output.results import format_rounded, with_error
 
 ERRORS = {
     "phase": ("1 deg", "1 degree of phase", float(np.pi / 180)),
@@ -59,14 +59,14 @@ class Measured(Protocol):
         ...
 
 
-def by_facts(found: Judged) -> Text:
+def render_facts(found: HasVerdict) -> Text:
     """Return the numbers of a result with their intervals, and what the readers noticed."""
     sources = getattr(found, "sources", ())
     notes = [f"  read        {one.file}: {note}" for one in sources for note in one.notes]
     return Text(facts(found.facts), ascii_only("\n".join(notes)).splitlines())
 
 
-def plainly(found: object) -> Text:
+def render_summary(found: object) -> Text:
     """Return what a result says of itself."""
     return Text(str(found).splitlines())
 
@@ -84,12 +84,12 @@ def sensitive(of: Measured, *, errors: tuple[str, ...], unit: str, shown: int) -
     shown : int
     """
     told = [(ERRORS[name], of.changes(name, ERRORS[name][2])) for name in errors]
-    rows = [["Hz", f"storage, {read_in(unit)}", "loss factor"]]
+    rows = [["Hz", f"storage, {get_display_unit(unit)}", "loss factor"]]
     for (heading, _, _), _ in told:
         rows[0] += [f"{heading}: %", "loss factor"]
     for i in _spread(of, shown):
         row = [
-            rounded(float(of.frequency[i])),
+            format_rounded(float(of.frequency[i])),
             with_error(float(of.storage[i]), float(of.storage_sd[i]), unit),
             with_error(float(of.loss_factor[i]), float(of.loss_factor_sd[i])),
         ]

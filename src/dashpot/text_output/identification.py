@@ -17,7 +17,7 @@ _ROWS = 3
 """Lines of a transmissibility that are shown: both ends of its band, and between."""
 
 
-def identified(found: Identified) -> Text:
+def render_identification(found: Identified) -> Text:
     """Return the solid, and the modes of what was measured where nothing else was fitted."""
     solid, straight = fit(found.fit), found.direct.of
     first, lines = list(solid.lines[:1]), solid.lines[1:]

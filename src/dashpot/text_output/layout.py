@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from dashpot.base.reported_values import Fact
+    from dashpot.base.reported_values import ReportedValue
 
 
 class Text(NamedTuple):
@@ -35,7 +35,7 @@ def table(rows: Sequence[Sequence[str]], *, left: bool = False) -> list[str]:
     return [(form % tuple(row)).rstrip() for row in rows]
 
 
-def facts(found: Sequence[Fact]) -> list[str]:
+def facts(found: Sequence[ReportedValue]) -> list[str]:
     """Return named numbers as a table: value, error, interval and unit, where any has one."""
     head = ("", "value", "± SE", "95 % interval", "unit")
     rows = [one.cells.ascii for one in found]

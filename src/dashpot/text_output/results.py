@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from dashpot.base import number_format
 from dashpot.base.number_format import ascii_only
-from dashpot.base.reported_values import UNKNOWN, Fact
-from dashpot.base.units import celsius, in_unit, written
+from dashpot.base.reported_values import UNKNOWN, ReportedValue
+from dashpot.base.units import celsius, convert_to_unit, format_quantity
 from dashpot.text_output.layout import Text, facts, table
 
 if TYPE_CHECKING:
@@ -26,19 +26,19 @@ if TYPE_CHECKING:
     from dashpot.workflow.vibration.impact_tests import Agreement, ImpactResult
 
 
-def rounded(value: float, error: float | None = None, *, digits: int = 4) -> str:
+def format_rounded(value: float, error: float | None = None, *, digits: int = 4) -> str:
     """Return `value` with no more digits than its error supports, as every terminal shows it."""
-    return ascii_only(number_format.rounded(value, error, digits=digits))
+    return ascii_only(number_format.round_to_error(value, error, digits=digits))
 
 
 def cell(value: float | None, unit: str, *, digits: int = 4) -> str:
     """Return a value, SI, in a column of a unit, so too; empty where there is none."""
-    return ascii_only(number_format.cell(value, unit, digits=digits))
+    return ascii_only(number_format.format_cell(value, unit, digits=digits))
 
 
 def with_error(value: float, error: float | None, unit: str = "") -> str:
     """Return a value of a unit of SI and its error as people read both; None is not known."""
-    return Fact.known("", value, error, unit=unit).cells.ascii.with_error
+    return ReportedValue.known("", value, error, unit=unit).cells.ascii.with_error
 
 
 def hertz(band: tuple[float, float]) -> str:
@@ -57,25 +57,31 @@ def fit(found: Fit, *, asked: int | str = "auto") -> Text:
     """
     residual = found.residual
     lines = [
-        _fitted(found, asked),
+        _format_fit_heading(found, asked),
         *_solid(found),
         f"  residual    {_size(residual)}; {_samples(residual)}",
         f"  valid band  {hertz(found.band)}",
     ]
     for section in (
-        _creep, _bent, _left_open, _beside, _temperatures, _by_depth, _explained,
-    ):  # fmt: skip
+        _creep,
+        _format_elastic_law,
+        _format_hold_end,
+        _format_alternative,
+        _temperatures,
+        _format_depth_stiffnesses,
+        _format_explanations,
+    ):
         lines += section(found)
     of = " of the one solid of all depths, at the deepest" if found.by_depth else ""
     every = [f"every parameter{of}", *facts(found.known)] if found.parameters else []
-    details = [*every, *_moved(found), f"  optimiser   {found.status.value}"]
+    details = [*every, *_format_parameter_changes(found), f"  optimiser   {found.status.value}"]
     if found.certificate:
         details.append(f"  optimality  {found.certificate.says}")
     (details if residual.unit == "N" else lines).extend(_nuisance(found))
     return Text(lines, [*details, *list_notes(found.source), *_orders(found)])
 
 
-def _fitted(found: Fit, asked: int | str) -> str:
+def _format_fit_heading(found: Fit, asked: int | str) -> str:
     """What was fitted to which files, and whether it is less than was asked for."""
     files = ", ".join(source.file for source in found.source) or "arrays in memory"
     arms = f"{found.model.arms} Maxwell arm{'s' * (found.model.arms != 1)}"
@@ -93,7 +99,9 @@ def _size(residual: Residual) -> str:
     """What is left of a fit, in its unit or as times the noise."""
     if residual.unit == "sd":
         return f"{residual.rms:.3g} times the noise"
-    return f"{written(residual.rms, _RESIDUAL.get(residual.unit, residual.unit), '.3g')} rms"
+    return (
+        f"{format_quantity(residual.rms, _RESIDUAL.get(residual.unit, residual.unit), '.3g')} rms"
+    )
 
 
 def _solid(found: Fit) -> list[str]:
@@ -115,14 +123,14 @@ def _solid(found: Fit) -> list[str]:
     if found.by_depth:
         known.clear()
     elif rest is not None and rest.cells.error:
-        rows.append([known.pop("k_inf").called, *_both(rest), *[""] * 4])
+        rows.append([known.pop("k_inf").called, *_format_value_and_error(rest), *[""] * 4])
     for arm in arms:
         number = arm[0].name.partition("_")[2]
-        rows.append([number, *(cell for fact in arm for cell in _both(fact))])
+        rows.append([number, *(cell for fact in arm for cell in _format_value_and_error(fact))])
     return [*(facts([*known.values()]) if known else ()), *table(rows)]
 
 
-def _both(fact: Fact) -> tuple[str, str]:
+def _format_value_and_error(fact: ReportedValue) -> tuple[str, str]:
     """Value and standard error; that it is not known, or the limit that alone is, in its place."""
     cells = fact.cells.ascii
     if not cells.value:
@@ -139,22 +147,25 @@ def _samples(residual: Residual) -> str:
     return f"{count:,} samples, equal to {independent:,.0f} independent ones"
 
 
-def _bent(found: Fit) -> list[str]:
+def _format_elastic_law(found: Fit) -> list[str]:
     """The elastic law, where it is no straight line."""
     law = found.elastic_law
     if law is None or law.kind == "linear":
         return []
-    secant = f"secant {written(law.stiffness, 'N/mm')} at {written(law.depth, 'mm', '.3g')}; "
+    secant = (
+        f"secant {format_quantity(law.stiffness, 'N/mm')} at "
+        f"{format_quantity(law.depth, 'mm', '.3g')}; "
+    )
     noise = "" if found.estimate.of_noise is None else f" ({found.error_beside})"
     return [f"  elastic     {'' if found.by_depth else secant}tangent{noise} {_law(law)}"]
 
 
-def _left_open(found: Fit) -> list[str]:
+def _format_hold_end(found: Fit) -> list[str]:
     end = found.end_of_hold
     return [f"  not known   {ascii_only(end.says(found.unit))}"] if end else []
 
 
-def _beside(found: Fit) -> list[str]:
+def _format_alternative(found: Fit) -> list[str]:
     """The other family of solids, unless the verdict has named it."""
     other = found.alternative
     return (
@@ -226,7 +237,7 @@ def _shift_law(found: Fit, moved: TemperatureShifts) -> str:
     return ascii_only(": ".join(filter(None, (law, constants))))
 
 
-def _by_depth(found: Fit) -> list[str]:
+def _format_depth_stiffnesses(found: Fit) -> list[str]:
     """Return the stiffnesses of each depth, where each has its own."""
     if not found.by_depth:
         return []
@@ -234,23 +245,27 @@ def _by_depth(found: Fit) -> list[str]:
     rows = [["  depth", *(one.called for one in each[0])]]
     for at, known in zip(found.by_depth, each, strict=True):
         cells = (one.cells.ascii.with_limit for one in known)
-        rows.append([f"  {written(at.depth, 'mm')}", *cells])
+        rows.append([f"  {format_quantity(at.depth, 'mm')}", *cells])
     return [f"    by depth, {each[0][0].word}, ± SE", *table(rows)]
 
 
-def _moved(found: Fit) -> list[str]:
+def _format_parameter_changes(found: Fit) -> list[str]:
     """Return what a further test changed, one parameter a row."""
     if not found.moved:
         return []
     rows = [["  moved", "before, ± noise", "after, ± noise", "by, in SE before"]]
     for item in found.moved:
         before = "-" if item.was is None else _with_limit(item.was)
-        by = "new" if item.was is None else ascii_only(number_format.signed(item.shift))
+        by = (
+            "new"
+            if item.was is None
+            else ascii_only(number_format.format_signed_difference(item.shift))
+        )
         rows.append([f"  {item.name}", before, _with_limit(item.now), by])
     return table(rows)
 
 
-def _with_limit(fact: Fact) -> str:
+def _with_limit(fact: ReportedValue) -> str:
     """Value, error or upper limit, and unit."""
     cells = fact.cells.ascii
     return f"{cells.with_limit} {cells.unit}".rstrip()
@@ -262,7 +277,7 @@ def _match(one: Explanation) -> str:
     return "closer, but no match" if one.fall > 0 else "no match"
 
 
-def _explained(found: Fit) -> list[str]:
+def _format_explanations(found: Fit) -> list[str]:
     """Return what would explain two tests that disagree, the best first."""
     return [
         ascii_only(
@@ -317,7 +332,7 @@ def _hits(hits: Sequence[Hit]) -> list[str]:
             hit.name,
             f"{hit.time:.3f}",
             f"{hit.peak:.3g}",
-            f"{in_unit(hit.duration, 'ms'):.3g}",
+            f"{convert_to_unit(hit.duration, 'ms'):.3g}",
             "accepted" if hit.accepted else "REJECTED",
         ]
         for hit in hits
@@ -326,7 +341,7 @@ def _hits(hits: Sequence[Hit]) -> list[str]:
     return [*table(rows), *left_out]
 
 
-def tried(orders: Sequence[tuple[str, float]]) -> str:
+def format_bic_differences(orders: Sequence[tuple[str, float]]) -> str:
     """Return how far each law that was tried is above the best."""
     least = min(score for _, score in orders)
     return "  BIC above the least: " + ", ".join(f"{name} {at - least:.1f}" for name, at in orders)
@@ -339,7 +354,8 @@ def agreement(found: Agreement) -> Text:
         lines.append(str(found.at_rest))
     if found.mass_inferred:
         lines.append(
-            f"  mass        {written(found.mass, 'g', '.5g')}, inferred from the measured FRF: the "
+            f"  mass        {format_quantity(found.mass, 'g', '.5g')}, inferred from the measured "
+            "FRF: the "
             "agreement in frequency then proves nothing; give the mass to test it"
         )
     return Text(lines, [f"  {arm}" for arm in found.comparison.arms])
@@ -361,7 +377,8 @@ def study(found: Study) -> Text:
     if found.mass is not None and found.comparison is not None:
         inferred = " (found from the FRF)" if found.mass_inferred else ""
         lines.append(
-            f"{written(found.mass, 'g', '.6g')}{inferred} on {number_format.seals(found.seals)}"
+            f"{format_quantity(found.mass, 'g', '.6g')}{inferred} on "
+            f"{number_format.seals(found.seals)}"
         )
         lines += comparison(found.comparison, found.joint_comparison)
         details += ["", "prediction from the relaxation test alone", str(found.comparison)]
@@ -377,7 +394,7 @@ def study(found: Study) -> Text:
 def prediction(found: Prediction, levels: Sequence[str] = ()) -> Text:
     """Return a prediction's peak, modes and limits."""
     (hz, height), seals = found.peak, found.seals
-    on = f"{written(found.mass, 'g', '.6g')} on {number_format.seals(seals)}"
+    on = f"{format_quantity(found.mass, 'g', '.6g')} on {number_format.seals(seals)}"
     does = "largest value" if found.at_edge else "peak"
     kind = found.frf.quantity.replace("_", " ")
     lines = [f"{on}: {does} of the {kind} {height:.5g} {found.frf.read} at {hz:.5g} Hz"]
@@ -407,7 +424,8 @@ def _shaken(found: ShakenMass) -> list[str]:
     reach = "" if band is None else f" ({band[0]:.4g} to {band[1]:.4g} Hz)"
     does = (
         f"  shaken by {found.of}{reach}, the mass has {response.acceleration:.4g} m/s^2 rms and "
-        f"the seals move {written(response.stretch, 'mm')} rms, {response.crossings:.4g} times a "
+        f"the seals move {format_quantity(response.stretch, 'mm')} rms, {response.crossings:.4g} "
+        "times a "
         "second"
     )
     lines = [does]
@@ -421,7 +439,7 @@ def _shaken(found: ShakenMass) -> list[str]:
 
 def _reach(ends: tuple[float, float], unit: str = "1") -> str:
     """Between which limits something lies; from the lower one on where nothing else limits it."""
-    low, high = (in_unit(end, unit) for end in ends)
+    low, high = (convert_to_unit(end, unit) for end in ends)
     return f"{low:.4g} to {f'{high:.4g}' if math.isfinite(high) else 'unlimited'}"
 
 
@@ -430,7 +448,7 @@ def _wider(modes: Iterable[Mode]) -> str:
     lowest = min((mode.frequency for mode in modes), default=0.0)
     if not lowest > 0:
         return ""
-    low, high = (rounded(end, digits=2) for end in (lowest / 4, 4 * lowest))
+    low, high = (format_rounded(end, digits=2) for end in (lowest / 4, 4 * lowest))
     return f" Add --band {low}:{high}Hz for the mode at {lowest:.4g} Hz."
 
 
@@ -440,5 +458,6 @@ def _law(law: ElasticLaw) -> str:
     shown = law.knots[::step]
     each = zip(shown, law.tangent(shown), law.stiffness * law.factor_se(shown), strict=True)
     return ", ".join(
-        f"{with_error(k, se or None, 'N/m')} at {written(x, 'mm', '.3g')}" for x, k, se in each
+        f"{with_error(k, se or None, 'N/m')} at {format_quantity(x, 'mm', '.3g')}"
+        for x, k, se in each
     )

@@ -7,9 +7,9 @@ import textwrap
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from dashpot.base.escaping import escaped
+from dashpot.base.escaping import escape_terminal_text
 from dashpot.base.number_format import ascii_only
-from dashpot.base.sentences import lowered, sentences
+from dashpot.base.sentences import decapitalise_sentence, sentences
 from dashpot.text_output.layout import Text
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ Style: TypeAlias = Callable[..., str]
 """What makes a word bold, dim or of a colour, as ``click.style`` does."""
 
 
-def plain(word: str, **_: Any) -> str:
+def apply_no_style(word: str, **_: Any) -> str:
     """Return a word as it is."""
     return word
 
@@ -52,13 +52,13 @@ USES = {"use": "green", "use with care": "yellow", "do not use": "red"}
 """The colours of a verdict."""
 
 
-def shown(
+def format_for_screen(
     text: Text,
     verdict: Verdict | None,
     checks: Sequence[Check],
     *,
     verbose: bool = False,
-    style: Style = plain,
+    style: Style = apply_no_style,
     size: ScreenSize = SIZE,
 ) -> list[str]:
     """Return a result line by line: its verdict, its numbers, and the checks that failed.
@@ -72,10 +72,10 @@ def shown(
     # of a table of thousands no more is put into lines than can be shown, and one to be cut
     part = text.lines if verbose else text.lines[: lines + 1]
     body, asked = _lines(part, columns), _lines(text.asked, columns)
-    counted = [f"  checks      {_counted(checks)}"] if checks else []
+    counted = [f"  checks      {_format_check_counts(checks)}"] if checks else []
     failed = [
         _check(each, verdict, style, columns)
-        for each in _listed(verdict, checks, everything=verbose)
+        for each in _select_failed_checks(verdict, checks, everything=verbose)
     ]
     if verbose:
         return [
@@ -86,7 +86,7 @@ def shown(
             *counted,
             *(part for each in failed for part in each),
         ]
-    tail = counted + [part for each in failed for part in _short(each, columns)]
+    tail = counted + [part for each in failed for part in _shorten_check_lines(each, columns)]
     left = max(lines - 1 - len(head) - len(tail), 0)
     if len(body) > left:
         body, whole = [*body[: max(left - 1, 0)], "  ..."], len(body)
@@ -101,21 +101,23 @@ def shown(
 
 def _lines(paragraphs: Sequence[str], columns: int) -> list[str]:
     texts = (line for text in paragraphs for line in text.split("\n"))
-    return [part for line in texts for part in wrapped(line, columns=columns)]
+    return [part for line in texts for part in wrap_line(line, columns=columns)]
 
 
-def lead(verdict: Verdict, style: Style = plain, columns: int = COLUMNS) -> list[str]:
+def lead(verdict: Verdict, style: Style = apply_no_style, columns: int = COLUMNS) -> list[str]:
     """Return a verdict and why, as the first lines of a result."""
     mark, _, says = str(verdict).partition(": ")
-    return _coloured(f"{mark}:", says, USES[verdict.use], style, hang=2, columns=columns)
+    return _format_marked_sentence(
+        f"{mark}:", says, USES[verdict.use], style, hang=2, columns=columns
+    )
 
 
-def wrapped(line: str, *, hang: int | None = None, columns: int = COLUMNS) -> list[str]:
+def wrap_line(line: str, *, hang: int | None = None, columns: int = COLUMNS) -> list[str]:
     """Return a line as lines of the terminal's width, the later ones under the text of the first.
 
     In a row of columns that is the last one that begins in the left half.
     """
-    line = escaped(line)
+    line = escape_terminal_text(line)
     if len(line) <= columns:
         return [line]
     if hang is None:
@@ -130,15 +132,15 @@ def wrapped(line: str, *, hang: int | None = None, columns: int = COLUMNS) -> li
     )
 
 
-def _coloured(
+def _format_marked_sentence(
     mark: str, sentence: str, colour: str | None, style: Style, *, hang: int, columns: int
 ) -> list[str]:
     """Return a sentence in lines, its mark in colour."""
-    first, *others = wrapped(ascii_only(f"{mark} {sentence}"), hang=hang, columns=columns)
+    first, *others = wrap_line(ascii_only(f"{mark} {sentence}"), hang=hang, columns=columns)
     return [style(mark, fg=colour, bold=True) + first[len(mark) :], *others]
 
 
-def _listed(
+def _select_failed_checks(
     verdict: Verdict | None, checks: Sequence[Check], *, everything: bool
 ) -> Sequence[Check]:
     """Return the failed checks to list, the gravest first."""
@@ -151,11 +153,15 @@ def _listed(
 def _check(check: Check, verdict: Verdict | None, style: Style, columns: int) -> list[str]:
     mark, colour = MARKS[check.grade]
     says = check.typed
-    above = set() if verdict is None else {lowered(one) for one in sentences(verdict.says)}
-    new = [one for one in sentences(check.told) if lowered(one) not in above]
-    if lowered(sentences(check.told)[0]) in above:
+    above = (
+        set()
+        if verdict is None
+        else {decapitalise_sentence(one) for one in sentences(verdict.says)}
+    )
+    new = [one for one in sentences(check.told) if decapitalise_sentence(one) not in above]
+    if decapitalise_sentence(sentences(check.told)[0]) in above:
         says = says.replace(check.told, " ".join(["(see line 1)", *new]))
-    first, *others = _coloured(
+    first, *others = _format_marked_sentence(
         f"  {mark}", f"{says} {check.name}", colour, style, hang=5, columns=columns
     )
     lines = [first, *others]
@@ -164,13 +170,13 @@ def _check(check: Check, verdict: Verdict | None, style: Style, columns: int) ->
     return lines
 
 
-def _short(check: list[str], columns: int) -> list[str]:
+def _shorten_check_lines(check: list[str], columns: int) -> list[str]:
     """Return a check's first lines, and a sign where there are more."""
     kept = check[:CHECK_LINES]
     return kept if len(check) == len(kept) else [*kept[:-1], f"{kept[-1][: columns - 4]} ..."]
 
 
-def _counted(checks: Sequence[Check]) -> str:
+def _format_check_counts(checks: Sequence[Check]) -> str:
     """Return how many checks passed, failed, are a note, and have nothing to judge."""
     each_once = dict.fromkeys(checks)  # several tests may give one and the same answer
     states = ["note" if one.failed and one.grade == "note" else one.passed for one in each_once]

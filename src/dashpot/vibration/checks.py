@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dashpot.base.checks import Finding, Remedy, criterion
-from dashpot.base.units import written
+from dashpot.base.units import format_quantity
 
 CAUSAL_LIMIT = 0.5
 MOST_BEYOND = 3.0
@@ -26,7 +26,7 @@ def seal_mass_negligible(part: float) -> Finding:
 def mass_of_a_block(mass: float) -> Finding:
     """The mass is one that a hammer test has."""
     return Finding(
-        f"The mass is {written(mass, 'g')}",
+        f"The mass is {format_quantity(mass, 'g')}",
         mass,
         "An accelerometer alone weighs more",
         Remedy("Check the unit of the mass: kg or g.", "mass"),
@@ -38,14 +38,14 @@ def mass_of_a_block(mass: float) -> Finding:
 )
 def compression_tested(compression: float, depth: float | None) -> Finding:
     """The seals are pressed no deeper than they were tested."""
-    says = f"The seals are pressed by {written(compression, 'mm')}"
+    says = f"The seals are pressed by {format_quantity(compression, 'mm')}"
     if depth is None:
         return Finding(f"{says}. The depth of their test is not known")
     part = compression / depth
     return Finding(
-        f"{says}, within the {written(depth, 'mm', '.3g')} tested",
+        f"{says}, within the {format_quantity(depth, 'mm', '.3g')} tested",
         part,
-        instead=f"{says}, {part:.3g} times the {written(depth, 'mm', '.3g')} tested",
+        instead=f"{says}, {part:.3g} times the {format_quantity(depth, 'mm', '.3g')} tested",
         remedy=Remedy("Check the mass and its unit, or test as deep.", "mass"),
         grade="stop" if part > MOST_BEYOND else "limit",
     )

@@ -3,6 +3,6 @@
 The names stand in ``__init__.pyi``; each is imported when it is first used.
 """
 
-from dashpot.base.lazy import names_of
+from dashpot.base.lazy import build_lazy_exports
 
-__getattr__, __dir__, __all__ = names_of(__name__, __file__)
+__getattr__, __dir__, __all__ = build_lazy_exports(__name__, __file__)

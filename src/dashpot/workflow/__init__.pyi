@@ -26,7 +26,9 @@ from dashpot.extensions.modes.measured_modes import modes_files as modes_files
 from dashpot.extensions.projects.project import create as create
 from dashpot.extensions.projects.project import open_project as open_project
 from dashpot.extensions.projects.project import record as record
-from dashpot.extensions.projects.verification import left_by_killed_runs as left_by_killed_runs
+from dashpot.extensions.projects.verification import (
+    check_half_written_files as check_half_written_files,
+)
 from dashpot.extensions.projects.verification import verify as verify
 from dashpot.fitting.uncertainty.prediction_bounds import unseen_arm_band as unseen_arm_band
 from dashpot.planning.assumed_seal import SupposedSeal as SupposedSeal
@@ -41,22 +43,22 @@ from .example_files import EXAMPLES as EXAMPLES
 from .example_files import FIRST as FIRST
 from .example_files import MASS as MASS
 from .fit_bench_tests import fit_files as fit_files
-from .fit_bench_tests import of_order as of_order
+from .fit_bench_tests import fit_fixed_order as fit_fixed_order
 from .inspections import InspectedFile as InspectedFile
 from .inspections import Inspections as Inspections
 from .inspections import inspect_files as inspect_files
 from .job import HammerChoices as HammerChoices
 from .job import Job as Job
 from .job import RodChoices as RodChoices
-from .json_archive import document as document
+from .json_archive import to_document as to_document
+from .json_files import format_unexpected_kind as format_unexpected_kind
 from .json_files import read_exported as read_exported
 from .json_files import read_fit as read_fit
-from .json_files import stored as stored
-from .json_files import told_as as told_as
+from .json_files import read_json_document as read_json_document
 from .response.frf_prediction import Prediction as Prediction
 from .response.frf_prediction import predict_files as predict_files
-from .response.static_equilibrium import AtRest as AtRest
-from .response.static_equilibrium import at_rest as at_rest
+from .response.static_equilibrium import StaticEquilibrium as StaticEquilibrium
+from .response.static_equilibrium import find_static_equilibrium as find_static_equilibrium
 from .study import run as run
 from .vibration.impact_tests import Agreement as Agreement
 from .vibration.impact_tests import ImpactResult as ImpactResult

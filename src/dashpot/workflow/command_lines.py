@@ -29,7 +29,7 @@ def line(command: str, job: Job | LevelJob | ModesJob) -> str:
         value = getattr(named, one.name)
         files += [value] if isinstance(value, str) else value
     if isinstance(named, Job):
-        named = replace(named, reading=_of_both(named), reading_impact=ReadOptions())
+        named = replace(named, reading=_merge_read_options(named), reading_impact=ReadOptions())
     return shlex.join(["dashpot", command, *files, *words_of(named)])
 
 
@@ -43,7 +43,7 @@ def predict_command(job: Job, frf: FRF, fit: str = FIT) -> str:
     return shlex.join(["dashpot", "predict", fit, *said, "--base"])
 
 
-def _of_both(job: Job) -> ReadOptions:
+def _merge_read_options(job: Job) -> ReadOptions:
     """What the files are read by: the units of all of them, and of each what is its own.
 
     A column or a mark of one file would make the other another kind of test.

@@ -11,8 +11,8 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.reported_values import Fact, Numbered
-from dashpot.base.result_mixins import Described, Judged
+from dashpot.base.reported_values import HasReportedValues, ReportedValue
+from dashpot.base.result_mixins import HasSummary, HasVerdict
 from dashpot.datamodel.fit import Fit
 from dashpot.workflow.study import Study
 
@@ -69,10 +69,10 @@ def library(name: str) -> Any:
 @singledispatch
 def frame(noun: object) -> UnitFrame:
     """Return the numbers of a noun as columns: its own series, or the facts of a result."""
-    if isinstance(noun, Described) and noun.series:
+    if isinstance(noun, HasSummary) and noun.series:
         return _frame(**noun.series)
-    if isinstance(noun, Judged | Numbered) and noun.facts:
-        return _of_facts(noun.facts)
+    if isinstance(noun, HasVerdict | HasReportedValues) and noun.facts:
+        return _build_facts_frame(noun.facts)
     raise DataError(f"a {type(noun).__name__} is no table")
 
 
@@ -88,10 +88,10 @@ def _frame(**columns: tuple[Any, str]) -> UnitFrame:
 @frame.register
 def _(noun: Fit) -> UnitFrame:
     """Its facts, but for the dashpots that follow of k and tau."""
-    return _of_facts([one for one in noun.facts if not one.name.startswith("b")])
+    return _build_facts_frame([one for one in noun.facts if not one.name.startswith("b")])
 
 
-def _of_facts(rows: Sequence[Fact]) -> UnitFrame:
+def _build_facts_frame(rows: Sequence[ReportedValue]) -> UnitFrame:
     """One row for each, with its standard error and 95 % interval."""
     return _frame(
         parameter=([one.name for one in rows], ""), value=(_column(rows, "value"), ""),
@@ -106,5 +106,5 @@ def _(noun: Study) -> UnitFrame:
     return frame(noun.fit if noun.joint is None else noun.joint)
 
 
-def _column(rows: Sequence[Fact], name: str) -> FloatArray:
+def _column(rows: Sequence[ReportedValue], name: str) -> FloatArray:
     return np.array([getattr(one, name) for one in rows], dtype=float)

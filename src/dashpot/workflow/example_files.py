@@ -14,10 +14,10 @@ from types import MappingProxyType
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.units import in_unit, written
+from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.base.version import byline
 from dashpot.reading.write import write_impact, write_relaxation
-from dashpot.registry import KINDS, Example, load
+from dashpot.registry import KINDS, Example, load_object
 from dashpot.simulation.free_plate import free_plate
 from dashpot.simulation.ground_truth import stamp
 from dashpot.simulation.impact import Hammer, simulate_impact
@@ -48,16 +48,16 @@ def _seal(
 ) -> Callable[[], str]:
     climate = None if celsius is None else Climate(celsius + 273.15)
 
-    def made() -> str:
+    def simulate_test_file() -> str:
         found = simulate_relaxation(
             BROAD, depth=depth, hold_time=hold, rig=rig, seed=seed, climate=climate
         )
         return write_relaxation(found.test, comments=stamp(found.truth)[:1])
 
-    return made
+    return simulate_test_file
 
 
-def _clipped() -> str:
+def _simulate_clipped_test() -> str:
     """A load cell whose range ends at three quarters of the force."""
     found = simulate_relaxation(BROAD, rig=_RIG, seed=7)
     most = 0.75 * float(found.test.force.max())
@@ -76,7 +76,7 @@ def _sweep() -> str:
     """Storage and loss of one seal as a dynamic testing machine writes them, 0.5 % noisy."""
     frequency = np.geomspace(0.01, 100.0, 41)
     stiffness = BROAD.complex_stiffness(omega=2 * np.pi * frequency)
-    storage, loss = (in_unit(part, "N/mm") for part in (stiffness.real, stiffness.imag))
+    storage, loss = (convert_to_unit(part, "N/mm") for part in (stiffness.real, stiffness.imag))
     noise = 1 + 0.005 * np.random.default_rng(1).standard_normal((2, len(frequency)))
     rows = zip(frequency, storage * noise[0], loss * noise[1], strict=True)
     head = "frequency [Hz],storage stiffness [N/mm],loss stiffness [N/mm]"
@@ -125,7 +125,7 @@ def _line() -> str:
 _HINGES, _LATCH, _MIRROR = ((0.0, 0.3, 0.0), (0.0, 0.9, 0.0)), (1.1, 0.6, 0.0), (0.15, 1.05, 0.0)
 
 
-def _around() -> tuple[FloatArray, FloatArray]:
+def _make_seal_line() -> tuple[FloatArray, FloatArray]:
     """A seal line 20 mm within a door, its corners round, m; and its gap, 12.5 to 15 mm."""
     radius, low, high = 0.1, np.array([0.02, 0.02]), np.array([1.08, 1.18])
     points: list[FloatArray] = []
@@ -142,9 +142,9 @@ def _around() -> tuple[FloatArray, FloatArray]:
 
 
 def _door_line() -> str:
-    place, gap = _around()
+    place, gap = _make_seal_line()
     rows = (
-        ",".join(f"{in_unit(v, 'mm'):.3f}" for v in (*p, g))
+        ",".join(f"{convert_to_unit(v, 'mm'):.3f}" for v in (*p, g))
         for p, g in zip(place, gap, strict=True)
     )
     head = [f"# {byline('simulated seal line')}", "# simulated", "x [mm],y [mm],z [mm],gap [mm]"]
@@ -153,10 +153,12 @@ def _door_line() -> str:
 
 def _door_modes() -> str:
     """Of a plate of 25 kg whose first elastic mode lies at 64 Hz, as a row a point and mode."""
-    place = np.concatenate((_around()[0][:-1], (*_HINGES, _LATCH, _MIRROR)))
+    place = np.concatenate((_make_seal_line()[0][:-1], (*_HINGES, _LATCH, _MIRROR)))
     modes = free_plate(place, width=1.1, height=1.2, mass=25.0, rigidity=3e4, elastic=24)
     rows = (
-        ",".join(f"{v:.7g}" for v in (r + 1, f, *in_unit(place[p], "mm"), modes.shapes[r, p, 2]))
+        ",".join(
+            f"{v:.7g}" for v in (r + 1, f, *convert_to_unit(place[p], "mm"), modes.shapes[r, p, 2])
+        )
         for r, f in enumerate(modes.frequency)
         for p in range(len(place))
     )
@@ -256,7 +258,7 @@ _BENCH = {
     "seal_8mm.csv": Example("relaxation", "a seal pressed 8 mm in 1 s and held 40 s", _seal(1)),
     "hammer.csv": Example(
         "impact",
-        f"a block of {written(MASS, 'g', 'g')} on two such seals, struck five times",
+        f"a block of {format_quantity(MASS, 'g', 'g')} on two such seals, struck five times",
         _hammer,
     ),
     "depth_4mm.csv": Example(
@@ -286,7 +288,9 @@ _BENCH = {
     "short_hold.csv": Example(
         "relaxation", "a hold of 3 s, too short for the slow arms", _seal(4, hold=3.0)
     ),
-    "clipped.csv": Example("relaxation", "a load cell that clips: a test not to be used", _clipped),
+    "clipped.csv": Example(
+        "relaxation", "a load cell that clips: a test not to be used", _simulate_clipped_test
+    ),
     "sweep.csv": Example(
         "dma", "storage and loss over frequency, as a dynamic testing machine writes them", _sweep
     ),
@@ -315,7 +319,7 @@ FILES: Mapping[str, Example] = MappingProxyType({
         name: one
         for kind in KINDS.values()
         if kind.examples
-        for name, one in load(kind.examples).items()
+        for name, one in load_object(kind.examples).items()
     },
     **_DOOR,
 })  # fmt: skip

@@ -9,30 +9,30 @@ from typing import Any, Literal, TypeAlias
 
 from dashpot.base.choices import FamilyAsked, Method, RampLawAsked
 from dashpot.base.errors import FitError, ReadError
-from dashpot.base.option_fields import like, part
-from dashpot.base.result_mixins import Described
+from dashpot.base.option_fields import copy_option, make_nested_options
+from dashpot.base.result_mixins import HasSummary
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.datamodel.specimen import Specimen, each_specimen
+from dashpot.datamodel.specimen import Specimen, make_file_specimens
 from dashpot.fitting.relaxation import fit as fit_relaxation
 from dashpot.reading.columns.kind_detection import other_kind
-from dashpot.reading.raw_file import about
+from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.detect_kind import recognise
-from dashpot.registry import FIT_FILES, KINDS, find_handler, load
-from dashpot.workflow.job import Cuts, Job, known_of_a_test
+from dashpot.registry import FIT_FILES, KINDS, find_handler, load_object
+from dashpot.workflow.job import Cuts, Job, require_test_for_machine
 from dashpot.workflow.prepare_tests import prepared_tests
 from dashpot.workflow.shift_options import ShiftChoices, shifted_ramps
 
-Bench: TypeAlias = Described
+Bench: TypeAlias = HasSummary
 """A test of a bench, as read."""
 Record: TypeAlias = Any
 """The same as it is fitted, of the type that its handler makes."""
 
 
 @dataclass(frozen=True)
-class BenchAsked:
+class BenchFitOptions:
     """What is asked of the fit of tests on a bench, whatever the records turn out to be.
 
     Attributes
@@ -56,23 +56,23 @@ class BenchAsked:
         What was said of the first test: a temperature of its own refuses sweeps at several.
     """
 
-    arms: int | Literal["auto"] = like(Job, "arms")
-    method: Method = like(Job, "method")
+    arms: int | Literal["auto"] = copy_option(Job, "arms")
+    method: Method = copy_option(Job, "method")
     depth_law: bool = False
     thorough: bool = False
-    law: RampLawAsked = like(Job, "law")
-    family: FamilyAsked = like(Job, "family")
+    law: RampLawAsked = copy_option(Job, "law")
+    family: FamilyAsked = copy_option(Job, "family")
     intervals: bool = True
-    filter: str | None = like(Job, "filter")
-    cuts: Cuts = part(Cuts)
+    filter: str | None = copy_option(Job, "filter")
+    cuts: Cuts = make_nested_options(Cuts)
     machine: Machine | None = None
     cycle: int | None = None
-    shifting: ShiftChoices = part(ShiftChoices)
+    shifting: ShiftChoices = make_nested_options(ShiftChoices)
     specimen: Specimen | None = None
 
     def nothing_of(self, *names: str) -> bool:
         """Whether each of these is left at what it is where nothing is said."""
-        return all(getattr(self, name) == getattr(BenchAsked, name) for name in names)
+        return all(getattr(self, name) == getattr(BenchFitOptions, name) for name in names)
 
 
 def fit_files(
@@ -94,7 +94,7 @@ def fit_files(
     temperatures : sequence of float
         Of the tests, K: one for all files, or one for each, in their order.
     asked
-        Fields of :class:`BenchAsked`.
+        Fields of :class:`BenchFitOptions`.
 
     Returns
     -------
@@ -108,14 +108,14 @@ def fit_files(
         If a file cannot be read, prepared or fitted, or the choices exclude each other.
     """
     options = options or ReadOptions()
-    each = each_specimen(specimen, temperatures, len(files))
+    each = make_file_specimens(specimen, temperatures, len(files))
     tests = [read_test(path, options, one) for path, one in zip(files, each, strict=True)]
-    said = BenchAsked(**asked, cycle=options.cycle, specimen=each[0])
+    said = BenchFitOptions(**asked, cycle=options.cycle, specimen=each[0])
     return fit_records(tests, said, name=Path(files[0]).name)
 
 
 def fit_records(
-    tests: Sequence[Bench], asked: BenchAsked, *, name: str = ""
+    tests: Sequence[Bench], asked: BenchFitOptions, *, name: str = ""
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit one solid to the records of a bench, as :func:`fit_files` does to those in files.
 
@@ -128,18 +128,18 @@ def fit_records(
         found: tuple[Fit, tuple[Record, ...]] = fit_others(tests, asked, name=name)
         return found
     prepared = prepare_ramps(tests, asked)
-    return _pressed(prepared, asked), prepared
+    return _fit_ramps(prepared, asked), prepared
 
 
 def prepare_ramps(
-    tests: Sequence[Any], asked: BenchAsked, *, among_others: bool = False
+    tests: Sequence[Any], asked: BenchFitOptions, *, among_others: bool = False
 ) -> tuple[RampHold, ...]:
     """Prepare ramps and holds, those that are fitted with other tests with all their checks."""
     prepared = prepared_tests(
         tests, filter=asked.filter, machine=asked.machine, cuts=asked.cuts, cycle=asked.cycle,
         judged=asked.intervals or among_others, each_depth=asked.depth_law and not among_others,
     )  # fmt: skip
-    known_of_a_test(asked.machine, tests=len(prepared), add="a ramp and hold")
+    require_test_for_machine(asked.machine, tests=len(prepared), add="a ramp and hold")
     return prepared
 
 
@@ -158,13 +158,13 @@ def read_test(
     found = recognise(path, options)
     row = KINDS.get(found.kind, KINDS["relaxation"])
     if row.fit != FIT_FILES:
-        with about(Path(path).name):
+        with add_name_to_errors(Path(path).name):
             raise ReadError(other_kind(found.kind, found.reason, "a test of a bench is"))
-    test: Bench = load(row.reader)(path, options=options, specimen=specimen)
+    test: Bench = load_object(row.reader)(path, options=options, specimen=specimen)
     return test
 
 
-def _pressed(tests: tuple[RampHold, ...], asked: BenchAsked) -> Fit:
+def _fit_ramps(tests: tuple[RampHold, ...], asked: BenchFitOptions) -> Fit:
     """Fit ramps and holds together, or, where a law of the depth is asked for, each by itself."""
     if not asked.depth_law:
         return fit_relaxation(
@@ -189,6 +189,6 @@ def _pressed(tests: tuple[RampHold, ...], asked: BenchAsked) -> Fit:
     return fit_depths(tests, arms=asked.arms).fit
 
 
-def of_order(test: RampHold, arms: int, *, method: Method = "full") -> Fit:
+def fit_fixed_order(test: RampHold, arms: int, *, method: Method = "full") -> Fit:
     """The optimum with so many arms alone, which is drawn, not judged."""
     return fit_relaxation(test, arms=arms, method=method, intervals=False)

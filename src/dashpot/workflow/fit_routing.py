@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Literal, TypeAlias
 
 from dashpot.base.errors import ReadError
-from dashpot.reading.readers.detect_kind import called, used
+from dashpot.reading.readers.detect_kind import get_kind_command, get_kind_label
 from dashpot.registry import KINDS, RESPONSES, Meant
 
 Fitted: TypeAlias = Meant | Literal["masses", "joint"]
@@ -54,11 +54,12 @@ def route(
     have = set(kinds.values())
     shaken = have & VIBRATION
     if shaken and have <= VIBRATION:
-        return _of_vibration(kinds, masses=masses, levels=levels, rod=rod)
+        return _route_vibration(kinds, masses=masses, levels=levels, rod=rod)
     if shaken and have <= VIBRATION | BENCH | {"fit"}:
         if masses and (levels or rod):
             raise ReadError(
-                f"{_said(kinds)}. A level, a density and a shape are of the vibration alone. Leave "
+                f"{_format_file_kinds(kinds)}. A level, a density and a shape are of the vibration "
+                "alone. Leave "
                 "them out, or fit the files one by one."
             )
         if masses:
@@ -68,16 +69,20 @@ def route(
             "A test and a hammer file are fitted together under a mass. Give the mass of the "
             "block, such as --mass 104g."
         )
-    meant = _alone(have)
+    meant = _find_common_meaning(have)
     if meant:
         return meant
     if len(kinds) == 1:
         ((path, kind),) = kinds.items()
-        raise ReadError(f"{path} is {called(kind)}: {used(kind) or 'it is not fitted'}.")
-    raise ReadError(f"These records are not fitted together: {_said(kinds)}. Fit them one by one.")
+        raise ReadError(
+            f"{path} is {get_kind_label(kind)}: {get_kind_command(kind) or 'it is not fitted'}."
+        )
+    raise ReadError(
+        f"These records are not fitted together: {_format_file_kinds(kinds)}. Fit them one by one."
+    )
 
 
-def _of_vibration(kinds: Mapping[str, str], *, masses: int, levels: bool, rod: bool) -> Fitted:
+def _route_vibration(kinds: Mapping[str, str], *, masses: int, levels: bool, rod: bool) -> Fitted:
     if levels:
         return "level"
     if rod:
@@ -87,10 +92,12 @@ def _of_vibration(kinds: Mapping[str, str], *, masses: int, levels: bool, rod: b
     if masses:
         _refuse_several(kinds)
         return "joint"
-    meant = _alone(set(kinds.values()))
+    meant = _find_common_meaning(set(kinds.values()))
     if meant:
         return meant
-    raise ReadError(f"{_said(kinds)}. They are not fitted together. Fit them one by one.")
+    raise ReadError(
+        f"{_format_file_kinds(kinds)}. They are not fitted together. Fit them one by one."
+    )
 
 
 def _refuse_several(kinds: Mapping[str, str]) -> None:
@@ -99,18 +106,21 @@ def _refuse_several(kinds: Mapping[str, str]) -> None:
     if len(shaken) == 1 or set(shaken.values()) == {"impact"}:
         return
     if "impact" in shaken.values():
-        raise ReadError(f"{_said(shaken)}. They are not fitted together. Fit them one by one.")
+        raise ReadError(
+            f"{_format_file_kinds(shaken)}. They are not fitted together. Fit them one by one."
+        )
     raise ReadError(
-        f"{_said(shaken)}, and one FRF is fitted under one mass. Give one of them, or the level or "
+        f"{_format_file_kinds(shaken)}, and one FRF is fitted under one mass. Give one of them, or "
+        "the level or "
         "the mass of each, such as --level 0.02N --level 0.5N."
     )
 
 
-def _said(kinds: Mapping[str, str]) -> str:
+def _format_file_kinds(kinds: Mapping[str, str]) -> str:
     """What the files are, those of one kind together, a few of them by name."""
     grouped: dict[str, list[str]] = {}
     for path, kind in kinds.items():
-        grouped.setdefault(called(kind), []).append(Path(path).name)
+        grouped.setdefault(get_kind_label(kind), []).append(Path(path).name)
     return "; ".join(f"{_some(names)} {what}" for what, names in grouped.items())
 
 
@@ -123,7 +133,7 @@ def _some(names: Sequence[str]) -> str:
     return f"{', '.join(first)} and {last} are each"
 
 
-def _alone(have: set[str]) -> Meant | Literal[""]:
+def _find_common_meaning(have: set[str]) -> Meant | Literal[""]:
     """What records mean that are all fitted alike."""
     words = {KINDS[kind].meant if kind in KINDS else "" for kind in have}
     return words.pop() if len(words) == 1 else ""

@@ -11,19 +11,19 @@ from typing import Any, TypeAlias
 from dashpot.base.checks import Check
 from dashpot.base.errors import DashpotError
 from dashpot.base.provenance import Step
-from dashpot.base.serialisation import Documented
+from dashpot.base.serialisation import Serialisable
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen
 from dashpot.preprocessing.prepare import prepare
-from dashpot.reading.raw_file import about
+from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
-from dashpot.reading.readers.channels import Opened, leave_open, left_open, read_once
-from dashpot.reading.readers.detect_kind import Recognised, look
-from dashpot.reading.readers.inspect import Inspection, inspect_opened, inspected
+from dashpot.reading.readers.channels import OpenedFile, cache_open_file, pop_cached_file, read_once
+from dashpot.reading.readers.detect_kind import Recognised, open_or_identify
+from dashpot.reading.readers.inspect import Inspection, inspect_opened, inspect_other_path
 from dashpot.reading.readers.relaxation import relaxation_in
-from dashpot.registry import KINDS, load
+from dashpot.registry import KINDS, load_object
 
-Reader: TypeAlias = Callable[[Opened], RelaxationTest]
+Reader: TypeAlias = Callable[[OpenedFile], RelaxationTest]
 Preparer: TypeAlias = Callable[[RelaxationTest, ReadOptions], RampHold]
 
 
@@ -45,7 +45,7 @@ class Preparation:
 
 
 @dataclass(frozen=True)
-class InspectedFile(Inspection, Documented):
+class InspectedFile(Inspection, Serialisable):
     """An inspection, and the preparation of what is a relaxation test.
 
     Attributes
@@ -67,7 +67,7 @@ class InspectedFile(Inspection, Documented):
 
 
 @dataclass(frozen=True)
-class Inspections(Documented):
+class Inspections(Serialisable):
     """What ``dashpot inspect`` found, file by file."""
 
     schema = "dashpot/inspection@1"
@@ -95,58 +95,58 @@ def inspect_files(
     the inspection and the reader both need of a file is read once.
     """
     options = options or ReadOptions()
-    by = read or _read, prepared or _prepared
-    return Inspections(tuple(_inspected(path, options, *by) for path in files))
+    by = read or _read, prepared or _prepare_record
+    return Inspections(tuple(_inspect_path(path, options, *by) for path in files))
 
 
-def _read(file: Opened) -> RelaxationTest:
+def _read(file: OpenedFile) -> RelaxationTest:
     return relaxation_in(file, Specimen())
 
 
-def _prepared(record: RelaxationTest, options: ReadOptions) -> RampHold:
+def _prepare_record(record: RelaxationTest, options: ReadOptions) -> RampHold:
     return prepare(record, cycle=options.cycle)
 
 
-def _inspected(
+def _inspect_path(
     path: str | Path, options: ReadOptions, read: Reader, prepared: Preparer
 ) -> InspectedFile:
-    bare = look(path, options)
+    bare = open_or_identify(path, options)
     if isinstance(bare, Recognised):
-        return _plain(inspected(path, bare))
+        return _build_inspected_file(inspect_other_path(path, bare))
     file = read_once(bare)
-    with about(file.raw.name):
+    with add_name_to_errors(file.raw.name):
         found = inspect_opened(file)
     if found.questions:
-        return _plain(found)
+        return _build_inspected_file(found)
     if found.kind != "relaxation":
-        return _plain(_with_cautions(found, _read_by_kind(path, file, found.kind)))
+        return _build_inspected_file(_with_cautions(found, _read_by_kind(path, file, found.kind)))
     try:
-        with about(file.raw.name):
+        with add_name_to_errors(file.raw.name):
             record = read(file)
         found = _with_cautions(found, record)
         test = prepared(record, options)
     except DashpotError as error:
-        return _plain(found, refusal=str(error))
+        return _build_inspected_file(found, refusal=str(error))
     ready = Preparation(**{one.name: getattr(test, one.name) for one in fields(Preparation)})
-    return _plain(found, preparation=ready)
+    return _build_inspected_file(found, preparation=ready)
 
 
-def _read_by_kind(path: str | Path, file: Opened, kind: str) -> object:
+def _read_by_kind(path: str | Path, file: OpenedFile, kind: str) -> object:
     """The record of an open file by the reader of its kind; None of what cannot be read so."""
     row = KINDS.get(kind)
     if row is None or not row.reader or str(path) == "-":
         return None
-    reader = load(row.reader)
+    reader = load_object(row.reader)
     asked = signature(reader).parameters
     if "options" not in asked or sum(one.default is one.empty for one in asked.values()) > 1:
         return None  # it must be told more
-    leave_open(path, file)
+    cache_open_file(path, file)
     try:
         return reader(path, options=file.options)
     except DashpotError:
         return None
     finally:
-        left_open(path, file.options)
+        pop_cached_file(path, file.options)
 
 
 def _with_cautions(found: Inspection, record: object) -> Inspection:
@@ -163,7 +163,7 @@ def _with_cautions(found: Inspection, record: object) -> Inspection:
     return told
 
 
-def _plain(found: Inspection, **more: Any) -> InspectedFile:
+def _build_inspected_file(found: Inspection, **more: Any) -> InspectedFile:
     made = InspectedFile(**{one.name: getattr(found, one.name) for one in fields(found)}, **more)
     vars(made).update({name: kept for name, kept in vars(found).items() if name not in vars(made)})
     return made  # with the course of its columns, which is drawn and no field

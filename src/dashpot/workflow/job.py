@@ -17,8 +17,14 @@ from dashpot.base.choices import (
     RampLawAsked,
 )
 from dashpot.base.errors import DataError
-from dashpot.base.option_fields import flags_of, like, names_files, option, part
-from dashpot.base.serialisation import Documented
+from dashpot.base.option_fields import (
+    copy_option,
+    flags_of,
+    is_path_field,
+    make_nested_options,
+    option,
+)
+from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import si_fields
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
@@ -39,7 +45,7 @@ def _over_base(relative: bool) -> OverBase:
     return "relative" if relative else "absolute"
 
 
-def known_of_a_test(machine: Machine | None, *, tests: int, add: str) -> None:
+def require_test_for_machine(machine: Machine | None, *, tests: int, add: str) -> None:
     """Refuse what is said of a machine where no test was made on it.
 
     Raises
@@ -121,7 +127,7 @@ class Cuts:
 
 
 @dataclass(frozen=True)
-class Job(Documented):
+class Job(Serialisable):
     """Everything that decides the result of ``dashpot report``.
 
     Attributes
@@ -195,7 +201,7 @@ class Job(Documented):
         flag="model",
         decides="fit",
     )
-    cuts: Cuts = part(Cuts, decides="test")
+    cuts: Cuts = make_nested_options(Cuts, decides="test")
     band: tuple[float, float] | None = option(
         None, "Frequencies to use, e.g. 5:40Hz.", unit="frequency", ends=True
     )
@@ -208,11 +214,11 @@ class Job(Documented):
     compression: float | None = option(
         None, "Compression of the seals under the mass.", unit="length", word="weight"
     )
-    specimen: Specimen = part(Specimen, decides="test")
-    machine: Machine = part(Machine, decides="test")
-    reading: ReadOptions = part(ReadOptions, decides="test")
-    reading_impact: ReadOptions = part(ReadOptions)
-    hammer: HammerChoices = part(HammerChoices)
+    specimen: Specimen = make_nested_options(Specimen, decides="test")
+    machine: Machine = make_nested_options(Machine, decides="test")
+    reading: ReadOptions = make_nested_options(ReadOptions, decides="test")
+    reading_impact: ReadOptions = make_nested_options(ReadOptions)
+    hammer: HammerChoices = make_nested_options(HammerChoices)
     title: str = option("", "Title (the specimen).", metavar="TEXT")
     logo: str | None = option(None, "PNG, JPEG or SVG, up to 100 kB.", metavar="FILE")
     further: tuple[str, ...] = option((), metavar="FILE", argument=2, decides="test")
@@ -241,22 +247,22 @@ class LevelJob:
         (), "Level of each FRF, in order: 0.02N or 1m/s^2.",
         metavar="LEVEL", multiple=True, flag="level",
     )  # fmt: skip
-    mass: float | None = like(Job, "mass")
-    seals: float = like(Job, "seals")
-    band: tuple[float, float] | None = like(Job, "band")
+    mass: float | None = copy_option(Job, "mass")
+    seals: float = copy_option(Job, "seals")
+    band: tuple[float, float] | None = copy_option(Job, "band")
     at: tuple[float, ...] = option(
         (),
         "Also find the resonance at this level, e.g. 0.1N.",
         unit="force", multiple=True, flag="resonance-at",
     )  # fmt: skip
-    motion: OverBase = like(HammerChoices, "motion")
+    motion: OverBase = copy_option(HammerChoices, "motion")
     law: AmplitudeLawAsked = option(
         "auto",
         "Law of the amplitude.",
         choices=AmplitudeLawAsked,
         flag="model",
     )
-    options: ReadOptions = part(ReadOptions)
+    options: ReadOptions = make_nested_options(ReadOptions)
 
 
 @dataclass(frozen=True)
@@ -300,14 +306,14 @@ class ModesJob:
     """
 
     files: tuple[str, ...] = option((), metavar="FILE", argument=1)
-    band: tuple[float, float] | None = like(Job, "band")
+    band: tuple[float, float] | None = copy_option(Job, "band")
     masses: tuple[float, ...] = option(
         (), "Mass on the seals in each FRF, in order.", unit="mass", multiple=True, flag="mass"
     )
-    seals: float = like(Job, "seals")
-    motion: OverBase = like(HammerChoices, "motion")
-    polarity: tuple[int, ...] | None = like(HammerChoices, "polarity")
-    options: ReadOptions = part(ReadOptions)
+    seals: float = copy_option(Job, "seals")
+    motion: OverBase = copy_option(HammerChoices, "motion")
+    polarity: tuple[int, ...] | None = copy_option(HammerChoices, "polarity")
+    options: ReadOptions = make_nested_options(ReadOptions)
 
 
 def _shape(says: str) -> Any:
@@ -369,6 +375,6 @@ def with_paths(job: J, found: Callable[[str], str]) -> J:
         value = getattr(job, one.name)
         if "part" in one.metadata:
             changed[one.name] = with_paths(value, found)
-        elif names_files(one) and value:
+        elif is_path_field(one) and value:
             changed[one.name] = found(value) if isinstance(value, str) else (*map(found, value),)
     return replace(job, **changed)

@@ -13,14 +13,14 @@ import numpy as np
 
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.reported_values import NORMAL
-from dashpot.base.serialisation import NOT_FINITE, Documented, fields_of
+from dashpot.base.serialisation import NOT_FINITE, Serialisable, decode_fields
 from dashpot.base.status import Status
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.fit import Fit
-from dashpot.datamodel.fit_diagnostics import AtDepth
+from dashpot.datamodel.fit_diagnostics import DepthStiffness
 from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.planning.plan import Plan
-from dashpot.registry import KINDS, find_handler, list_names, load
+from dashpot.registry import KINDS, find_handler, list_names, load_object
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.friction import Jenkins
@@ -32,11 +32,16 @@ from dashpot.solids.shift_laws import WLF, Arrhenius, FreeShifts, TemperatureLaw
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.workflow.inspections import InspectedFile, Inspections
 from dashpot.workflow.job import Job
-from dashpot.workflow.json_validation import edited, mistyped, once, strange
+from dashpot.workflow.json_validation import (
+    find_mistyped_number,
+    find_unknown_keys,
+    has_edited_fit,
+    require_unique_keys,
+)
 from dashpot.workflow.study import Study
 from dashpot.workflow.vibration.impact_tests import ImpactResult
 
-_OF_THE_JOB: dict[str, type[Documented]] = {
+_OF_THE_JOB: dict[str, type[Serialisable]] = {
     noun.schema: noun
     for noun in (
         GeneralizedMaxwell, FractionalZener, Parallel, Fit, ImpactResult, Inspections, Comparison,
@@ -46,15 +51,17 @@ _OF_THE_JOB: dict[str, type[Documented]] = {
 
 
 @cache
-def schemas() -> dict[str, type[Documented]]:
+def schemas() -> dict[str, type[Serialisable]]:
     """What each versioned schema name holds, those of every kind included, which it loads."""
-    of_kinds = (load(noun) for kind in KINDS.values() for noun in kind.nouns)
-    kept = (one for one in of_kinds if issubclass(one, Documented) and one.schema and one.read_back)
+    of_kinds = (load_object(noun) for kind in KINDS.values() for noun in kind.nouns)
+    kept = (
+        one for one in of_kinds if issubclass(one, Serialisable) and one.schema and one.read_back
+    )
     others = {name: find_handler("document", name) for name in list_names("document")}
     return {**_OF_THE_JOB, **others, **{noun.schema: noun for noun in kept}}
 
 
-def _noun_of(name: str) -> type[Documented] | None:
+def _find_schema_class(name: str) -> type[Serialisable] | None:
     """What a schema name holds; no kind is loaded for what the main job keeps."""
     return _OF_THE_JOB.get(name) or find_handler("document", name) or schemas().get(name)
 
@@ -66,12 +73,12 @@ def to_json(noun: object, *, indent: int | None = 2) -> str:
     """
     import json
 
-    return json.dumps(document(noun), indent=indent, ensure_ascii=False, allow_nan=False)
+    return json.dumps(to_document(noun), indent=indent, ensure_ascii=False, allow_nan=False)
 
 
-def document(noun: object) -> dict[str, Any]:
+def to_document(noun: object) -> dict[str, Any]:
     """Return what :func:`to_json` writes, as plain dictionaries, lists, strings and numbers."""
-    if not isinstance(noun, Documented) or _noun_of(noun.schema) is not type(noun):
+    if not isinstance(noun, Serialisable) or _find_schema_class(noun.schema) is not type(noun):
         raise DataError(
             f"a {type(noun).__name__} has no archive form; expected one of "
             f"{', '.join(sorted(kind.__name__ for kind in schemas().values()))}"
@@ -90,13 +97,13 @@ def from_json(text: str | bytes) -> Any:
     """
     import msgspec
 
-    kind, found = _opened(text)
+    kind, found = _parse_document(text)
     name = kind.schema
     try:
         with np.errstate(divide="raise", over="raise", invalid="raise"):
-            noun = _converted(kind, _laid_out(kind, found))
-            unknown = strange(found, document(noun))
-            changed = edited(found)
+            noun = _convert_to_class(kind, _map_to_fields(kind, found))
+            unknown = find_unknown_keys(found, to_document(noun))
+            changed = has_edited_fit(found)
     except (*_WRONG, msgspec.ValidationError) as error:
         raise ReadError(f"the {name} document is not valid: {_because(error, found)}") from None
     if unknown:
@@ -118,22 +125,22 @@ def _because(error: Exception, found: dict[str, Any]) -> str:
     import msgspec
 
     if isinstance(error, TypeError | msgspec.ValidationError):
-        return mistyped(found) or str(error)
+        return find_mistyped_number(found) or str(error)
     if isinstance(error, AttributeError):
         return "a part has the wrong type"
     return f"{error} is missing" if isinstance(error, KeyError) else str(error)
 
 
-def _opened(text: str | bytes) -> tuple[type[Documented], dict[str, Any]]:
+def _parse_document(text: str | bytes) -> tuple[type[Serialisable], dict[str, Any]]:
     """What a JSON document is of, and its values."""
     import json
 
     try:
-        found = json.loads(text, object_pairs_hook=once)
+        found = json.loads(text, object_pairs_hook=require_unique_keys)
     except (ValueError, RecursionError) as error:
         raise ReadError(f"this is not a JSON document: {error}") from None
     name = found.get("schema") if isinstance(found, dict) else None
-    kind = _noun_of(name) if isinstance(name, str) else None
+    kind = _find_schema_class(name) if isinstance(name, str) else None
     if kind is None:
         raise ReadError(
             f'the document\'s "schema" is {name!r}; this version of dashpot reads '
@@ -145,7 +152,7 @@ def _opened(text: str | bytes) -> tuple[type[Documented], dict[str, Any]]:
 # -- plain values to nouns -----------------------------------------------------------------------
 
 
-def _laid_out(kind: Any, value: Any) -> Any:
+def _map_to_fields(kind: Any, value: Any) -> Any:
     """What a document has of a value of this kind, every noun in it by its fields."""
     if isinstance(value, str):
         return NOT_FINITE.get(value, value)
@@ -155,23 +162,23 @@ def _laid_out(kind: Any, value: Any) -> Any:
     if isinstance(value, list):
         of = next((get_args(one) for one in kinds if get_origin(one) is tuple), (Any, ...))
         each = of[:1] * len(value) if ... in of else of
-        return [_laid_out(*pair) for pair in zip_longest(each, value)][: len(value)]
-    noun = _noun_in(kinds, value)
+        return [_map_to_fields(*pair) for pair in zip_longest(each, value)][: len(value)]
+    noun = _find_value_class(kinds, value)
     if noun is None:
-        return {key: _laid_out(Any, item) for key, item in value.items()}
-    hints, found = _hints(noun), fields_of(noun, _find_completion(noun)(value))
-    laid = {name: _laid_out(hints[name], item) for name, item in found.items()}
+        return {key: _map_to_fields(Any, item) for key, item in value.items()}
+    hints, found = _hints(noun), decode_fields(noun, _find_completion(noun)(value))
+    laid = {name: _map_to_fields(hints[name], item) for name, item in found.items()}
     # the decoder knows no noun of which there are several kinds
-    return _converted(noun, laid) if _CHOSEN.keys() & kinds else laid
+    return _convert_to_class(noun, laid) if _CHOSEN.keys() & kinds else laid
 
 
-def _converted(noun: type, laid: dict[str, Any]) -> Any:
+def _convert_to_class(noun: type, laid: dict[str, Any]) -> Any:
     import msgspec
 
-    return msgspec.convert(laid, type=noun, dec_hook=_decoded)
+    return msgspec.convert(laid, type=noun, dec_hook=_decode_value)
 
 
-def _decoded(kind: type, value: Any) -> Any:
+def _decode_value(kind: type, value: Any) -> Any:
     """Return what the decoder does not know: an array, or a noun that was chosen already."""
     if isinstance(value, dict) and set(value) == {"real", "imag"}:
         return np.asarray(value["real"], dtype=float) + 1j * np.asarray(value["imag"], dtype=float)
@@ -183,7 +190,7 @@ def _decoded(kind: type, value: Any) -> Any:
     raise TypeError(f"expected an array, found {type(value).__name__} for {kind}")
 
 
-def _noun_in(kinds: Sequence[Any], value: dict[str, Any]) -> type | None:
+def _find_value_class(kinds: Sequence[Any], value: dict[str, Any]) -> type | None:
     """The noun that an object of a document is of; None of one that holds any keys."""
     for kind in kinds:
         if kind in _CHOSEN:
@@ -296,7 +303,7 @@ def _elastic(found: dict[str, Any]) -> dict[str, Any]:
     return found | {"stiffness": stiffness, "ratio": (tangent / stiffness).tolist()}
 
 
-def _at_depth(found: dict[str, Any]) -> dict[str, Any]:
+def _convert_old_depth(found: dict[str, Any]) -> dict[str, Any]:
     """The stiffnesses of one depth; an older document holds the standard error of k_inf."""
     error = found.get("k_inf_se")
     if error is None:
@@ -311,7 +318,7 @@ def _shifts(found: dict[str, Any]) -> dict[str, Any]:
     return {"covariance": np.zeros((count, count)).tolist(), **found, "law": law}
 
 
-def _inspected(found: dict[str, Any]) -> dict[str, Any]:
+def _convert_old_inspection(found: dict[str, Any]) -> dict[str, Any]:
     account = found.get("preparation", {})
     if "error" not in account:
         return found
@@ -324,9 +331,9 @@ _FILLED: dict[type, Callable[[dict[str, Any]], dict[str, Any]]] = {
     Fit: _fit,
     ElasticLaw: _elastic,
     TemperatureShifts: _shifts,
-    AtDepth: _at_depth,
+    DepthStiffness: _convert_old_depth,
     # the bare contract does not say how long the seal was held
     EndOfHold: lambda found: {"time": np.nan} | found,
-    InspectedFile: _inspected,
+    InspectedFile: _convert_old_inspection,
 }
 """What is more of a noun than its keys turned back."""

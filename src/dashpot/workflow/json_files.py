@@ -7,14 +7,14 @@ from pathlib import Path
 from dashpot.base.errors import ReadError
 from dashpot.datamodel.fit import Fit
 from dashpot.reading.raw_file import like_json, open_raw
-from dashpot.reading.readers.detect_kind import called, used
+from dashpot.reading.readers.detect_kind import get_kind_command, get_kind_label
 from dashpot.registry import find_handler
 from dashpot.workflow.json_archive import from_json
 
 A_FIT = "a fit, as 'dashpot fit FILE -o fit.json' writes it"
 
 
-def stored(path: str | Path, *, hint: str = "") -> object:
+def read_json_document(path: str | Path, *, hint: str = "") -> object:
     """Return the noun in a JSON file; ``-`` is stdin.
 
     Raises
@@ -41,7 +41,7 @@ def read_fit(path: str | Path) -> Fit:
     ReadError
         If it holds something else.
     """
-    return _a_fit(path, stored(path, hint=f"; expected {A_FIT}"))
+    return _a_fit(path, read_json_document(path, hint=f"; expected {A_FIT}"))
 
 
 def read_exported(path: str | Path) -> object:
@@ -52,18 +52,18 @@ def read_exported(path: str | Path) -> object:
     ReadError
         If it holds something else.
     """
-    found = stored(path, hint=f"; expected {A_FIT}, or of FRFs at several levels")
+    found = read_json_document(path, hint=f"; expected {A_FIT}, or of FRFs at several levels")
     return found if find_handler("export", found) else _a_fit(path, found)
 
 
 def _a_fit(path: str | Path, found: object) -> Fit:
     if not isinstance(found, Fit):
-        raise ReadError(f"{told_as(path, found)}; expected {A_FIT}")
+        raise ReadError(f"{format_unexpected_kind(path, found)}; expected {A_FIT}")
     return found
 
 
-def told_as(path: str | Path, found: object) -> str:
+def format_unexpected_kind(path: str | Path, found: object) -> str:
     """Return what a document holds that is not what was wanted, and who wants it."""
     kind = str(getattr(found, "schema", "")).partition("/")[2].partition("@")[0]
-    use = used(kind)
-    return f"{path} is {called(kind)}{f' ({use})' if use else ''}"
+    use = get_kind_command(kind)
+    return f"{path} is {get_kind_label(kind)}{f' ({use})' if use else ''}"

@@ -5,23 +5,25 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from dashpot.base.serialisation import DIGEST, digest_of
+from dashpot.base.serialisation import DIGEST, compute_document_digest
 
 _NUMERIC = {"k_inf", "k", "tau", "b"}
 """Keys of a solid, whose values are numbers."""
 
 
-def edited(value: Any) -> bool:
+def has_edited_fit(value: Any) -> bool:
     """Whether a document holds a fit that was changed since; one typed by hand has no digest."""
     if isinstance(value, list):
-        return any(map(edited, value))
+        return any(map(has_edited_fit, value))
     if not isinstance(value, dict):
         return False
     sealed = "schema" in value and DIGEST in value
-    return (sealed and value[DIGEST] != digest_of(value)) or any(map(edited, value.values()))
+    return (sealed and value[DIGEST] != compute_document_digest(value)) or any(
+        map(has_edited_fit, value.values())
+    )
 
 
-def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+def require_unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     """Return a JSON object whose keys each stand once."""
     found = dict(pairs)
     if len(found) < len(pairs):
@@ -40,16 +42,16 @@ def parts_of(value: Any, where: str) -> dict[str, Any]:
     return {}
 
 
-def mistyped(value: Any, where: str = "$") -> str:
+def find_mistyped_number(value: Any, where: str = "$") -> str:
     """Say which number of a document is a text; nothing if none is."""
     if isinstance(value, str) and re.fullmatch(r"[-+]?[\d.,]+(?:[eE][-+]?\d+)?", value):
         numeric = where.rpartition(".")[2].partition("[")[0] in _NUMERIC
         return f'{where} is the text "{value}"; expected a number, with a point' if numeric else ""
     parts = parts_of(value, where).items()
-    return next(filter(None, (mistyped(item, place) for place, item in parts)), "")
+    return next(filter(None, (find_mistyped_number(item, place) for place, item in parts)), "")
 
 
-def strange(given: Any, known: Any, where: str = "$") -> str:
+def find_unknown_keys(given: Any, known: Any, where: str = "$") -> str:
     """Say what a document holds that its noun, written again, does not; nothing if all is known."""
     if isinstance(given, dict | list) and type(given) is not type(known):
         found, expected = (_KINDS.get(type(one), "one value") for one in (given, known))
@@ -63,7 +65,9 @@ def strange(given: Any, known: Any, where: str = "$") -> str:
         return ""
     there = parts_of(known, where)
     parts = parts_of(given, where).items()
-    return next(filter(None, (strange(item, there[place], place) for place, item in parts)), "")
+    return next(
+        filter(None, (find_unknown_keys(item, there[place], place) for place, item in parts)), ""
+    )
 
 
 _KINDS: dict[type, str] = {dict: "an object", list: "an array"}

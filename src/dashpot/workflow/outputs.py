@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from dashpot.base.atomic import named, write_whole
+from dashpot.base.atomic import validate_path, write_atomic
 from dashpot.base.errors import ExportError
 from dashpot.base.version import is_ours, is_record
 
@@ -44,7 +44,7 @@ class Outputs:
             written to, named twice, in a project, or an existing file that dashpot did not write.
         """
         claimed: set[str] = set()
-        for path in map(named, paths):
+        for path in map(validate_path, paths):
             place = os.path.realpath(path)
             if place in claimed:
                 raise ExportError(f"{path} is named for two outputs; give each a name of its own")
@@ -60,7 +60,7 @@ class Outputs:
         """Write a file whole or not at all, and the folder it stands in if there is none."""
         self.claim([path])
         Path(path).parent.mkdir(parents=True, exist_ok=True)
-        write_whole(path, content.encode() if isinstance(content, str) else content)
+        write_atomic(path, content.encode() if isinstance(content, str) else content)
 
     def _refuse_input(self, path: Path) -> None:
         for other in self.inputs:

@@ -10,7 +10,7 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
-from dashpot.datamodel.specimen import each_specimen
+from dashpot.datamodel.specimen import make_file_specimens
 from dashpot.preprocessing.prepare import prepare
 from dashpot.preprocessing.prepare_tests import depths_of
 from dashpot.reading.read_options import ReadOptions
@@ -79,7 +79,9 @@ def prepared_files(
     """
     tests = [
         read_relaxation(path, options=options, specimen=one)
-        for path, one in zip(files, each_specimen(None, temperatures, len(files)), strict=True)
+        for path, one in zip(
+            files, make_file_specimens(None, temperatures, len(files)), strict=True
+        )
     ]
     cycle = None if options is None else options.cycle
     return prepared_tests(tests, filter=filter, machine=machine, cuts=cuts, cycle=cycle)
@@ -103,16 +105,16 @@ def refuse_others(tests: Sequence[RampHold], found: Fit) -> None:
             )
 
 
-def at_their_temperatures(tests: Sequence[RampHold], found: Fit) -> tuple[RampHold, ...]:
+def fill_missing_temperatures(tests: Sequence[RampHold], found: Fit) -> tuple[RampHold, ...]:
     """Return records that do not say their temperature with that under which they were fitted."""
     step = next((step for step in reversed(found.steps) if step.name == "fit"), None)
     told = dict(step.parameters).get("temperatures_K", "") if step is not None else ""
     known = dict(zip((one.sha256 for one in found.source), told.split(", "), strict=False))
 
-    def of(test: RampHold) -> RampHold:
+    def fill_temperature(test: RampHold) -> RampHold:
         kelvin = known.get(test.source.sha256) if test.source is not None else None
         if not kelvin or test.specimen.temperature is not None:
             return test
         return replace(test, specimen=replace(test.specimen, temperature=float(kelvin)))
 
-    return tuple(map(of, tests))
+    return tuple(map(fill_temperature, tests))

@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.reported_values import Fact
+from dashpot.base.reported_values import ReportedValue
 from dashpot.datamodel.bounds import StiffnessBounds
 from dashpot.datamodel.fit import Fit
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band
@@ -58,18 +58,20 @@ class Answer:
     measured_se: float | None = None
 
     @property
-    def fact(self) -> Fact:
+    def fact(self) -> ReportedValue:
         """As a table has it."""
         unit, read = _UNITS[self.quantity]
-        return Fact(self.quantity, self.value, self.low, self.high, unit, read=read)
+        return ReportedValue(self.quantity, self.value, self.low, self.high, unit, read=read)
 
     @property
-    def by_hammer(self) -> Fact | None:
+    def measured_fact(self) -> ReportedValue | None:
         """The same by the hammer."""
         if self.measured is None:
             return None
         unit, read = _UNITS[self.quantity]
-        return Fact.known(self.quantity, self.measured, self.measured_se, unit=unit, read=read)
+        return ReportedValue.known(
+            self.quantity, self.measured, self.measured_se, unit=unit, read=read
+        )
 
 
 @dataclass(frozen=True)
@@ -113,8 +115,8 @@ def recommendation(study: Study, *, asked: bool = False) -> Recommendation:
     point, resonance = _resonance(study, solid)
     at = solid.band[1] if resonance is None else resonance.frequency
     bounds, bound = _bounds(study, solid, at, joint=joint)
-    stiffness = _between(solid, bounds, "storage", at, bound=bound)
-    loss = _between(solid, bounds, "loss_factor", at, bound=bound)
+    stiffness = _evaluate_answer(solid, bounds, "storage", at, bound=bound)
+    loss = _evaluate_answer(solid, bounds, "loss_factor", at, bound=bound)
     under: tuple[Answer, ...] = ()
     if resonance is not None:
         under = _under_mass(study, resonance, stiffness, loss, joint=joint)
@@ -179,7 +181,7 @@ def _bounds(
     return parameter_band(solid, [at]), False
 
 
-def _between(
+def _evaluate_answer(
     solid: Fit, bounds: StiffnessBounds | None, name: str, at: float, *, bound: bool
 ) -> Answer:
     """Stiffness or loss factor at a frequency, Hz; the ends hold the value itself."""

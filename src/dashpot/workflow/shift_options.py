@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from dashpot.base.choices import ShiftLaw, VerticalAsked, words
+from dashpot.base.choices import ShiftLaw, VerticalAsked, get_choice_values
 from dashpot.base.errors import FitError
 from dashpot.base.option_fields import option
 
-_TYPED = {one.removesuffix("/T_r"): one for one in words(VerticalAsked)}
+_TYPED = {one.removesuffix("/T_r"): one for one in get_choice_values(VerticalAsked)}
 """Shifts of the moduli, by the words that are typed."""
 
 

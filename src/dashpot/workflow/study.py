@@ -13,18 +13,18 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.choices import FamilyAsked, Method, RampLawAsked
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.number_format import hertz, seals
-from dashpot.base.progress import doing
-from dashpot.base.result_mixins import Pictured
+from dashpot.base.progress import send_progress
+from dashpot.base.result_mixins import Plottable
 from dashpot.base.sentences import paragraph
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import Quantity, Range, si, si_range, written
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import Quantity, Range, convert_to_si, format_quantity, si_range
 from dashpot.datamodel.bounds import FRFBounds, StiffnessBounds
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.impact import ImpactTest
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
-from dashpot.datamodel.specimen import Specimen, each_specimen
+from dashpot.datamodel.specimen import Specimen, make_file_specimens
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.identification.prior_knowledge import BenchFit, HammerRig
 from dashpot.fitting.relaxation import fit
@@ -38,19 +38,19 @@ from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.frf_prediction import REACH, highest_peak, predict_frf
 from dashpot.vibration.systems.operating_point import OperatingPoint
 from dashpot.workflow.checks import hold_fit_possible, prediction_informed
-from dashpot.workflow.fit_bench_tests import of_order
+from dashpot.workflow.fit_bench_tests import fit_fixed_order
 from dashpot.workflow.job import Cuts, Job
 from dashpot.workflow.prepare_tests import prepared_tests
 from dashpot.workflow.response.static_equilibrium import (
-    AtRest,
-    at_rest,
+    StaticEquilibrium,
     family_checks,
+    find_static_equilibrium,
     frf_limits,
     rest_checks,
     rival_of,
 )
-from dashpot.workflow.vibration.impact_tests import held_against, weighed
-from dashpot.workflow.vibration.measured_frf import read_measured, relieved, total_mass
+from dashpot.workflow.vibration.impact_tests import compare_with_measured, weighed
+from dashpot.workflow.vibration.measured_frf import read_measured, remove_seal_mass, total_mass
 
 Reader: TypeAlias = Callable[[str, ReadOptions, Specimen | None], RelaxationTest]
 
@@ -66,7 +66,7 @@ BAND_LINES, PEAK_LINES = 61, 121
 
 
 @dataclass(frozen=True, repr=False)
-class Study(Pictured, Documented):
+class Study(Plottable, Serialisable):
     """Everything the main job found, as values: what the report shows.
 
     Attributes
@@ -141,7 +141,7 @@ class Study(Pictured, Documented):
     parameters: StiffnessBounds | None = None
     direct: DynamicStiffness | None = None
     frf_band: FRFBounds | None = None
-    at_rest: AtRest | None = None
+    at_rest: StaticEquilibrium | None = None
     checks: tuple[Check, ...] = ()
     title: str = ""
     logo: str = ""
@@ -152,7 +152,7 @@ class Study(Pictured, Documented):
         """The verdict, the mass, the solid, and the peaks."""
         solid = self.fit if self.joint is None else self.joint
         agreed = self.comparison if self.joint is None else self.joint_comparison
-        mass = "no mass" if self.mass is None else written(self.mass, "g", ".6g")
+        mass = "no mass" if self.mass is None else format_quantity(self.mass, "g", ".6g")
         return (
             str(self.verdict),
             f"{mass} on {seals(self.seals)}; {solid.model} ({solid.unit}, s), {solid.method}",
@@ -190,7 +190,7 @@ class Study(Pictured, Documented):
         A prediction from the relaxation test alone that misses the hammer is no fault of the
         joint fit, which is made to mend it.
         """
-        return verdict(self.weighed, sound=self._sound)
+        return verdict(self.weighed, sound=self._headline_text)
 
     @property
     def weighed(self) -> tuple[Check, ...]:
@@ -209,7 +209,7 @@ class Study(Pictured, Documented):
         return tuple(dict.fromkeys(every))
 
     @property
-    def _sound(self) -> str:
+    def _headline_text(self) -> str:
         """What to say of the study where no check of weight failed."""
         if self.joint is not None and self.joint_comparison is not None:
             where = f"From {hertz(self.joint.band)} one model matches both tests"
@@ -275,9 +275,9 @@ def characterise(
     DataError, FitError
         If a test cannot be prepared, fitted or compared.
     """
-    mass, band = si(mass, "mass"), si_range(band, "frequency")
-    compression = si(compression, "length")
-    doing("fitting the relaxation test")
+    mass, band = convert_to_si(mass, "mass"), si_range(band, "frequency")
+    compression = convert_to_si(compression, "length")
+    send_progress("fitting the relaxation test")
     every = prepared_tests(
         (test, *further), filter=filter, machine=_on_bench(machine, measured), cuts=cuts,
         cycle=cycle,
@@ -291,12 +291,12 @@ def characterise(
     given = mass
     if measured is not None:
         mass = weighed(chosen, measured, mass=mass, seals=seals, band=band, compression=compression)
-    felt, mended = _Felt(), _Mended()
+    felt, mended = _MassResponse(), _JointResults()
     if mass is not None:
-        on = _Carried(mass, seals, band, compression)
-        felt = _felt(chosen, every, measured, on)
+        on = _MassSetup(mass, seals, band, compression)
+        felt = _predict_mass_response(chosen, every, measured, on)
         if joint and measured is not None:
-            doing("fitting relaxation and hammer together")
+            send_progress("fitting relaxation and hammer together")
             usual = BenchFit(method, law)
             before, number = _before_hammer(chosen, every, arms, usual, impact_temperature)
             both = identify(
@@ -305,14 +305,16 @@ def characterise(
                 family=family, rig=HammerRig().on(machine), bench=usual,
             )  # fmt: skip
             on = on._replace(mass=both.mass_found or mass, seals=seals * both.under_hammer)
-            mended = _Mended(both, *_predicted(both, measured, on))
-    doing("bounding what the tests leave open")
-    hold_fit, checks = _by_the_paper(every, chosen)
+            mended = _JointResults(both, *_predict_and_compare(both, measured, on))
+    send_progress("bounding what the tests leave open")
+    hold_fit, checks = _fit_paper_equation(every, chosen)
     return Study(
         test=test,
         prepared=prepared,
         fit=chosen,
-        alternatives=tuple(_of_order(arms, chosen, prepared) for arms in COMPARED_ORDERS),
+        alternatives=tuple(
+            _get_fixed_order_fit(arms, chosen, prepared) for arms in COMPARED_ORDERS
+        ),
         hold_fit=hold_fit,
         seals=seals,
         mass=mass,
@@ -357,7 +359,7 @@ def _before_hammer(
     return own, arms if arms >= own.model.arms else "auto"
 
 
-class _Carried(NamedTuple):
+class _MassSetup(NamedTuple):
     """A mass, kg, on so many seals; the lines to compare, Hz, and the compression asked for, m."""
 
     mass: float
@@ -366,12 +368,12 @@ class _Carried(NamedTuple):
     compression: float | None
 
 
-class _Felt(NamedTuple):
+class _MassResponse(NamedTuple):
     """What a fit says of the mass on the seals, beside what was measured of it; else nothing."""
 
     prediction: FRF | None = None
     comparison: Comparison | None = None
-    at_rest: AtRest | None = None
+    at_rest: StaticEquilibrium | None = None
     frf_band: FRFBounds | None = None
     direct: DynamicStiffness | None = None
     untested: tuple[Check, ...] = ()
@@ -382,7 +384,7 @@ class _Felt(NamedTuple):
         return None if self.at_rest is None else self.at_rest.point.compression
 
 
-class _Mended(NamedTuple):
+class _JointResults(NamedTuple):
     """Both tests fitted together, and what that fit says of the mass; else nothing."""
 
     joint: Fit | None = None
@@ -390,10 +392,14 @@ class _Mended(NamedTuple):
     joint_comparison: Comparison | None = None
 
 
-def _felt(chosen: Fit, tests: Sequence[RampHold], measured: FRF | None, on: _Carried) -> _Felt:
-    prediction, comparison = _predicted(chosen, measured, on)
-    rests = at_rest(chosen, mass=on.mass, seals=on.seals, compression=on.compression)
-    return _Felt(
+def _predict_mass_response(
+    chosen: Fit, tests: Sequence[RampHold], measured: FRF | None, on: _MassSetup
+) -> _MassResponse:
+    prediction, comparison = _predict_and_compare(chosen, measured, on)
+    rests = find_static_equilibrium(
+        chosen, mass=on.mass, seals=on.seals, compression=on.compression
+    )
+    return _MassResponse(
         prediction,
         comparison,
         rests,
@@ -403,15 +409,15 @@ def _felt(chosen: Fit, tests: Sequence[RampHold], measured: FRF | None, on: _Car
         else dynamic_stiffness(measured, on.mass, seals=on.seals, band=on.band),
         ()
         if measured is not None
-        else _untested(prediction, chosen, rests, mass=on.mass, seals=on.seals),
+        else _check_untested_prediction(prediction, chosen, rests, mass=on.mass, seals=on.seals),
     )
 
 
-def _of_order(arms: int, chosen: Fit, prepared: RampHold) -> Fit:
+def _get_fixed_order_fit(arms: int, chosen: Fit, prepared: RampHold) -> Fit:
     """The fit with so many arms, which is drawn, not judged."""
     if chosen.family == "maxwell" and chosen.model.arms == arms:
         return chosen
-    return of_order(prepared, arms)
+    return fit_fixed_order(prepared, arms)
 
 
 def of_solid(chosen: Fit, tests: Sequence[RampHold]) -> int:
@@ -430,21 +436,21 @@ def run(job: Job, *, read: Reader | None = None) -> Study:
     `read` stands in for the reader of the relaxation tests where it remembers.
     """
     files = job.relaxation, *job.further
-    doing(f"reading {_named(files)}")
+    send_progress(f"reading {_format_file_names(files)}")
     test, *further = (
         (read or _read)(file, job.reading, one)
         for file, one in zip(
-            files, each_specimen(job.specimen, job.temperatures, len(files)), strict=True
+            files, make_file_specimens(job.specimen, job.temperatures, len(files)), strict=True
         )
     )
     impact = measured = None
     mass, noted = total_mass(job.mass, seal=job.seal_mass, seals=job.seals)
     if job.impact:
-        doing(f"reading {_named(job.impact)}")
+        send_progress(f"reading {_format_file_names(job.impact)}")
         impact, measured = read_measured(
             job.impact, choices=job.hammer, options=job.reading_impact, mass=mass, band=job.band
         )
-        measured = relieved(measured, mass, job.seal_mass, job.seals)
+        measured = remove_seal_mass(measured, mass, job.seal_mass, job.seals)
     study = characterise(
         test,
         measured,
@@ -473,19 +479,21 @@ def _read(file: str, options: ReadOptions, specimen: Specimen | None) -> Relaxat
     return read_relaxation(file, options=options, specimen=specimen)
 
 
-def _named(files: Sequence[str]) -> str:
+def _format_file_names(files: Sequence[str]) -> str:
     return ", ".join(Path(file).name for file in files)
 
 
-def _predicted(found: Fit, measured: FRF | None, on: _Carried) -> tuple[FRF, Comparison | None]:
+def _predict_and_compare(
+    found: Fit, measured: FRF | None, on: _MassSetup
+) -> tuple[FRF, Comparison | None]:
     """Return the FRF that a fit predicts, on the measured lines if there are any."""
     if measured is None:
         return predict_frf(found, mass=on.mass, seals=on.seals, compression=on.compression), None
-    return held_against(found, measured, **on._asdict())
+    return compare_with_measured(found, measured, **on._asdict())
 
 
-def _untested(
-    prediction: FRF, chosen: Fit, rests: AtRest, *, mass: float, seals: float
+def _check_untested_prediction(
+    prediction: FRF, chosen: Fit, rests: StaticEquilibrium, *, mass: float, seals: float
 ) -> tuple[Check, ...]:
     """Ask of a prediction that no hammer has tested whether a test informs it."""
     informed = prediction_informed(find_peak(prediction).frequency, chosen.band)
@@ -515,7 +523,9 @@ def _prediction_bounds(
     return frf_limits(chosen, prepared, point, mass=mass, frequency=lines, seals=seals)
 
 
-def _by_the_paper(tests: Sequence[RampHold], chosen: Fit) -> tuple[Fit | None, tuple[Check, ...]]:
+def _fit_paper_equation(
+    tests: Sequence[RampHold], chosen: Fit
+) -> tuple[Fit | None, tuple[Check, ...]]:
     """Return the fit of the paper's eq. (5) to one test, or why the record does not allow it."""
     if len(tests) > 1:
         return None, ()

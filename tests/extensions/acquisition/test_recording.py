@@ -15,7 +15,7 @@ import pytest
 from kit.shell import ran
 
 import dashpot as dp
-from dashpot.base.atomic import write_whole
+from dashpot.base.atomic import write_atomic
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.version import is_ours
 from dashpot.extensions.acquisition.line_parser import LONGEST, Lines
@@ -270,7 +270,7 @@ def test_two_recorders_never_write_one_file(tmp_path):
             assert second.exit_code == 2
             assert "another dashpot records to this file" in " ".join(second.output.split())
             with pytest.raises(DataError, match="is being written by another dashpot"):
-                write_whole(file, b"another result")
+                write_atomic(file, b"another result")
             assert b"another" not in file.read_bytes()
         finally:
             child.kill()
@@ -283,7 +283,7 @@ def test_two_recorders_never_write_one_file(tmp_path):
     # what was killed holds no lock
     rows, _ = record(Paced(TEST, "a card", speed=np.inf), file, replace=True)
     assert rows == len(TEST.time)
-    write_whole(file, b"another result")
+    write_atomic(file, b"another result")
     assert file.read_bytes() == b"another result"
 
 

@@ -11,7 +11,7 @@ from kit.kinds import saved
 
 import dashpot as dp
 from dashpot.extensions.amplitude.fit_files import level_files
-from dashpot.extensions.amplitude.page import beyond, numbers
+from dashpot.extensions.amplitude.page import format_residual_note, numbers
 from dashpot.reading.readers.impact import read_impact
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.reading.write import write_frf
@@ -358,7 +358,7 @@ def test_hits_of_different_height_say_for_which_level_they_speak(tmp_path):
         "stiffness per doubling",
         "damping per doubling",
     ]
-    assert "Four of five such tests find" in beyond(read)
+    assert "Four of five such tests find" in format_residual_note(read)
 
 
 def test_levels_said_of_hits_are_held_against_them(tmp_path):

@@ -10,7 +10,7 @@ from kit.shell import ran
 from scipy.optimize import brentq
 
 import dashpot as dp
-from dashpot.extensions.amplitude.amplitude_response import Anchor, SweptPart
+from dashpot.extensions.amplitude.amplitude_response import ReferencePoint, SweptPart
 from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
 from dashpot.extensions.amplitude.fit import fit_amplitude
 from dashpot.solids.part_geometry import bonded_cylinder
@@ -250,13 +250,13 @@ def test_limits_at_a_level_count_what_the_law_leaves(place, tmp_path):
         record = AmplitudeSweep(np.full(24, 10.0), strain, E.real, E.imag, units="SI")
         law = fit_amplitude(record, law="factor")
         part = SweptPart((law,), (1.0,), HEIGHT, 0.0, None, record)
-        f, T = part.doubt(2e-3, 100.0, Anchor(None, 0.0))
+        f, T = part.doubt(2e-3, 100.0, ReferencePoint(None, 0.0))
         change = 0.5 * abs(np.log(payne(2e-3).real / payne(1e-7).real))
         left = 0.2 * 0.05 * off
         assert f == pytest.approx(np.sqrt(0.02**2 + 2 * left**2 + change**2), rel=0.08)
         loss = 2 * 0.05 * off
         assert pytest.approx(2 * np.sqrt(loss**2 + 0.1**2 + 0.05**2), rel=0.1) == T
-        far, _ = part.doubt(2e-3, 100.0, Anchor(200.0, 0.0))
+        far, _ = part.doubt(2e-3, 100.0, ReferencePoint(200.0, 0.0))
         assert far**2 - f**2 == pytest.approx((0.05 * np.log(2)) ** 2)
 
 

@@ -12,7 +12,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.reported_values import NORMAL
 from dashpot.extensions.amplitude.level_text import prediction
 from dashpot.extensions.amplitude.preloaded_mass import PreloadedMass
-from dashpot.extensions.amplitude.preloaded_response import _known
+from dashpot.extensions.amplitude.preloaded_response import _compute_narrow_interval
 from dashpot.solids.elastic import ElasticLaw
 
 pytestmark = pytest.mark.once
@@ -183,5 +183,5 @@ def test_an_error_as_large_as_the_number_is_no_interval(bent):
 
 @pytest.mark.parametrize(("half", "known"), [(0.99, True), (1.01, False)])
 def test_an_interval_is_narrower_than_its_number(half, known):
-    ends = _known(-2.0, np.array([2 * half / NORMAL, 0.0]))
+    ends = _compute_narrow_interval(-2.0, np.array([2 * half / NORMAL, 0.0]))
     assert (ends is not None) is known

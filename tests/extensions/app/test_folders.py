@@ -41,7 +41,7 @@ def store(tmp_path):
 
 
 def ask(verb, store, **request):
-    return wire_format.unpacked(VERBS[verb](request, store.folder))[0]
+    return wire_format.decode_message(VERBS[verb](request, store.folder))[0]
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ import pytest
 from kit.asgi import Client
 
 from dashpot.extensions.app.access_control import POLICY, Guard
-from dashpot.extensions.app.server import Desk, application
+from dashpot.extensions.app.server import AppContext, application
 
 PORT = 8123
 HOST = f"127.0.0.1:{PORT}"
@@ -13,7 +13,7 @@ COOKIE = (f"dashpot-{PORT}", "secret")
 
 @pytest.fixture(scope="module")
 def desk():
-    desk = Desk()
+    desk = AppContext()
     yield desk
     desk.store.remove()
 

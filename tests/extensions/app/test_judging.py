@@ -39,7 +39,7 @@ def put(store, names):
 
 
 def ask(verb, store, **request):
-    return wire_format.unpacked(VERBS[verb](request, store.folder))[0]
+    return wire_format.decode_message(VERBS[verb](request, store.folder))[0]
 
 
 @pytest.mark.parametrize(
@@ -54,7 +54,7 @@ def test_a_kind_is_judged_as_by_its_command(store, tmp_path, monkeypatch, kind):
     row = ask("inspect", store, file=files[0])
     assert row["mark"] == "good"
     assert kind == "rod" or (
-        row["page"] == "judged" and row["asks"] == view_models.asks(asks_of(kind))
+        row["page"] == "judged" and row["asks"] == view_models.make_form_fields(asks_of(kind))
     )
     head = ask("judged", store, kind=kind, files=files, said=said)
     assert {"good", "care", "bad"} >= {head["colour"]}

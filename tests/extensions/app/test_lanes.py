@@ -17,10 +17,10 @@ from kit.processes import ON_LINUX, alive, children
 
 from dashpot import workflow
 from dashpot.base.errors import DataError
-from dashpot.base.subprocesses import long_lived
+from dashpot.base.subprocesses import get_long_lived_env
 from dashpot.extensions.app import wire_format
-from dashpot.extensions.app.upload_store import Store, clear_left
-from dashpot.extensions.app.worker_pool import FaultError, Lane, StoppedError
+from dashpot.extensions.app.upload_store import Store, remove_stale_stores
+from dashpot.extensions.app.worker_pool import FaultError, StoppedError, WorkerProcess
 
 
 @pytest.fixture
@@ -37,14 +37,14 @@ def test_what_a_killed_server_left_is_cleared_by_the_next(store, tmp_path, monke
         one.mkdir()
         (one / "customer.csv").write_text("1")
     (dead / ".lock").touch()
-    clear_left()
+    remove_stale_stores()
     assert sorted(tmp_path.iterdir()) == sorted([living.folder, other])
     living.remove()
 
 
 def with_lane(store, work):
     async def run():
-        lane = Lane(store.folder)
+        lane = WorkerProcess(store.folder)
         try:
             return await work(lane)
         finally:
@@ -61,7 +61,7 @@ def test_a_sentence_is_an_answer_and_the_worker_goes_on(store):
             await lane.ask("none", {})
         return await lane.ask("profile", {"options": {}})
 
-    assert wire_format.unpacked(with_lane(store, work))[0]["name"] == "profile.toml"
+    assert wire_format.decode_message(with_lane(store, work))[0]["name"] == "profile.toml"
 
 
 def test_a_long_computation_is_cancelled_and_the_next_one_works(store):
@@ -83,7 +83,7 @@ def test_a_long_computation_is_cancelled_and_the_next_one_works(store):
         assert not lane.cancel()
         return await lane.ask("inspect", {"file": seal})
 
-    assert wire_format.unpacked(with_lane(store, work))[0]["kind"] == "relaxation"
+    assert wire_format.decode_message(with_lane(store, work))[0]["kind"] == "relaxation"
 
 
 @ON_LINUX
@@ -138,7 +138,7 @@ def test_a_reading_can_be_cancelled_and_an_interrupt_ends_it_whatever_it_does():
             time.sleep(0.05)
         assert told(reading)[0] == 409
         status, body = told(asked(*inspect))
-        assert (status, wire_format.unpacked(body)[0]["kind"]) == (200, "relaxation")
+        assert (status, wire_format.decode_message(body)[0]["kind"]) == (200, "relaxation")
         for one in children(run.pid):
             os.kill(one, signal.SIGSTOP)
         asked(*inspect)
@@ -171,8 +171,12 @@ def test_a_worker_gives_back_what_a_long_record_took():
         "give_back(1 << 40); same = size(); give_back(1 << 20); print(full, kept, same, size())"
     )
     said = subprocess.run(
-        [sys.executable, "-c", script], env=long_lived(), capture_output=True, text=True, check=True
-    ).stdout  # fmt: skip
+        [sys.executable, "-c", script],
+        env=get_long_lived_env(),
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
     full, kept, same, left = map(int, said.split())
     assert kept > 0.9 * full
     assert same == pytest.approx(kept, rel=0.01)

@@ -65,7 +65,7 @@ def at_home(home, monkeypatch):
 
 
 def ask(verb, store, **request):
-    return wire_format.unpacked(VERBS[verb](request, store.folder))[0]
+    return wire_format.decode_message(VERBS[verb](request, store.folder))[0]
 
 
 @pytest.mark.usefixtures("at_home")

@@ -62,7 +62,7 @@ def store(home):
 
 def ask(verb, store, home, names, **request):
     ids = [store.put(name, (home / name).read_bytes()) for name in names]
-    return wire_format.unpacked(VERBS[verb]({"files": ids, **request}, store.folder))[0]
+    return wire_format.decode_message(VERBS[verb]({"files": ids, **request}, store.folder))[0]
 
 
 @pytest.mark.parametrize(

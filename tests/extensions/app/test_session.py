@@ -7,7 +7,7 @@ import pytest
 
 from dashpot.extensions.app import session
 from dashpot.extensions.app.recent import place_of
-from dashpot.extensions.app.server import Desk
+from dashpot.extensions.app.server import AppContext
 from dashpot.extensions.app.upload_store import Store, path_in
 
 
@@ -31,7 +31,7 @@ def test_a_session_is_taken_up_by_another_server(store):
     identity = store.put("seal.csv", b"1,2,3\n")
     session.keep(state(identity), store)
     store.remove()
-    assert session.left()["files"] == ["seal.csv"]
+    assert session.get_saved_session()["files"] == ["seal.csv"]
     after = Store()
     found = session.resume(after)
     assert found == state(identity)
@@ -45,27 +45,27 @@ def test_it_goes_with_its_files_and_when_told_to(store):
     session.keep(state(other), store)
     assert [each.name for each in place_of("session").iterdir()] == [other]
     session.keep(state(), store)
-    assert session.left() is None
+    assert session.get_saved_session() is None
     assert not place_of("session").exists()
     session.keep(state(one), store)
     session.forget()
-    assert session.left() is None
+    assert session.get_saved_session() is None
 
 
 def test_what_is_not_whole_is_not_offered(store):
     identity = store.put("a.csv", b"1\n")
     session.keep(state(identity), store)
     next((place_of("session") / identity).iterdir()).unlink()
-    assert session.left() is None
+    assert session.get_saved_session() is None
     assert session.resume(store) == {}
     place_of("session.json").write_text("no JSON")
-    assert session.left() is None
+    assert session.get_saved_session() is None
 
 
 @pytest.mark.parametrize("name", ["../../secret", "", "0" * 16])
 def test_a_name_that_is_no_file_of_the_page_is_not_kept(store, name):
     session.keep(state(name), store)
-    assert session.left() is None
+    assert session.get_saved_session() is None
 
 
 def test_only_an_empty_server_offers_it(store, tmp_path):
@@ -73,7 +73,7 @@ def test_only_an_empty_server_offers_it(store, tmp_path):
     (tmp_path / "own.csv").write_text("1\n")
 
     async def of(*files):
-        desk = Desk(files)
+        desk = AppContext(files)
         found = json.loads(json.dumps(desk.state))
         await desk.close()
         return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dashpot.extensions.app.figure_cards import _rows, tiles
+from dashpot.extensions.app.figure_cards import _rows, make_figure_cards
 from dashpot.plot.picture import Dots, Panel, Picture, Scale, Tag
 
 X = np.array([0.0, 1.0])
@@ -40,7 +40,7 @@ def test_of_strips_of_two_panels_no_three_do() -> None:
 def test_what_is_named_at_its_line_is_in_no_key() -> None:
     named = panel("force, N", "own word", tags=(Tag(0.5, 0.5, "own word", "fit"),))
     picture = Picture("p", "words", ((named,), (panel("x, mm", "own word", "other word"),)))
-    _, second = tiles(picture, 1000)
+    _, second = make_figure_cards(picture, 1000)
     key = second.html.partition("</ul>")[0]
     assert "other word" in key
     assert "own word" not in key

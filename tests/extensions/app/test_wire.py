@@ -17,7 +17,7 @@ from dashpot.extensions.app import wire_format
 def test_a_message_comes_back_as_it_was(head, rows):
     head.pop("arrays", None)
     arrays = {f"{i}": np.array(row) for i, row in enumerate(rows)}
-    told, numbers = wire_format.unpacked(wire_format.packed(head, arrays))
+    told, numbers = wire_format.decode_message(wire_format.encode_message(head, arrays))
     assert told == head
     assert {name: row.tolist() for name, row in numbers.items()} == {
         name: row.tolist() for name, row in arrays.items()
@@ -25,13 +25,13 @@ def test_a_message_comes_back_as_it_was(head, rows):
 
 
 def test_numbers_begin_where_a_browser_can_read_them():
-    message = wire_format.packed({"words": "é"}, {"x": np.array([1.0])})
+    message = wire_format.encode_message({"words": "é"}, {"x": np.array([1.0])})
     (length,) = struct.unpack_from("<I", message)
     assert length % 4 == 0
     assert json.loads(message[4 : 4 + length])["words"] == "é"
 
 
 def test_a_frame_says_its_kind_and_length():
-    frame = wire_format.framed("d", b"12345")
+    frame = wire_format.encode_frame("d", b"12345")
     assert wire_format.frame_head(frame[: wire_format.FRAME_HEAD]) == ("d", 5)
     assert frame[wire_format.FRAME_HEAD :] == b"12345"

@@ -14,7 +14,7 @@ from kit.shell import ran
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.checks import Check, Remedy
-from dashpot.base.choices import RampLawAsked, words
+from dashpot.base.choices import RampLawAsked, get_choice_values
 from dashpot.datamodel.fit import Explanation
 from dashpot.export import SUFFIXES
 from dashpot.extensions.app import request_handlers, result_cache, view_models, wire_format
@@ -64,7 +64,7 @@ def asked(files):
 
 
 def ask(verb, store, **request):
-    head, arrays = wire_format.unpacked(VERBS[verb](request, store.folder))
+    head, arrays = wire_format.decode_message(VERBS[verb](request, store.folder))
     return head | {"arrays": arrays}
 
 
@@ -115,7 +115,7 @@ def test_a_record_is_read_once_for_every_lane(store):
     assert not ask("inspect", store, file=identity)["long"]
     (store.folder / identity / "once.csv").write_text("no table any more")
     result_cache.test.cache_clear()  # as another lane would begin
-    result_cache.prepared.cache_clear()
+    result_cache.prepare_job_tests.cache_clear()
     job = {"relaxation": identity, "specimen": {"name": "A"}}
     again = json.loads(ask("take", store, job=job, what="fit")["text"])
     fresh = fit_tests(prepare(read_relaxation(store.folder / store.put("once.csv", text.encode())
@@ -173,7 +173,9 @@ def test_a_handle_moves_the_curves_within_a_page_of_bytes(store, asked):
     after = 20.0 - later["cuts"]["ramp_end"]
     assert name == f"k after {after:.1f} s"
     cut = job_of(asked | {"cuts": {"hold_end": 20.0}}, store.folder)
-    own = result_cache.held(result_cache.of_fit(cut)).solid.relaxation(after)
+    own = result_cache.fit_while_dragging(result_cache.select_fit_choices(cut)).solid.relaxation(
+        after
+    )
     assert float(size.removesuffix(" N/mm")) == pytest.approx(own / 1e3, rel=1e-3)
     assert re.fullmatch(r"rms [\d.]+( mN)?, noise [\d.]+ mN", later["left"])
     assert found["cuts"]["hold_end"] > 40.0
@@ -189,12 +191,12 @@ def test_a_held_handle_is_followed_from_the_cut_before_to_the_fit_of_its_cut(sto
     """The same optimum, without what a cut does not change: number of arms and law."""
     ask("live", store, job=asked)
     cut = job_of(asked | {"cuts": {"ramp_end": 2.6, "hold_end": 30.0}}, store.folder)
-    after = result_cache.held(result_cache.of_fit(cut))
-    anew = result_cache.fitted(result_cache.of_fit(cut), False, result_cache.HELD)
+    after = result_cache.fit_while_dragging(result_cache.select_fit_choices(cut))
+    anew = result_cache.fit_job(result_cache.select_fit_choices(cut), False, result_cache.HELD)
     assert after.model.tau == pytest.approx(anew.model.tau, rel=1e-6)
     assert after.model.k == pytest.approx(anew.model.k, rel=1e-6)
     law = ElasticLaw((0.0, 4e-3, 8e-3), (0.5, 1.0, 1.5), 100.0)
-    one = result_cache.of_fit(cut)
+    one = result_cache.select_fit_choices(cut)
     assert result_cache._is_followed(anew, one)
     assert not result_cache._is_followed(replace(anew, elastic_law=law), one)
     assert not result_cache._is_followed(anew, replace(one, arms=3))
@@ -220,11 +222,11 @@ def test_of_a_hold_that_is_cut_the_whole_record_stays_in_sight(store, asked):
     hatches = [one.count("<pattern") for one in drawn]
     assert hatches[1] > hatches[0]
     job = job_of(cut, store.folder)
-    (short,) = result_cache.prepared(result_cache.of_test(job), None)
+    (short,) = result_cache.prepare_job_tests(result_cache.select_test_choices(job), None)
     assert short.hold_end == 12.0
-    assert result_cache.whole(job, short).time[-1] > 40.0
+    assert result_cache.prepare_uncut_test(job, short).time[-1] > 40.0
     uncut = job_of(request, store.folder)
-    assert result_cache.whole(uncut, short) is None
+    assert result_cache.prepare_uncut_test(uncut, short) is None
 
 
 def test_a_law_that_was_found_can_be_asked_for():
@@ -237,7 +239,7 @@ def test_a_law_that_was_found_can_be_asked_for():
         request_handlers._law(one) for one in (bent, straight, SimpleNamespace(elastic_law=None))
     ]
     assert found == ["nonlinear", "linear", ""]
-    assert set(found[:2]) <= set(words(RampLawAsked))
+    assert set(found[:2]) <= set(get_choice_values(RampLawAsked))
 
 
 def test_a_response_follows_the_mass(store, asked):

@@ -12,12 +12,12 @@ from pathlib import Path
 import pytest
 
 from dashpot.base.errors import DataError
-from dashpot.base.serialisation import plain
+from dashpot.base.serialisation import to_plain_value
 from dashpot.base.version import __version__
 from dashpot.extensions.batch import batch_run
-from dashpot.extensions.batch.batch_options import BatchChoices
+from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.batch_run import batch
-from dashpot.extensions.batch.cluster_worker import let_go, rows_of
+from dashpot.extensions.batch.cluster_worker import rows_of, stop_idle_workers
 from dashpot.extensions.batch.input_files import Entry
 from dashpot.extensions.batch.parquet_parts import tasks
 from dashpot.reading.write import write_relaxation
@@ -25,7 +25,7 @@ from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.demo_seals import PAPER
 
 QUICK = {"arms": 1, "quick": True}
-CHOICES = BatchChoices(**QUICK)
+CHOICES = BatchOptions(**QUICK)
 
 
 @pytest.fixture
@@ -78,7 +78,7 @@ def test_a_cluster_makes_the_same_table_though_a_worker_is_killed(folder, tmp_pa
 
 def asked(entries, **changes):
     """What a worker of a cluster answers."""
-    how = {"choices": json.dumps(plain(CHOICES)), "folder": ".", "version": __version__}
+    how = {"choices": json.dumps(to_plain_value(CHOICES)), "folder": ".", "version": __version__}
     return rows_of(json.dumps([one.packed for one in tasks(entries, CHOICES)]), **(how | changes))
 
 
@@ -91,7 +91,7 @@ def test_a_worker_refuses_what_would_be_another_row_than_here(folder, tmp_path):
     with pytest.raises(DataError, match="such as on a shared drive"):
         asked([Entry(str(Path("tests/0.csv").absolute()), hammer=("tests/1.csv",))], folder="/")
     (row,) = json.loads(asked(here))
-    let_go()
+    stop_idle_workers()
     assert (row["file"], row["outcome"]) == ("tests/junk.csv", "refused")
 
 

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from dashpot.base.errors import DataError, ReadError
-from dashpot.extensions.batch.batch_options import BatchChoices
-from dashpot.extensions.batch.input_files import Entry, entries
+from dashpot.extensions.batch.batch_options import BatchOptions
+from dashpot.extensions.batch.input_files import Entry, find_entries
 from dashpot.extensions.batch.parquet_parts import Task, tasks
 from dashpot.extensions.batch.table_row import row
 
@@ -29,7 +29,7 @@ def here(tmp_path, monkeypatch):
 
 
 def files(*paths, **how):
-    return [Path(one.file).as_posix() for one in entries(paths, without=Path("lot"), **how)]
+    return [Path(one.file).as_posix() for one in find_entries(paths, without=Path("lot"), **how)]
 
 
 def test_folders_patterns_and_files_are_taken_once(here):
@@ -42,13 +42,13 @@ def test_folders_patterns_and_files_are_taken_once(here):
 
 
 def test_labels_come_from_the_path_by_place_or_by_name(here):
-    first, second, *_ = entries(["a"], by=r"lot(\w)_(\d)", without=Path("lot"))
+    first, second, *_ = find_entries(["a"], by=r"lot(\w)_(\d)", without=Path("lot"))
     assert (first.lot, first.seal, first.repeat) == ("Y", "2", "")
     assert (second.lot, second.seal) == ("X", "1")
-    (named,) = entries(["a/lot*"], by=r"lot(?P<seal>\w)_(?P<lot>\d)", without=Path("lot"))
+    (named,) = find_entries(["a/lot*"], by=r"lot(?P<seal>\w)_(?P<lot>\d)", without=Path("lot"))
     assert (named.lot, named.seal) == ("1", "X")
     # a group that took no part says nothing
-    (one,) = entries(["b.csv"], by=r"(lot)?b(\.)", without=Path("lot"))
+    (one,) = find_entries(["b.csv"], by=r"(lot)?b(\.)", without=Path("lot"))
     assert (one.lot, one.seal) == ("", ".")
 
 
@@ -64,14 +64,14 @@ TOML = (
 )
 def test_a_manifest_adds_its_files_and_its_labels_win(here, monkeypatch, name, text):
     Path(name).write_text(text, encoding="utf-8")
-    first, second = entries([], manifest=name, by="(b)", without=Path("lot"))
+    first, second = find_entries([], manifest=name, by="(b)", without=Path("lot"))
     assert first == Entry(
         "a/lotX_1.csv", "A", "1", "2", pytest.approx(296.15), pytest.approx(0.104)
     )
     assert second == Entry("b.csv", "B")
     # its paths are seen from its own folder, and it is no test itself
     monkeypatch.chdir("a")
-    found = entries([".."], manifest=f"../{name}", without=Path("../lot"))
+    found = find_entries([".."], manifest=f"../{name}", without=Path("../lot"))
     assert {one.lot for one in found} == {"", "A", "B"}
     assert not any(one.file.endswith(name) for one in found)
 
@@ -92,19 +92,19 @@ def test_a_manifest_adds_its_files_and_its_labels_win(here, monkeypatch, name, t
 def test_a_manifest_that_is_none_says_where_and_what(here, text, says):
     Path("m.csv").write_text(text)
     with pytest.raises(ReadError, match=re.escape(says)):
-        entries([], manifest="m.csv", without=Path("lot"))
+        find_entries([], manifest="m.csv", without=Path("lot"))
 
 
 @pytest.mark.parametrize("text", ["= x", "test = 3\n", "test = [1]\n", "\x00"])
 def test_a_toml_that_is_none_is_refused(here, text):
     Path("m.toml").write_text(text)
     with pytest.raises(ReadError, match=r"m\.toml"):
-        entries([], manifest="m.toml", without=Path("lot"))
+        find_entries([], manifest="m.toml", without=Path("lot"))
 
 
 def test_a_listed_file_that_is_missing_stays_listed(here):
     Path("m.csv").write_text("file\ngone.csv\n")
-    (one,) = entries([], manifest="m.csv", without=Path("lot"))
+    (one,) = find_entries([], manifest="m.csv", without=Path("lot"))
     assert (one.file, one.hashes()) == ("gone.csv", ("",))
 
 
@@ -121,7 +121,9 @@ def test_results_among_the_tests_are_none(tmp_path, monkeypatch):
     everywhere = [f"{folder}{name}" for folder in ("t/", "t/log/", "t/lot/") for name in theirs]
     (of_a_rig,) = set(files("t")) - set(everywhere)
     assert of_a_rig == "t/log/batch.log"
-    assert [Path(one.file).as_posix() for one in entries(["t"], without=Path("t"))] == files("t")
+    assert [Path(one.file).as_posix() for one in find_entries(["t"], without=Path("t"))] == files(
+        "t"
+    )
 
 
 @pytest.fixture
@@ -135,7 +137,7 @@ def pairs(tmp_path, monkeypatch):
 
 
 def hammers(*paths, **how):
-    found = entries(paths, without=Path("lot"), **how)
+    found = find_entries(paths, without=Path("lot"), **how)
     return {Path(one.file).stem: [Path(h).name for h in one.hammer] for one in found}
 
 
@@ -170,7 +172,7 @@ def test_a_name_with_the_marks_of_a_pattern_finds_its_own_hammer(pairs):
 )
 def test_a_pattern_that_pairs_nothing_says_why(pairs, pair, says):
     with pytest.raises(DataError, match=re.escape(says)):
-        entries(["t"], pair=pair, without=Path("lot"))
+        find_entries(["t"], pair=pair, without=Path("lot"))
 
 
 @pytest.mark.parametrize(
@@ -200,7 +202,7 @@ def test_a_manifest_names_the_hammers_and_wins_over_a_pattern(pairs, name, text)
 def test_a_name_that_is_no_text_is_said(tmp_path):
     (tmp_path / os.fsdecode(b"a\xff.csv")).write_text("")
     with pytest.raises(ReadError, match=r"a\\udcff\.csv: the name is not UTF-8"):
-        entries([tmp_path], without=Path("lot"))
+        find_entries([tmp_path], without=Path("lot"))
 
 
 def test_a_folder_that_cannot_be_read_is_said_and_none_is_left_out(here, monkeypatch):
@@ -210,7 +212,7 @@ def test_a_folder_that_cannot_be_read_is_said_and_none_is_left_out(here, monkeyp
 
     monkeypatch.setattr(os, "walk", walk)
     with pytest.raises(ReadError, match="a/deep: the folder cannot be read: Permission denied"):
-        entries(["a"], without=Path("lot"))
+        find_entries(["a"], without=Path("lot"))
 
 
 @pytest.mark.parametrize(
@@ -221,11 +223,11 @@ def test_a_folder_that_cannot_be_read_is_said_and_none_is_left_out(here, monkeyp
     ],
 )
 def test_a_task_gives_back_what_it_was_made_of(entry):
-    (task,) = tasks([entry], BatchChoices(), hashed=lambda file: f"{len(file):064x}")
+    (task,) = tasks([entry], BatchOptions(), hashed=lambda file: f"{len(file):064x}")
     assert task.entry == entry
     assert task.hashes == tuple(f"{len(file):064x}" for file in (entry.file, *entry.hammer))
     assert len(task.key) == 64
-    assert Task.of(task.entry, task.hashes, task.key) == task
+    assert Task.from_entry(task.entry, task.hashes, task.key) == task
 
 
 def test_a_link_out_of_the_folder_and_a_pipe_are_said_and_not_read(tmp_path):
@@ -237,7 +239,7 @@ def test_a_link_out_of_the_folder_and_a_pipe_are_said_and_not_read(tmp_path):
     (rig / "out.csv").symlink_to(beside)
     (rig / "gone.csv").symlink_to(tmp_path / "nowhere.csv")
     os.mkfifo(rig / "pipe.csv")
-    found = entries([rig], without=tmp_path / "lot")
+    found = find_entries([rig], without=tmp_path / "lot")
     asides = {Path(one.file).name: one.aside for one in found}
     # one file by two names is one test, and what a broken link names is not there
     assert asides.keys() == {"alias.csv", "gone.csv", "out.csv", "pipe.csv"}
@@ -246,13 +248,13 @@ def test_a_link_out_of_the_folder_and_a_pipe_are_said_and_not_read(tmp_path):
     assert "a pipe" in asides["pipe.csv"]
     (out,) = [one for one in found if one.file.endswith("out.csv")]
     assert out.hashes() == ("",)
-    answer = row(out, out.hashes(), BatchChoices())
+    answer = row(out, out.hashes(), BatchOptions())
     assert (answer["outcome"], answer["reason"]) == ("refused", out.aside)
-    (named,) = entries([rig / "out.csv"], without=tmp_path / "lot")
+    (named,) = find_entries([rig / "out.csv"], without=tmp_path / "lot")
     assert not named.aside
 
 
 def test_a_manifest_that_is_nested_too_deep_is_no_manifest(here: Path) -> None:
     Path("m.toml").write_text("test = " + "[" * 10_000 + "]" * 10_000)
     with pytest.raises(ReadError, match=r"m.toml: not a manifest: not TOML that a person wrote"):
-        entries(["b.csv"], without=here / "lot", manifest="m.toml")
+        find_entries(["b.csv"], without=here / "lot", manifest="m.toml")

@@ -471,7 +471,7 @@ def test_a_folder_of_something_else_is_refused_and_two_runs_do_not_share_one(fol
     with pytest.raises(ExportError, match=r"lot: cannot be written to: .*; give another place"):
         batch(folder, output=file / "lot", **QUICK)
     out = tmp_path / "lot"
-    with batch_run.occupied(out), pytest.raises(DataError, match="in use by another"):
+    with batch_run.lock_results_folder(out), pytest.raises(DataError, match="in use by another"):
         batch(folder, output=out, **QUICK)
 
 

@@ -11,7 +11,7 @@ from kit.kinds import ARMS, MASS, STIFFNESS, files
 
 import dashpot as dp
 from dashpot.base.errors import DataError
-from dashpot.extensions.batch.batch_options import BatchChoices
+from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.batch_run import batch
 from dashpot.extensions.batch.columns import AGAIN
 from dashpot.extensions.batch.input_files import Entry
@@ -31,7 +31,7 @@ from dashpot.workflow.job import HammerChoices
 pytestmark = pytest.mark.once
 
 FITTED = {"relaxation", "creep", "dma", "master-curve", "modulus"}
-ONE_ARM = BatchChoices(arms=1, reading=ReadOptions(modulus="Relaxation modulus"))
+ONE_ARM = BatchOptions(arms=1, reading=ReadOptions(modulus="Relaxation modulus"))
 
 
 @pytest.fixture(scope="module")
@@ -92,7 +92,7 @@ def test_a_row_says_whether_its_file_is_simulated(folder, tmp_path, name):
 
 def test_a_load_deflection_is_a_row_as_its_command_has_it(tmp_path):
     path = pressed(softening=0.05).write(tmp_path / "p1.csv")
-    choices = BatchChoices(compression=(6e-3,), length=0.05)
+    choices = BatchOptions(compression=(6e-3,), length=0.05)
     found = row_of(Entry(str(path)), choices)
     alone = cld(read_cld(path, specimen=dp.Specimen(length="50mm")), at="6mm")
     assert found["cld_force_N"] == alone.nominal.loading
@@ -100,7 +100,7 @@ def test_a_load_deflection_is_a_row_as_its_command_has_it(tmp_path):
     assert (found["cld_at_m"], found["cld_set_m"]) == (6e-3, alone.set)
     assert found["cld_hysteresis"] == alone.cycle.hysteresis
     assert found["verdict"] == alone.verdict.use
-    short = row_of(Entry(str(path)), BatchChoices(compression=(12e-3,)))
+    short = row_of(Entry(str(path)), BatchOptions(compression=(12e-3,)))
     assert short["outcome"] == "refused"
     assert "12 mm was asked for" in short["reason"]
     assert short["kind"] == "cld"
@@ -128,7 +128,7 @@ def stated(folder):
 def test_a_hit_is_a_row_once_the_indenter_has_a_mass(tmp_path):
     path = tmp_path / "hit.csv"
     path.write_text(EXAMPLES["hit.csv"]())
-    found = row_of(Entry(str(path), mass=5e-3), BatchChoices(radius=5e-3))
+    found = row_of(Entry(str(path), mass=5e-3), BatchOptions(radius=5e-3))
     assert found["outcome"] == "fitted"
     assert found["indent_modulus_Pa"] == pytest.approx(4e6, rel=0.02)
     assert found["indent_modulus_low_Pa"] < found["indent_modulus_Pa"]
@@ -137,7 +137,7 @@ def test_a_hit_is_a_row_once_the_indenter_has_a_mass(tmp_path):
 
 
 def test_a_modulus_finds_its_column_by_itself(folder):
-    found = row_of(Entry(str(folder / "modulus.csv")), BatchChoices(arms=1))
+    found = row_of(Entry(str(folder / "modulus.csv")), BatchOptions(arms=1))
     assert (found["kind"], found["outcome"]) == ("modulus", "fitted")
 
 
@@ -203,7 +203,7 @@ def test_a_joint_fit_finds_the_damping_that_the_bench_alone_misses(folder, tmp_p
     hammer = tmp_path / "frf.csv"
     hammer.write_text(write_frf(replace(frf, value=frf.value + noise[0] + 1j * noise[1])))
     entry = Entry(str(folder / "seal.csv"), hammer=(str(hammer),), mass=MASS)
-    found = row_of(entry, BatchChoices(arms=2, seals=2, joint=True))
+    found = row_of(entry, BatchOptions(arms=2, seals=2, joint=True))
     (mode,) = frf.modes()
     assert (found["method"], found["agreement"]) == ("joint", "use with care")
     assert found["measured_damping_ratio"] == pytest.approx(mode.damping_ratio, rel=0.02)

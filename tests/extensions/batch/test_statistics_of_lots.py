@@ -9,7 +9,7 @@ from kit.shell import ran, told
 import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
 from dashpot.extensions.batch.comparison import compared, opened, opened_both
-from dashpot.extensions.batch.quantities import natural, quantity
+from dashpot.extensions.batch.quantities import make_natural_sort_key, quantity
 from dashpot.extensions.batch.summary import summary
 
 pytestmark = pytest.mark.once
@@ -20,7 +20,7 @@ def test_seals_stand_in_the_order_in_which_people_count():
     assert [one.name for one in lot.seals()][:11] == [f"{i}" for i in range(1, 12)]
     counted = ["9", "10", "b", "seal 9", "seal 10"]
     shuffled = ["seal 10", "b", "10", "9", "seal 9"]
-    assert sorted(shuffled, key=natural) == counted
+    assert sorted(shuffled, key=make_natural_sort_key) == counted
 
 
 def test_a_quantity_is_found_by_its_column_and_without_the_unit():

@@ -15,11 +15,11 @@ from kit.kinds import bench, ramp_and_hold
 
 from dashpot.base.errors import DataError, ReadError
 from dashpot.extensions.batch import batch_run
-from dashpot.extensions.batch.batch_options import BatchChoices
+from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.batch_run import BatchJob, batch
 from dashpot.extensions.batch.folder_watch import BEAT, STILL, watch_batch
 from dashpot.extensions.batch.parquet_parts import KEY, SMALL
-from dashpot.extensions.batch.process_pool import Engine
+from dashpot.extensions.batch.process_pool import Executor
 from dashpot.extensions.batch.table_row import row
 
 pytestmark = pytest.mark.once
@@ -32,7 +32,7 @@ TEXT = bench(ramp_and_hold())
 def rig(tmp_path, monkeypatch):
     """An empty folder, and rows that are made in this process."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(batch_run, "engine", lambda *_: here())
+    monkeypatch.setattr(batch_run, "open_executor", lambda *_: here())
     folder = Path("rig")
     folder.mkdir()
     return folder
@@ -45,7 +45,7 @@ def here():
             rows = [row(one.entry, one.hashes, choices) | {KEY: one.key} for one in chunk]
             yield chunk, rows
 
-    yield Engine(1, 1, computed)
+    yield Executor(1, 1, computed)
 
 
 class Story:
@@ -53,7 +53,7 @@ class Story:
 
     def __init__(self, *acts, **asked):
         self.now, self.acts, self.tables = 0.0, list(acts), []
-        job = BatchJob(("rig",), Path("lot"), BatchChoices(**QUICK), jobs=1, **asked)
+        job = BatchJob(("rig",), Path("lot"), BatchOptions(**QUICK), jobs=1, **asked)
         self.lot = watch_batch(job, self.refreshed, wait=self.wait, clock=lambda: self.now)
 
     def refreshed(self, lot):
@@ -147,7 +147,7 @@ def test_a_file_that_changes_under_the_fit_is_fitted_when_it_is_still(rig, monke
         with here() as engine:
             yield engine
 
-    monkeypatch.setattr(batch_run, "engine", meddled)
+    monkeypatch.setattr(batch_run, "open_executor", meddled)
     assert made is row
     story = Story(until(9.0))
     assert [found["a"] for _, found in story.tables][-1] == "fitted"

@@ -12,7 +12,7 @@ from kit import shell
 from kit.fits import a_fit
 
 import dashpot as dp
-from dashpot.base.number_format import rounded
+from dashpot.base.number_format import round_to_error
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.door.closing_setup import (
     Between,
@@ -98,7 +98,7 @@ def test_a_page_of_a_door_tells_of_modes_and_closing(tmp_path):
     for bar in bars:
         assert sum(map(float, re.findall(r'width="([\d.]+)%"', bar))) == pytest.approx(100, abs=0.1)
     for mode in found["modes"]:
-        assert f"<b>{rounded(mode['frequency_hz'], digits=4)}</b>" in text
+        assert f"<b>{round_to_error(mode['frequency_hz'], digits=4)}</b>" in text
     for name in ("figure-line", "figure-shapes", "figure-waterfall", "figure-doors", "figure-frf"):
         assert text.count(f'id="{name}"') == 1
     assert f">{found['verdict']['use'].capitalize()}<" in text

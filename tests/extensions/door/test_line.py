@@ -38,7 +38,7 @@ from dashpot.extensions.amplitude.response_solver import response_at_level
 from dashpot.extensions.door.assembly import Assembly
 from dashpot.extensions.door.checks import line_holds_sideways
 from dashpot.extensions.door.door_model import Door, RigidPart, SealChoice, Support
-from dashpot.extensions.door.modes import left_sideways
+from dashpot.extensions.door.modes import count_lateral_free_motions
 from dashpot.extensions.door.mounts import line_mounts
 from dashpot.extensions.door.read import read_door
 from dashpot.solids import networks as net
@@ -117,16 +117,16 @@ def test_the_modes_of_the_door(door, shear, hertz):
 
 def test_what_nothing_holds_sideways_is_told():
     """Of a line tilted by 15 degrees: .354, .456 and .808 Hz, which no door has."""
-    count, slowest = left_sideways(Assembly(ON_ITS_SEAL))
+    count, slowest = count_lateral_free_motions(Assembly(ON_ITS_SEAL))
     assert count == 3
     assert slowest == pytest.approx(0.354, abs=5e-4)
     told = line_holds_sideways(count, slowest)
     assert told.failed
     assert "In-plane motion is held by nothing" in told.says
     assert "3 motions are free from 0.354 Hz" in told.says
-    assert left_sideways(Assembly(HELD)) == (0, None)
+    assert count_lateral_free_motions(Assembly(HELD)) == (0, None)
     flat = replace(line(), normal=np.array([0.0, 1.0, 0.0]))
-    assert left_sideways(Assembly(replace(ON_ITS_SEAL, line=flat))) == (3, None)
+    assert count_lateral_free_motions(Assembly(replace(ON_ITS_SEAL, line=flat))) == (3, None)
 
 
 @pytest.mark.parametrize(("degrees", "free"), [(26.5, 2), (26.7, 0)])
@@ -138,7 +138,7 @@ def test_a_line_that_leans_far_enough_holds_its_door_in_plane(degrees, free):
     normal = np.cos(a) * np.array([0, 1, 0]) + np.sin(a) * out
     seal = SealLine(ring, normal=normal, section=net.spring(KAPPA))
     slides = replace(DOOR, centre=(0.5, 0.0, 0.5), motions=("x", "z"))
-    count, _ = left_sideways(Assembly(replace(ON_ITS_SEAL, rigid=slides, line=seal)))
+    count, _ = count_lateral_free_motions(Assembly(replace(ON_ITS_SEAL, rigid=slides, line=seal)))
     assert count == free
 
 

@@ -86,7 +86,9 @@ def test_each_hit_is_held_against_the_others_alone(files, monkeypatch):
 
     monkeypatch.setattr(module, "average", average)
     monkeypatch.setattr(module, "identify", lambda *_, **__: fit)
-    found = module.left_out(impact, (), fit, mass=0.1148, seals=2, choices=HammerChoices())
+    found = module.cross_validate_hits(
+        impact, (), fit, mass=0.1148, seals=2, choices=HammerChoices()
+    )
     whole, *pairs = seen
     assert found is not None
     assert 2 * found.hits == len(pairs) == 2 * min(len(whole), 8)

@@ -8,7 +8,7 @@ from kit.shell import ran, told
 
 import dashpot as dp
 from dashpot.base.errors import DataError
-from dashpot.base.number_format import rounded
+from dashpot.base.number_format import round_to_error
 from dashpot.datamodel.frf import FRF, Mode
 from dashpot.datamodel.frf_set import FRFSet
 from dashpot.extensions.modes.checks import STABLE
@@ -18,7 +18,7 @@ from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.write import frf_uff, write_frf
 from dashpot.vibration.impact.checks import modes_within_band
 from dashpot.workflow import modes_by_mass, modes_files
-from dashpot.workflow.vibration.modes import modes_told
+from dashpot.workflow.vibration.modes import format_modes_headline
 
 # undamped natural frequency, Hz, damping ratio, mass, kg: two bodies seen at one point
 TRUE = ((12.7, 0.02, 0.1), (31.0, 0.04, 0.15))
@@ -443,7 +443,8 @@ def test_one_solid_carries_every_mass_or_it_is_said(tmp_path):
     assert ran(*words, "--plot", figure).exit_code == 0
     drawn = figure.read_text()
     assert all(
-        f"{rounded(hz, digits=4)} Hz" in drawn for hz in (m.frequency for m in found.together.modes)
+        f"{round_to_error(hz, digits=4)} Hz" in drawn
+        for hz in (m.frequency for m in found.together.modes)
     )
     # one seal 3 % stiffer under the middle mass is no arm's doing
     on_seals(tmp_path, 0.25, stiffer=1.03)
@@ -485,6 +486,6 @@ def test_masses_and_files_go_together(tmp_path):
 )
 def test_how_many_modes_there_are_is_said_where_one_is_told(count, says):
     each = [Mode(12.7 + i, 0.03, 0j, 0.01, 0.001, 0.0, "fitted") for i in range(count)]
-    said = modes_told(each)
+    said = format_modes_headline(each)
     assert said.endswith(says), said
     assert ("12.7" in said) == bool(count)

@@ -56,7 +56,7 @@ def test_the_equations_as_printed():
 
 def test_one_arm_does_not_follow_and_two_are_table_1():
     ideal = paper.ideal_test()
-    one, two = paper.fitted(ideal, 1), paper.fitted(ideal, 2)
+    one, two = paper.fit_hold_phase(ideal, 1), paper.fit_hold_phase(ideal, 2)
     assert (one.solid.k_inf, *one.solid.k) == pytest.approx((200.42346, 34.60362), 1e-5)
     assert (*one.solid.tau, *one.solid.arm_b) == pytest.approx((4.14149995, 143.3109), 1e-5)
     assert (one.rms, one.worst) == pytest.approx((24.142970e-3, 267.637e-3), 1e-6)
@@ -66,7 +66,7 @@ def test_one_arm_does_not_follow_and_two_are_table_1():
 
 
 def test_the_steps_of_the_load_cell():
-    found = paper.fitted(paper.in_steps(paper.ideal_test()), 2)
+    found = paper.fit_hold_phase(paper.quantise_force(paper.ideal_test()), 2)
     solid = found.solid
     assert (solid.k_inf, *solid.k) == pytest.approx((196.50071, 117.48881, 17.79929), 1e-6)
     assert solid.tau == pytest.approx((0.50215901, 16.41449176), 1e-6)
@@ -150,5 +150,5 @@ def test_intervals_hold_table_1_on_the_virtual_rig(method):
         test = prepare(simulate_relaxation(PAPER, seed=seed).test)
         known = {one.name: one for one in fit(test, arms=2, method=method).known}
         for name, value in printed.items():
-            held[name] += paper.holds(known[name], value)
+            held[name] += paper.is_within_interval(known[name], value)
     assert min(held.values()) >= 90, held

@@ -19,7 +19,7 @@ from dashpot.base.errors import DataError, ReadError
 from dashpot.extensions.formats.ati import AXES
 from dashpot.extensions.projects import history, verification
 from dashpot.extensions.projects import project as folder
-from dashpot.extensions.projects.verification import difference, same_page, verify
+from dashpot.extensions.projects.verification import find_largest_difference, same_page, verify
 from dashpot.reading.read_options import ReadOptions, load_profile
 from dashpot.reading.write import write_relaxation
 from dashpot.simulation.relaxation import simulate_relaxation
@@ -154,7 +154,7 @@ def rewritten(project, entries):
     before, lines = history.GENESIS, []
     for number, entry in enumerate(entries, start=1):
         entry |= {"previous": before, "line": number}
-        text, before = history.sealed(entry)
+        text, before = history.format_hashed_line(entry)
         lines.append(text.decode() + "\n")
     project.history_file.write_text("".join(lines))
     (project.folder / "history.head").write_text(f"{len(lines)} {before}\n")
@@ -441,10 +441,10 @@ def test_what_is_no_finite_number_is_no_rounding_of_one(kept, word):
 
 
 def test_true_is_not_one(kept):
-    assert difference({"a": 1}, {"a": True})[0] == np.inf
-    assert difference({"a": 1, "b": 0.0}, {"a": 1.0, "b": -0.0})[0] == 0.0
-    assert difference({"a": np.nan}, {"a": np.nan})[0] == 0.0
-    assert difference({"a": 2.0}, {"a": 1.0})[0] == 0.5
+    assert find_largest_difference({"a": 1}, {"a": True})[0] == np.inf
+    assert find_largest_difference({"a": 1, "b": 0.0}, {"a": 1.0, "b": -0.0})[0] == 0.0
+    assert find_largest_difference({"a": np.nan}, {"a": np.nan})[0] == 0.0
+    assert find_largest_difference({"a": 2.0}, {"a": 1.0})[0] == 0.5
 
 
 def _one_more(kept, line, kind, named):
@@ -509,7 +509,9 @@ def test_files_of_another_version_have_one_name_too(kept):
 def test_a_line_is_numbered_by_its_place(kept):
     before, texts = history.GENESIS, []
     for entry in entries(kept):
-        text, before = history.sealed(entry | {"previous": before, "line": entry["line"] + 1})
+        text, before = history.format_hashed_line(
+            entry | {"previous": before, "line": entry["line"] + 1}
+        )
         texts.append(text.decode() + "\n")
     kept.history_file.write_text("".join(texts))
     (kept.folder / "history.head").write_text(f"{len(texts)} {before}\n")

@@ -10,10 +10,10 @@ from typing import Any
 import click
 
 from dashpot import workflow
-from dashpot.base.choices import words
-from dashpot.cli._command_io import Outcome, printed, write, write_figure
-from dashpot.cli._options import given as typed_again
-from dashpot.cli._param_types import nearest
+from dashpot.base.choices import get_choice_values
+from dashpot.cli._command_io import CommandResult, format_json, write, write_figure
+from dashpot.cli._options import get_typed_options as typed_again
+from dashpot.cli._param_types import format_suggestion
 from dashpot.datamodel.specimen import Specimen
 from dashpot.reading.read_options import ReadOptions
 from dashpot.workflow.job import HammerChoices
@@ -22,7 +22,7 @@ PAGE = (".html", ".htm")
 
 
 @dataclass(frozen=True)
-class Given:
+class FitRequest:
     """The records of a fit and its options.
 
     Attributes
@@ -45,7 +45,7 @@ class Given:
         """Return these options by name."""
         return {name: self.said[name] for name in names}
 
-    def of(self, *kinds: str) -> tuple[str, ...]:
+    def select_files(self, *kinds: str) -> tuple[str, ...]:
         """Return the files of these kinds, in their order."""
         return tuple(path for path in self.files if self.kinds[path] in kinds)
 
@@ -58,9 +58,11 @@ class Given:
             If it is another.
         """
         named = self.said["model"] or usual
-        known = words(choice)
+        known = get_choice_values(choice)
         if named not in known:
-            raise click.UsageError(f"--model: '{named}' is unknown. {nearest(named, known)}")
+            raise click.UsageError(
+                f"--model: '{named}' is unknown. {format_suggestion(named, known)}"
+            )
         return named
 
     @property
@@ -116,7 +118,7 @@ class Given:
                 "--polarity is for hits, or for FRFs whose modes or solid are sought. Leave it out."
             )
 
-    def kept_as(self, *suffixes: str, what: str) -> str | None:
+    def check_output_suffix(self, *suffixes: str, what: str) -> str | None:
         """Return the suffix of the file that keeps the result or its page; None where none is.
 
         Raises
@@ -150,24 +152,24 @@ class Given:
         if not self.output:
             return
         if not self.page:
-            write(self.output, printed(found.kept) + "\n")
+            write(self.output, format_json(found.kept) + "\n")
             return
         made = {name: make() for name, make in figures.items()}
         write(self.output, workflow.html(found, **made))
 
     def told(
         self, found: Any, *, figure: Callable[[], Any] | None = None, follow: str = ""
-    ) -> Outcome:
+    ) -> CommandResult:
         """Draw and keep a result as was asked, and return what is told of it."""
         self.draw(figure or found.plot)
         self.keep(found)
-        return Outcome.of(found, follow=follow)
+        return CommandResult.from_result(found, follow=follow)
 
     @property
-    def kept(self) -> str:
+    def result_path(self) -> str:
         """The file that the result can be read back from; empty where there is none."""
         return "" if self.output in {None, "-"} or self.page else str(self.output)
 
-    def again(self, *but: str) -> list[str]:
+    def get_option_words(self, *but: str) -> list[str]:
         """Return the options as they were typed."""
         return typed_again(but=("picture", "output", *but))

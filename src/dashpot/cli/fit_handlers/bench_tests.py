@@ -10,14 +10,14 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.base.choices import FamilyAsked, Method
 from dashpot.base.errors import FitError
-from dashpot.cli._command_io import Outcome, typed, write
-from dashpot.cli.fit_handlers._request import Given
+from dashpot.cli._command_io import CommandResult, format_command, write
+from dashpot.cli.fit_handlers._request import FitRequest
 from dashpot.text_output import results as text_of
 
 
-def run(given: Given) -> Outcome:
+def run(given: FitRequest) -> CommandResult:
     """Fit a solid to relaxation tests, creep, sweeps or a modulus."""
-    given.kept_as(".json", what="a fit")
+    given.check_output_suffix(".json", what="a fit")
     elastic = given["elastic"]
     found, records = workflow.fit_files(
         given.files,
@@ -32,7 +32,7 @@ def run(given: Given) -> Outcome:
     if given["save_shifts"]:
         write(given["save_shifts"], shift_table(found))
     given.keep(found, **_figures(found, records))
-    return Outcome(
+    return CommandResult(
         found,
         text_of.fit(found, asked=given["arms"]),
         found.checks,
@@ -51,16 +51,18 @@ def shift_table(found: dp.Fit) -> str:
     return write_shifts(found.temperatures, comments=stamp)
 
 
-def _follow(given: Given, found: dp.Fit) -> str:
+def _follow(given: FitRequest, found: dp.Fit) -> str:
     if not given.output or given.page:
         why = "keeps it for predict, compare, export"
-        return typed("fit", *given.files, *given.again(), "-o", "fit.json", why=why)
-    if not given.kept:
+        return format_command(
+            "fit", *given.files, *given.get_option_words(), "-o", "fit.json", why=why
+        )
+    if not given.result_path:
         return ""
     if found.unit == "Pa":  # no mass rests on a material
         deck = (
             "export",
-            given.kept,
+            given.result_path,
             "--to",
             "abaqus",
             "--form",
@@ -69,8 +71,8 @@ def _follow(given: Given, found: dp.Fit) -> str:
             "mm-t-s",
         )
         missing = ("--temperature", "TEMPERATURE") if found.specimen.temperature is None else ()
-        return typed(*deck, *missing)
-    return typed("predict", given.kept, "--mass", "MASS", "--seals", 2)
+        return format_command(*deck, *missing)
+    return format_command("predict", given.result_path, "--mass", "MASS", "--seals", 2)
 
 
 def _figures(found: dp.Fit, records: tuple[Any, ...]) -> dict[str, Callable[[], Any]]:
@@ -89,5 +91,5 @@ def _figure(found: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:
     others: list[dp.Fit] = []
     if len(records) == 1 and isinstance(records[0], dp.RampHold):
         method: Method = "hold" if found.method == "hold" else "full"
-        others = [workflow.of_order(records[0], n, method=method) for n in (1, 2)]  # Fig. 4
+        others = [workflow.fit_fixed_order(records[0], n, method=method) for n in (1, 2)]  # Fig. 4
     return dp.plot.bench(found, records, alternatives=others)

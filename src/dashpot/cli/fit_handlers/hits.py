@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.cli._command_io import Outcome, grams, printed, typed, write
+from dashpot.cli._command_io import CommandResult, format_command, format_json, grams, write
 from dashpot.cli._echo import to_stderr
-from dashpot.cli.fit_handlers._request import Given
+from dashpot.cli.fit_handlers._request import FitRequest
 
 FRF = (".csv", ".uff", ".unv")
 
 
-def run(given: Given) -> Outcome:
+def run(given: FitRequest) -> CommandResult:
     """Cut records into hits, judge each, and average them into an FRF."""
-    given.kept_as(*FRF, ".json", what="the FRF of hits")
+    given.check_output_suffix(*FRF, ".json", what="the FRF of hits")
     mass = given.mass
     found, reason = workflow.impact_files(
         given.files, file=given.output, hammer=given.hammer, options=given.reading, mass=mass,
@@ -31,10 +31,11 @@ def run(given: Given) -> Outcome:
         )
     )
     block = "MASS" if mass is None else grams(mass)
-    return Outcome.of(
+    return CommandResult.from_result(
         found,
-        follow=typed("compare", "FIT", *given.files, "--mass", block, "--seals", 2,
-                     *given.again("mass", "seals"), why="tests the fit of a relaxation test"),
+        follow=format_command("compare", "FIT", *given.files, "--mass", block, "--seals", 2,
+                     *given.get_option_words("mass", "seals"), why="tests the fit of a relaxation "
+                                                                   "test"),
     )  # fmt: skip
 
 
@@ -44,6 +45,6 @@ def keep(found: workflow.ImpactResult, frf: dp.FRF, path: str) -> None:
 
     ends = path.lower()
     if ends.endswith(".json"):
-        write(path, printed(found) + "\n")
+        write(path, format_json(found) + "\n")
     else:
         write(path, frf_uff(frf) if ends.endswith((".uff", ".unv")) else write_frf(frf))

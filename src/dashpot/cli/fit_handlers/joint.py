@@ -10,24 +10,24 @@ import click
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.choices import FamilyAsked
-from dashpot.cli._command_io import Outcome, is_json, typed, write
+from dashpot.cli._command_io import CommandResult, format_command, is_json, write
 from dashpot.cli.fit_handlers import hits
-from dashpot.cli.fit_handlers._request import Given
+from dashpot.cli.fit_handlers._request import FitRequest
 from dashpot.cli.fit_handlers.bench_tests import shift_table
 
 _A_DECK = ("--to", "nastran", "--unit-system", "mm-t-s", "-o", "seal.bdf")
 VIBRATION = ("impact", "frf", "transmissibility")
 
 
-def run(given: Given) -> Outcome:
+def run(given: FitRequest) -> CommandResult:
     """Identify the solid under a mass from hits or FRFs, and from tests of it on a bench."""
-    given.kept_as(".json", *hits.FRF, what="a fit")
+    given.check_output_suffix(".json", *hits.FRF, what="a fit")
     if given.mass is None:
         raise click.UsageError(
             "A test and a hammer file are fitted together under a mass. "
             "Give the mass of the block: --mass 104g"
         )
-    measured = given.of(*VIBRATION)
+    measured = given.select_files(*VIBRATION)
     beside = [path for path in given.files if path not in measured]
     fits = [path for path in beside if is_json(path)]
     reading = given.reading
@@ -44,7 +44,7 @@ def run(given: Given) -> Outcome:
         options_with=reading.only(("units", *reading.of_bench)),
         mass=given.mass,
         family=given.model(FamilyAsked, "maxwell"),
-        seals_assumed="--seals" not in given.again(),
+        seals_assumed="--seals" not in given.get_option_words(),
         law=given["elastic"],
         **given.some("method", "cuts", "filter", "thorough", "shifting"),
         **given.some("rig", "seal_mass", "seals", "compression", "impact_temperature", "arms",
@@ -63,17 +63,19 @@ def run(given: Given) -> Outcome:
         hits.keep(found.vibration, found.vibration.frf, given.output)
     else:
         given.keep(found)
-    return Outcome.of(found, follow=_follow(given, found.fit))
+    return CommandResult.from_result(found, follow=_follow(given, found.fit))
 
 
-def _follow(given: Given, found: dp.Fit) -> str:
+def _follow(given: FitRequest, found: dp.Fit) -> str:
     output = None if given.page else given.output
     if output == "-":
         return ""
     if output:
-        return typed("export", output, *_deck(found)) if output.endswith(".json") else ""
-    again = given.again("stiffness_table")
-    return typed("fit", *given.files, *again, "-o", "joint.json", why="keeps it for export")
+        return format_command("export", output, *_deck(found)) if output.endswith(".json") else ""
+    again = given.get_option_words("stiffness_table")
+    return format_command(
+        "fit", *given.files, *again, "-o", "joint.json", why="keeps it for export"
+    )
 
 
 def _deck(found: dp.Fit) -> list[str]:

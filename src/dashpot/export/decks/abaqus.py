@@ -131,9 +131,9 @@ def _slider(number: int, k: float, slip: float, height: float, mass: float) -> l
 def slider_remarks(deck: Deck) -> list[str]:
     """What the header says of the two nodes and the blocks."""
     if not deck.beside.sliders:
-        return deck.beside.apart
+        return deck.beside.node_spacing_remarks
     return [
-        *deck.beside.apart,
+        *deck.beside.node_spacing_remarks,
         "a slider is a block of perfectly plastic material in simple shear, which turns by less",
         "than 0.001 rad at the amplitudes tested; a linear step sees its stiffness, no friction",
     ]
@@ -234,7 +234,7 @@ def _line(
         cards,
         remarks=[
             *row.remarks,
-            row.numbered(first_id),
+            row.format_node_numbering(first_id),
             "components 1 to 3 act normal to the line, across it and along it; tie the nodes of",
             "each side to its structure (*COUPLING, *TIE, *RIGID BODY)",
             "direct and subspace-based steady-state dynamics read the rows; *FREQUENCY reads those",

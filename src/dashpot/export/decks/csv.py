@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base.escaping import remark
+from dashpot.base.escaping import format_csv_comment
 from dashpot.base.units import Range, si_range
 from dashpot.export.deck import Deck, DeckText
 from dashpot.export.deck_validation import target
-from dashpot.export.unit_systems import one_line, text
+from dashpot.export.unit_systems import convert_to_printable_ascii, text
 
 FORMS = ("frequency", "arms")
 SUFFIX = "csv"
@@ -45,11 +45,11 @@ def _arms(deck: Deck) -> DeckText:
     ]
     names = f"element,k [{units.stiffness_word}],tau [{units.words[2]}],b [{units.damping_word}]"
     body = [names, *(",".join(row) for row in rows)]
-    return deck.written("#", "springs and dashpots", body, verified=_VERIFIED, said=_said)
+    return deck.written("#", "springs and dashpots", body, verified=_VERIFIED, said=_format_remark)
 
 
-def _said(line: str) -> str:
-    return remark(one_line(line))
+def _format_remark(line: str) -> str:
+    return format_csv_comment(convert_to_printable_ascii(line))
 
 
 def _frequency(deck: Deck, frequency_range: tuple[float, float], tolerance: float) -> DeckText:
@@ -76,5 +76,5 @@ def _frequency(deck: Deck, frequency_range: tuple[float, float], tolerance: floa
         [",".join([*columns, "extrapolated"]), *rows],
         verified=_VERIFIED,
         table=table,
-        said=_said,
+        said=_format_remark,
     )

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.base.units import Quantity, Range, si, si_range
-from dashpot.base.validators import positive
+from dashpot.base.units import Quantity, Range, convert_to_si, si_range
+from dashpot.base.validators import require_positive
 from dashpot.datamodel.seal_line import Shear, Stations
 from dashpot.export.deck import Deck, DeckText
 from dashpot.export.deck_validation import target
 from dashpot.export.frequency_tables import Damping, Table
 from dashpot.export.seal_line_springs import SpringRow, row_of
-from dashpot.export.unit_systems import packed
+from dashpot.export.unit_systems import format_fixed_width
 from dashpot.solids.maxwell import Solid
 
 FORMS = ("table", "viscous-table", "arms")
@@ -74,12 +74,15 @@ def nastran(
     ExportError
         If the deck must not be written.
     """
-    frequency_range, nominal = si_range(frequency_range, "frequency"), si(nominal, "frequency")
+    frequency_range, nominal = (
+        si_range(frequency_range, "frequency"),
+        convert_to_si(nominal, "frequency"),
+    )
     row = row_of(deck, line, shear)
     if deck.form == "arms":
         return _arms(deck, row, first_id)
     damping: Damping = "loss_factor" if deck.form == "table" else "damping"
-    positive("--", nominal=nominal, unit=" Hz", optional=True)
+    require_positive("--", nominal=nominal, unit=" Hz", optional=True)
     asked = frequency_range, tolerance
     return _table(deck, row, asked=asked, damping=damping, nominal=nominal, first_id=first_id)
 
@@ -255,7 +258,9 @@ def _card(name: str, fields: Sequence[float | str]) -> list[str]:
 
 
 def _small(name: str, *fields: float | str) -> str:
-    words = [packed(value, 8) if isinstance(value, float) else str(value) for value in fields]
+    words = [
+        format_fixed_width(value, 8) if isinstance(value, float) else str(value) for value in fields
+    ]
     return (f"{name:<8}" + "".join(f"{word:<8}" for word in words)).rstrip()
 
 

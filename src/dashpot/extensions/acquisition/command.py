@@ -11,14 +11,14 @@ from pathlib import Path
 from typing import Any
 
 import dashpot as dp
-from dashpot.base.choices import Driver, words
+from dashpot.base.choices import Driver, get_choice_values
 from dashpot.base.errors import DataError
-from dashpot.base.progress import doing
-from dashpot.base.serialisation import Documented
+from dashpot.base.progress import send_progress
+from dashpot.base.serialisation import Serialisable
 from dashpot.cli import _options as options
 from dashpot.cli._command import group, opt, verb
-from dashpot.cli._command_io import Outcome, note_written, typed
-from dashpot.cli._param_types import File, OneOf, WithUnit
+from dashpot.cli._command_io import CommandResult, format_command, note_written
+from dashpot.cli._param_types import ChoiceWithSuggestion, File, WithUnit
 from dashpot.cli._simulation_options import as_it_stands, seal_named
 from dashpot.text_output.layout import Text
 
@@ -26,7 +26,7 @@ _COLUMNS = "time [s], displacement [mm], force [N]"
 
 
 @dataclass(frozen=True)
-class KeptRecord(Documented):
+class RecordedFile(Serialisable):
     """A file, how many rows it has, and what is to be said of them."""
 
     schema = "dashpot/recorded@1"
@@ -46,28 +46,42 @@ The rig's own controller moves the plate (dashpot plan --setpoints). The file
 grows at its place and is on the disk within a second.""",
     group(
         "Instrument",
-        opt("--driver", type=OneOf(words(Driver)), required=True, metavar="NAME",
-            help="serial, replay or simulated."),
+        opt(
+            "--driver",
+            type=ChoiceWithSuggestion(get_choice_values(Driver)),
+            required=True,
+            metavar="NAME",
+            help="serial, replay or simulated.",
+        ),
         opt("--port", metavar="PORT", help="Serial port, e.g. /dev/ttyUSB0."),
         opt("--baud", type=int, default=115200, metavar="N", help="Baud rate (115200)."),
         opt("--columns", default=_COLUMNS, metavar="TEXT", help=f"Numbers of a line ({_COLUMNS})."),
         opt("--from", "played", type=File(), metavar="FILE", help="The record to replay."),
-        opt("--seal", default="paper", metavar="NAME|FIT",
-            help="Seal of the simulated driver (paper)."),
+        opt(
+            "--seal",
+            default="paper",
+            metavar="NAME|FIT",
+            help="Seal of the simulated driver (paper).",
+        ),
         opt("--speed", type=float, default=1.0, metavar="NUMBER", help="Speed of a replay (1)."),
-        opt("--seconds", type=WithUnit("time"), metavar="TIME",
-            help="How long, e.g. 45s; else until Ctrl-C."),
+        opt(
+            "--seconds",
+            type=WithUnit("time"),
+            metavar="TIME",
+            help="How long, e.g. 45s; else until Ctrl-C.",
+        ),
     ),
-    options.result("The record (required).", ".csv", ".txt", plot=False, opens=False,
-                   required=True),
-)  # fmt: skip
-def command(*, driver: str, output: str, seconds: float | None, **choices: Any) -> Outcome:
+    options.result(
+        "The record (required).", ".csv", ".txt", plot=False, opens=False, required=True
+    ),
+)
+def command(*, driver: str, output: str, seconds: float | None, **choices: Any) -> CommandResult:
     """Read an instrument until it ends, the time is over, or Ctrl-C."""
     if output == "-":
         raise DataError("a record is kept in a file; give one with -o, such as -o seal.csv")
     recorder = _device(driver, **choices)
     device = recorder.describe().device
-    doing(f"recording from {device}; Ctrl-C ends it")
+    send_progress(f"recording from {device}; Ctrl-C ends it")
     with _stopped_by_signals(recorder):
         rows, notes = dp.files.recording.record(
             recorder,
@@ -77,7 +91,9 @@ def command(*, driver: str, output: str, seconds: float | None, **choices: Any) 
         )
     note_written(output)
     story = Text([f"{output}: {rows} samples; {device}", *(f"! {note}" for note in notes)])
-    return Outcome(KeptRecord(output, rows, tuple(notes)), story, follow=typed("inspect", output))
+    return CommandResult(
+        RecordedFile(output, rows, tuple(notes)), story, follow=format_command("inspect", output)
+    )
 
 
 @contextmanager

@@ -11,8 +11,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from dashpot.base.errors import DataError
-from dashpot.base.number_format import counted
-from dashpot.base.units import find
+from dashpot.base.number_format import format_count
+from dashpot.base.units import find_unit
 from dashpot.extensions.acquisition.recorder import COLUMNS, Block
 
 LONGEST = 4096
@@ -27,7 +27,7 @@ _SEPARATOR = re.compile(rb"[,;\s]")
 _NAMED = re.compile(r"([^\[\]]+)\[([^\[\]]+)\]")
 
 
-def _parted(columns: Sequence[str]) -> tuple[tuple[str, ...], int | None, float]:
+def _split_time_column(columns: Sequence[str]) -> tuple[tuple[str, ...], int | None, float]:
     """The columns beside the time, where that stands, and its unit, s."""
     named = [_NAMED.fullmatch(" ".join(one.split())) for one in columns]
     words = [(one[1].strip(), one[2].strip()) for one in filter(None, named)]
@@ -42,7 +42,7 @@ def _parted(columns: Sequence[str]) -> tuple[tuple[str, ...], int | None, float]
     del channels[at]
     if not channels:
         raise DataError("only a time is sent; expected a displacement or a force with it")
-    unit = find(words[at][1], "time")
+    unit = find_unit(words[at][1], "time")
     if unit is None:
         raise DataError(f"'{words[at][1]}' is no unit of time that dashpot knows")
     return tuple(channels), at, unit.factor
@@ -73,7 +73,7 @@ class Lines:
     def __init__(
         self, columns: Sequence[str] = COLUMNS, *, clock: Callable[[], float] = time.monotonic
     ) -> None:
-        self.channels, self._at, self._factor = _parted(columns)
+        self.channels, self._at, self._factor = _split_time_column(columns)
         self._width, self._clock = len(columns), clock
         self._checked = False
         self._rest, self._first, self._last = b"", True, -math.inf
@@ -93,7 +93,11 @@ class Lines:
         if lines and self._first:
             self._first, lines = False, lines[1:]
         rows = [row for line in lines if (row := self._row(line.strip())) is not None]
-        clocked = self._arrived(rows) if self._at is None else self._sent(rows, self._at)
+        clocked = (
+            self._assign_arrival_times(rows)
+            if self._at is None
+            else self._extract_device_times(rows, self._at)
+        )
         times = np.array([clock for clock, _ in clocked])
         values = np.array([row for _, row in clocked]).reshape(len(clocked), len(self.channels))
         return times, values
@@ -104,14 +108,15 @@ class Lines:
         if self._at is None:
             found.append("the device sends no time: it is that of this computer, as lines arrived")
         if self._garbled:
-            lines = counted(self._garbled, "garbled line")
+            lines = format_count(self._garbled, "garbled line")
             found.append(f"{lines} left out, first {self._example}")
         if self._fell:
-            lines = counted(self._fell, "line")
+            lines = format_count(self._fell, "line")
             found.append(f"{lines} left out that came no later than the line before")
         if self._gaps:
             found.append(
-                f"{counted(self._gaps, 'gap')} in the clock, {self._missing} samples missing, the "
+                f"{format_count(self._gaps, 'gap')} in the clock, {self._missing} samples missing, "
+                "the "
                 f"longest gap {self._longest:.4g} s"
             )
         if self.begun_again:
@@ -132,10 +137,10 @@ class Lines:
             row = []
         if len(row) == self._width and all(map(math.isfinite, row)):
             return row
-        self._spoiled(line[:40].decode("latin-1"))
+        self._count_garbled_line(line[:40].decode("latin-1"))
         return None
 
-    def _arrived(self, rows: list[list[float]]) -> list[tuple[float, list[float]]]:
+    def _assign_arrival_times(self, rows: list[list[float]]) -> list[tuple[float, list[float]]]:
         """Rows that came together with times between the last look and now."""
         now, last = self._clock(), self._last
         if not rows:
@@ -146,7 +151,9 @@ class Lines:
         part = (now - last) / len(rows)
         return [(last + i * part, row) for i, row in enumerate(rows, start=1)]
 
-    def _sent(self, rows: list[list[float]], at: int) -> list[tuple[float, list[float]]]:
+    def _extract_device_times(
+        self, rows: list[list[float]], at: int
+    ) -> list[tuple[float, list[float]]]:
         """Rows with the device's own times, as far as those rise.
 
         A time far ahead of the one before is a gap if the next one follows it; if the next one
@@ -156,22 +163,22 @@ class Lines:
         for row in rows:
             sample = row.pop(at) * self._factor, row
             if self._held is not None and sample[0] <= self._held[0]:
-                self._spoiled(f"time {self._held[0]:g} s")
+                self._count_garbled_line(f"time {self._held[0]:g} s")
             elif self._held is not None:
-                kept.append(self._taken(self._held))
+                kept.append(self._register_sample(self._held))
             self._held = None
             if sample[0] <= self._last:
                 self._fell, self._falls = self._fell + 1, self._falls + 1
                 self.begun_again |= self._falls >= FALLS
-            elif sample[0] - self._last > _GAP * self._usual():
+            elif sample[0] - self._last > _GAP * self._get_usual_step():
                 self._held = sample
             else:
-                kept.append(self._taken(sample))
+                kept.append(self._register_sample(sample))
         return kept
 
-    def _taken(self, sample: tuple[float, list[float]]) -> tuple[float, list[float]]:
+    def _register_sample(self, sample: tuple[float, list[float]]) -> tuple[float, list[float]]:
         """A sample that is kept; its step is put in the account."""
-        step, usual = sample[0] - self._last, self._usual()
+        step, usual = sample[0] - self._last, self._get_usual_step()
         self._last, self._falls = sample[0], 0
         if math.isinf(step):
             return sample
@@ -186,11 +193,11 @@ class Lines:
                 self._median = float(np.median(self._steps))
         return sample
 
-    def _usual(self) -> float:
+    def _get_usual_step(self) -> float:
         """The usual step, s; infinite before it is known, but for the first sample of all."""
         return 0.0 if math.isinf(self._last) else self._median
 
-    def _spoiled(self, example: str) -> None:
+    def _count_garbled_line(self, example: str) -> None:
         self._example = self._example or ascii(example)
         self._garbled += 1
 

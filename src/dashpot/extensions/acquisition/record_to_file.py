@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Self
 
 from dashpot.base.errors import ReadError
-from dashpot.base.escaping import neutral, remark
+from dashpot.base.escaping import escape_formula, format_csv_comment
 from dashpot.base.lock import lock
-from dashpot.base.number_format import counted
+from dashpot.base.number_format import format_count
 from dashpot.base.version import __version__
 from dashpot.extensions.acquisition.recorder import Block, Description, Recorder
 
@@ -78,7 +78,7 @@ def record(
             finally:
                 recorder.stop()
                 notes = recorder.describe().notes
-                log.close((f"{counted(rows, 'row')} recorded", *notes))
+                log.close((f"{format_count(rows, 'row')} recorded", *notes))
     finally:
         recorder.stop()
     if not rows:
@@ -129,7 +129,7 @@ class _Log:
             os.ftruncate(self._handle, 0)
         when = datetime.now().astimezone().isoformat(timespec="seconds")
         self._say(f"{self._head.device}; recorded {when} with dashpot {__version__}")
-        self._write(",".join(("time [s]", *map(neutral, self._head.channels))) + "\n")
+        self._write(",".join(("time [s]", *map(escape_formula, self._head.channels))) + "\n")
 
     def __enter__(self) -> Self:
         return self
@@ -155,7 +155,7 @@ class _Log:
         os.fsync(self._handle)
 
     def _say(self, what: str) -> None:
-        self._write(f"# {remark(what)}\n")
+        self._write(f"# {format_csv_comment(what)}\n")
 
     def _write(self, text: str) -> None:
         rest, size = text.encode(), os.fstat(self._handle).st_size

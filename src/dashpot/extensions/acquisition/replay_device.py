@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from dashpot.base.errors import DataError
-from dashpot.base.units import in_unit
+from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.extensions.acquisition.recorder import COLUMNS, Block, Description
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -34,7 +34,7 @@ class Paced:
         if not speed > 0:
             raise DataError(f"speed = {speed!r}; expected a number > 0, such as 10")
         self._time = test.time
-        self._values = np.column_stack([in_unit(test.displacement, "mm"), test.force])
+        self._values = np.column_stack([convert_to_unit(test.displacement, "mm"), test.force])
         # a flag: a signal's handler must not wait for a lock that its own thread holds
         self._device, self._speed, self._over = device, speed, False
 

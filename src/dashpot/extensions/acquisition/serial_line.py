@@ -40,7 +40,7 @@ class SerialLine:
     def __init__(self, port: str, *, columns: Sequence[str] = COLUMNS, baud: int = 115200) -> None:
         self._lines, self._over = Lines(columns), False
         self._device, self._said = f"serial line {port}, {baud} baud", ""
-        self._handle = _opened(port, baud)
+        self._handle = _open_serial_line(port, baud)
 
     def describe(self) -> Description:
         """Return what is read, and what was lost so far."""
@@ -74,7 +74,7 @@ class SerialLine:
             return None
 
 
-def _opened(port: str, baud: int) -> int:
+def _open_serial_line(port: str, baud: int) -> int:
     """The handle of a serial line, raw, 8 bits, at a speed."""
     try:
         import termios

@@ -8,25 +8,25 @@ from functools import cached_property
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
-from dashpot.base.choices import AmplitudeLaw, words
+from dashpot.base.choices import AmplitudeLaw, get_choice_values
 from dashpot.extensions.amplitude.checks import MATTERS
 from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
-from dashpot.extensions.amplitude.payne_softening import softened
+from dashpot.extensions.amplitude.payne_softening import softening_factor
 from dashpot.numerics.inference.covariance_estimate import estimate, white_noise
 from dashpot.numerics.inference.model_order import bic, deviance
-from dashpot.numerics.least_squares.nnls import linear
+from dashpot.numerics.least_squares.nnls import solve_linear
 from dashpot.numerics.least_squares.problem import (
     Optimum,
     Parameter,
     Problem,
     Rows,
-    ordinary,
-    solved,
-    stacked,
+    require_optimum,
+    solve_ordinary,
+    stack_real_rows,
 )
-from dashpot.solids.friction import slipping_share
+from dashpot.solids.friction import jenkins_reduction
 
-LAWS = words(AmplitudeLaw)
+LAWS = get_choice_values(AmplitudeLaw)
 """Kraus's law as a factor or beside the solid, a cubic spring, and both."""
 _EXPONENTS = (0.1, 0.95)
 SET = 0.5
@@ -97,7 +97,7 @@ class Fitted:
         return float(np.sqrt((np.abs(self.left) ** 2).mean() / 2))
 
 
-def fitted(sweep: AmplitudeSweep, law: str, exponent: float | None = None) -> Fitted:
+def fit_sweep_law(sweep: AmplitudeSweep, law: str, exponent: float | None = None) -> Fitted:
     """Fit one law to a sweep; linear levels are projected out at every trial.
 
     Parameters
@@ -109,11 +109,13 @@ def fitted(sweep: AmplitudeSweep, law: str, exponent: float | None = None) -> Fi
         Set; else it is found.
     """
     problem = _LawOnSweep(sweep, law, exponent)
-    best = solved(problem.stated, problem.starts)
-    left, n = problem.left(best), len(best.residual)
+    best = require_optimum(problem.least_squares_problem, problem.starts)
+    left, n = problem.compute_relative_residual(best), len(best.residual)
     numbers = problem.numbers(best.values)
     known = estimate(best, noises=[white_noise(best)])
-    law_error = known.derived(lambda values: np.array(list(problem.numbers(values).values())))
+    law_error = known.derive_quantity(
+        lambda values: np.array(list(problem.numbers(values).values()))
+    )
     se = dict(zip(numbers, law_error.standard_error.tolist(), strict=True))
     if problem.kraus and exponent is not None:
         se["exponent"] = 0.0
@@ -122,14 +124,14 @@ def fitted(sweep: AmplitudeSweep, law: str, exponent: float | None = None) -> Fi
     closeness = {"effective": n, "floor": _NOTHING}
     bends = 0.0
     if problem.cubic:
-        bends, other = problem.bent(best)
+        bends, other = problem.compute_cubic_gain(best)
         # the number depends on what is taken for the spring, or for the friction beside it
         others = [other] * (bends > MATTERS) + [problem.among_sliders()] * problem.kraus
         se["k3"] = float(np.hypot(se["k3"], sum(abs(one - numbers["k3"]) for one in others)))
     return Fitted(
         law,
-        _paired(levels),
-        _paired(sd),
+        _join_complex_parts(levels),
+        _join_complex_parts(sd),
         numbers,
         se,
         left,
@@ -177,16 +179,18 @@ class _LawOnSweep:
         return self.law.endswith("cubic")
 
     @property
-    def stated(self) -> Problem:
+    def least_squares_problem(self) -> Problem:
         """Its rows, real parts first, over the size of the samples; levels are linear."""
-        X, y = self.sweep.amplitude, stacked(self.sweep.value / self.size)
+        X, y = self.sweep.amplitude, stack_real_rows(self.sweep.value / self.size)
         sought = [
             Parameter(np.log(X.min()) - 3, np.log(X.max()) + 5),
             *[Parameter(*_EXPONENTS, 0.2)] * (self.exponent is None),
             *[Parameter(1e-6, 1.0, 0.2)] * self.factor,
         ]
         return Problem(
-            lambda theta: Rows(y, stacked(self.columns(self.whole(theta)))),
+            lambda theta: Rows(
+                y, stack_real_rows(self.columns(self.insert_fixed_parameters(theta)))
+            ),
             sought if self.kraus else (),
         )
 
@@ -197,7 +201,7 @@ class _LawOnSweep:
         rest = [SET] * (self.exponent is None) + [0.5] * self.factor
         return [np.array([(1 - at) * low + at * high, *rest]) for at in (0.2, 0.5, 0.8)]
 
-    def whole(self, theta: FloatArray) -> FloatArray:
+    def insert_fixed_parameters(self, theta: FloatArray) -> FloatArray:
         """Ln X_c, exponent and share, with what is set."""
         return (
             theta if self.exponent is None else np.insert(theta, min(1, len(theta)), self.exponent)
@@ -224,24 +228,24 @@ class _LawOnSweep:
         X, size = self.sweep.amplitude, self.size
         shape = np.ones(len(X), dtype=complex)
         if self.factor:
-            shape = softened(X, p[2], float(np.exp(p[0])), p[1])
+            shape = softening_factor(X, p[2], float(np.exp(p[0])), p[1])
         levels = self.chosen * shape[:, None]
         found = [levels, 1j * levels]
         if self.kraus and not self.factor:
-            found.append((softened(X, 1.0, float(np.exp(p[0])), p[1]) - 1)[:, None])
+            found.append((softening_factor(X, 1.0, float(np.exp(p[0])), p[1]) - 1)[:, None])
         if self.cubic:
             found.append(0.75 * (X / X.max())[:, None] ** 2)
         return np.asarray(np.hstack(found) / size[:, None], dtype=complex)
 
-    def left(self, best: Optimum) -> ComplexArray:
+    def compute_relative_residual(self, best: Optimum) -> ComplexArray:
         """Fit less sample, over the size of the sample."""
-        return -_paired(best.residual)
+        return -_join_complex_parts(best.residual)
 
-    def bent(self, best: Optimum) -> tuple[float, float]:
+    def compute_cubic_gain(self, best: Optimum) -> tuple[float, float]:
         """What a term of X^4 gains in deviance, and k3 beside it."""
         X, n = self.sweep.amplitude, len(best.residual)
-        more = stacked((X / X.max()) ** 4 / self.size)
-        wider = ordinary(best.rows.y, np.column_stack((best.rows.A, more)))
+        more = stack_real_rows((X / X.max()) ** 4 / self.size)
+        wider = solve_ordinary(best.rows.y, np.column_stack((best.rows.A, more)))
         gain = [
             bic(one.sse / n, effective=n, parameters=0, floor=_NOTHING) for one in (best, wider)
         ]
@@ -251,20 +255,20 @@ class _LawOnSweep:
         """The cubic spring beside a spectrum of sliders, any friction, in the place of Kraus's."""
         X, K, most = self.sweep.amplitude, self.sweep.value, float(self.sweep.amplitude.max())
         count = max(round(_PER_DECADE * np.log10(2 * most / X.min())), 2)
-        sliders = slipping_share(X[:, None], np.geomspace(X.min() / 2, most, count))
+        sliders = jenkins_reduction(X[:, None], np.geomspace(X.min() / 2, most, count))
         if self.factor:  # as much of the stiffness at every frequency
             sliders = sliders * (self.chosen @ np.abs(K @ self.chosen))[:, None] / np.abs(K).sum()
         spring = 0.75 * (X[:, None] / most) ** 2 * np.array([1.0, -1.0])
         A = np.hstack((self.chosen, 1j * self.chosen, sliders, spring)) / self.size[:, None]
-        k, _ = linear(stacked(A), stacked(K / self.size), positive=True)
+        k, _ = solve_linear(stack_real_rows(A), stack_real_rows(K / self.size), positive=True)
         return float(k[-2] - k[-1]) / most**2
 
     def numbers(self, values: FloatArray) -> dict[str, float]:
         """What the law is, by name, of everything that was sought."""
-        theta, coefficients = np.split(values, [len(self.stated.parameters)])
+        theta, coefficients = np.split(values, [len(self.least_squares_problem.parameters)])
         found = {}
         if self.kraus:
-            p = self.whole(theta)
+            p = self.insert_fixed_parameters(theta)
             lost = p[2] if self.factor else coefficients[2 * len(self.tones)]
             found = {"lost": lost, "half_way": np.exp(p[0]), "exponent": p[1]}
         if self.cubic:
@@ -288,7 +292,7 @@ class _LawOnSweep:
         return False
 
 
-def _paired(values: FloatArray) -> ComplexArray:
+def _join_complex_parts(values: FloatArray) -> ComplexArray:
     """Real parts and imaginary ones behind them, as complex numbers."""
     real, imaginary = np.split(values, 2)
     return np.asarray(real + 1j * imaginary)

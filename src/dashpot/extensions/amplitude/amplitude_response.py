@@ -14,8 +14,8 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import Dimension, si
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import Dimension, convert_to_si
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RelaxationTest
@@ -26,7 +26,7 @@ from dashpot.extensions.amplitude.preprocess import sweep_of_loops
 from dashpot.extensions.amplitude.read import read_amplitude
 from dashpot.extensions.amplitude.response_solver import mass_at_level
 from dashpot.reading.columns.kind_detection import RECOGNISED
-from dashpot.reading.raw_file import about
+from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.detect_kind import recognise
 from dashpot.reading.readers.relaxation import read_relaxation
@@ -34,7 +34,7 @@ from dashpot.registry import RESPONSES
 from dashpot.signals.segments import Loading
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.mount_mass import on_heavy_mounts
-from dashpot.workflow.job import LevelChoices, PartChoices, known_of_a_test
+from dashpot.workflow.job import LevelChoices, PartChoices, require_test_for_machine
 from dashpot.workflow.response.part_factor import height_of
 
 STRAIN_FACTORS = (1.0, 1 / np.sqrt(3))
@@ -53,7 +53,7 @@ _COARSE, _FINE, _REACH = 241, 61, (0.25, 2.5)
 
 
 @dataclass(frozen=True)
-class AtLevel(Documented):
+class LevelResonance(Serialisable):
     """The resonance of a mass at a level.
 
     Attributes
@@ -99,7 +99,7 @@ class AtLevel(Documented):
         return {"frequency_hz": self.frequency, "value": self.value}
 
 
-class Anchor(NamedTuple):
+class ReferencePoint(NamedTuple):
     """Where the stiffness of a part was measured.
 
     Attributes
@@ -121,7 +121,7 @@ _ABOUT, _NEAREST, _ALONE, _VANISHES = 2.5, 4, 6, 1e-3
 
 
 @dataclass(frozen=True)
-class SweptPart(Documented):
+class SweptPart(Serialisable):
     """What amplitude does to parts of a material, by a sweep of it.
 
     Attributes
@@ -245,13 +245,13 @@ class SweptPart(Documented):
         about: float,
         frequency: FloatArray,
         coupled: float = 0.0,
-        anchor: Anchor | None = None,
-    ) -> tuple[AtLevel, ...]:
+        anchor: ReferencePoint | None = None,
+    ) -> tuple[LevelResonance, ...]:
         """The resonance at each level, and what strain measure, law and samples leave open of it.
 
         `anchor` is the resonance that told the part's geometry, if one did.
         """
-        found, known = [], anchor or Anchor(None, self.fitted_at)
+        found, known = [], anchor or ReferencePoint(None, self.fitted_at)
         for level in levels:
             how: dict[str, Any] = {
                 "scale": scale, "mass": mass, "level": level, "kind": kind, "coupled": coupled,
@@ -268,7 +268,7 @@ class SweptPart(Documented):
             lowest, highest = (pick(one[0] for one in each) for pick in (min, max))
             least, most = (pick(one[1] for one in each) for pick in (min, max))
             found.append(
-                AtLevel(
+                LevelResonance(
                     level,
                     unit_of(kind),
                     hz,
@@ -282,7 +282,7 @@ class SweptPart(Documented):
             )
         return tuple(found)
 
-    def doubt(self, strain: float, hz: float, known: Anchor) -> tuple[float, float]:
+    def doubt(self, strain: float, hz: float, known: ReferencePoint) -> tuple[float, float]:
         r"""Two standard deviations of ln f and of ln of the height at a strain of the sweep.
 
         .. math:: s_K^2 = r'^2 + r_0'^2 + d^2 + 0.02^2 + (0.05 \ln f_0/f)^2, \qquad
@@ -295,14 +295,14 @@ class SweptPart(Documented):
         """
         if self.record is None:
             return 0.0, 0.0
-        storage, loss = self._left(strain)
-        before, _ = self._left(known.strain)
+        storage, loss = self._compute_law_misfit(strain)
+        before, _ = self._compute_law_misfit(known.strain)
         differ, height = self._between_tones(strain, known.strain)
         away = 0.0 if known.frequency is None else _PER_E * np.log(known.frequency / hz)
         of_stiffness = np.sqrt(storage**2 + before**2 + differ**2 + _MASTER**2 + away**2)
         return float(of_stiffness), float(2 * np.sqrt(loss**2 + height**2 + _HEIGHT**2))
 
-    def _left(self, strain: float) -> tuple[float, float]:
+    def _compute_law_misfit(self, strain: float) -> tuple[float, float]:
         """Rms of what the law leaves of storage and of loss, relative, about a strain."""
         assert self.record is not None  # noqa: S101
         record, tones = self.record, np.unique(self.record.frequency)
@@ -338,7 +338,7 @@ class SweptPart(Documented):
             lossy.append(float(np.log(max(last.imag / last.real, 1e-12) / max(factor, 1e-12))))
         return float(np.ptp(moved)), float(np.ptp(lossy))
 
-    def covered(self, found: Sequence[AtLevel]) -> tuple[Check, ...]:
+    def check_level_coverage(self, found: Sequence[LevelResonance]) -> tuple[Check, ...]:
         """Whether the sweep goes as far as the part is moved at each level."""
         return tuple(
             level_covered(
@@ -359,7 +359,7 @@ def unit_of(kind: Kind) -> str:
 def level_of(word: str, kind: Kind) -> float:
     """A level as it was typed, N or m/s^2."""
     of: Dimension = "acceleration" if kind.over_base else "force"
-    found = si(word, of)
+    found = convert_to_si(word, of)
     if not found > 0:
         raise DataError(f"--level {word}; expected an amplitude > 0")
     return found
@@ -430,7 +430,7 @@ def swept_by(
         factors = (1.0,)
     fitted_at = 0.0
     if choices.fitted_at is not None:
-        fitted_at = si(choices.fitted_at, "strain" if law.of == "strain" else "length")
+        fitted_at = convert_to_si(choices.fitted_at, "strain" if law.of == "strain" else "length")
     return SweptPart((law, *_rivals(law, record)), factors, height, fitted_at, law.source, record)
 
 
@@ -449,12 +449,12 @@ def amplitude_file(
     """
     if kind in _LOOPS:
         record = read_relaxation(path, options=options)
-        with about(Path(path).name):
+        with add_name_to_errors(Path(path).name):
             swept = sweep_of_loops(record, machine)
             return fit_amplitude(swept, law=law), swept, record
-    known_of_a_test(machine, tests=0, add="recorded loops")
+    require_test_for_machine(machine, tests=0, add="recorded loops")
     swept = read_amplitude(path, options=options)
-    with about(Path(path).name):
+    with add_name_to_errors(Path(path).name):
         return fit_amplitude(swept, law=law), swept, swept
 
 

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 from dashpot.api.fit import VIBRATION_RECORDS
 from dashpot.base.choices import AmplitudeLawAsked
 from dashpot.base.errors import FitError
-from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.impact import ImpactTest
 from dashpot.datamodel.machine import Machine
 from dashpot.extensions.amplitude.datamodel import AmplitudeFit
 from dashpot.extensions.amplitude.fit_files import Levels
-from dashpot.registry import KINDS, load
-from dashpot.workflow.job import known_of_a_test
+from dashpot.registry import KINDS, load_object
+from dashpot.workflow.job import require_test_for_machine
 
 if TYPE_CHECKING:
     from dashpot.extensions.amplitude.amplitude_response import SweptPart
@@ -36,12 +36,16 @@ def fit_levels(
     machine: Machine | None = None,
 ) -> Levels | AmplitudeFit:
     """Fit the law of tests at several amplitudes."""
-    from dashpot.extensions.amplitude.fit_files import frfs_at_levels, hits_at_levels, of_amplitude
+    from dashpot.extensions.amplitude.fit_files import (
+        fit_amplitude_record,
+        frfs_at_levels,
+        hits_at_levels,
+    )
 
-    at = [si(one, "force") for one in resonance_at]
-    kilograms, hertz = si(mass, "mass"), si_range(band, "frequency")
+    at = [convert_to_si(one, "force") for one in resonance_at]
+    kilograms, hertz = convert_to_si(mass, "mass"), si_range(band, "frequency")
     if any(isinstance(one, VIBRATION_RECORDS) for one in records):
-        known_of_a_test(machine, tests=0, add="recorded loops")
+        require_test_for_machine(machine, tests=0, add="recorded loops")
     if all(isinstance(one, ImpactTest) for one in records):
         return hits_at_levels(records, levels, mass=kilograms, band=hertz, at=at)
     if all(isinstance(one, FRF) for one in records):
@@ -51,7 +55,7 @@ def fit_levels(
             "one amplitude sweep is fitted at a time; only FRFs of several levels, or hits, go "
             "together"
         )
-    return of_amplitude(records[0], law=model, machine=machine).fit  # type: ignore[return-value]  # of a sweep
+    return fit_amplitude_record(records[0], law=model, machine=machine).fit  # type: ignore[return-value]  # of a sweep
 
 
 def fit_sweep(
@@ -67,8 +71,8 @@ def fit_sweep(
 def read_loops(path: str | Path, given: dict[str, Any], _: Mapping[str, Any]) -> Any:
     """Read recorded loops as a sweep of amplitude."""
     from dashpot.extensions.amplitude.preprocess import sweep_of_loops
-    from dashpot.reading.raw_file import about
+    from dashpot.reading.raw_file import add_name_to_errors
 
-    record = load(KINDS["cyclic"].reader)(path, **given)
-    with about(Path(path).name):
+    record = load_object(KINDS["cyclic"].reader)(path, **given)
+    with add_name_to_errors(Path(path).name):
         return sweep_of_loops(record)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.base.checks import Finding, Remedy, criterion
-from dashpot.base.units import in_unit, read_in
+from dashpot.base.units import convert_to_unit, get_display_unit
 
 MATTERS = 20.0
 FAR_ENOUGH = 2.0
@@ -188,8 +188,8 @@ def level_covered(
     amplitude: float, tested: tuple[float, float], *, at: str, of: str = "m"
 ) -> Finding:
     """At the level asked for the seal moves as far as it did in a test."""
-    unit, (low, high) = read_in(of), tested
-    moves, least, most = (f"{in_unit(one, unit):.3g}" for one in (amplitude, low, high))
+    unit, (low, high) = get_display_unit(of), tested
+    moves, least, most = (f"{convert_to_unit(one, unit):.3g}" for one in (amplitude, low, high))
     factor = max(amplitude / high, low / amplitude)
     says = f"At {at} the seal {'moves' if of == 'm' else 'is moved by'} {moves} {unit}"
     range_ = f"{least} to {most} {unit} of the tests"

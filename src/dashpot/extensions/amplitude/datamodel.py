@@ -8,25 +8,30 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.array_units import Dimensions, into_si, own_unit, said_units
-from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, hold_measured
-from dashpot.base.checks import Check, Checked
+from dashpot.base.array_units import (
+    Dimensions,
+    convert_arrays_to_si,
+    make_units_field,
+    resolve_unit,
+)
+from dashpot.base.arrays import BoolArray, ComplexArray, EqualByValue, FloatArray, hold_measured
+from dashpot.base.checks import Check, HasChecks
 from dashpot.base.errors import DataError
-from dashpot.base.number_format import ascii_only, rounded
-from dashpot.base.provenance import Source, of_file
-from dashpot.base.result_mixins import Described, Series, arrays
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import in_unit, read_in, written
+from dashpot.base.number_format import ascii_only, round_to_error
+from dashpot.base.provenance import Source, describe_record_source
+from dashpot.base.result_mixins import HasSummary, Series, collect_arrays
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import convert_to_unit, format_quantity, get_display_unit
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.amplitude.payne_softening import Softening, softened
+from dashpot.extensions.amplitude.payne_softening import Softening, softening_factor
 from dashpot.solids.friction import Kraus
 from dashpot.solids.maxwell import Solid
 from dashpot.solids.nonlinear_springs import Cubic
-from dashpot.solids.rate_independent import AmplitudeDependent, InParallel, Since
+from dashpot.solids.rate_independent import AmplitudeDependent, InParallel, RelativeToAmplitude
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class AmplitudeSweep(ByValue, Described):
+class AmplitudeSweep(EqualByValue, HasSummary):
     """Storage and loss of one specimen at several amplitudes, at one frequency or a few.
 
     Attributes
@@ -74,14 +79,14 @@ class AmplitudeSweep(ByValue, Described):
     source: Source | None = None
     sd: FloatArray | None = None
     delay_sd: float = 0.0
-    units: str = said_units()
+    units: str = make_units_field()
 
     def __post_init__(self) -> None:
         of: Dimensions = ("stress", "stiffness")
-        said = into_si(
+        said = convert_arrays_to_si(
             self, frequency="frequency", amplitude=("strain", "length"), storage=of, loss=of, sd=of
         )
-        own_unit(self, said, "storage", "loss", "sd")
+        resolve_unit(self, said, "storage", "loss", "sd")
         if said:
             object.__setattr__(self, "of", {"length": "m"}.get(said["amplitude"], "strain"))
         hold_measured(self, "frequency", "amplitude", "storage", "loss", "sd")
@@ -100,14 +105,14 @@ class AmplitudeSweep(ByValue, Described):
     def series(self) -> Series:
         """Storage and loss over amplitude."""
         unit, of = self.unit, "m" if self.of == "m" else "1"
-        return arrays(self, amplitude=of, frequency="Hz", storage=unit, loss=unit, sd=unit)
+        return collect_arrays(self, amplitude=of, frequency="Hz", storage=unit, loss=unit, sd=unit)
 
     @property
     def described(self) -> tuple[str, ...]:
         """Which sweep it is, and what it covers."""
         tones = ", ".join(f"{one:.4g}" for one in np.unique(self.frequency))
         return (
-            of_file(self.source, len(self.frequency)),
+            describe_record_source(self.source, len(self.frequency)),
             (
                 f"storage and loss in {self.unit} at {tones} Hz, amplitudes of "
                 f"{self.amplitude.min():.3g} to {self.amplitude.max():.3g} {self.of}"
@@ -139,7 +144,7 @@ class LinearAt(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class AmplitudeFit(ByValue, Described, Checked, Documented):
+class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     r"""What an amplitude sweep says of how stiffness and loss move with amplitude.
 
     ``"factor"``: :math:`K^*(\omega, X) = K^*(\omega)\,\phi(X)`; ``"additive"``:
@@ -249,13 +254,14 @@ class AmplitudeFit(ByValue, Described, Checked, Documented):
     @property
     def sound(self) -> str:
         """By how much the stiffness changes over the amplitudes, and what the law leaves of it."""
-        unit, of = read_in(self.unit), read_in(self.of)
-        low, high = (in_unit(one, of) for one in self.amplitudes)
+        unit, of = get_display_unit(self.unit), get_display_unit(self.of)
+        low, high = (convert_to_unit(one, of) for one in self.amplitudes)
         ends = self.stiffness(self.amplitudes).real
         way = "falls" if ends[1] < ends[0] else "rises"
         return (
             f"from {low:.3g} to {high:.3g} {of} the stiffness {way} by "
-            f"{100 * abs(ends[1] / ends[0] - 1):.2g} %, to {written(float(ends[1]), unit, '.3g')}. "
+            f"{100 * abs(ends[1] / ends[0] - 1):.2g} %, to "
+            f"{format_quantity(float(ends[1]), unit, '.3g')}. "
             f"The law follows it to {100 * self.residual:.2g} %"
         )
 
@@ -279,21 +285,27 @@ class AmplitudeFit(ByValue, Described, Checked, Documented):
     def described(self) -> tuple[str, ...]:
         """The verdict, the law and its numbers."""
         lines, error = [str(self.verdict)], dict(self.se)
-        unit, of = read_in(self.unit), read_in(self.of)
-        low, high = (in_unit(one, of) for one in self.amplitudes)
+        unit, of = get_display_unit(self.unit), get_display_unit(self.of)
+        low, high = (convert_to_unit(one, of) for one in self.amplitudes)
         kraus = self.law.partition("+")[0]
         if kraus in {"factor", "additive"}:
-            lost = written(self.lost, "%", ".3g") if kraus == "factor" else written(self.lost, unit)
-            half_way, doubt = (in_unit(one, of) for one in (self.half_way, error["half_way"]))
+            lost = (
+                format_quantity(self.lost, "%", ".3g")
+                if kraus == "factor"
+                else format_quantity(self.lost, unit)
+            )
+            half_way, doubt = (
+                convert_to_unit(one, of) for one in (self.half_way, error["half_way"])
+            )
             lines.append(
                 f"{kraus} law: {lost} of the stiffness is lost with amplitude, half of it at "
-                f"{ascii_only(rounded(half_way, doubt))} ± {doubt:.2g} {of}; exponent "
+                f"{ascii_only(round_to_error(half_way, doubt))} ± {doubt:.2g} {of}; exponent "
                 f"{self.exponent:.2g}"
             )
         if self.k3:
             per = f"{self.unit}" + ("" if self.of == "strain" else "/m^2")
             way = "stiffens" if self.k3 > 0 else "softens"
-            most = written(0.75 * abs(self.k3) * self.amplitudes[1] ** 2, unit, ".3g")
+            most = format_quantity(0.75 * abs(self.k3) * self.amplitudes[1] ** 2, unit, ".3g")
             lines.append(
                 f"cubic spring: k3 = {self.k3:.4g} ± {error['k3']:.2g} {per}, which {way} by "
                 f"{most} at the largest amplitude"
@@ -302,7 +314,7 @@ class AmplitudeFit(ByValue, Described, Checked, Documented):
             share = 0.75 * self.k3_unseen * self.amplitudes[1] ** 2
             part = share / float(np.abs(self.stiffness(self.amplitudes[1])))
             lines.append(
-                f"No cubic spring is seen. One of up to {written(share, unit, '.2g')} "
+                f"No cubic spring is seen. One of up to {format_quantity(share, unit, '.2g')} "
                 f"({100 * part:.2g} %) at the largest amplitude would stay unseen."
             )
         lines.append(
@@ -324,9 +336,9 @@ class AmplitudeFit(ByValue, Described, Checked, Documented):
         linear, kraus = complex(self.linear[tone]), self.law.partition("+")[0]
         found = np.ones(X.shape, dtype=complex)
         if kraus == "factor":
-            found = softened(X, self.lost, self.half_way, self.exponent)
+            found = softening_factor(X, self.lost, self.half_way, self.exponent)
         elif kraus == "additive":
-            change = softened(X, 1.0, self.half_way, self.exponent) - 1
+            change = softening_factor(X, 1.0, self.half_way, self.exponent) - 1
             found = found + self.lost * change / linear
         return np.asarray(found + 0.75 * self.k3 * X**2 / linear)
 
@@ -348,9 +360,9 @@ class AmplitudeFit(ByValue, Described, Checked, Documented):
         if kraus == "factor":
             parts.append(Softening(solid, self.lost, self.half_way * stretch, self.exponent, x0))
         elif kraus == "additive":
-            parts.append(Since(self.element(scale, stretch=stretch), x0))
+            parts.append(RelativeToAmplitude(self.element(scale, stretch=stretch), x0))
         if self.k3:
-            parts.append(Since(self.spring(scale, stretch=stretch), x0))
+            parts.append(RelativeToAmplitude(self.spring(scale, stretch=stretch), x0))
         return InParallel(tuple(parts)) if parts else None
 
     def spring(self, scale: float = 1.0, *, stretch: float = 1.0) -> Cubic:

@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from dashpot.base.units import in_unit
+from dashpot.base.units import convert_to_unit
 from dashpot.base.version import byline
 from dashpot.extensions.amplitude.response_solver import response_at_level
 from dashpot.registry import Example
@@ -31,16 +31,16 @@ def _loops() -> str:
     force = (BROAD + _RUBBING).path_force(time, x) + 1.2 + noise
     rows = (
         f"{t:.6g},{d:.6g},{f:.6g}"
-        for t, d, f in zip(time, in_unit(x + 4e-3, "mm"), force, strict=True)
+        for t, d, f in zip(time, convert_to_unit(x + 4e-3, "mm"), force, strict=True)
     )
     head = [f"# {byline('simulated loops')}", "# simulated", "time [s],displacement [mm],force [N]"]
     return "\n".join([*head, *rows, ""])
 
 
-def _at_level(level: float, seed: int) -> Callable[[], str]:
+def _make_frf_writer(level: float, seed: int) -> Callable[[], str]:
     """The FRF of the block on two seals that rub, under a force of that amplitude, 0.5 % noisy."""
 
-    def made() -> str:
+    def render_file() -> str:
         mount = Mount(2 * BROAD, ("block", "ground"), friction=2 * _RUBBING)
         found = response_at_level(
             System((point_mass("block", round(BROAD_MASS, 4)),), (mount,)),
@@ -53,7 +53,7 @@ def _at_level(level: float, seed: int) -> Callable[[], str]:
         lines = [f"# {byline('simulated shaker test')}", "# simulated", head]
         return "\n".join([*lines, *(",".join(f"{one:.6g}" for one in row) for row in rows), ""])
 
-    return made
+    return render_file
 
 
 EXAMPLES: Mapping[str, Example] = MappingProxyType(
@@ -64,10 +64,10 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType(
             _loops,
         ),
         "shaker_20mN.csv": Example(
-            "frf", "the block on two such seals, on a shaker of 0.02 N", _at_level(0.02, 1)
+            "frf", "the block on two such seals, on a shaker of 0.02 N", _make_frf_writer(0.02, 1)
         ),
         "shaker_500mN.csv": Example(
-            "frf", "the same at 0.5 N: dashpot fit takes the two", _at_level(0.5, 2)
+            "frf", "the same at 0.5 N: dashpot fit takes the two", _make_frf_writer(0.5, 2)
         ),
     }
 )

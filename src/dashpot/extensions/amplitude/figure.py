@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.number_format import rounded
+from dashpot.base.number_format import round_to_error
 from dashpot.base.provenance import sources_of
-from dashpot.base.units import in_unit
+from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep
@@ -36,12 +36,12 @@ from dashpot.plot.picture import (
     Picture,
     Scale,
     Tag,
-    around,
-    around_log,
+    compute_padded_limits,
+    compute_padded_log_limits,
     read_as,
     unit_of,
 )
-from dashpot.plot.provenance_stamp import of_test
+from dashpot.plot.provenance_stamp import format_test_stamp
 from dashpot.plot.provenance_stamp import stamp as stamped
 from dashpot.plot.style import sequential
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -109,7 +109,7 @@ def loops(test: RelaxationTest, fit: AmplitudeFit | None = None, *, stamp: str =
     stamp : str
         What the figure says of its origin; by default file, specimen and date.
     """
-    shown = _apart(steady_cycles(test))
+    shown = _select_distinct_loops(steady_cycles(test))
     word, mm = unit_of(np.array([one.amplitude for one in shown]), "m")
     drawn: list[tuple[str, list[Line]]] = []
     for one in shown:
@@ -117,7 +117,7 @@ def loops(test: RelaxationTest, fit: AmplitudeFit | None = None, *, stamp: str =
         curves.append((UPON, "measured", one.displacement, one.force))
         X = one.amplitude
         lines = [
-            Line(_closed(x) / X, in_unit(_closed(F) / X, "N/mm"), pen, name)
+            Line(_close_curve(x) / X, convert_to_unit(_close_curve(F) / X, "N/mm"), pen, name)
             for pen, name, x, F in curves
         ]
         drawn.append((f"{mm * X:.3g} {word}", lines))
@@ -125,16 +125,18 @@ def loops(test: RelaxationTest, fit: AmplitudeFit | None = None, *, stamp: str =
     caption = "Hysteresis loops, each over its own amplitude X: force F over displacement x" + (
         "." if fit is None else ", and stiffness and loss over amplitude."
     )
-    strips = tuple((panel,) for panel in (*above, *_looped(drawn)))
+    strips = tuple((panel,) for panel in (*above, *_draw_loop_panels(drawn)))
     rows = tuple(count for count in (len(above), len(drawn)) if count)
-    return Picture("loops", caption, strips, 2, stamp or of_test(test), width=_WIDE, rows=rows)
+    return Picture(
+        "loops", caption, strips, 2, stamp or format_test_stamp(test), width=_WIDE, rows=rows
+    )
 
 
-def _looped(drawn: Sequence[tuple[str, Sequence[Line]]]) -> Iterator[Panel]:
+def _draw_loop_panels(drawn: Sequence[tuple[str, Sequence[Line]]]) -> Iterator[Panel]:
     """Small multiples on one pair of scales."""
     every = [one for _, lines in drawn for one in lines]
-    x = Scale("x/X, 1", around(*(one.x for one in every)), ticks=(-1, 0, 1))
-    y = Scale("F/X, N/mm", around(*(one.y for one in every)))
+    x = Scale("x/X, 1", compute_padded_limits(*(one.x for one in every)), ticks=(-1, 0, 1))
+    y = Scale("F/X, N/mm", compute_padded_limits(*(one.y for one in every)))
     for title, lines in drawn:
         yield Panel(x, y, tuple(lines), title=title, height=_SMALL)
 
@@ -173,7 +175,7 @@ def frfs_at_levels(fit: LevelFit, frfs: Sequence[FRF], *, stamp: str = "") -> Pi
         What the figure says of its origin; by default files, mass and seals.
     """
     said = stamp or stamped(fit.source, mass=fit.mass, seals=fit.seals)
-    strips = ((_magnitudes(fit, frfs),), *((one,) for one in _informed(fit, frfs)))
+    strips = ((_magnitudes(fit, frfs),), *((one,) for one in _draw_amplitude_panels(fit, frfs)))
     caption = (
         "The FRF at each level with the one solid that follows them all and its backbone, and "
         "stiffness and loss of one seal over its amplitude."
@@ -198,7 +200,9 @@ def hits_as_levels(found: HitLevels, *, stamp: str = "") -> Picture:
     dense = np.geomspace(low / 2, high * 2, 80)
     within = (dense >= low * 0.999) & (dense <= high * 1.001)
     word, mm = unit_of(X, "m")
-    across = Scale(f"amplitude of motion, {word}", around_log(mm * dense, margin=1.0), log=True)
+    across = Scale(
+        f"amplitude of motion, {word}", compute_padded_log_limits(mm * dense, margin=1.0), log=True
+    )
     strips = []
     f, zeta = [one.frequency for one in hits], [one.damping_ratio for one in hits]
     for name, scale, values, line, power in (
@@ -216,14 +220,14 @@ def hits_as_levels(found: HitLevels, *, stamp: str = "") -> Picture:
             Line(mm * dense, np.where(within, middle, np.nan), FIT, "fit"),
             Dots(mm * X, dots, "measured", "measured"),
         )
-        limits = around(dots, lower[within], upper[within], margin=0.3)
+        limits = compute_padded_limits(dots, lower[within], upper[within], margin=0.3)
         strips.append((Panel(across, Scale(name, limits), marks, height=_HEIGHT),))
     caption = "The resonance of every hit over the motion that it made."
     said = stamp or stamped(found.frf.source)
     return Picture("hits", caption, tuple(strips), 2, said, width=_WIDE)
 
 
-def _apart(cycles: Sequence[HysteresisLoop]) -> list[HysteresisLoop]:
+def _select_distinct_loops(cycles: Sequence[HysteresisLoop]) -> list[HysteresisLoop]:
     """A cycle of each amplitude, the smallest first; of many, as many as stand in a row."""
     found: list[HysteresisLoop] = []
     for one in sorted(cycles, key=lambda one: one.amplitude):
@@ -241,7 +245,7 @@ def _ellipse(one: HysteresisLoop, fit: AmplitudeFit) -> tuple[FloatArray, FloatA
     return one.amplitude * turn.real, (K * one.amplitude * turn).real
 
 
-def _closed(values: FloatArray) -> FloatArray:
+def _close_curve(values: FloatArray) -> FloatArray:
     return np.append(values, values[0])
 
 
@@ -254,7 +258,9 @@ def _over_amplitude(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> list[Pan
     tones, tone = np.unique(sweep.frequency.round(6), return_inverse=True)
     low, high = float(sweep.amplitude.min()), float(sweep.amplitude.max())
     dense = np.geomspace(low / 1.5, high * 1.5, 200)
-    across = Scale(f"amplitude of {of}, {word}", around_log(mm * dense, margin=1.0), log=True)
+    across = Scale(
+        f"amplitude of {of}, {word}", compute_padded_log_limits(mm * dense, margin=1.0), log=True
+    )
     value, panels = scale * sweep.value, []
     for name, part in ((f"storage {letter}′", np.real), (f"loss {letter}″", np.imag)):
         marks: list[Mark] = []
@@ -271,8 +277,14 @@ def _over_amplitude(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> list[Pan
                     Line(mm * dense, np.where(within, curve, np.nan), FIT, "fit"),
                 ]
         shown = [one.y for one in marks if isinstance(one, Line | Dots)]
-        panels.append(Panel(across, Scale(f"{name}, {unit}", around(*shown)), tuple(marks),
-                            height=_HEIGHT))  # fmt: skip
+        panels.append(
+            Panel(
+                across,
+                Scale(f"{name}, {unit}", compute_padded_limits(*shown)),
+                tuple(marks),
+                height=_HEIGHT,
+            )
+        )
     return panels
 
 
@@ -295,12 +307,15 @@ def _magnitudes(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
         curve = receptance_at_level(fit, force, dense).to(kind, mass=fit.mass)
         y = scale * np.abs(curve.value)
         top = int(np.argmax(y))
-        peak = f"{said}: {rounded(float(dense[top]), digits=4)} Hz, {rounded(float(y[top]))} {unit}"
+        peak = (
+            f"{said}: {round_to_error(float(dense[top]), digits=4)} Hz, "
+            f"{round_to_error(float(y[top]))} {unit}"
+        )
         marks.append(Dots(lines.frequency, size, colour, "" if fits else "measured"))
         tags.append(Tag(float(dense[top]), float(y[top]), peak, colour))
         fits.append(Line(dense, y, _THIN, "" if fits else "fit"))
         shown += [size, y]
-    limits = around_log(*shown)
+    limits = compute_padded_log_limits(*shown)
     f, height = _backbone(fit, kind)
     inside = (f >= fit.band[0]) & (f <= fit.band[1])
     spine = Line(np.where(inside, f, np.nan), scale * height, REF, "backbone")
@@ -334,7 +349,7 @@ def _backbone(fit: LevelFit, kind: Kind) -> tuple[FloatArray, FloatArray]:
     return f, receptance * omega**power
 
 
-def _informed(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
+def _draw_amplitude_panels(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
     """Storage and loss of one seal over its amplitude, at the middle of the band."""
     middle = np.pi * (fit.band[0] + fit.band[1])
     rows = [
@@ -347,26 +362,29 @@ def _informed(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
     dense = np.geomspace(*fit.amplitudes, 60)
     curve = fit.stiffness(omega=middle, amplitude=dense)
     word, mm = unit_of(X, "m")
-    across = Scale(f"amplitude of displacement, {word}", around_log(mm * dense, margin=1.1),
-                  log=True)  # fmt: skip
+    across = Scale(
+        f"amplitude of displacement, {word}",
+        compute_padded_log_limits(mm * dense, margin=1.1),
+        log=True,
+    )
     panels = []
     ends = _interval(fit, middle, dense)
     for i, (name, part) in enumerate((("storage K′", np.real), ("loss K″", np.imag))):
-        low, high = in_unit(ends[:, i], "N/mm")
-        y = in_unit(part(curve), "N/mm")
+        low, high = convert_to_unit(ends[:, i], "N/mm")
+        y = convert_to_unit(part(curve), "N/mm")
         marks = (
             Area(mm * dense, low, high, "fit", "95 % interval"),
             Line(mm * dense, y, FIT, "fit"),
             Dots(
                 mm * at,
-                in_unit(part(mean), "N/mm"),
+                convert_to_unit(part(mean), "N/mm"),
                 "measured",
                 "measured",
-                error=in_unit(2 * error, "N/mm"),
+                error=convert_to_unit(2 * error, "N/mm"),
             ),
         )
         pad = max(float(np.ptp(y)), 0.1 * float(np.abs(y).max()))
-        limits = around(y - 0.3 * pad, y + 0.3 * pad, low, high)
+        limits = compute_padded_limits(y - 0.3 * pad, y + 0.3 * pad, low, high)
         title = f"one seal at {middle / 2 / np.pi:.3g} Hz"
         panels.append(
             Panel(across, Scale(f"{name}, N/mm", limits), marks, title=title, height=_HEIGHT)
@@ -377,11 +395,11 @@ def _informed(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
 def _interval(fit: LevelFit, omega: float, X: FloatArray) -> FloatArray:
     """95 % interval of storage and loss over amplitude, N/m, shape (2, 2, n)."""
 
-    def both(solid: GeneralizedMaxwell, beside: Elements) -> FloatArray:
+    def compute_stiffness_parts(solid: GeneralizedMaxwell, beside: Elements) -> FloatArray:
         K = InParallel((solid, *beside)).equivalent(omega, X)
         return np.array((K.real, K.imag))
 
-    return fit.interval(both)
+    return fit.interval(compute_stiffness_parts)
 
 
 def _means(

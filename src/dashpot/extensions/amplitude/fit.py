@@ -12,7 +12,7 @@ from dashpot.base.errors import FitError
 from dashpot.base.provenance import sources_of
 from dashpot.base.reported_values import NORMAL
 from dashpot.datamodel.checks import caution_checks
-from dashpot.extensions.amplitude.amplitude_laws import LAWS, SET, Fitted, fitted
+from dashpot.extensions.amplitude.amplitude_laws import LAWS, SET, Fitted, fit_sweep_law
 from dashpot.extensions.amplitude.checks import (
     FAR_ENOUGH,
     MATTERS,
@@ -80,15 +80,15 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
             "more at each: the effects of frequency and of amplitude cannot be separated"
         )
     back = _way_back(sweep)
-    tried = _ranked(sweep, law)
+    tried = _sort_candidate_laws(sweep, law)
     stray = _strays(sweep, tried[0].left)
     if stray.any() and np.count_nonzero(~stray) >= _LEAST:
         sweep = sweep.only(~stray)
-        tried = _ranked(sweep, law)
-    plain, best = fitted(sweep, "none"), tried[0]
+        tried = _sort_candidate_laws(sweep, law)
+    plain, best = fit_sweep_law(sweep, "none"), tried[0]
     reach = float(sweep.amplitude.max()) / best.numbers.get("half_way", np.nan)
     if reach < FAR_ENOUGH:
-        best = fitted(sweep, best.law, SET)
+        best = fit_sweep_law(sweep, best.law, SET)
     gain, by = plain.deviance - best.deviance, _WORDS[best.law]
     if gain <= MATTERS:  # nothing moves with amplitude
         best = plain
@@ -108,7 +108,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
     if "k3" in best.numbers:
         checks.append(spring_cubic(best.bends))
     else:
-        unseen = _unseen(sweep, best)
+        unseen = _estimate_hidden_cubic(sweep, best)
         top = sweep.amplitude == sweep.amplitude.max()
         storage = float(sweep.storage[top].min())
         checks.append(spring_unseen(0.75 * unseen * range_[1] ** 2 / max(storage, 1e-300)))
@@ -149,7 +149,7 @@ def _errors_with_delay(
     def numbers(later: float) -> FloatArray:
         K = sweep.value * np.exp(-2j * np.pi * sweep.frequency * later)
         turned = replace(sweep, storage=K.real, loss=K.imag, units="SI")
-        one = fitted(turned, best.law, held)
+        one = fit_sweep_law(turned, best.law, held)
         return np.array([*one.linear.real, *one.linear.imag, *one.numbers.values()])
 
     def levels(later: float) -> FloatArray:
@@ -167,33 +167,33 @@ def _errors_with_delay(
     return linear_se, {name: float(np.hypot(own, by)) for (name, own), by in wide}
 
 
-def _unseen(sweep: AmplitudeSweep, best: Fitted) -> float:
+def _estimate_hidden_cubic(sweep: AmplitudeSweep, best: Fitted) -> float:
     """Size of a cubic spring that might stand beside a law that has none, 95 %."""
     law = "cubic" if best.law == "none" else f"{best.law}+cubic"
     held = best.numbers.get("exponent") if best.se.get("exponent") == 0 else None
-    beside = fitted(sweep, law, held)
+    beside = fit_sweep_law(sweep, law, held)
     return abs(beside.numbers["k3"]) + NORMAL * beside.se["k3"]
 
 
-def _ranked(sweep: AmplitudeSweep, law: str) -> list[Fitted]:
+def _sort_candidate_laws(sweep: AmplitudeSweep, law: str) -> list[Fitted]:
     """The laws that may be, the best first; of two that BIC does not part the one at home here.
 
     One with a spring that is but another way to soften is not among them, whatever its BIC.
     """
     home = "factor" if sweep.unit == "Pa" else "additive"
-    tried = [fitted(sweep, each) for each in LAWS if law in {"auto", each}]
+    tried = [fit_sweep_law(sweep, each) for each in LAWS if law in {"auto", each}]
     spring = next((one for one in tried if one.law == "cubic"), None)
 
     def cost(one: Fitted) -> float:
         return one.deviance + MATTERS * one.terms
 
-    def sound(one: Fitted) -> bool:
+    def is_plausible(one: Fitted) -> bool:
         if one.terms < 2 or spring is None:
             return one.sound
         # friction beside a spring shows in the loss, another kind of spring in the storage alone
         return one.sound and spring.loss_deviance - one.loss_deviance > MATTERS / 2
 
-    tried = [one for one in tried if sound(one)] or tried
+    tried = [one for one in tried if is_plausible(one)] or tried
     least = min(map(cost, tried))
     return sorted(
         tried,

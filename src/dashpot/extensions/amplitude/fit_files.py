@@ -13,9 +13,9 @@ from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Source
-from dashpot.base.result_mixins import Judged, Series, columns
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import Quantity, si
+from dashpot.base.result_mixins import HasVerdict, Series, collect_columns
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.impact import ImpactTest
 from dashpot.datamodel.machine import Machine
@@ -29,7 +29,7 @@ from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels, hits_as_le
 from dashpot.extensions.amplitude.level_results import Elements, LevelFit, PeakAtLevel
 from dashpot.extensions.amplitude.preprocess import sweep_of_loops
 from dashpot.extensions.amplitude.response import resonance_at_level
-from dashpot.reading.raw_file import about
+from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.detect_kind import recognise
 from dashpot.reading.readers.frf import read_frf
@@ -38,12 +38,12 @@ from dashpot.registry import RESPONSES
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.impact.hits import cut_hits
-from dashpot.workflow.job import known_of_a_test
+from dashpot.workflow.job import require_test_for_machine
 from dashpot.workflow.vibration.measured_frf import as_measured
 
 
 @dataclass(frozen=True, repr=False)
-class Levels(Judged, Documented):
+class Levels(HasVerdict, Serialisable):
     """What ``dashpot fit`` found.
 
     Attributes
@@ -75,7 +75,7 @@ class Levels(Judged, Documented):
     def series(self) -> Series:
         """As of the fit; of hits each with its motion, resonance and damping."""
         if isinstance(self.fit, HitLevels):
-            return columns(
+            return collect_columns(
                 self.fit.hits, name="", peak="N", amplitude="m", frequency_hz="Hz", damping_ratio=""
             )
         return self.fit.series
@@ -153,7 +153,7 @@ def level_files(
     """
     kinds = [recognise(path, options).kind for path in files]
     if any(kind in RESPONSES or kind in HITS for kind in kinds):
-        known_of_a_test(machine, tests=0, add="recorded loops")
+        require_test_for_machine(machine, tests=0, add="recorded loops")
     if all(kind in RESPONSES for kind in kinds):
         _refuse_law(law, "FRFs")
         frfs = [as_measured(read_frf(path, options=options), motion) for path in files]
@@ -164,17 +164,17 @@ def level_files(
         "--level": levels, "--mass": mass is not None, "--seals": seals != 1,
         "--relative": motion != "absolute", "--band": band is not None, "--resonance-at": at,
     }  # fmt: skip
-    _refuse_given(files[0], asked, *(_OF_HITS if struck else ()))
+    _refuse_frf_options(files[0], asked, *(_OF_HITS if struck else ()))
     if struck:
         _refuse_law(law, "hits")
-        return _of_hits(files, levels, mass=mass, band=band, at=at, options=options)
+        return _fit_hit_files(files, levels, mass=mass, band=band, at=at, options=options)
     if len(files) > 1:
         raise ReadError("one amplitude sweep at a time; only FRFs of several levels go together")
     found, _, record = amplitude_file(files[0], kinds[0], law=law, options=options, machine=machine)
     return _swept(found, record)
 
 
-def of_amplitude(
+def fit_amplitude_record(
     record: AmplitudeSweep | RelaxationTest, *, law: str = "auto", machine: Machine | None = None
 ) -> Levels:
     """Find what a sweep of amplitudes, or a record of loops, says of stiffness and damping."""
@@ -182,7 +182,7 @@ def of_amplitude(
         sweep = sweep_of_loops(record, machine)
     else:
         sweep = record
-        known_of_a_test(machine, tests=int(sweep.delay_sd > 0), add="recorded loops")
+        require_test_for_machine(machine, tests=int(sweep.delay_sd > 0), add="recorded loops")
         if machine is not None and machine.sync is not None:
             machine.heeds("sync", of="recorded loops")
             sweep = replace(sweep, delay_sd=machine.sync, units="SI")
@@ -199,7 +199,7 @@ _OF_HITS = ("--level", "--mass", "--band", "--resonance-at")
 """Options that belong to FRFs, and to hits too."""
 
 
-def _refuse_given(path: str | Path, asked: Mapping[str, object], *but: str) -> None:
+def _refuse_frf_options(path: str | Path, asked: Mapping[str, object], *but: str) -> None:
     """Refuse options of FRFs that were given with a file that is none."""
     given = [flag for flag, said in asked.items() if said and flag not in but]
     if given:
@@ -236,13 +236,13 @@ def _forces(levels: Sequence[Quantity], tests: int) -> list[float]:
             f"{tests} hammer files and {len(levels)} levels; expected the peak force of the "
             "hits of each file, in their order, or none (--level): hits show how hard they are"
         )
-    forces = [si(level, "force") for level in levels]
+    forces = [convert_to_si(level, "force") for level in levels]
     if not all(0 < one < np.inf for one in forces):
         raise ReadError(f"a level of {min(forces):g} N; expected a peak force > 0 (--level)")
     return forces
 
 
-def _of_hits(
+def _fit_hit_files(
     files: Sequence[str | Path],
     levels: Sequence[Quantity],
     *,
@@ -253,7 +253,7 @@ def _of_hits(
 ) -> Levels:
     _forces(levels, len(files))
     tests = read_impacts(list(files), options=options)
-    with about(", ".join(Path(path).name for path in files)):
+    with add_name_to_errors(", ".join(Path(path).name for path in files)):
         return hits_at_levels(tests, levels, mass=mass, band=band, at=at)
 
 
@@ -313,12 +313,12 @@ def frfs_at_levels(
 def _peak(found: LevelFit, level: float) -> PeakAtLevel:
     """The largest motion of the mass at a level, and what the draws say of it."""
 
-    def largest(solid: GeneralizedMaxwell, beside: Elements) -> FloatArray:
+    def find_largest_motion(solid: GeneralizedMaxwell, beside: Elements) -> FloatArray:
         hz, X = resonance_at_level(found, level, of=(solid, beside))
         return np.array((hz, X / level))
 
-    frequency, receptance = largest(found.solid, found.beside).tolist()
-    (least_hz, least), (most_hz, most) = found.interval(largest).tolist()
+    frequency, receptance = find_largest_motion(found.solid, found.beside).tolist()
+    (least_hz, least), (most_hz, most) = found.interval(find_largest_motion).tolist()
     return PeakAtLevel(
         level,
         frequency,

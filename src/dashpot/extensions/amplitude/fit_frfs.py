@@ -10,8 +10,8 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray, IndexArray
 from dashpot.base.errors import DataError
-from dashpot.base.plausibility import SIZES, short
-from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.base.plausibility import SIZES, format_quantity_short
+from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.extensions.amplitude.checks import (
     LOST,
@@ -23,9 +23,9 @@ from dashpot.extensions.amplitude.checks import (
 )
 from dashpot.extensions.amplitude.level_results import LevelFit, Parts
 from dashpot.extensions.amplitude.response import stiffness_at, with_third_harmonic
-from dashpot.numerics.least_squares.nnls import linear
-from dashpot.numerics.least_squares.problem import stacked
-from dashpot.solids.friction import Jenkins, slipping_share
+from dashpot.numerics.least_squares.nnls import solve_linear
+from dashpot.numerics.least_squares.problem import stack_real_rows
+from dashpot.solids.friction import Jenkins, jenkins_reduction
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.nonlinear_springs import Cubic
 from dashpot.vibration.modal.frf_lines import FLOOR
@@ -100,7 +100,7 @@ def fit_levels(
         raise DataError(
             f"{len(frfs)} FRFs and {len(levels)} levels; expected one level for each FRF"
         )
-    kilograms = si(mass, "mass")
+    kilograms = convert_to_si(mass, "mass")
     sizes = [_level(frf, level) for frf, level in zip(frfs, levels, strict=True)]
     rows = [
         rows_at_level(frf, size, kilograms, seals, si_range(band, "frequency"))
@@ -110,14 +110,14 @@ def fit_levels(
     low, high = float(X.min()) / 2, float(X.max())
     SIZES["amplitude"].refuse(
         high,
-        f"at the levels given a seal would move by {short(high, 'm')}",
+        f"at the levels given a seal would move by {format_quantity_short(high, 'm')}",
         remedy="Check the levels and their unit, such as --level 20mN, and the mass.",
     )
     count = max(round(_PER_DECADE * np.log10(high / low)), 2)
     inertia, yields = kilograms / seals, np.geomspace(low, high, count + 1)[:-1]
     known = weight * np.abs(K - inertia * omega**2)
     problem = _LineData(omega, X, weight, known, inertia, yields)
-    tried = [problem.solved(K, terms) for terms in _TERMS]
+    tried = [problem.fit_terms(K, terms) for terms in _TERMS]
     plain, best = tried[0], min(tried, key=lambda one: one.deviance + MATTERS * len(one.terms))
     draws = _draws(problem, K, best, seed)
     solid, beside = best.parts
@@ -171,7 +171,7 @@ def _draws(
         # one error of the FRF is in the stiffness and in the amplitude
         off = 1 + scatter * (rng.normal(size=len(K)) + 1j * rng.normal(size=len(K))) / problem.known
         again = replace(known, X=problem.X / np.abs(off))
-        found.append(again.solved(direct * off + inertia, best.terms, passes=0).parts)
+        found.append(again.fit_terms(direct * off + inertia, best.terms, passes=0).parts)
     return tuple(found)
 
 
@@ -236,7 +236,7 @@ class _LineData:
         low, high = 1 / self.omega.max() / 30, 1 / self.omega.min() * 30
         return np.geomspace(low, high, round(_PER_DECADE / 2 * np.log10(high / low)) + 1)
 
-    def solved(
+    def fit_terms(
         self, K: ComplexArray, terms: tuple[Term, ...], *, passes: int = _PASSES
     ) -> _TermsOptimum:
         """Solved; sliders on a coarse grid, then on a finer one about those found there."""
@@ -270,7 +270,7 @@ class _LineData:
         product = 1j * self.omega[:, None] * self.tau
         found = [np.ones((len(self.X), 1), dtype=complex), product / (1 + product)]
         if "friction" in terms:
-            found.append(slipping_share(self.X[:, None], self.yields))
+            found.append(jenkins_reduction(self.X[:, None], self.yields))
         if "a cubic spring" in terms:  # it stiffens, or it softens
             square = 0.75 * (self.X / self.X.max()) ** 2 * self.bent
             found.append(square[:, None] * np.array([1.0, -1.0]))
@@ -279,13 +279,13 @@ class _LineData:
     def _solve(self, K: ComplexArray, terms: tuple[Term, ...]) -> _TermsOptimum:
         A = self._columns(terms) * self.weight[:, None]
         y = K * self.weight
-        k, _ = linear(stacked(A), stacked(y), positive=True)
+        k, _ = solve_linear(stack_real_rows(A), stack_real_rows(y), positive=True)
         return _TermsOptimum(self, terms, k, np.asarray(A @ k - y))
 
 
 def _level(frf: FRF, level: Quantity) -> float:
     """Amplitude of the force, N, or of the ground's acceleration, m/s^2."""
-    size = si(level, "acceleration" if frf.quantity.over_base else "force")
+    size = convert_to_si(level, "acceleration" if frf.quantity.over_base else "force")
     if not size > 0:
         raise DataError(f"level = {level!r}; expected an amplitude > 0")
     return size

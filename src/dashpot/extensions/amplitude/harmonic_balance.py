@@ -59,7 +59,7 @@ def with_slope(
     return part.equivalent(omega, X), np.asarray((above - below) / (2 * h))
 
 
-class Rest:
+class LinearSubsystem:
     """The linear rest of a system, and how its friction is reached."""
 
     def __init__(self, system: System, *, force: str | Point | None, base: str | None) -> None:
@@ -121,7 +121,7 @@ class BalanceEquation:
         ]
         return np.array(forces)
 
-    def continued(self, before: ComplexArray | None) -> ComplexArray:
+    def solve_from_previous(self, before: ComplexArray | None) -> ComplexArray:
         """The stable answer next to that of the line before; the smallest to begin with."""
         if len(self.stretch) > 1:
             return self._newton(before)
@@ -137,16 +137,17 @@ class BalanceEquation:
         C, e0 = complex(self.compliance[0, 0]), complex(self.stretch[0])
         (part,) = self.friction
 
-        def over(u: npt.ArrayLike) -> FloatArray:
+        def evaluate_balance(u: npt.ArrayLike) -> FloatArray:
             X = abs(e0) * np.exp(u)
             return np.asarray(u + np.log(np.abs(1 + C * part.equivalent(self.omega, X))))
 
-        value = over(_SCAN)
+        value = evaluate_balance(_SCAN)
         if value[0] > 0:  # even the smallest motion asks for more force than there is: it sticks
             return [np.zeros(1, dtype=complex)]
         turns = np.flatnonzero((value[:-1] <= 0) != (value[1:] <= 0))
         roots = [
-            brentq(lambda u: float(over(u)), _SCAN[i], _SCAN[i + 1], xtol=1e-14) for i in turns
+            brentq(lambda u: float(evaluate_balance(u)), _SCAN[i], _SCAN[i + 1], xtol=1e-14)
+            for i in turns
         ]
         found = [abs(e0) * float(np.exp(u)) for u in roots]
         return [np.array([e0 / (1 + C * complex(part.equivalent(self.omega, X)))]) for X in found]
@@ -202,7 +203,7 @@ class BalanceEquation:
         return np.asarray(step[: len(e)] + 1j * step[len(e) :])
 
 
-class Alternation:
+class AlternatingFrequencyTime:
     r"""A cycle between its harmonics and its samples (AFT).
 
     Harmonics are of :math:`c_0 + \operatorname{Re} \sum_h c_h e^{jh\varphi}`.
@@ -255,14 +256,14 @@ def newton(
 
 
 def several_harmonics(
-    rest: Rest, line: BalanceEquation, first: ComplexArray, harmonics: tuple[int, ...]
+    rest: LinearSubsystem, line: BalanceEquation, first: ComplexArray, harmonics: tuple[int, ...]
 ) -> tuple[ComplexArray, ComplexArray, float]:
     """First harmonics of stretch and pull, and the largest higher one over the first (AFT)."""
     from scipy.optimize import root  # costs an import that few need
 
     C = [rest.compliance(h * line.omega) for h in harmonics]
     size, p = float(np.abs(first).max()), len(first)
-    between = Alternation(harmonics, _SAMPLES)
+    between = AlternatingFrequencyTime(harmonics, _SAMPLES)
 
     def pulls(e: ComplexArray) -> ComplexArray:
         dt, path = 2 * np.pi / line.omega / _SAMPLES, between.path(e)

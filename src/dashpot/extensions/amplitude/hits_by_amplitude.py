@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.checks import Check, Checked
+from dashpot.base.checks import Check, HasChecks
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import in_unit, written
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.frf import FRF
 from dashpot.vibration.impact.amplitude_trend import RegressionLine, Trend, trend_of_hits
@@ -25,7 +25,7 @@ from dashpot.vibration.impact.checks import (
 _ROUNDS = 20
 
 
-class StruckAt(NamedTuple):
+class HitSummary(NamedTuple):
     """A hit: its peak, N, and the motion, m, resonance, Hz, and damping ratio after it."""
 
     name: str
@@ -36,7 +36,7 @@ class StruckAt(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class HitLevels(Checked, Documented):
+class HitLevels(HasChecks, Serialisable):
     """What hits of different height say of how a resonance moves with amplitude.
 
     Attributes
@@ -68,7 +68,8 @@ class HitLevels(Checked, Documented):
         """By how much stiffness and damping change as the motion doubles, and where."""
         low, high = self.amplitudes
         return (
-            f"from {in_unit(low, 'mm'):.3g} to {written(high, 'mm', '.3g')} a doubled motion "
+            f"from {convert_to_unit(low, 'mm'):.3g} to {format_quantity(high, 'mm', '.3g')} a "
+            "doubled motion "
             f"changes the stiffness by {_with_error(self.trend.stiffness_line)}, the damping "
             f"ratio by {_with_error(self.trend.damping_line)}"
         )
@@ -81,8 +82,9 @@ class HitLevels(Checked, Documented):
         return (
             str(self.verdict),
             (
-                f"{trend.stiffness_line.dof + 2} hits, motion of {in_unit(low, 'mm'):.3g} to "
-                f"{written(high, 'mm', '.3g')}: per doubling the stiffness changes by "
+                f"{trend.stiffness_line.dof + 2} hits, motion of {convert_to_unit(low, 'mm'):.3g} "
+                "to "
+                f"{format_quantity(high, 'mm', '.3g')}: per doubling the stiffness changes by "
                 f"{_with_error(trend.stiffness_line)}, the damping ratio by "
                 f"{_with_error(trend.damping_line)}"
             ),
@@ -94,10 +96,10 @@ class HitLevels(Checked, Documented):
         )
 
     @property
-    def hits(self) -> tuple[StruckAt, ...]:
+    def hits(self) -> tuple[HitSummary, ...]:
         """The hits that count."""
         return tuple(
-            StruckAt(one.name, one.peak, one.amplitude, one.frequency, one.damping_ratio)
+            HitSummary(one.name, one.peak, one.amplitude, one.frequency, one.damping_ratio)
             for one in self.frf.hits
             if one.accepted
         )
@@ -128,7 +130,9 @@ class HitLevels(Checked, Documented):
         """
         trend = self.trend
 
-        def along(x: float, stiffness: float = 0.0, damping: float = 0.0) -> tuple[float, float]:
+        def compute_resonance_at(
+            x: float, stiffness: float = 0.0, damping: float = 0.0
+        ) -> tuple[float, float]:
             squared, off = trend.stiffness_line.at(x)
             ratio, wide = trend.damping_line.at(x)
             # a whole decay is of no one amplitude: which, is known to a doubling
@@ -141,17 +145,18 @@ class HitLevels(Checked, Documented):
 
         x = trend.stiffness_line.middle
         for _ in range(_ROUNDS):
-            hz, receptance = along(x)
+            hz, receptance = compute_resonance_at(x)
             x = float(np.log2(level * receptance))
         if hz == 0:
             low, high = self.amplitudes
             raise DataError(
                 f"at {level:g} N the line through the damping of the hits, of "
-                f"{in_unit(low, 'mm'):.3g} to {written(high, 'mm', '.3g')}, leaves no resonance: "
+                f"{convert_to_unit(low, 'mm'):.3g} to {format_quantity(high, 'mm', '.3g')}, leaves "
+                "no resonance: "
                 "it does not reach so far; hit so that the seal moves as it does at that level"
             )
-        least_hz, most_hz = (along(x, stiffness=way)[0] for way in (-1.0, 1.0))
-        least, most = (along(x, damping=way)[1] for way in (1.0, -1.0))
+        least_hz, most_hz = (compute_resonance_at(x, stiffness=way)[0] for way in (-1.0, 1.0))
+        least, most = (compute_resonance_at(x, damping=way)[1] for way in (1.0, -1.0))
         return hz, receptance, (least_hz, most_hz), (least, most)
 
 

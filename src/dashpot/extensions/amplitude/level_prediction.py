@@ -8,12 +8,12 @@ from typing import ClassVar
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
-from dashpot.base.reported_values import Fact
+from dashpot.base.reported_values import ReportedValue
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.extensions.amplitude.amplitude_response import (
     VANISHING,
-    Anchor,
-    AtLevel,
+    LevelResonance,
+    ReferencePoint,
     SweptPart,
     level_of,
 )
@@ -47,17 +47,17 @@ class LevelPrediction(Prediction):
         )
     )
 
-    levels: tuple[AtLevel, ...] = ()
+    levels: tuple[LevelResonance, ...] = ()
     swept: SweptPart | None = None
     preloaded: tuple[PreloadedLevel, ...] = ()
 
     @property
-    def facts(self) -> tuple[Fact, ...]:
+    def facts(self) -> tuple[ReportedValue, ...]:
         """Those of each mode, and what each level makes of it."""
         return (*super().facts, *(fact for level in self.preloaded for fact in level.facts))
 
     @property
-    def by_level(self) -> tuple[AtLevel, ...] | tuple[PreloadedLevel, ...]:
+    def by_level(self) -> tuple[LevelResonance, ...] | tuple[PreloadedLevel, ...]:
         """The resonance at each level, by whatever tells it."""
         return self.levels or self.preloaded
 
@@ -74,7 +74,7 @@ class LevelPrediction(Prediction):
 class LevelResonances:
     """The resonance at each level, and its checks."""
 
-    levels: tuple[AtLevel, ...]
+    levels: tuple[LevelResonance, ...]
     swept: SweptPart | None
     preloaded: tuple[PreloadedLevel, ...]
     checks: tuple[Check, ...]
@@ -129,7 +129,7 @@ class LevelEffect:
                 rig.solid, levels, scale=scale, mass=rig.mass, kind=rig.kind, about=about,
                 frequency=frequency, coupled=rig.coupled, anchor=anchor,
             )  # fmt: skip
-            checks = (*self.swept.covered(found), *self.swept.checks)
+            checks = (*self.swept.check_level_coverage(found), *self.swept.checks)
             return LevelResonances(found, self.swept, (), checks)
         bent = preloaded_levels(
             rig.fit, levels, mass=rig.mass, seals=rig.seals, kind=rig.kind, about=about,
@@ -141,17 +141,17 @@ class LevelEffect:
 
     def _anchor(
         self, part: PartChoices | None, solid: Solid, *, kind: Kind, scale: float
-    ) -> Anchor | None:
+    ) -> ReferencePoint | None:
         """The resonance that told the geometry, and the strain there; None where a shape did."""
         swept, typed = self.swept, self.choices.resonance_level
         if swept is None or part is None or part.resonance is None or part.resonance_mass is None:
             return None
         if not typed:
-            return Anchor(part.resonance, swept.fitted_at)
+            return ReferencePoint(part.resonance, swept.fitted_at)
         how = {
             "scale": scale, "mass": part.resonance_mass, "kind": kind,
             "level": level_of(typed, kind),
         }  # fmt: skip
         factor = swept.factors[0]
         _, _, moved = swept.peak(solid, swept.law, factor, about=part.resonance, **how)
-        return Anchor(part.resonance, moved / swept.stretch(factor))
+        return ReferencePoint(part.resonance, moved / swept.stretch(factor))

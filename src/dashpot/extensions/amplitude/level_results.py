@@ -10,15 +10,15 @@ from typing import Any, NamedTuple, NoReturn, TypeAlias, overload
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray
-from dashpot.base.checks import Check, Checked
+from dashpot.base.arrays import BoolArray, ComplexArray, EqualByValue, FloatArray
+from dashpot.base.checks import Check, HasChecks
 from dashpot.base.errors import ExportError, ReadError
-from dashpot.base.number_format import counted
+from dashpot.base.number_format import format_count
 from dashpot.base.provenance import Source, Step
-from dashpot.base.reported_values import Fact
-from dashpot.base.result_mixins import Described, Series
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import Quantity, in_unit, written
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.result_mixins import HasSummary, Series
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import Quantity, convert_to_unit, format_quantity
 from dashpot.datamodel.specimen import Specimen
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell, angular
@@ -55,12 +55,12 @@ class PeakAtLevel:
     amplitude: float
 
     @property
-    def facts(self) -> tuple[Fact, Fact]:
+    def facts(self) -> tuple[ReportedValue, ReportedValue]:
         """Where the motion is largest, and how large it is per force."""
         at = f"at {self.level:.4g} N"
         return (
-            Fact(f"peak {at}", self.frequency, *self.frequency_interval, "Hz"),
-            Fact(f"motion {at}", self.receptance, *self.receptance_interval, "m/N"),
+            ReportedValue(f"peak {at}", self.frequency, *self.frequency_interval, "Hz"),
+            ReportedValue(f"motion {at}", self.receptance, *self.receptance_interval, "m/N"),
         )
 
 
@@ -72,7 +72,7 @@ class CubicFound(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LevelFit(ByValue, Described, Checked, Documented):
+class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     """Arms, sliders and a spring of one seal that follow its FRFs at several levels.
 
     Attributes
@@ -230,17 +230,17 @@ class LevelFit(ByValue, Described, Checked, Documented):
     def in_parallel(self, count: float) -> LevelFit:
         """So many seals side by side, as one; a fraction is a shorter piece."""
 
-        def of(solid: GeneralizedMaxwell, beside: Elements) -> Parts:
+        def scale_parts(solid: GeneralizedMaxwell, beside: Elements) -> Parts:
             return solid * count, tuple(one * count for one in beside)
 
-        solid, beside = of(self.solid, self.beside)
+        solid, beside = scale_parts(self.solid, self.beside)
         length = None if self.specimen.length is None else count * self.specimen.length
         made = Step("parallel", (("count", f"{count:g}"),), f"{count:g} such seals in parallel")
         return replace(
             self,
             solid=solid,
             beside=beside,
-            draws=tuple(of(*draw) for draw in self.draws),
+            draws=tuple(scale_parts(*draw) for draw in self.draws),
             seals=self.seals / count,
             specimen=replace(self.specimen, length=length),
             steps=(*self.steps, made),
@@ -261,9 +261,10 @@ class LevelFit(ByValue, Described, Checked, Documented):
         ).real
         way = "falls" if ends[1] < ends[0] else "rises"
         return (
-            f"from {in_unit(low, 'mm'):.3g} to {written(high, 'mm', '.3g')} the stiffness of one "
+            f"from {convert_to_unit(low, 'mm'):.3g} to {format_quantity(high, 'mm', '.3g')} the "
+            "stiffness of one "
             f"seal {way} by {100 * abs(ends[1] / ends[0] - 1):.2g} %, from "
-            f"{in_unit(ends[0], 'N/mm'):.4g} to {written(ends[1], 'N/mm')}"
+            f"{convert_to_unit(ends[0], 'N/mm'):.4g} to {format_quantity(ends[1], 'N/mm')}"
         )
 
     @property
@@ -276,13 +277,16 @@ class LevelFit(ByValue, Described, Checked, Documented):
         return (
             str(self.verdict),
             (
-                f"one seal, {in_unit(low, 'mm'):.3g} to {written(high, 'mm', '.3g')} at "
-                f"{middle / 2 / np.pi:.4g} Hz: stiffness {in_unit(ends[0].real, 'N/mm'):.4g} to "
-                f"{written(ends[1].real, 'N/mm')}, loss factor {factor[0]:.3g} to {factor[1]:.3g}"
+                f"one seal, {convert_to_unit(low, 'mm'):.3g} to "
+                f"{format_quantity(high, 'mm', '.3g')} at "
+                f"{middle / 2 / np.pi:.4g} Hz: stiffness "
+                f"{convert_to_unit(ends[0].real, 'N/mm'):.4g} to "
+                f"{format_quantity(ends[1].real, 'N/mm')}, loss factor {factor[0]:.3g} to "
+                f"{factor[1]:.3g}"
             ),
             (
-                f"model: {counted(self.solid.arms, 'Maxwell arm')} and "
-                f"{counted(len(self.sliders), 'friction slider')}; residual "
+                f"model: {format_count(self.solid.arms, 'Maxwell arm')} and "
+                f"{format_count(len(self.sliders), 'friction slider')}; residual "
                 f"{100 * self.residual:.2g} % ({100 * self.linear_residual:.2g} % without sliders)"
             ),
             (
@@ -303,7 +307,7 @@ class LevelFit(ByValue, Described, Checked, Documented):
         return (
             (
                 f"it {way} as a cubic spring, k3 = {self.k3:.4g} N/m^3 ({low:.4g} to {high:.4g}): "
-                f"{written(share, 'N/mm', '+.3g')} at the largest amplitude"
+                f"{format_quantity(share, 'N/mm', '+.3g')} at the largest amplitude"
             ),
         )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from dashpot.base.units import in_unit, written
+from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.extensions.amplitude.level_prediction import LevelPrediction
 from dashpot.extensions.amplitude.preloaded_response import PreloadedLevel
 from dashpot.text_output import results
@@ -13,10 +13,10 @@ from dashpot.text_output.layout import Text, table
 
 def prediction(found: LevelPrediction) -> Text:
     """Return the text of a prediction, with the resonance at each level."""
-    return results.prediction(found, _at_levels(found))
+    return results.prediction(found, _format_level_resonances(found))
 
 
-def _at_levels(found: LevelPrediction) -> list[str]:
+def _format_level_resonances(found: LevelPrediction) -> list[str]:
     """The resonance at each level, and what the first and the last make of it."""
     if found.preloaded:
         return _on_bending_seals(found.preloaded, found.frf.read)
@@ -24,9 +24,9 @@ def _at_levels(found: LevelPrediction) -> list[str]:
     of = found.levels[0]
     rows = [[f"level, {of.unit}", "peak, Hz", "between", found.frf.read, "between", "moved"]]
     for one in found.levels:
-        moved = written(one.amplitude, "mm", ".3g")
+        moved = format_quantity(one.amplitude, "mm", ".3g")
         if one.strain is not None:
-            moved += f", {written(one.strain, '%', '.3g')}"
+            moved += f", {format_quantity(one.strain, '%', '.3g')}"
         rows.append(
             [
                 f"{one.level:.4g}",
@@ -68,7 +68,7 @@ def _on_bending_seals(found: Sequence[PreloadedLevel], unit: str) -> list[str]:
                 f"{one.frequency:.5g}",
                 f"{one.value:.4g}",
                 *(
-                    f"{in_unit(each, 'mm') * (abs(each) > least):.3g}"
+                    f"{convert_to_unit(each, 'mm') * (abs(each) > least):.3g}"
                     for each in (*at.amplitudes[1:4].tolist(), at.shift)
                 ),
                 f"{100 * at.lost:.3g} %",
@@ -92,7 +92,7 @@ def _of_level(one: PreloadedLevel, least: float) -> Iterator[str]:
         return
     does, second = "opens" if shift < 0 else "closes", one.second_harmonic
     yield (
-        f"  {name} the seal {does} by {written(abs(shift), 'mm', '.2g')} when shaken; the "
+        f"  {name} the seal {does} by {format_quantity(abs(shift), 'mm', '.2g')} when shaken; the "
         f"second harmonic is largest at {second['frequency_hz']:.4g} Hz, "
         f"{100 * second['amplitude'] / second['first']:.3g} % of the first"
     )
@@ -111,6 +111,6 @@ def _within(one: PreloadedLevel, least: float) -> list[str]:
     cells = ["  95 %"]
     for fact in (hz, height, *harmonics, shift):
         told = fact.bounded and (fact.unit != "m" or abs(fact.value) > least)
-        half = in_unit(0.5 * (fact.high - fact.low), fact.read or "1")
+        half = convert_to_unit(0.5 * (fact.high - fact.low), fact.read or "1")
         cells.append(f"± {half:.2g}" if told else "")
     return [*cells, "", ""]

@@ -9,8 +9,8 @@ import numpy as np
 
 from dashpot import plot
 from dashpot.base.arrays import FloatArray
-from dashpot.base.number_format import rounded
-from dashpot.base.reported_values import Fact
+from dashpot.base.number_format import round_to_error
+from dashpot.base.reported_values import ReportedValue
 from dashpot.extensions.amplitude.datamodel import AmplitudeFit
 from dashpot.extensions.amplitude.fit_files import Levels
 from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels
@@ -18,7 +18,15 @@ from dashpot.extensions.amplitude.level_prediction import LevelPrediction
 from dashpot.extensions.amplitude.level_results import Elements, LevelFit
 from dashpot.plot.picture import Picture, unit_of
 from dashpot.report import notebook
-from dashpot.report.page_content import Group, KindPage, Topic, group, lights, row, who
+from dashpot.report.page_content import (
+    Group,
+    KindPage,
+    Topic,
+    format_specimen_header,
+    group,
+    lights,
+    row,
+)
 from dashpot.report.result_pages import frf_pages
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
@@ -39,21 +47,28 @@ def page(found: Levels) -> KindPage:
     word, scale = unit_of(np.array(fit.amplitudes), "m")
     if isinstance(fit, AmplitudeFit) and fit.of == "strain":
         word, scale = "%", 100.0
-    every = ("Amplitudes", f"{rounded(scale * low)} to {rounded(scale * high)} {word}")
+    every = (
+        "Amplitudes",
+        f"{round_to_error(scale * low)} to {round_to_error(scale * high)} {word}",
+    )
     frequencies: tuple[tuple[str, str], ...] = ()
     if isinstance(fit, AmplitudeFit):
-        told = ", ".join(rounded(one) for one in fit.frequency[:4].tolist())
+        told = ", ".join(round_to_error(one) for one in fit.frequency[:4].tolist())
         frequencies = (("Frequency", f"{told} Hz"),)
     picture = plot.level(fit, found.records)
     return KindPage(
         about="levels of a hammer or shaker" if picture.name == "levels" else "amplitude sweep",
-        strip=(*who(getattr(found.records[0], "specimen", None)), *frequencies, every),
+        strip=(
+            *format_specimen_header(getattr(found.records[0], "specimen", None)),
+            *frequencies,
+            every,
+        ),
         lights=lights(found.checks, *asked),
         answers="Stiffness and loss with amplitude",
         picture=picture,
         told="What amplitude does",
         groups=(group("", numbers(found)),),
-        note=beyond(found),
+        note=format_residual_note(found),
         sources=tuple(dict.fromkeys(found.source)),
     )
 
@@ -80,28 +95,30 @@ def draw_prediction(found: LevelPrediction) -> Picture:
     )
 
 
-def numbers(found: Levels) -> list[Fact]:
+def numbers(found: Levels) -> list[ReportedValue]:
     """What moves with amplitude, and the resonance at every level that was asked for."""
     fit = found.fit
     if isinstance(fit, AmplitudeFit):
-        return [*_of_law(fit)]
-    rows = _of_hits(fit) if isinstance(fit, HitLevels) else _of_levels(fit)
+        return [*_make_law_facts(fit)]
+    rows = _make_hit_facts(fit) if isinstance(fit, HitLevels) else _make_level_facts(fit)
     return [*rows, *(row for one in found.at for row in one.facts)]
 
 
-def beyond(found: Levels) -> str:
+def format_residual_note(found: Levels) -> str:
     """What the fit leaves, and where nothing is known of it."""
     fit = found.fit
     if isinstance(fit, AmplitudeFit):
         word, scale = _amplitude(fit)
-        said = f"Leaves {rounded(100 * fit.residual, digits=2)} % rms"
+        said = f"Leaves {round_to_error(100 * fit.residual, digits=2)} % rms"
         if fit.left_out:
             said += f", less {fit.left_out} samples of the smallest amplitudes, which scatter"
     elif isinstance(fit, HitLevels):
         word, scale = unit_of(np.array(fit.amplitudes), "m")
         said = (
-            f"Four of five such tests find {rounded(100 * fit.trend.stiffness_found, digits=2)} % "
-            f"of stiffness and {rounded(100 * fit.trend.damping_found, digits=2)} % of damping per "
+            "Four of five such tests find "
+            f"{round_to_error(100 * fit.trend.stiffness_found, digits=2)} % "
+            f"of stiffness and {round_to_error(100 * fit.trend.damping_found, digits=2)} % of "
+            "damping per "
             "doubling"
         )
     else:
@@ -110,46 +127,46 @@ def beyond(found: Levels) -> str:
         said = (
             f"{arms} arm{'s' * (arms != 1)}, {sliders} slider{'s' * (sliders != 1)}"
             f"{' and a cubic spring' * bool(fit.k3)} leave "
-            f"{rounded(100 * fit.residual, digits=2)} % of F/X, arms alone "
-            f"{rounded(100 * fit.linear_residual, digits=2)} %"
+            f"{round_to_error(100 * fit.residual, digits=2)} % of F/X, arms alone "
+            f"{round_to_error(100 * fit.linear_residual, digits=2)} %"
         )
-    low, high = (rounded(scale * end) for end in fit.amplitudes)
+    low, high = (round_to_error(scale * end) for end in fit.amplitudes)
     return f"{said}. Nothing is known beyond {low} to {high} {word}."
 
 
-def _of_law(fit: AmplitudeFit) -> Iterator[Fact]:
+def _make_law_facts(fit: AmplitudeFit) -> Iterator[ReportedValue]:
     """Storage and loss at a vanishing amplitude, and the law's own numbers."""
     letter = "E" if fit.unit == "Pa" else "K"
     for hz, value, error in zip(
         fit.frequency.tolist(), fit.linear.tolist(), fit.linear_se.tolist(), strict=True
     ):
         size = abs(value)
-        yield _known(f"{letter}′, {hz:.4g} Hz", value.real, error.real, fit.unit, size=size)
-        yield _known(f"{letter}″, {hz:.4g} Hz", value.imag, error.imag, fit.unit, size=size)
+        yield _make_fact(f"{letter}′, {hz:.4g} Hz", value.real, error.real, fit.unit, size=size)
+        yield _make_fact(f"{letter}″, {hz:.4g} Hz", value.imag, error.imag, fit.unit, size=size)
     error_of = dict(fit.se)
     word, stretch = _amplitude(fit)
     if fit.k3:
         # per square of an amplitude it is a number that nobody has seen: what it adds is
         most = 0.75 * fit.amplitudes[1] ** 2
-        said = f"cubic spring, at {rounded(stretch * fit.amplitudes[1])} {word}"
-        yield _known(said, most * fit.k3, most * error_of["k3"], fit.unit)
+        said = f"cubic spring, at {round_to_error(stretch * fit.amplitudes[1])} {word}"
+        yield _make_fact(said, most * fit.k3, most * error_of["k3"], fit.unit)
     if "lost" not in error_of:
         return
     lost = ("1", "%") if fit.law.startswith("factor") else (fit.unit, "")
-    yield _known("lost", fit.lost, error_of["lost"], *lost)
+    yield _make_fact("lost", fit.lost, error_of["lost"], *lost)
     said, si = ("strain", "1") if fit.of == "strain" else ("amplitude", "m")
-    yield _known(f"half lost, {said}", fit.half_way, error_of["half_way"], si, word)
+    yield _make_fact(f"half lost, {said}", fit.half_way, error_of["half_way"], si, word)
     # one that was set is not known
-    yield _known("exponent", fit.exponent, error_of["exponent"] or np.inf, "")
+    yield _make_fact("exponent", fit.exponent, error_of["exponent"] or np.inf, "")
 
 
-def _of_hits(fit: HitLevels) -> Iterator[Fact]:
+def _make_hit_facts(fit: HitLevels) -> Iterator[ReportedValue]:
     """How stiffness and damping change for twice the motion."""
     for name, line in (
         ("stiffness per doubling", fit.trend.stiffness_line),
         ("damping per doubling", fit.trend.damping_line),
     ):
-        yield _known(name, line.slope, line.se, "1", "%")
+        yield _make_fact(name, line.slope, line.se, "1", "%")
 
 
 def _amplitude(fit: AmplitudeFit) -> tuple[str, float]:
@@ -159,15 +176,15 @@ def _amplitude(fit: AmplitudeFit) -> tuple[str, float]:
     return unit_of(np.array(fit.amplitudes), "m")
 
 
-def _known(
+def _make_fact(
     name: str, value: float, error: float, unit: str, read: str = "", *, size: float = 0.0
-) -> Fact:
+) -> ReportedValue:
     """A number with its error; `size` is what it is a part of."""
     error = max(error, _FINEST * max(abs(value), size))
-    return Fact.known(name, value, error, unit=unit, read=read)
+    return ReportedValue.known(name, value, error, unit=unit, read=read)
 
 
-def _of_levels(fit: LevelFit) -> Iterator[Fact]:
+def _make_level_facts(fit: LevelFit) -> Iterator[ReportedValue]:
     """Storage and loss factor of one seal at the ends of its amplitudes, mid-band."""
     omega = np.pi * (fit.band[0] + fit.band[1])
     X = np.array(fit.amplitudes)
@@ -180,11 +197,11 @@ def _of_levels(fit: LevelFit) -> Iterator[Fact]:
     for i, (name, unit) in enumerate((("K′", "N/m"), ("loss factor", ""))):
         for j, at in enumerate(X.tolist()):
             word, mm = unit_of(np.array(at), "m")
-            said = f"{name}, {rounded(mm * at, digits=2)} {word}"
-            yield Fact(said, float(value[i, j]), float(low[i, j]), float(high[i, j]), unit)
+            said = f"{name}, {round_to_error(mm * at, digits=2)} {word}"
+            yield ReportedValue(said, float(value[i, j]), float(low[i, j]), float(high[i, j]), unit)
     if fit.k3:
         word, mm = unit_of(X[1], "m")
         share = 0.75 * X[1] ** 2
-        said = f"cubic spring, {rounded(mm * X[1], digits=2)} {word}"
+        said = f"cubic spring, {round_to_error(mm * X[1], digits=2)} {word}"
         low_end, high_end = (share * end for end in fit.k3_interval)
-        yield Fact(said, share * fit.k3, low_end, high_end, "N/m")
+        yield ReportedValue(said, share * fit.k3, low_end, high_end, "N/m")

@@ -12,7 +12,7 @@ from dashpot.base.arrays import ComplexArray
 from dashpot.base.errors import DataError
 from dashpot.solids.friction import Kraus
 from dashpot.solids.maxwell import Solid
-from dashpot.solids.rate_independent import AmplitudeDependent, above_zero
+from dashpot.solids.rate_independent import AmplitudeDependent, require_positive_parameters
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Softening(AmplitudeDependent):
     since: float = 0.0
 
     def __post_init__(self) -> None:
-        above_zero(self, "share", "half_way", "exponent")
+        require_positive_parameters(self, "share", "half_way", "exponent")
         if self.share > 1 or self.exponent >= 1:
             raise DataError(
                 f"Softening: share = {self.share:g}, m = {self.exponent:g}; expected a share of at "
@@ -57,9 +57,10 @@ class Softening(AmplitudeDependent):
     def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
         """Change of the complex stiffness, N/m: its real part is below 0."""
         law = self.share, self.half_way, self.exponent
-        known = softened(self.since, *law) if self.since else 1.0
+        known = softening_factor(self.since, *law) if self.since else 1.0
         return np.asarray(
-            self.solid.complex_stiffness(omega=omega) * (softened(amplitude, *law) / known - 1)
+            self.solid.complex_stiffness(omega=omega)
+            * (softening_factor(amplitude, *law) / known - 1)
         )
 
     def start(self) -> Any:
@@ -83,7 +84,7 @@ class Softening(AmplitudeDependent):
         return replace(self, solid=self.solid * count)
 
 
-def softened(
+def softening_factor(
     amplitude: npt.ArrayLike, share: float, half_way: float, exponent: float = 0.5
 ) -> ComplexArray:
     """Complex stiffness over that of a vanishing amplitude: phi of :class:`Softening`."""

@@ -28,12 +28,12 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray
+from dashpot.base.arrays import BoolArray, ComplexArray, EqualByValue, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.plausibility import SIZES, short
-from dashpot.base.units import GRAVITY, Quantity, si, written
-from dashpot.base.validators import positive
-from dashpot.extensions.amplitude.harmonic_balance import Alternation, newton
+from dashpot.base.plausibility import SIZES, format_quantity_short
+from dashpot.base.units import GRAVITY, Quantity, convert_to_si, format_quantity
+from dashpot.base.validators import require_positive
+from dashpot.extensions.amplitude.harmonic_balance import AlternatingFrequencyTime, newton
 from dashpot.solids.elastic import ElasticLaw, PolynomialLaw
 from dashpot.solids.maxwell import Solid
 
@@ -60,7 +60,7 @@ takes 30, one that leaves it for most of the cycle 400."""
 
 
 @dataclass(frozen=True, eq=False)
-class Orbit(ByValue):
+class Orbit(EqualByValue):
     """The steady answer of a pressed mass to a force at one frequency.
 
     Attributes
@@ -146,7 +146,7 @@ class Jump(NamedTuple):
     after: Orbit
 
 
-class Balanced(NamedTuple):
+class BalancedState(NamedTuple):
     """An answer of the balance, and whether the seal presses at each sample."""
 
     unknown: FloatArray
@@ -190,7 +190,7 @@ class PreloadedMass:
     preload: float | None = None
 
     def __post_init__(self) -> None:
-        positive("PreloadedMass: ", mass=self.mass)
+        require_positive("PreloadedMass: ", mass=self.mass)
         if not self.pressed > 0:
             raise DataError(
                 f"a preload of {self.pressed:.4g} N pulls: nothing holds the mass at rest; "
@@ -202,7 +202,7 @@ class PreloadedMass:
                 "with k_inf > 0"
             )
         if len(self._rests) > 1:
-            listed = ", ".join(written(one, "mm", ".4g") for one in self._rests)
+            listed = ", ".join(format_quantity(one, "mm", ".4g") for one in self._rests)
             raise DataError(
                 f"the elastic law is not monotone: {self.pressed:.4g} N rests at {listed}; "
                 "expected a law that rises over all the compressions meant, or another preload"
@@ -238,13 +238,13 @@ class PreloadedMass:
             If the answer at the drive's period is unstable, none is reached (the last level that
             has one is said), or the mass would move farther than in any test.
         """
-        F, hz = si(level, "force"), si(frequency, "frequency")
-        positive("shaken: ", level=F, frequency=hz)
+        F, hz = convert_to_si(level, "force"), convert_to_si(frequency, "frequency")
+        require_positive("shaken: ", level=F, frequency=hz)
         line = _PressedBalance(self, hz, F, HARMONICS)
-        found = line.followed()
+        found = line.solve_by_continuation()
         while 2 * line.most <= _MOST:
             finer = _PressedBalance(self, hz, F, 2 * line.most)
-            more = finer.from_start(line.widened(found.unknown, finer.most))
+            more = finer.from_start(line.extend_harmonics(found.unknown, finer.most))
             if more is None:
                 break
             coarse, fine = line.harmonics(found.unknown), finer.harmonics(more.unknown)
@@ -273,11 +273,11 @@ class PreloadedMass:
         found: list[Orbit] = []
         before, steps = start, 0
         for hz in np.asarray(frequency, dtype=float).tolist():
-            orbit = None if before is None else self._near(before, hz, level)
+            orbit = None if before is None else self._solve_near_orbit(before, hz, level)
             if orbit is None or not orbit.stable:
                 line = _PressedBalance(self, hz, level, HARMONICS)
                 try:
-                    near = line.followed()
+                    near = line.solve_by_continuation()
                 except DataError:
                     before = None
                     continue
@@ -304,20 +304,20 @@ class PreloadedMass:
         """
         found = []
         for last, after in pairwise(swept):
-            if not (last.stable and after.stable and _apart(after, last) > _JUMP):
+            if not (last.stable and after.stable and _compare_orbits(after, last) > _JUMP):
                 continue
-            back = self._near(after, last.frequency, after.level)
-            if back is None or not back.stable or _apart(back, last) <= _SAME:
+            back = self._solve_near_orbit(after, last.frequency, after.level)
+            if back is None or not back.stable or _compare_orbits(back, last) <= _SAME:
                 continue
             before, beyond = last, after.frequency
             for _ in range(_HALVES):
                 middle = 0.5 * (before.frequency + beyond)
-                on = self._near(before, middle, before.level)
-                if on is None or not on.stable or _apart(on, before) > _JUMP:
+                on = self._solve_near_orbit(before, middle, before.level)
+                if on is None or not on.stable or _compare_orbits(on, before) > _JUMP:
                     beyond = middle
                 else:
                     before = on
-            there = self._near(after, beyond, after.level) or after
+            there = self._solve_near_orbit(after, beyond, after.level) or after
             found.append(Jump(before, there))
         return tuple(found)
 
@@ -348,14 +348,16 @@ class PreloadedMass:
         z = line.real(orbit.harmonics)
         w = np.linalg.svd(line.slope(z))[0][:, -1]
 
-        def left(of: PreloadedMass, hz: float) -> float:
+        def evaluate_balance(of: PreloadedMass, hz: float) -> float:
             return float(w @ _PressedBalance(of, hz, orbit.level, line.most).balance(z, 1.0))
 
         here, step = orbit.frequency, _STEP * orbit.frequency
-        by_frequency = (left(self, here + step) - left(self, here - step)) / (2 * step)
-        return np.array([-left(other, here) / by_frequency for other in others])
+        by_frequency = (
+            evaluate_balance(self, here + step) - evaluate_balance(self, here - step)
+        ) / (2 * step)
+        return np.array([-evaluate_balance(other, here) / by_frequency for other in others])
 
-    def _near(self, orbit: Orbit, hz: float, level: float) -> Orbit | None:
+    def _solve_near_orbit(self, orbit: Orbit, hz: float, level: float) -> Orbit | None:
         """The answer at a frequency to which that at another leads."""
         line = _PressedBalance(self, hz, level, len(orbit.harmonics) - 1)
         found = line.from_start(line.real(orbit.harmonics))
@@ -366,16 +368,16 @@ _SAME = 1e-5
 """Part of the first harmonic within which two answers are one."""
 
 
-def _apart(one: Orbit, other: Orbit) -> float:
+def _compare_orbits(one: Orbit, other: Orbit) -> float:
     """By how much two answers differ, of the larger first harmonic."""
     first = max(abs(one.harmonics[1]), abs(other.harmonics[1]))
     return float(np.abs(one.harmonics[:3] - other.harmonics[:3]).max() / first)
 
 
 @lru_cache(maxsize=8)
-def _transforms(most: int) -> tuple[Alternation, FloatArray]:
+def _transforms(most: int) -> tuple[AlternatingFrequencyTime, FloatArray]:
     """Between harmonics and samples of a cycle, and the samples of each real unknown."""
-    cycle = Alternation(range(most + 1), max(_FEWEST, _PER_HARMONIC * most))
+    cycle = AlternatingFrequencyTime(range(most + 1), max(_FEWEST, _PER_HARMONIC * most))
     turn = cycle.turn.T
     return cycle, np.hstack((turn.real, -turn.imag[:, 1:]))
 
@@ -411,7 +413,7 @@ class _PressedBalance:
         """Complex, of the real unknowns."""
         return np.asarray(z[: self.most + 1] + 1j * np.append(0.0, z[self.most + 1 :]))
 
-    def widened(self, z: FloatArray, most: int) -> FloatArray:
+    def extend_harmonics(self, z: FloatArray, most: int) -> FloatArray:
         """The unknowns with more harmonics, of 0."""
         more = np.zeros(most - self.most)
         return np.concatenate((z[: self.most + 1], more, z[self.most + 1 :], more))
@@ -420,7 +422,7 @@ class _PressedBalance:
         """The real unknowns, of complex ones."""
         return np.concatenate((value.real, value.imag[1:]))
 
-    def _armed(self, path: FloatArray) -> FloatArray:
+    def _apply_arms(self, path: FloatArray) -> FloatArray:
         """A relaxed force over a cycle with the arms, samples first."""
         shape = (-1,) + (1,) * (path.ndim - 1)
         value = np.fft.rfft(path, axis=0) * self.arms.reshape(shape)
@@ -429,7 +431,7 @@ class _PressedBalance:
     def pressing(self, z: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Compression, m, and what presses were the seal glued, N, over a cycle."""
         x = self.basis @ z
-        return x, self._armed(self.of.law.force(np.maximum(x, 0.0)))
+        return x, self._apply_arms(self.of.law.force(np.maximum(x, 0.0)))
 
     def balance(self, z: FloatArray, share: float) -> FloatArray:
         """What is left of the forces, N, at a share of the level."""
@@ -443,7 +445,7 @@ class _PressedBalance:
         """Of the balance by the unknowns, N/m."""
         x, glued = self.pressing(z)
         tangent = np.where(x > 0, self.of.law.tangent(np.maximum(x, 0.0)), 0.0)
-        force = np.where(glued > 0, self._armed((tangent * self.basis.T).T).T, 0.0)
+        force = np.where(glued > 0, self._apply_arms((tangent * self.basis.T).T).T, 0.0)
         # samples last
         left = self.cycle.harmonics_of(force)
         H = self.most
@@ -452,12 +454,12 @@ class _PressedBalance:
         left[each[1:], H + each[1:]] += 1j * self.inertia[1:]
         return np.concatenate((left.real, left.imag[1:]))
 
-    def at_rest(self) -> FloatArray:
+    def build_rest_state(self) -> FloatArray:
         z = np.zeros(2 * self.most + 1)
         z[0] = self.of.rest
         return z
 
-    def from_start(self, z: FloatArray) -> Balanced | None:
+    def from_start(self, z: FloatArray) -> BalancedState | None:
         """The answer near some unknowns."""
         found = newton(
             lambda z: self.balance(z, 1.0),
@@ -466,13 +468,13 @@ class _PressedBalance:
             size=self.size,
             most=15,
         )
-        return None if found is None else self._balanced(found)
+        return None if found is None else self._build_balanced_state(found)
 
-    def _balanced(self, z: FloatArray) -> Balanced:
+    def _build_balanced_state(self, z: FloatArray) -> BalancedState:
         x, glued = self.pressing(z)
-        return Balanced(z, glued > 0, x)
+        return BalancedState(z, glued > 0, x)
 
-    def followed(self) -> Balanced:
+    def solve_by_continuation(self) -> BalancedState:
         """The answer that rest becomes as the level rises: by arc length, past every fold.
 
         Raises
@@ -480,10 +482,10 @@ class _PressedBalance:
         DataError
             If none is reached.
         """
-        z, done, reached, n = self.at_rest(), 0.0, 0.0, 2 * self.most + 1
+        z, done, reached, n = self.build_rest_state(), 0.0, 0.0, 2 * self.most + 1
         turned = (-1.0) ** np.arange(self.most + 1)
         half = np.concatenate((turned, turned[1:], [-1.0]))
-        toward = self._toward(z, np.append(np.zeros(n), 1.0))
+        toward = self._compute_tangent(z, np.append(np.zeros(n), 1.0))
         # lengths over those of the linear answer, and of the level
         scale, step = np.append(np.full(n, np.abs(toward[1:n]).max()), 1.0), 2.0
         tangent = toward / np.linalg.norm(toward / scale)
@@ -492,14 +494,14 @@ class _PressedBalance:
             last = left <= step
             length = min(left, step)
             self.steps += 1
-            found = self._stepped(z, done, tangent, length, scale, last=last)
+            found = self._solve_arclength_step(z, done, tangent, length, scale, last=last)
             if found is None:
                 step = length / 2
                 if step < _SHORTEST:
                     break
                 continue
             if last:
-                return self._balanced(found[:n])
+                return self._build_balanced_state(found[:n])
             if found[n] > 1:  # the level lies between, and is met from below
                 step = length / 2
                 continue
@@ -507,7 +509,7 @@ class _PressedBalance:
                 found, tangent = half * found, half * tangent
             z, done = found[:n], float(found[n])
             reached = max(reached, done)
-            toward = self._toward(z, tangent / scale**2)
+            toward = self._compute_tangent(z, tangent / scale**2)
             tangent = toward / np.linalg.norm(toward / scale)
             step = 1.5 * length
         raise DataError(
@@ -516,7 +518,7 @@ class _PressedBalance:
             "level, or another frequency"
         )
 
-    def _toward(self, z: FloatArray, before: FloatArray) -> FloatArray:
+    def _compute_tangent(self, z: FloatArray, before: FloatArray) -> FloatArray:
         """Direction of the curve of answers, of unknowns and share, whose product with `before`
         is 1.
         """
@@ -525,7 +527,7 @@ class _PressedBalance:
         border[:n, :n], border[1, n], border[n] = self.slope(z), -self.level, before
         return np.asarray(np.linalg.solve(border, np.append(np.zeros(n), 1.0)))
 
-    def _stepped(
+    def _solve_arclength_step(
         self,
         z: FloatArray,
         done: float,
@@ -557,7 +559,7 @@ class _PressedBalance:
         off = float(np.linalg.norm((found - ahead) / scale))
         return found if off <= _WIDEST * length else None
 
-    def orbit(self, found: Balanced) -> Orbit:
+    def orbit(self, found: BalancedState) -> Orbit:
         """The noun of an answer.
 
         Raises
@@ -568,7 +570,8 @@ class _PressedBalance:
         far = float(np.abs(self.harmonics(found.unknown)[1:]).max())
         SIZES["amplitude"].refuse(
             max(far, SIZES["amplitude"].hard[0]),
-            f"at a level of {short(self.level, 'N')} the mass would move by {short(far, 'm')}",
+            f"at a level of {format_quantity_short(self.level, 'N')} the mass would move by "
+            f"{format_quantity_short(far, 'm')}",
             remedy="Check the level and its unit, and the mass.",
         )
         return Orbit(
@@ -621,6 +624,6 @@ class _PressedBalance:
         return complex(found[np.abs(found).argmax()])
 
 
-def largest(orbits: Sequence[Orbit], harmonic: int = 1) -> Orbit:
+def find_largest_orbit(orbits: Sequence[Orbit], harmonic: int = 1) -> Orbit:
     """The orbit of a sweep that lasts and has the most of a harmonic."""
     return max((one for one in orbits if one.stable), key=lambda one: one.amplitudes[harmonic])

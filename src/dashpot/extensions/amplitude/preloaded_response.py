@@ -11,13 +11,18 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.reported_values import NORMAL, Fact
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import written
+from dashpot.base.reported_values import NORMAL, ReportedValue
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import format_quantity
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.extensions.amplitude.amplitude_response import unit_of
-from dashpot.extensions.amplitude.preloaded_mass import Jump, Orbit, PreloadedMass, largest
+from dashpot.extensions.amplitude.preloaded_mass import (
+    Jump,
+    Orbit,
+    PreloadedMass,
+    find_largest_orbit,
+)
 from dashpot.fitting.parameters import off_by_error
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid
@@ -35,7 +40,7 @@ Ends = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class LevelInterval(Documented):
+class LevelInterval(Serialisable):
     """What the errors of the solid and of its elastic law leave open of a resonance: 95 %.
 
     Where a sweep jumps down from the resonance its height is not told, and no number whose errors
@@ -65,7 +70,7 @@ class LevelInterval(Documented):
 
 
 @dataclass(frozen=True)
-class PreloadedLevel(Documented):
+class PreloadedLevel(Serialisable):
     """The resonance of a pressed mass at a level, as a rising frequency meets it.
 
     Attributes
@@ -134,16 +139,18 @@ class PreloadedLevel(Documented):
         return None if self.interval is None else self.interval.magnitude
 
     @property
-    def facts(self) -> tuple[Fact, ...]:
+    def facts(self) -> tuple[ReportedValue, ...]:
         """The resonance, mean and harmonics, with their intervals."""
         known, lost = self.interval, (np.nan, np.nan)
         at = f"at {self.level:.4g} {self.unit}"
 
-        def fact(name: str, value: float, ends: Ends | None, unit: str, read: str = "") -> Fact:
+        def fact(
+            name: str, value: float, ends: Ends | None, unit: str, read: str = ""
+        ) -> ReportedValue:
             low, high = ends or lost
             words = f"{name.replace('_', ' ')} {at}"
             error = None if ends or known is None else math.inf
-            return Fact(name, value, low, high, unit, error, read, words)
+            return ReportedValue(name, value, low, high, unit, error, read, words)
 
         harmonics: Sequence[Ends | None] = (None,) * len(self.orbit.shown)
         if known is not None and known.harmonics is not None:
@@ -217,20 +224,22 @@ def preloaded_levels(
             "depths (dashpot fit FILE FILE)"
         )
 
-    def pressed(law: ElasticLaw, solid: Solid) -> PreloadedMass:
+    def build_preloaded_mass(law: ElasticLaw, solid: Solid) -> PreloadedMass:
         on = seals * law
         return PreloadedMass(
             mass, on, solid, None if compression is None else float(on.force(compression))
         )
 
-    here = pressed(fit.elastic_law, fit.solid)
+    here = build_preloaded_mass(fit.elastic_law, fit.solid)
     if here.rest < _SHALLOW * fit.elastic_law.depth:
         raise DataError(
-            f"the mass presses the seal by {written(here.rest, 'mm', '.2g')} alone, and the tests "
-            f"reach to {written(fit.elastic_law.depth, 'mm', '.3g')}: so slight a contact was not "
+            f"the mass presses the seal by {format_quantity(here.rest, 'mm', '.2g')} alone, and "
+            "the tests "
+            f"reach to {format_quantity(fit.elastic_law.depth, 'mm', '.3g')}: so slight a contact "
+            "was not "
             "tested; expected a thousandth of that, or more. Check the mass and its unit"
         )
-    others = [pressed(*one) for one in _off_by_error(fit, fit.elastic_law)]
+    others = [build_preloaded_mass(*one) for one in _off_by_error(fit, fit.elastic_law)]
     band = frequency[:: -(-len(frequency) // _LINES)]
     rig = _AtLevels(here, others, mass, kind, coupled)
     return tuple(rig.at(level, band, about) for level in levels)
@@ -282,7 +291,7 @@ class _AtLevels:
                 f"and {ends[1]:.4g} Hz, of answers that last; ask for a lower level"
             )
         jumps = self.here.jumps(swept)
-        into, out = _jumps_beside(near[top - 1], near[top], near[top + 1], jumps)
+        into, out = _find_adjacent_jumps(near[top - 1], near[top], near[top + 1], jumps)
         run, best = self._summit(
             force, into.after if into else near[top - 1], out.before if out else near[top + 1]
         )
@@ -295,7 +304,7 @@ class _AtLevels:
             run[best].frequency,
             self.size(run[best]),
             run[best],
-            largest(near, 2),
+            find_largest_orbit(near, 2),
             _unsteady(lines, lasting),
             jumps,
             self.frf(shown),
@@ -356,7 +365,7 @@ class _AtLevels:
             shift = self.here.end_changes(end, self.others)
         else:
             shift = self._moves(run[best - 1 : best + 2])
-        frequency = _about(at.frequency, shift)
+        frequency = _compute_interval(at.frequency, shift)
         if last:
             return LevelInterval(frequency, None, None, None, magnitude)
         by_frequency = self._slopes(run[:2] if first else run[best - 1 : best + 2])
@@ -371,9 +380,11 @@ class _AtLevels:
         return LevelInterval(
             frequency,
             (low, high) if high < (1 + _WIDE) * self.size(at) else None,
-            _known(at.shift, moved[:, 0] - rests),
+            _compute_narrow_interval(at.shift, moved[:, 0] - rests),
             tuple(
-                _known(float(one), moved[:, h]) if one > _SLIGHT * at.shown[1] else None
+                _compute_narrow_interval(float(one), moved[:, h])
+                if one > _SLIGHT * at.shown[1]
+                else None
                 for h, one in enumerate(at.shown)
             ),
             magnitude,
@@ -402,7 +413,7 @@ class _AtLevels:
         return lambda of: _parabola(few)[1] @ [of(one) for one in few]
 
 
-def _jumps_beside(
+def _find_adjacent_jumps(
     low: Orbit, top: Orbit, high: Orbit, jumps: Sequence[Jump]
 ) -> tuple[Jump | None, Jump | None]:
     """The jump into the largest response from the one below it, and out of it to the one above."""
@@ -426,15 +437,15 @@ def _norm(moved: FloatArray) -> float:
     return float(np.linalg.norm(moved))
 
 
-def _about(value: float, moved: FloatArray) -> Ends:
+def _compute_interval(value: float, moved: FloatArray) -> Ends:
     """The 95 % interval of a value that independent errors move by so much each."""
     half = NORMAL * _norm(moved)
     return value - half, value + half
 
 
-def _known(value: float, moved: FloatArray) -> Ends | None:
+def _compute_narrow_interval(value: float, moved: FloatArray) -> Ends | None:
     """That interval, where it is narrower than the value."""
-    ends = _about(value, moved)
+    ends = _compute_interval(value, moved)
     return ends if ends[1] - value < _WIDE * abs(value) else None
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
-from dashpot.base.units import in_unit
+from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
 from dashpot.reading.columns import vocabulary
@@ -16,7 +16,7 @@ from dashpot.reading.columns.kind_detection import ONE_FREQUENCY, groups
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.header_specimen import stated_specimen
+from dashpot.reading.readers.header_specimen import add_specimen_temperature
 from dashpot.reading.readers.sweep_columns import NAMED, amplitude_column, parts_of, sweep_columns
 
 _WARMER = 10.0
@@ -40,7 +40,7 @@ def read_amplitude(
         If a column is not found or has no unit, the amplitude never changes, or the same amplitudes
         were met at several temperatures.
     """
-    with channels.opened(path, options) as file:
+    with channels.open_file(path, options) as file:
         channels.expect(
             file,
             ["strain-sweep", "one-frequency"],
@@ -59,8 +59,8 @@ def read_amplitude(
         if not np.ptp(amplitude) > 0:
             raise ReadError(f"'{called.name}' never changes: it is no amplitude sweep")
         frequency = _tones(values["frequency"])
-        _expect_one_temperature(frequency, amplitude, values.get("temperature"))
-        specimen, said = stated_specimen(file, specimen or Specimen())
+        _require_single_temperature(frequency, amplitude, values.get("temperature"))
+        specimen, said = add_specimen_temperature(file, specimen or Specimen())
         return AmplitudeSweep(
             frequency,
             amplitude,
@@ -82,7 +82,7 @@ def _tones(frequency: FloatArray) -> FloatArray:
     return np.array([np.median(frequency[tone == one]) for one in range(tone.max() + 1)])[tone]
 
 
-def _expect_one_temperature(
+def _require_single_temperature(
     frequency: FloatArray, amplitude: FloatArray, kelvin: FloatArray | None
 ) -> None:
     """Refuse amplitudes that were swept again at another temperature; warming with them is none."""
@@ -92,7 +92,7 @@ def _expect_one_temperature(
     f, X, T = frequency[order], amplitude[order], kelvin[order]
     same = (f[1:] == f[:-1]) & (X[1:] <= 1.02 * X[:-1])
     if np.count_nonzero(np.abs(np.diff(T)[same]) > _WARMER) > 2:
-        low, high = (in_unit(float(one), "degC") for one in (T.min(), T.max()))
+        low, high = (convert_to_unit(float(one), "degC") for one in (T.min(), T.max()))
         raise ReadError(
             f"the same amplitudes at temperatures from {low:.3g} to {high:.3g} degC; expected one "
             "temperature: write each to a file of its own"

@@ -11,13 +11,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, Frozen, samples
+from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, FrozenArrays, samples
 from dashpot.base.errors import DataError
-from dashpot.base.plausibility import SIZES, short
-from dashpot.base.units import Quantity, si
+from dashpot.base.plausibility import SIZES, format_quantity_short
+from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.extensions.amplitude.harmonic_balance import (
-    Rest,
+    LinearSubsystem,
     several_harmonics,
     with_friction,
     with_slope,
@@ -30,7 +30,7 @@ from dashpot.vibration.systems.system import System
 
 
 @dataclass(frozen=True, eq=False)
-class LevelResponse(Frozen):
+class LevelResponse(FrozenArrays):
     r"""A steady answer to a harmonic excitation, one row an answer.
 
     Attributes
@@ -113,7 +113,7 @@ def response_at_level(
         If no mount has friction, or a line has no answer that can be reached.
     """
     if isinstance(level, str):
-        level = si(level, "force" if force is not None else "length")
+        level = convert_to_si(level, "force" if force is not None else "length")
     f, levels = np.broadcast_arrays(
         samples("frequency", np.atleast_1d(frequency)), samples("level", np.atleast_1d(level))
     )
@@ -122,12 +122,12 @@ def response_at_level(
     if tuple(harmonics[:1]) != (1,) or any(h % 2 == 0 or h < 1 for h in harmonics):
         raise DataError(f"harmonics = {harmonics!r}; expected odd numbers, 1 first")
     place = system.participation(response)
-    rest = Rest(system, force=force, base=base)
+    rest = LinearSubsystem(system, force=force, base=base)
     found = []
     before: ComplexArray | None = None
     for hz, size in zip(f.tolist(), levels.tolist(), strict=True):
         line = rest.line(2 * np.pi * hz, size)
-        answer = before = line.continued(before)
+        answer = before = line.solve_from_previous(before)
         pull, third = line.pull(answer), 0.0
         if len(harmonics) > 1 and answer.any():
             answer, pull, third = several_harmonics(rest, line, answer, harmonics)
@@ -194,8 +194,9 @@ def mass_at_level(
     far = float(X.max(initial=0.0))
     SIZES["amplitude"].refuse(
         max(far, SIZES["amplitude"].hard[0]),  # however little, a level is asked for
-        f"at a level of {short(level, 'm/s^2' if kind.over_base else 'N')} the mass would move by "
-        f"{short(far, 'm')}",
+        f"at a level of {format_quantity_short(level, 'm/s^2' if kind.over_base else 'N')} the "
+        "mass would move by "
+        f"{format_quantity_short(far, 'm')}",
         remedy="Check the level and its unit, and the mass.",
     )
     if kind.over_base:
@@ -212,14 +213,14 @@ def _stretch(
 ) -> FloatArray | None:
     """The amplitude at every line that the force takes, m; None where a line has several."""
 
-    def over(ln_X: FloatArray) -> BoolArray:
+    def is_above_force(ln_X: FloatArray) -> BoolArray:
         X = np.exp(ln_X)
         return np.asarray(np.abs(stiffness(X) - inertia) * X >= force)
 
     small = np.full(inertia.shape, 1e-12)
     low = np.log(force / 10 / (np.abs(stiffness(small)) + inertia))
     steps = np.log(10) / _PER_DECADE * np.arange(_DECADES * _PER_DECADE)
-    above = over(low + steps[:, None])
+    above = is_above_force(low + steps[:, None])
     turns = np.count_nonzero(above[1:] != above[:-1], axis=0)
     if above[0].any() or (turns != 1).any():
         return None
@@ -227,7 +228,7 @@ def _stretch(
     width = steps[1] - steps[0]
     for _ in range(_HALVINGS):
         width /= 2
-        low = np.where(over(low + width), low, low + width)
+        low = np.where(is_above_force(low + width), low, low + width)
     return np.asarray(np.exp(low + width))
 
 
@@ -245,9 +246,9 @@ def responses_at(
     More than one where a resonance folds: then those that are not stable are never seen.
     Parameters as for :func:`response_at_level`; for one mount with friction.
     """
-    size = si(level, "force" if force is not None else "length")
-    hz = si(frequency, "frequency")
-    line = Rest(system, force=force, base=base).line(2 * np.pi * hz, size)
+    size = convert_to_si(level, "force" if force is not None else "length")
+    hz = convert_to_si(frequency, "frequency")
+    line = LinearSubsystem(system, force=force, base=base).line(2 * np.pi * hz, size)
     if len(line.stretch) > 1:
         raise DataError(
             f"{len(line.stretch)} mounts have friction: every answer is found for one such mount; "
@@ -268,7 +269,7 @@ def responses_at(
 
 
 @dataclass(frozen=True, eq=False)
-class Backbone(Frozen):
+class Backbone(FrozenArrays):
     """How a mode moves with its amplitude.
 
     Attributes

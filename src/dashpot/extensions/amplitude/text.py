@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from dashpot.base.number_format import ascii_only
-from dashpot.base.units import in_unit, read_in, written
+from dashpot.base.units import convert_to_unit, format_quantity, get_display_unit
 from dashpot.text_output.layout import Text, table
 from dashpot.text_output.results import list_notes, with_error
 
@@ -31,21 +31,21 @@ def levels(found: Levels) -> Text:
     for one in found.at:
         peak, motion = (fact.cells.ascii for fact in one.facts)
         of_peak, of_motion = (peak.value, peak.interval), (motion.value, motion.interval)
-        seal = f"{in_unit(one.amplitude, 'mm'):.3g}"
+        seal = f"{convert_to_unit(one.amplitude, 'mm'):.3g}"
         rows.append([f"{one.level:.4g}", *of_peak, *of_motion, seal])
     return Text([*lines, *(table(rows) if found.at else ()), *list_notes(found.source)])
 
 
 def _loops(found: AmplitudeFit) -> list[str]:
     """Storage and loss of small loops, and the delay of the force that their errors include."""
-    read = read_in(found.unit)
+    read = get_display_unit(found.unit)
     listed = (
         f"at {one.frequency_hz:.4g} Hz stiffness "
         f"{with_error(one.storage, one.storage_se, found.unit)}, loss "
         f"{with_error(one.loss, one.loss_se, found.unit)} {read}"
         for one in found.lines
     )
-    known = written(found.delay_sd, "ms", ".3g")
+    known = format_quantity(found.delay_sd, "ms", ".3g")
     return [
         f"  A small loop {ascii_only('; '.join(listed))}",
         f"  These errors include a delay of 0 ± {known} (dashpot fit --machine sync=0.1ms)",
@@ -79,7 +79,7 @@ def list_preloaded_levels(found: Sequence[PreloadedLevel], unit: str) -> list[st
                 f"{one.frequency:.5g}",
                 f"{one.value:.4g}",
                 *(
-                    f"{in_unit(each, 'mm') * (abs(each) > least):.3g}"
+                    f"{convert_to_unit(each, 'mm') * (abs(each) > least):.3g}"
                     for each in (*at.amplitudes[1:4].tolist(), at.shift)
                 ),
                 f"{100 * at.lost:.3g} %",
@@ -103,7 +103,7 @@ def _of_level(one: PreloadedLevel, least: float) -> Iterator[str]:
         return
     does, second = "opens" if shift < 0 else "closes", one.second_harmonic
     yield (
-        f"  {name} the seal {does} by {written(abs(shift), 'mm', '.2g')} when shaken; the "
+        f"  {name} the seal {does} by {format_quantity(abs(shift), 'mm', '.2g')} when shaken; the "
         f"second harmonic is largest at {second['frequency_hz']:.4g} Hz, "
         f"{100 * second['amplitude'] / second['first']:.3g} % of the first"
     )
@@ -122,6 +122,6 @@ def _within(one: PreloadedLevel, least: float) -> list[str]:
     cells = ["  95 %"]
     for fact in (hz, height, *harmonics, shift):
         told = fact.bounded and (fact.unit != "m" or abs(fact.value) > least)
-        half = in_unit(0.5 * (fact.high - fact.low), fact.read or "1")
+        half = convert_to_unit(0.5 * (fact.high - fact.low), fact.read or "1")
         cells.append(f"± {half:.2g}" if told else "")
     return [*cells, "", ""]

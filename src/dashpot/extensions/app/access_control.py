@@ -64,16 +64,16 @@ class Guard:
         }
         refusal = self._refusal(scope, headers)
         if refusal:
-            await _plain(send, 403, refusal)
+            await _send_text(send, 403, refusal)
         elif "token=" in scope["query_string"].decode("latin-1"):
             flags = "Path=/; HttpOnly; SameSite=Strict"
             cookie = f"{self._cookie}={self.token}; {flags}".encode()
-            await _plain(send, 303, "", (b"location", b"/"), (b"set-cookie", cookie))
+            await _send_text(send, 303, "", (b"location", b"/"), (b"set-cookie", cookie))
         else:
             # the page was told of a fault, and who waits at the end is told nothing any more; a log
             # would quote what it was about
             with contextlib.suppress(Exception, asyncio.CancelledError):
-                await self._app(scope, receive, _guarded(send))
+                await self._app(scope, receive, _add_security_headers(send))
 
     def _refusal(self, scope: Scope, headers: dict[str, str]) -> str:
         """Why a request is not let through; nothing if it is."""
@@ -84,26 +84,26 @@ class Guard:
             return "this request comes from another page"
         given = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[0]
         if scope["path"] == "/" and given:
-            return "" if self._known(given) else "the token is not this server's"
+            return "" if self._is_valid_token(given) else "the token is not this server's"
         kept = dict(
             part.strip().partition("=")[::2] for part in headers.get("cookie", "").split(";")
         ).get(self._cookie, "")
-        return "" if self._known(kept) else "open the address that 'dashpot app' printed"
+        return "" if self._is_valid_token(kept) else "open the address that 'dashpot app' printed"
 
-    def _known(self, token: str) -> bool:
+    def _is_valid_token(self, token: str) -> bool:
         return hmac.compare_digest(token.encode(), self.token.encode())
 
 
-def _guarded(send: Send) -> Send:
-    async def guarded(message: Message) -> None:
+def _add_security_headers(send: Send) -> Send:
+    async def send_with_headers(message: Message) -> None:
         if message["type"] == "http.response.start":
             message["headers"] = [*message.get("headers", []), *_HEADERS]
         await send(message)
 
-    return guarded
+    return send_with_headers
 
 
-async def _plain(send: Send, status: int, text: str, *more: tuple[bytes, bytes]) -> None:
+async def _send_text(send: Send, status: int, text: str, *more: tuple[bytes, bytes]) -> None:
     headers = [(b"content-type", b"text/plain; charset=utf-8"), *_HEADERS, *more]
     await send({"type": "http.response.start", "status": status, "headers": headers})
     await send({"type": "http.response.body", "body": text.encode()})

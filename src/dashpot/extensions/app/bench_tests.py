@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from dashpot import plot
-from dashpot.base.progress import doing
+from dashpot.base.progress import send_progress
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.app import view_models, wire_format
-from dashpot.extensions.app.figure_cards import tiles
-from dashpot.extensions.app.request_parsing import noun_of, sizes_of
+from dashpot.extensions.app.figure_cards import make_figure_cards
+from dashpot.extensions.app.request_parsing import build_from_request, sizes_of
 from dashpot.plot.picture import Picture
 from dashpot.report.page_content import kind_page
 from dashpot.report.page_frame import COLOURS
@@ -28,16 +28,16 @@ KEPT = 4
 
 
 @lru_cache(KEPT)
-def _fitted(job: Job) -> tuple[Fit, Picture]:
+def _fit_and_plot(job: Job) -> tuple[Fit, Picture]:
     """The fit of a file, and its figure."""
-    doing(f"fitting {Path(job.relaxation).name}")
+    send_progress(f"fitting {Path(job.relaxation).name}")
     found, records = fit_files(
         [job.relaxation], arms=job.arms, temperatures=job.temperatures, options=job.reading
     )
     return found, plot.bench(found, records)
 
 
-def _asked(request: Mapping[str, Any], folder: Path) -> Job:
+def _parse_request(request: Mapping[str, Any], folder: Path) -> Job:
     """File, options, arms and temperature of a request."""
     warmth = request.get("temperature")
     asked = {
@@ -46,22 +46,22 @@ def _asked(request: Mapping[str, Any], folder: Path) -> Job:
         "arms": request.get("arms"),
         "temperatures": [warmth] if warmth else [],
     }
-    return noun_of(Job, asked, folder)
+    return build_from_request(Job, asked, folder)
 
 
 def bench(request: Mapping[str, Any], folder: Path) -> bytes:
     """The fit of one such file: verdict, solid, checks, figures, and the command that gives it."""
-    job = _asked(request, folder)
-    found, picture = _fitted(job)
+    job = _parse_request(request, folder)
+    found, picture = _fit_and_plot(job)
     page = kind_page(found)
-    return wire_format.packed(
+    return wire_format.encode_message(
         {
             "verdict": view_models.verdict(found.verdict, page.lights),
             "colour": COLOURS[found.verdict.use],
             "solid": view_models.solid_table(found),
             "arms": found.model.arms,
             "checks": view_models.check_list(found.checks),
-            "figures": tiles(picture, sizes_of(request).get("bench", WIDE)[0]),
+            "figures": make_figure_cards(picture, sizes_of(request).get("bench", WIDE)[0]),
             "facts": [list(one) for one in page.strip],
             "simulated": any(source.simulated for source in found.source),
             "command": line("fit", job),
@@ -69,9 +69,9 @@ def bench(request: Mapping[str, Any], folder: Path) -> bytes:
     )
 
 
-def take_bench(request: Mapping[str, Any], folder: Path) -> bytes:
+def download_bench(request: Mapping[str, Any], folder: Path) -> bytes:
     """The fit as its JSON, as ``dashpot fit --json`` prints it."""
-    found, _ = _fitted(_asked(request, folder))
-    return wire_format.packed(
+    found, _ = _fit_and_plot(_parse_request(request, folder))
+    return wire_format.encode_message(
         {"name": "fit.json", "kind": "application/json", "text": to_json(found)}
     )

@@ -12,16 +12,22 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dashpot.base.errors import DataError
-from dashpot.base.number_format import decibels, percent, rounded
-from dashpot.base.reported_values import Fact
-from dashpot.base.units import in_unit
+from dashpot.base.number_format import decibels, percent, round_to_error
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.extensions.app import result_cache, view_models, wire_format
 from dashpot.extensions.app.request_parsing import job_of, mapping, sizes_of
 from dashpot.plot import relaxation
-from dashpot.plot.downsampling import means
-from dashpot.plot.frf_figure import Curve, about_peaks, magnitude_panel, resonance_curves, spreads
+from dashpot.plot.downsampling import downsample_to_means
+from dashpot.plot.frf_figure import (
+    Curve,
+    about_peaks,
+    magnitude_panel,
+    make_prediction_bands,
+    resonance_curves,
+)
 from dashpot.plot.picture import (
     JOINT,
     MEASURED,
@@ -34,7 +40,7 @@ from dashpot.plot.picture import (
     Rule,
     Scale,
 )
-from dashpot.plot.picture import around as limits_around
+from dashpot.plot.picture import compute_padded_limits as limits_around
 from dashpot.report.first_screen import Light
 from dashpot.report.page_frame import COLOURS
 from dashpot.workflow.job import Job
@@ -46,7 +52,7 @@ FACTOR = 1.5
 """Above which a number is so many times another, and not so many per cent more."""
 
 
-class Side(NamedTuple):
+class ComparedFit(NamedTuple):
     """One of the two: what was asked, and what it gives."""
 
     name: str
@@ -60,9 +66,9 @@ class Side(NamedTuple):
         return self.study.joint or self.study.fit
 
     @property
-    def prepared(self) -> RampHold:
+    def ramp_hold(self) -> RampHold:
         """The test behind it, as it was prepared."""
-        return result_cache.shown(self.job, self.solid)[1]
+        return result_cache.select_shown_test(self.job, self.solid)[1]
 
     @property
     def answers(self) -> tuple[Answer, ...]:
@@ -70,46 +76,53 @@ class Side(NamedTuple):
         return (*self.told.under_mass, *self.told.one_seal)
 
 
-def _side(name: str, request: Mapping[str, Any], folder: Path) -> Side:
+def _side(name: str, request: Mapping[str, Any], folder: Path) -> ComparedFit:
     asked = mapping(request.get(name.lower()), name)
     job = job_of(asked.get("job"), folder)
     study = result_cache.study(job)
     if job.joint and study.joint is None:
         raise DataError(f"{name} has no model of both tests: open a hammer test, and give the mass")
-    return Side(name, job, study, recommendation(study, asked=True))
+    return ComparedFit(name, job, study, recommendation(study, asked=True))
 
 
-def against(request: Mapping[str, Any], folder: Path) -> bytes:
+def build_fit_comparison(request: Mapping[str, Any], folder: Path) -> bytes:
     """Two fits: verdict of neither, figures of both, a table with their difference."""
     a, b = (_side(name, request, folder) for name in "AB")
     sizes = sizes_of(request)
     rows = [*_numbers(a, b), *_arms(a.solid, b.solid)]
-    return wire_format.packed(
+    return wire_format.encode_message(
         {
-            "verdict": view_models.piece("against", says=_says(a, b, rows), lights=_lights(a, b)),
+            "verdict": view_models.render_template(
+                "against", says=_says(a, b, rows), lights=_lights(a, b)
+            ),
             "colour": "open",
             "panels": {
                 "ab-frf": _responses(a, b, sizes),
                 "ab-rest": _residuals(a, b, sizes),
             },
-            "table": view_models.piece("beside_each", rows=rows, names=(_called(a), _called(b))),
-            "simulated": True in {one.study.test.source is not None
-                                  and one.study.test.source.simulated for one in (a, b)},
+            "table": view_models.render_template(
+                "beside_each", rows=rows, names=(_get_source_name(a), _get_source_name(b))
+            ),
+            "simulated": True
+            in {
+                one.study.test.source is not None and one.study.test.source.simulated
+                for one in (a, b)
+            },
         }
-    )  # fmt: skip
+    )
 
 
-def _called(side: Side) -> str:
+def _get_source_name(side: ComparedFit) -> str:
     return "both tests" if side.study.joint is not None else "relaxation"
 
 
-def _lights(a: Side, b: Side) -> tuple[Light, ...]:
+def _lights(a: ComparedFit, b: ComparedFit) -> tuple[Light, ...]:
     return tuple(
         Light(one.name, COLOURS[one.study.verdict.use], one.study.verdict.use) for one in (a, b)
     )
 
 
-class Pairing(NamedTuple):
+class ComparedValue(NamedTuple):
     """A number of A, the same of B, how they differ, and what A says to that."""
 
     name: str
@@ -120,7 +133,7 @@ class Pairing(NamedTuple):
     group: str = ""
 
 
-def _numbers(a: Side, b: Side) -> Iterator[Pairing]:
+def _numbers(a: ComparedFit, b: ComparedFit) -> Iterator[ComparedValue]:
     """The numbers that both have, each with what A left open of it."""
     there = {one.quantity: one for one in b.answers}
     under = {one.quantity for one in a.told.under_mass}
@@ -130,30 +143,30 @@ def _numbers(a: Side, b: Side) -> Iterator[Pairing]:
             continue
         name, unit = view_models.short_name(one), one.fact.word
         weight = view_models.weight(a.job) if one.quantity in under else "One seal"
-        yield Pairing(
+        yield ComparedValue(
             f"{name}, {unit}" if unit else name, one.fact.ends[0], other.fact.ends[0],
-            _moved(one, other), _inside(one, other), weight,
+            _format_difference(one, other), _classify_overlap(one, other), weight,
         )  # fmt: skip
 
 
-def _moved(one: Answer, other: Answer) -> str:
+def _format_difference(one: Answer, other: Answer) -> str:
     """How much the other number is more; of a peak in dB."""
     if one.quantity == "peak" and one.value > 0 and other.value > 0:
         return decibels(20 * math.log10(other.value / one.value))
-    return _apart(one.value, other.value)
+    return _format_relative_difference(one.value, other.value)
 
 
-def _apart(one: float, other: float) -> str:
+def _format_relative_difference(one: float, other: float) -> str:
     """How much the other is more: in per cent, or so many times."""
     if not one:
         return ""
     ratio = other / one
     if ratio > 0 and not 1 / FACTOR < ratio < FACTOR:
-        return f"×{rounded(ratio, digits=2)}"
+        return f"×{round_to_error(ratio, digits=2)}"
     return percent(ratio - 1)
 
 
-def _inside(one: Answer, other: Answer) -> str:
+def _classify_overlap(one: Answer, other: Answer) -> str:
     """Whether what B says was possible by A."""
     if math.isnan(one.low) or math.isnan(one.high):
         return "A has no bound"
@@ -162,7 +175,7 @@ def _inside(one: Answer, other: Answer) -> str:
     return "inside both" if within and back else "inside A's" if within else "outside A's"
 
 
-def _arms(a: Fit, b: Fit) -> Iterator[Pairing]:
+def _arms(a: Fit, b: Fit) -> Iterator[ComparedValue]:
     """Springs and arms side by side: those of one time constant, and those that one has alone."""
     known = [{fact.name: fact for fact in one.known} for one in (a, b)]
     group = f"Solid, k in {known[0]['k_inf'].word}" if "k_inf" in known[0] else "Solid"
@@ -170,18 +183,20 @@ def _arms(a: Fit, b: Fit) -> Iterator[Pairing]:
         yield _pair("spring at rest", known[0]["k_inf"], known[1]["k_inf"], group)
     if a.family != "maxwell" or b.family != "maxwell":
         return
-    for i, j in paired(a.model.tau, b.model.tau):
+    for i, j in match_time_constants(a.model.tau, b.model.tau):
         taus = [tau[n] for tau, n in ((a.model.tau, i), (b.model.tau, j)) if n is not None]
-        name = " to ".join(dict.fromkeys(rounded(tau, digits=2) for tau in sorted(taus)))
+        name = " to ".join(dict.fromkeys(round_to_error(tau, digits=2) for tau in sorted(taus)))
         left = None if i is None else known[0].get(f"k_{i + 1}")
         right = None if j is None else known[1].get(f"k_{j + 1}")
         yield _pair(f"arm {name} s", left, right, group)
 
 
-def paired(one: tuple[float, ...], other: tuple[float, ...]) -> list[tuple[int | None, int | None]]:
+def match_time_constants(
+    one: tuple[float, ...], other: tuple[float, ...]
+) -> list[tuple[int | None, int | None]]:
     """Which time constants of two solids stand for the same, ascending; None of what has none.
 
-    >>> paired((0.1, 0.5, 16.0), (0.01, 0.07, 0.5, 16.0))
+    >>> match_time_constants((0.1, 0.5, 16.0), (0.01, 0.07, 0.5, 16.0))
     [(None, 0), (0, 1), (1, 2), (2, 3)]
     """
     near = sorted(
@@ -196,26 +211,28 @@ def paired(one: tuple[float, ...], other: tuple[float, ...]) -> list[tuple[int |
     return sorted(found, key=lambda pair: one[pair[0]] if pair[0] is not None else other[pair[1]])  # type: ignore[index]
 
 
-def _pair(name: str, a: Fact | None, b: Fact | None, group: str) -> Pairing:
+def _pair(name: str, a: ReportedValue | None, b: ReportedValue | None, group: str) -> ComparedValue:
     if a is None or b is None:
         alone = "B's alone" if a is None else "A's alone"
         left, right = ("none" if one is None else one.ends[0] for one in (a, b))
-        return Pairing(name, left, right, "", alone, group)
+        return ComparedValue(name, left, right, "", alone, group)
     errors = [one.error for one in (a, b)]
     size = math.hypot(*(error or 0.0 for error in errors))
     known = all(error is not None and math.isfinite(error) for error in errors) and size > 0
     held = f"{abs(b.value - a.value) / size:.1f} SE" if known else ""
-    return Pairing(name, a.ends[0], b.ends[0], _apart(a.value, b.value), held, group)
+    return ComparedValue(
+        name, a.ends[0], b.ends[0], _format_relative_difference(a.value, b.value), held, group
+    )
 
 
-def _says(a: Side, b: Side, rows: list[Pairing]) -> str:
+def _says(a: ComparedFit, b: ComparedFit, rows: list[ComparedValue]) -> str:
     """How far B is from A, in one sentence with its numbers."""
     there = {one.quantity: one for one in b.answers}
     words = {
         "frequency": "frequency", "damping": "damping", "end of hold": "stiffness", "peak": "peak",
     }  # fmt: skip
     parts = [
-        f"{words[one.quantity]} {_moved(one, there[one.quantity])}"
+        f"{words[one.quantity]} {_format_difference(one, there[one.quantity])}"
         for one in a.answers
         if one.quantity in words and one.quantity in there
     ]
@@ -225,7 +242,7 @@ def _says(a: Side, b: Side, rows: list[Pairing]) -> str:
     return f"B against A: {', '.join(parts)}.{count}"
 
 
-def _response(side: Side) -> Curve | None:
+def _response(side: ComparedFit) -> Curve | None:
     """What its solid predicts, with the peak that its own tab has; None without a mass."""
     study = side.study
     held = study.joint_comparison if study.joint is not None else study.comparison
@@ -243,9 +260,9 @@ def _response(side: Side) -> Curve | None:
 # -- figures --------------------------------------------------------------------------------------
 
 
-def _responses(a: Side, b: Side, sizes: view_models.Sizes) -> str:
+def _responses(a: ComparedFit, b: ComparedFit, sizes: view_models.Sizes) -> str:
     """Both responses in one panel, and the hammer's; nothing where no mass is given."""
-    limits = spreads(a.study.frf_band if a.study.joint is None else None)[:1]
+    limits = make_prediction_bands(a.study.frf_band if a.study.joint is None else None)[:1]
     curves = [curve for one in (a, b) if (curve := _response(one)) is not None]
     if len(curves) < 2:
         return ""
@@ -254,23 +271,25 @@ def _responses(a: Side, b: Side, sizes: view_models.Sizes) -> str:
         peak = measured.measured_hz, measured.measured_peak
         curves.insert(0, Curve(measured.measured, "measured", MEASURED, peak))
     panel = magnitude_panel(curves, limits, view=about_peaks(curves), tagged=True)
-    return view_models.drawn("ab-frf", panel, sizes, title="Accelerance, 1/kg")
+    return view_models.render_panels("ab-frf", panel, sizes, title="Accelerance, 1/kg")
 
 
-def _residuals(a: Side, b: Side, sizes: view_models.Sizes) -> str:
+def _residuals(a: ComparedFit, b: ComparedFit, sizes: view_models.Sizes) -> str:
     """What both leave of the hold, as means over log time since the end of the ramp."""
     marks: list[Mark] = []
     notes, spans = [], []
     for one in (a, b):
-        prepared = one.prepared
-        rest = relaxation.upon_panels(relaxation.fitted(one.solid, (), prepared)[0], prepared)[2]
+        prepared = one.ramp_hold
+        rest = relaxation.upon_panels(
+            relaxation.make_plotted_fits(one.solid, (), prepared)[0], prepared
+        )[2]
         (mean,) = [mark for mark in rest.marks if isinstance(mark, Line)]
-        x, y = means(mean.x, mean.y, log=True)
+        x, y = downsample_to_means(mean.x, mean.y, log=True)
         marks.append(Line(x, y, INKS[one.name], one.name))
         notes.append(f"{one.name} {rest.note}")
         spans.append(rest.x.limits)
         unit = rest.y.label.rpartition(", ")[2]
-    noise = in_unit(a.prepared.force_noise, unit)
+    noise = convert_to_unit(a.ramp_hold.force_noise, unit)
     rules = (Rule(noise, REF, across=True), Rule(-noise, REF, across=True)) if noise else ()
     tops = [mark.y for mark in marks if isinstance(mark, Line)]
     span = (min(low for low, _ in spans), max(high for _, high in spans))
@@ -280,4 +299,4 @@ def _residuals(a: Side, b: Side, sizes: view_models.Sizes) -> str:
         (*rules, *marks),
     )
     title = f"Residual of the hold, {unit}, mean"
-    return view_models.drawn("ab-rest", panel, sizes, title=title, note="; ".join(notes))
+    return view_models.render_panels("ab-rest", panel, sizes, title=title, note="; ".join(notes))

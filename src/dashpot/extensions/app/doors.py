@@ -9,13 +9,13 @@ from typing import Any
 
 from dashpot import workflow
 from dashpot.base.errors import ReadError
-from dashpot.base.number_format import hertz, rounded
+from dashpot.base.number_format import hertz, round_to_error
 from dashpot.base.parsing import parsed_toml
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.app import result_cache, view_models
-from dashpot.extensions.app.figure_cards import Tile, small_multiples, tiles
+from dashpot.extensions.app.figure_cards import FigureCard, make_figure_cards, small_multiples
 from dashpot.extensions.door.figure import View, frf_panel, line_panel, shape_panels
-from dashpot.extensions.door.page import about, lights_of, modes_of
+from dashpot.extensions.door.page import format_door_summary, lights_of, modes_of
 from dashpot.extensions.door.result import DoorResult
 from dashpot.plot.picture import Picture
 from dashpot.report.first_screen import Row
@@ -38,38 +38,48 @@ def row(path: Path) -> dict[str, Any]:
 def page(found: DoorResult) -> KindPage:
     """What its own page tells, in the form of the other kinds."""
     rows = tuple(
-        Row(f"Mode {i}", rounded(one.mode.frequency, digits=4), "", "", "Hz", "", bound=False)
+        Row(
+            f"Mode {i}", round_to_error(one.mode.frequency, digits=4), "", "", "Hz", "", bound=False
+        )
         for i, one in enumerate(found.modes[:8], 1)
     )
     return KindPage(
-        about=about(found), strip=(("Door", about(found)), ("Band", hertz(found.band))),
+        about=format_door_summary(found),
+        strip=(("Door", format_door_summary(found)), ("Band", hertz(found.band))),
         lights=tuple(lights_of(found, None, found.checks, found.verdict)),
-        answers="A door", picture=found.plot(), told="Modes", groups=(Group("", rows),),
-        sources=tuple(dict.fromkeys(found.sources)), note="", name="door",
-    )  # fmt: skip
+        answers="A door",
+        picture=found.plot(),
+        told="Modes",
+        groups=(Group("", rows),),
+        sources=tuple(dict.fromkeys(found.sources)),
+        note="",
+        name="door",
+    )
 
 
-def figures(found: DoorResult, width: float) -> list[Tile]:
+def figures(found: DoorResult, width: float) -> list[FigureCard]:
     """What its own page shows: its seal line, its response, its modes with their shares, shapes."""
-    view = View.of(found)
+    view = View.from_result(found)
     panels = [] if view is None else [line_panel(found, view)]
     if found.frfs:
         panels.append(frf_panel(found, 0, height=panels[0].height if panels else _HEIGHT))
-    cards: list[Tile] = []
+    cards: list[FigureCard] = []
     if panels:
         picture = Picture("door", "", tuple((one,) for one in panels), len(panels))
-        cards += tiles(picture, width)
+        cards += make_figure_cards(picture, width)
     if found.modes:
         words = "Modes: who holds, who loses"
-        cards.append(Tile(words, view_models.piece("door_modes", modes=modes_of(found))))
+        cards.append(
+            FigureCard(words, view_models.render_template("door_modes", modes=modes_of(found)))
+        )
     shapes = [] if view is None else shape_panels(found, view)
     if shapes:
         drawn = small_multiples(shapes, "shape", width)
-        cards.append(Tile("Shapes, from outside", drawn))
+        cards.append(FigureCard("Shapes, from outside", drawn))
     return cards
 
 
-def predicted(files: Sequence[str], behind: str = "") -> DoorResult:
+def predict_door(files: Sequence[str], behind: str = "") -> DoorResult:
     """A door with the files that are open beside it: it names them, and none elsewhere.
 
     Parameters
@@ -100,7 +110,7 @@ def predicted(files: Sequence[str], behind: str = "") -> DoorResult:
     if isinstance(wanted, str) and wanted not in names and behind:
         # the door names the fit of a test that is open
         job = Job(behind)
-        fitted: Fit = result_cache.fitted(result_cache.of_fit(job), True, None)
+        fitted: Fit = result_cache.fit_job(result_cache.select_fit_choices(job), True, None)
         (home / wanted).write_text(to_json(fitted), encoding="utf-8")
     return workflow.door_file(home / path.name)
 

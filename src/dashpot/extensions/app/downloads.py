@@ -10,7 +10,7 @@ from typing import Any
 
 from dashpot import plot, workflow
 from dashpot.base.errors import DataError
-from dashpot.base.progress import doing
+from dashpot.base.progress import send_progress
 from dashpot.datamodel.fit import Fit
 from dashpot.export import SUFFIXES, deck_for
 from dashpot.extensions.app import recent, result_cache, wire_format
@@ -24,12 +24,12 @@ from dashpot.workflow.json_archive import to_json
 from dashpot.workflow.study import Study
 
 
-def take(request: Mapping[str, Any], folder: Path) -> bytes:
+def download_file(request: Mapping[str, Any], folder: Path) -> bytes:
     """A file to take away: a head with its name and kind, then its bytes."""
     job = job_of(request.get("job"), folder)
     what = request.get("what")
     makers: dict[object, Callable[[], tuple[str, str, str]]] = {
-        "report": lambda: ("report.html", "text/html", report_html(_told(job))),
+        "report": lambda: ("report.html", "text/html", report_html(_compute_report_study(job))),
         "fit": lambda: ("fit.json", "application/json", to_json(_solid(request, job))),
         "joint": lambda: ("joint.json", "application/json", to_json(_joint(job))),
         "deck": lambda: _deck(request, job),
@@ -47,20 +47,20 @@ def take(request: Mapping[str, Any], folder: Path) -> bytes:
             f"'{what}' is nothing to take away; expected one of {', '.join(map(str, makers))}"
         )
     name, kind, text = makers[what]()
-    return wire_format.packed({"name": name, "kind": kind, "text": text})
+    return wire_format.encode_message({"name": name, "kind": kind, "text": text})
 
 
 def profile(request: Mapping[str, Any], folder: Path) -> bytes:  # noqa: ARG001
     """Answers to a file's questions, as TOML that every command reads."""
     options = part(ReadOptions, request.get("options", {}), "options")
-    return wire_format.packed(
+    return wire_format.encode_message(
         {"name": "profile.toml", "kind": "application/toml", "text": dump_profile(options)}
     )
 
 
-def _told(job: Job) -> Study:
+def _compute_report_study(job: Job) -> Study:
     found = result_cache.study(job)
-    doing("drawing the report")
+    send_progress("drawing the report")
     return found
 
 
@@ -69,7 +69,7 @@ def _solid(request: Mapping[str, Any], job: Job) -> Fit:
     found = (
         _joint(job)
         if request.get("joint") is True
-        else result_cache.fitted(result_cache.of_fit(job), True, None)
+        else result_cache.fit_job(result_cache.select_fit_choices(job), True, None)
     )
     shown = request.get("solid", found.identity)
     if shown != found.identity:
@@ -125,4 +125,6 @@ def project(request: Mapping[str, Any], folder: Path) -> bytes:
     home = workflow.create(Path(place).expanduser())
     _, page = workflow.record(home, job, page=report_html)
     recent.remember(home.folder)
-    return wire_format.packed({"folder": str(home.folder), "report": str(page), "head": home.head})
+    return wire_format.encode_message(
+        {"folder": str(home.folder), "report": str(page), "head": home.head}
+    )

@@ -8,7 +8,7 @@ from collections.abc import Set as AbstractSet
 from dataclasses import replace
 from typing import NamedTuple
 
-from dashpot.extensions.app.view_models import piece
+from dashpot.extensions.app.view_models import render_template
 from dashpot.plot.picture import Panel, Picture
 from dashpot.plot.svg import strip, swatch
 
@@ -16,7 +16,7 @@ TWO, CARD = 700.0, 18.0
 """Room for two cards beside each other, and what the border of a card takes, px."""
 
 
-class Tile(NamedTuple):
+class FigureCard(NamedTuple):
     """A part of the page of a file: its title, what it holds, how many stand beside each other."""
 
     title: str
@@ -24,16 +24,16 @@ class Tile(NamedTuple):
     across: int = 1
 
 
-def tiles(picture: Picture, width: float) -> list[Tile]:
+def make_figure_cards(picture: Picture, width: float) -> list[FigureCard]:
     """A card for each strip of a picture, two in a row; one for more than two that are alike."""
-    found: list[Tile] = []
+    found: list[FigureCard] = []
     # what is named at its line in one card is in no key of the others
     key = {mark.label for mark in picture.key}
     for row in _rows(picture):
         name = f"bench{len(found)}"
         if len(row) > 2:
             drawn = small_multiples([one for (one,) in row], name, width)
-            found.append(Tile(re.split("[:,]", picture.caption)[0], drawn))
+            found.append(FigureCard(re.split("[:,]", picture.caption)[0], drawn))
         else:
             found += [_card(f"{name}-{i}", one, width, len(row), key) for i, one in enumerate(row)]
     return found
@@ -59,7 +59,7 @@ def _are_alike(strips: tuple[tuple[Panel, ...], ...]) -> bool:
 
 def _card(
     name: str, panels: tuple[Panel, ...], width: float, across: int, key: AbstractSet[str]
-) -> Tile:
+) -> FigureCard:
     """One strip under its title; an axis that says no more than the title is named there."""
     first, *below = panels
     bare = not (first.title or first.note or first.drawing)
@@ -68,8 +68,8 @@ def _card(
     across = across if width >= TWO else 1
     svg = strip(drawing, name=name, width=(width - 8 * (across - 1)) / across - CARD, kind="figure")
     samples = [one for one in _samples(drawing, name) if one[1] in key]
-    html = piece("figure", key=samples, svg=svg, title="", note="")
-    return Tile(title[:1].upper() + title[1:], html, across)
+    html = render_template("figure", key=samples, svg=svg, title="", note="")
+    return FigureCard(title[:1].upper() + title[1:], html, across)
 
 
 def _samples(panels: Sequence[Panel], name: str) -> list[tuple[str, str]]:
@@ -88,4 +88,4 @@ def small_multiples(panels: Sequence[Panel], name: str, width: float) -> str:
         most = each * (high - low) / (right - left) if one.square else one.height
         low_one = replace(one, height=min(one.height, most))
         drawn.append(strip((low_one,), name=f"{name}-{i}", width=each, kind="figure"))
-    return piece("shapes", key=_samples(panels, name), drawn=drawn, two=many == 2)
+    return render_template("shapes", key=_samples(panels, name), drawn=drawn, two=many == 2)

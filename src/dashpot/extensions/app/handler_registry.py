@@ -18,16 +18,16 @@ from dashpot.extensions.app import (
 )
 
 VERBS: Mapping[str, Callable[[Mapping[str, Any], Path], bytes]] = {
-    "inspect": request_handlers.inspect, "live": request_handlers.live,
-    "look": request_handlers.look, "settle": request_handlers.settle,
+    "inspect": request_handlers.inspect, "live": request_handlers.preview_fit,
+    "look": request_handlers.preview_record, "settle": request_handlers.fit_with_intervals,
     "predict": request_handlers.predict, "study": request_handlers.study,
-    "take": downloads.take, "profile": downloads.profile,
+    "take": downloads.download_file, "profile": downloads.profile,
     "project": downloads.project,
-    "bench": bench_tests.bench, "take-bench": bench_tests.take_bench,
-    "level": amplitude.level, "take-level": amplitude.take_level,
-    "against": compare_fits.against,
-    "judged": kind_results.judge, "take-judged": kind_results.take_judged,
-    "modes": modes.modes, "take-modes": modes.take_modes,
-    "recent": open_folder.listed, "folder": open_folder.folder, "row": open_folder.row,
+    "bench": bench_tests.bench, "take-bench": bench_tests.download_bench,
+    "level": amplitude.level, "take-level": amplitude.download_level,
+    "against": compare_fits.build_fit_comparison,
+    "judged": kind_results.fit_kind, "take-judged": kind_results.download_kind,
+    "modes": modes.modes, "take-modes": modes.download_modes,
+    "recent": open_folder.get_recent_folders, "folder": open_folder.folder, "row": open_folder.row,
 }  # fmt: skip
 """From the request and the folder of the files to a message."""

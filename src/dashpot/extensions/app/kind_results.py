@@ -15,33 +15,33 @@ from pathlib import Path
 from typing import Any
 
 from dashpot.base.errors import DataError
-from dashpot.base.form_fields import Answers
-from dashpot.base.progress import doing
+from dashpot.base.form_fields import FormData
+from dashpot.base.progress import send_progress
 from dashpot.extensions.app import doors, view_models, wire_format
 from dashpot.extensions.app.bench_tests import KEPT, WIDE
-from dashpot.extensions.app.figure_cards import tiles
-from dashpot.extensions.app.request_parsing import listed, mapping, part, sizes_of
+from dashpot.extensions.app.figure_cards import make_figure_cards
+from dashpot.extensions.app.request_parsing import get_list, mapping, part, sizes_of
 from dashpot.extensions.app.upload_store import path_in
 from dashpot.reading.read_options import ReadOptions
-from dashpot.registry import KINDS, asks_of, load
+from dashpot.registry import KINDS, asks_of, load_object
 from dashpot.report.page_content import KindPage, kind_page
 from dashpot.report.page_frame import COLOURS
 from dashpot.report.result_page import text_of
 
 
 @dataclass(frozen=True)
-class JudgedFiles:
+class KindRequest:
     """What a page asks of such files."""
 
     kind: str
     files: tuple[str, ...]
-    said: Answers
+    said: FormData
     options: ReadOptions
     behind: str = ""
 
 
-def _asked(request: Mapping[str, Any], folder: Path) -> JudgedFiles:
-    files = tuple(str(path_in(folder, one)) for one in listed(request, "files"))
+def _parse_request(request: Mapping[str, Any], folder: Path) -> KindRequest:
+    files = tuple(str(path_in(folder, one)) for one in get_list(request, "files"))
     if not files:
         raise DataError("no file of this kind is open: open one first")
     kind, said = str(request.get("kind", "")), {}
@@ -50,38 +50,38 @@ def _asked(request: Mapping[str, Any], folder: Path) -> JudgedFiles:
             raise DataError(f"{name} = {text!r}; expected a text")
         said[str(name)] = text
     row, test = KINDS.get(kind), request.get("test")
-    return JudgedFiles(
+    return KindRequest(
         kind, files[:1] if row is not None and row.alone else files,
-        Answers.typed(asks_of(kind), said),
+        FormData.from_fields(asks_of(kind), said),
         part(ReadOptions, request.get("options", {}), "options"),
         str(path_in(folder, test)) if test else "",
     )  # fmt: skip
 
 
 @lru_cache(KEPT)
-def _found(asked: JudgedFiles) -> tuple[Any, KindPage]:
+def _fit_with_page(asked: KindRequest) -> tuple[Any, KindPage]:
     """What was found in such files, and what its page tells."""
-    doing(f"fitting {', '.join(Path(path).name for path in asked.files)}")
+    send_progress(f"fitting {', '.join(Path(path).name for path in asked.files)}")
     if asked.kind == doors.DOOR:
-        door = doors.predicted(asked.files, asked.behind)
+        door = doors.predict_door(asked.files, asked.behind)
         return door, doors.page(door)
     row = KINDS.get(asked.kind)
     if row is None or not (row.panel or row.fits):
         raise DataError(f"'{asked.kind}' is no kind of test that is fitted by itself")
     if row.panel:
-        found = load(f"{row.panel}:answered")(asked.files, asked.said, asked.options)
+        found = load_object(f"{row.panel}:answered")(asked.files, asked.said, asked.options)
     else:
-        found = load(row.fit)(asked.files, options=asked.options)
+        found = load_object(row.fit)(asked.files, options=asked.options)
     return found, kind_page(found)
 
 
-def judge(request: Mapping[str, Any], folder: Path) -> bytes:
+def fit_kind(request: Mapping[str, Any], folder: Path) -> bytes:
     """The result of such files: verdict, lights, figures, numbers, checks and command."""
-    asked = _asked(request, folder)
-    found, page = _found(asked)
+    asked = _parse_request(request, folder)
+    found, page = _fit_with_page(asked)
     said = found.verdict
     width = sizes_of(request).get("bench", WIDE)[0]
-    return wire_format.packed(
+    return wire_format.encode_message(
         {
             "verdict": view_models.verdict(said, page.lights),
             "colour": COLOURS[said.use],
@@ -91,25 +91,25 @@ def judge(request: Mapping[str, Any], folder: Path) -> bytes:
             "checks": view_models.check_list(found.checks),
             "figures": doors.figures(found, width)
             if asked.kind == doors.DOOR
-            else tiles(page.picture, width),
+            else make_figure_cards(page.picture, width),
             "facts": [list(one) for one in page.strip],
-            "asks": view_models.asks(asks_of(asked.kind)),
+            "asks": view_models.make_form_fields(asks_of(asked.kind)),
             "simulated": any(source.simulated for source in page.sources),
             "command": _line(asked),
         }
     )
 
 
-def take_judged(request: Mapping[str, Any], folder: Path) -> bytes:
+def download_kind(request: Mapping[str, Any], folder: Path) -> bytes:
     """The result as its JSON, as the command prints it with ``--json``."""
-    found, page = _found(_asked(request, folder))
+    found, page = _fit_with_page(_parse_request(request, folder))
     text = text_of(found) if hasattr(found, "document") else json.dumps(found)
-    return wire_format.packed(
+    return wire_format.encode_message(
         {"name": f"{page.name}.json", "kind": "application/json", "text": text}
     )
 
 
-def _line(asked: JudgedFiles) -> str:
+def _line(asked: KindRequest) -> str:
     """The command that gives the same."""
     names = [Path(path).name for path in asked.files]
     if asked.kind == doors.DOOR:

@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray
-from dashpot.base.choices import Driver, refuse_other
+from dashpot.base.choices import Driver, require_choice
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.extensions.acquisition.record_to_file import record
 from dashpot.extensions.acquisition.recorder import Block, Recorder
 from dashpot.extensions.acquisition.replay_device import replay, simulated
 from dashpot.extensions.acquisition.serial_line import SerialLine
 from dashpot.extensions.app.upload_store import LIMIT, Store, path_in
-from dashpot.plot.picture import Line, Panel, Pen, Scale, around
+from dashpot.plot.picture import Line, Panel, Pen, Scale, compute_padded_limits
 from dashpot.plot.svg import strip
 
 MOST = 2000
@@ -158,7 +158,7 @@ class Live:
         """Read until the end, in a thread of its own."""
         failed, said, kept = "", (), None  # type: tuple[str, tuple[str, ...], dict[str, str] | None]
         try:
-            _, said = record(recorder, self._path, seen=self._seen)
+            _, said = record(recorder, self._path, seen=self._add_block)
             if self._path.stat().st_size <= LIMIT:
                 name = self._path.name
                 kept = {"id": self._store.put(name, self._path.read_bytes()), "name": name}
@@ -171,7 +171,7 @@ class Live:
         with self._lock:
             self._failed, self._said, self._kept = failed, said, kept
 
-    def _seen(self, block: Block) -> None:
+    def _add_block(self, block: Block) -> None:
         with self._lock:
             self._rows += len(block[0])
             for trace, values in zip(self._traces, block[1].T, strict=True):
@@ -201,7 +201,7 @@ class Live:
                 speed=_number(asked, "speed", 1.0, float),
             ),
         }
-        refuse_other("driver", driver, Driver)
+        require_choice("driver", driver, Driver)
         return made[driver]()
 
 
@@ -219,13 +219,13 @@ def _drawings(
     whole = [time for time, _ in seen if len(time) > 1]
     span = (min(t[0] for t in whole), max(t[-1] for t in whole)) if whole else (0.0, 1.0)
     return [
-        {"name": name, "now": f"{y[-1]:.4g}", "svg": _drawn(i, name, (x, y), span, size)}
+        {"name": name, "now": f"{y[-1]:.4g}", "svg": _render_channel(i, name, (x, y), span, size)}
         for i, (name, (x, y)) in enumerate(zip(names, seen, strict=True))
         if len(x) > 1
     ]
 
 
-def _drawn(
+def _render_channel(
     number: int,
     name: str,
     curve: tuple[FloatArray, FloatArray],
@@ -234,6 +234,9 @@ def _drawn(
 ) -> str:
     """A channel as the page has it."""
     label = name.replace(" [", ", ").removesuffix("]")
-    mark, upright = Line(*curve, Pen("measured", 1.2)), Scale(label, around(curve[1]))
+    mark, upright = (
+        Line(*curve, Pen("measured", 1.2)),
+        Scale(label, compute_padded_limits(curve[1])),
+    )
     panel = Panel(Scale("time, s", span), upright, (mark,), height=size[1] - _AXES)
     return strip((panel,), name=f"live{number}", width=size[0], kind="figure")

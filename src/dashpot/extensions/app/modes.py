@@ -16,14 +16,14 @@ import numpy as np
 from dashpot import plot
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.base.number_format import rounded
-from dashpot.base.progress import doing
-from dashpot.base.units import written
+from dashpot.base.number_format import round_to_error
+from dashpot.base.progress import send_progress
+from dashpot.base.units import format_quantity
 from dashpot.datamodel.frf import FRF, Mode
 from dashpot.extensions.app import view_models, wire_format
 from dashpot.extensions.app.bench_tests import KEPT, WIDE
-from dashpot.extensions.app.figure_cards import Tile, tiles
-from dashpot.extensions.app.request_parsing import listed, noun_of, sizes_of
+from dashpot.extensions.app.figure_cards import FigureCard, make_figure_cards
+from dashpot.extensions.app.request_parsing import build_from_request, get_list, sizes_of
 from dashpot.extensions.app.upload_store import path_in
 from dashpot.extensions.modes.mass_series_files import ModesByMass, modes_by_mass
 from dashpot.extensions.modes.measured_modes import MeasuredModes, modes_files
@@ -34,18 +34,18 @@ from dashpot.workflow.job import ModesJob
 from dashpot.workflow.json_archive import to_json
 
 
-def _asked(request: Mapping[str, Any], folder: Path) -> ModesJob:
-    for file, mass in zip(listed(request, "files"), listed(request, "masses"), strict=False):
+def _parse_request(request: Mapping[str, Any], folder: Path) -> ModesJob:
+    for file, mass in zip(get_list(request, "files"), get_list(request, "masses"), strict=False):
         if not mass:
             name = path_in(folder, file).name
             raise DataError(f"{name}: say which mass was on the seals, such as 104 g")
-    return noun_of(ModesJob, request, folder)
+    return build_from_request(ModesJob, request, folder)
 
 
 @lru_cache(KEPT)
-def _found(asked: ModesJob) -> tuple[MeasuredModes | ModesByMass, Picture]:
+def _find_modes_and_plot(asked: ModesJob) -> tuple[MeasuredModes | ModesByMass, Picture]:
     """The modes, and their figure."""
-    doing(f"seeking the modes of {', '.join(Path(path).name for path in asked.files)}")
+    send_progress(f"seeking the modes of {', '.join(Path(path).name for path in asked.files)}")
     options, band = asked.options, asked.band
     if asked.masses:
         held = modes_by_mass(
@@ -58,10 +58,10 @@ def _found(asked: ModesJob) -> tuple[MeasuredModes | ModesByMass, Picture]:
 
 def modes(request: Mapping[str, Any], folder: Path) -> bytes:
     """The modes of such files: verdict, numbers, checks, chart, tables, and the command."""
-    asked = _asked(request, folder)
-    found, picture = _found(asked)
+    asked = _parse_request(request, folder)
+    found, picture = _find_modes_and_plot(asked)
     width = sizes_of(request).get("bench", WIDE)[0]
-    drawn = tiles(picture, width)
+    drawn = make_figure_cards(picture, width)
     checks: tuple[Check, ...]
     frfs: list[FRF]
     if isinstance(found, MeasuredModes):
@@ -71,9 +71,9 @@ def modes(request: Mapping[str, Any], folder: Path) -> bytes:
     else:
         checks, frfs = found.checks, [one.frf for one in found.tests]
         held = zip(found.together.masses, found.together.modes, strict=True)
-        named = [(written(mass, "g"), mode) for mass, mode in held]
+        named = [(format_quantity(mass, "g"), mode) for mass, mode in held]
     said = found.verdict
-    return wire_format.packed(
+    return wire_format.encode_message(
         {
             "verdict": view_models.verdict(said),
             "colour": COLOURS[said.use],
@@ -87,15 +87,17 @@ def modes(request: Mapping[str, Any], folder: Path) -> bytes:
     )
 
 
-def take_modes(request: Mapping[str, Any], folder: Path) -> bytes:
+def download_modes(request: Mapping[str, Any], folder: Path) -> bytes:
     """The modes as their JSON, as ``dashpot fit --json`` prints it."""
-    found, _ = _found(_asked(request, folder))
+    found, _ = _find_modes_and_plot(_parse_request(request, folder))
     text = (
         json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False)
         if isinstance(found, ModesByMass)
         else to_json(found)
     )
-    return wire_format.packed({"name": "modes.json", "kind": "application/json", "text": text})
+    return wire_format.encode_message(
+        {"name": "modes.json", "kind": "application/json", "text": text}
+    )
 
 
 def _terms(named: list[tuple[str, Mode]]) -> list[view_models.Term]:
@@ -107,7 +109,7 @@ def _terms(named: list[tuple[str, Mode]]) -> list[view_models.Term]:
     ]
 
 
-def _tables(found: MeasuredModes) -> list[Tile]:
+def _tables(found: MeasuredModes) -> list[FigureCard]:
     """What each mode is beside its pole; of several points shapes and how alike they are."""
     if not found.modes:
         return []
@@ -118,7 +120,7 @@ def _tables(found: MeasuredModes) -> list[Tile]:
         if found.points:
             own = [f"{one.phase_collinearity:.3f}", f"{one.phase_deviation_deg:.2g}"]
         residue = one.mode.facts[2].cells.with_error
-        rows.append([str(i), rounded(one.frequency_hz, digits=4), residue, *own,
+        rows.append([str(i), round_to_error(one.frequency_hz, digits=4), residue, *own,
                      f"{one.orders} of {found.highest_order}"])  # fmt: skip
     head = ["mode", "Hz", "residue, m/(N s)", *last, "orders stable"]
     of = " of 1 kg on the base" if found.frf.quantity.over_base else ""
@@ -126,7 +128,7 @@ def _tables(found: MeasuredModes) -> list[Tile]:
     if found.points:
         tables += _shapes(found)
     return [
-        Tile(title, view_models.piece("cells", head=head, rows=rows), min(i, 1) + 1)
+        FigureCard(title, view_models.render_template("cells", head=head, rows=rows), min(i, 1) + 1)
         for i, (title, head, rows) in enumerate(tables)
     ]
 

@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import Any
 
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.number_format import counted
+from dashpot.base.number_format import format_count
 from dashpot.extensions.app import recent, wire_format
 from dashpot.extensions.app.request_parsing import page_of
 from dashpot.extensions.app.upload_store import LIMIT, Store
 from dashpot.extensions.batch.lot import Lot
 from dashpot.extensions.projects.history import read_history
-from dashpot.extensions.projects.project import open_project, within
+from dashpot.extensions.projects.project import open_project, resolve_project_path
 from dashpot.reading.raw_file import open_raw
 from dashpot.workflow.job import Job
 from dashpot.workflow.json_archive import from_json
@@ -33,7 +33,7 @@ COLUMNS = (
 
 def folder(request: Mapping[str, Any], home: Path) -> bytes:
     """What is in a folder: the files and the choices of a project, or the table of a lot."""
-    place = _named(request)
+    place = _parse_folder(request)
     if (place / "dashpot.toml").exists():
         head = _project(place, home)
     elif any(place.glob("part-*.parquet")):
@@ -44,22 +44,29 @@ def folder(request: Mapping[str, Any], home: Path) -> bytes:
             "part-*.parquet of dashpot batch): give the folder of one"
         )
     recent.remember(place)
-    return wire_format.packed(head | {"folder": str(place), "name": place.resolve().name})
+    return wire_format.encode_message(head | {"folder": str(place), "name": place.resolve().name})
 
 
-def listed(_: Mapping[str, Any], __: Path) -> bytes:
+def get_recent_folders(_: Mapping[str, Any], __: Path) -> bytes:
     """The folders that were kept or opened last."""
-    return wire_format.packed({"recent": recent.recent()})
+    return wire_format.encode_message({"recent": recent.recent()})
 
 
 def row(request: Mapping[str, Any], home: Path) -> bytes:
     """One test of a lot, to be opened as a file with the choices that its row was made by."""
-    place, wanted = _named(request), request.get("sha256")
+    place, wanted = _parse_folder(request), request.get("sha256")
     found = [one for one in _rows(place) if one["sha256"] == wanted]
     if not found:
         raise DataError(f"{place} has no test with that hash")
     one = found[0]
-    raw = next((raw for path in _places(place, one["file"]) if (raw := _held(path, wanted))), None)
+    raw = next(
+        (
+            raw
+            for path in _places(place, one["file"])
+            if (raw := _read_verified_bytes(path, wanted))
+        ),
+        None,
+    )
     if raw is None:
         raise ReadError(
             f"{one['file']} is not there any more, or is not what it was: start the app where the "
@@ -67,12 +74,12 @@ def row(request: Mapping[str, Any], home: Path) -> bytes:
         )
     name = Path(one["file"]).name
     choices = {"arms": one["arms"] or "auto", "method": one["method"] or "full"}
-    return wire_format.packed(
+    return wire_format.encode_message(
         {"files": [{"id": _put(home, name, raw), "name": name}], "job": choices}
     )
 
 
-def _named(request: Mapping[str, Any]) -> Path:
+def _parse_folder(request: Mapping[str, Any]) -> Path:
     stated = request.get("folder")
     if not isinstance(stated, str) or not stated.strip():
         raise DataError("no folder is named: type where the project or the lot is kept")
@@ -104,7 +111,7 @@ def _project(place: Path, home: Path) -> dict[str, Any]:
     job: Job = from_json(json.dumps(history.lines[-1].job))
 
     def brought(path: str) -> dict[str, str]:
-        file = within(project, path)
+        file = resolve_project_path(project, path)
         content = b"".join(open_raw(file).blocks())
         return {"id": _put(home, file.name, content), "name": file.name}
 
@@ -125,7 +132,7 @@ def _lot(place: Path) -> dict[str, Any]:
     lot = Lot.read(place)
     rows = [[_finite(one[name]) for name in COLUMNS] for one in lot.table.iter_rows(named=True)]
     outcomes = ", ".join(f"{count} {name}" for name, count in lot.outcomes.items())
-    says = f"{counted(len(rows), 'file')}: {outcomes}"
+    says = f"{format_count(len(rows), 'file')}: {outcomes}"
     return {"kind": "lot", "columns": COLUMNS, "rows": rows, "says": says}
 
 
@@ -138,7 +145,7 @@ def _places(lot: Path, file: str) -> tuple[Path, ...]:
     return Path(file), lot.parent / file
 
 
-def _held(path: Path, wanted: object) -> bytes | None:
+def _read_verified_bytes(path: Path, wanted: object) -> bytes | None:
     """The bytes of a file if they are those that the table knows by their hash."""
     try:
         raw = open_raw(path)

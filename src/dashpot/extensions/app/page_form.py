@@ -7,8 +7,8 @@ from dataclasses import Field
 from html import escape
 from typing import Any
 
-from dashpot.base.choices import AmplitudeLawAsked, words
-from dashpot.base.option_fields import names_files, offered
+from dashpot.base.choices import AmplitudeLawAsked, get_choice_values
+from dashpot.base.option_fields import is_path_field, iterate_option_fields
 from dashpot.workflow.job import Job
 
 LABELS = {
@@ -18,28 +18,28 @@ LABELS = {
 """What the page says of a word that a command is told."""
 
 
-def filled(page: str) -> str:
+def fill_form(page: str) -> str:
     """Return the page with the choices of a job in their places, and what is usual as data."""
     for name in ("method", "law", "family"):
-        one = _declared(Job, name)
+        one = _get_field(Job, name)
         page = page.replace(f"<!-- {name} -->", _buttons(one))
         page = page.replace(f"<!-- {name} says -->", escape(one.metadata["help"]))
-    listed = "".join(f"<option>{word}</option>" for word in words(AmplitudeLawAsked))
+    listed = "".join(f"<option>{word}</option>" for word in get_choice_values(AmplitudeLawAsked))
     page = page.replace("<!-- amplitude-law -->", listed)
-    return page.replace("<!-- usual -->", json.dumps(usual()))
+    return page.replace("<!-- usual -->", json.dumps(get_job_defaults()))
 
 
-def usual() -> dict[str, Any]:
+def get_job_defaults() -> dict[str, Any]:
     """Return what a page says of a job of which nothing was said; its parts and files apart."""
     return {
         one.name: "" if one.default is None else one.default
-        for one in offered(Job)
-        if not names_files(one)
+        for one in iterate_option_fields(Job)
+        if not is_path_field(one)
     }
 
 
-def _declared(noun: type, name: str) -> Field[Any]:
-    return next(one for one in offered(noun) if one.name == name)
+def _get_field(noun: type, name: str) -> Field[Any]:
+    return next(one for one in iterate_option_fields(noun) if one.name == name)
 
 
 def _buttons(one: Field[Any]) -> str:

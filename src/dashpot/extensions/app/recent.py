@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from dashpot.base.atomic import write_whole
+from dashpot.base.atomic import write_atomic
 
 MOST = 12
 """Folders of the list."""
@@ -21,21 +21,21 @@ WHERE = "DASHPOT_STATE"
 
 def recent() -> list[dict[str, Any]]:
     """Return folders that are still there, the last one first: path, name, and when (UTC)."""
-    return [one for one in _listed() if Path(one["folder"]).is_dir()]
+    return [one for one in _read_list() if Path(one["folder"]).is_dir()]
 
 
 def remember(folder: Path) -> None:
     """Put a folder at the head of the list; where it cannot be written nothing is kept."""
     path = str(folder.resolve())
     now = datetime.now(UTC).isoformat(timespec="seconds")
-    kept = [one for one in _listed() if one["folder"] != path]
+    kept = [one for one in _read_list() if one["folder"] != path]
     listed = [{"folder": path, "name": folder.resolve().name, "when": now}, *kept][:MOST]
     with suppress(OSError):
         place_of(_LIST).parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        write_whole(place_of(_LIST), json.dumps(listed, indent=1).encode())
+        write_atomic(place_of(_LIST), json.dumps(listed, indent=1).encode())
 
 
-def _listed() -> list[dict[str, Any]]:
+def _read_list() -> list[dict[str, Any]]:
     try:
         found = json.loads(place_of(_LIST).read_text(encoding="utf-8"))
         return [{name: str(one[name]) for name in ("folder", "name", "when")} for one in found]

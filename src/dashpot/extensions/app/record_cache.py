@@ -28,7 +28,7 @@ def relaxation(path: str, reading: ReadOptions, specimen: Specimen | None) -> Re
     """
     stated = specimen or Specimen()
     place = _place(path, reading, stated.temperature)
-    found = _kept(place)
+    found = _load_record(place)
     if found is None:
         asked = Specimen(temperature=stated.temperature)
         found = read_relaxation(path, options=reading, specimen=asked)
@@ -63,7 +63,7 @@ def _keep(place: Path, record: RelaxationTest) -> None:
     part.replace(place.with_suffix(".json"))
 
 
-def _kept(place: Path) -> RelaxationTest | None:
+def _load_record(place: Path) -> RelaxationTest | None:
     words = place.with_suffix(".json")
     if not words.exists():
         return None

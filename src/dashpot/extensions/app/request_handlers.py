@@ -15,8 +15,8 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DashpotError, DataError
-from dashpot.base.number_format import cell
-from dashpot.base.units import in_unit
+from dashpot.base.number_format import format_cell
+from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.relaxation import RampHold
@@ -31,13 +31,13 @@ from dashpot.reading.readers.relaxation import read_relaxation, relaxation_in
 from dashpot.registry import KINDS, asks_of
 from dashpot.report import first_screen
 from dashpot.report.page_frame import COLOURS
-from dashpot.report.summary import simulated
+from dashpot.report.summary import find_simulated_files
 from dashpot.vibration.systems.frf_prediction import highest_peak, predict_frf
 from dashpot.workflow.command_lines import FIT, line, predict_command
 from dashpot.workflow.inspections import InspectedFile, inspect_files
 from dashpot.workflow.job import Job
 from dashpot.workflow.recommendation import recommendation
-from dashpot.workflow.response.static_equilibrium import at_rest, family_checks
+from dashpot.workflow.response.static_equilibrium import family_checks, find_static_equilibrium
 
 HINT = (
     "Give the mass of the block and the number of seals: the hammer is then held against what the "
@@ -53,7 +53,7 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
     """What is in a file, and what it asks."""
     path = path_in(folder, request.get("file"))
     if path.suffix.lower() == ".toml":
-        return wire_format.packed(doors.row(path))
+        return wire_format.encode_message(doors.row(path))
     options = part(ReadOptions, request.get("options", {}), "options")
     job = Job(str(path), reading=options)
     # what is read and prepared here is what the fit asks for next
@@ -61,30 +61,32 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
         [path],
         options=options,
         read=lambda file: record_cache.keep(str(path), options, relaxation_in(file, Specimen())),
-        prepared=lambda *_: result_cache.prepared(
-            result_cache.of_test(job), result_cache.WHILE_HELD
+        prepared=lambda *_: result_cache.prepare_job_tests(
+            result_cache.select_test_choices(job), result_cache.WHILE_HELD
         )[0],
     ).files
     head = view_models.file_row(found)
     head["long"] = found.rows > result_cache.WHILE_HELD
-    head |= _beside(found.kind)
+    head |= _get_kind_fields(found.kind)
     if head["mark"] != "good" or view_models.place_of(found) in {"", "part"}:
-        head["asked"] = view_models.asked(found, _consequences(path, found, options))
-    return wire_format.packed({**head, "name": path.name})
+        head["asked"] = view_models.render_column_questions(
+            found, _consequences(path, found, options)
+        )
+    return wire_format.encode_message({**head, "name": path.name})
 
 
-def _beside(kind: str) -> dict[str, Any]:
+def _get_kind_fields(kind: str) -> dict[str, Any]:
     """What is asked beside a file, or, of one that may be taken as of another kind, then."""
     row = KINDS.get(kind)
     of = KINDS[row.also] if row is not None and row.also else row
     if of is None:
         return {"asks": [], "alone": False}
-    return {"asks": view_models.asks(asks_of(of.name)), "alone": of.alone}
+    return {"asks": view_models.make_form_fields(asks_of(of.name)), "alone": of.alone}
 
 
 def _consequences(
     path: Path, found: InspectedFile, options: ReadOptions
-) -> list[view_models.Consequence]:
+) -> list[view_models.UnitImplication]:
     """What the seal would be by each unit that a relaxation test could be in."""
     if found.kind not in ("relaxation", "unclear") or len(found.questions) != 1:
         return []
@@ -96,23 +98,25 @@ def _consequences(
         for unit in words:
             given = replace(options, units={**dict(options.units), role: unit})
             try:
-                test = prepare(result_cache.thinned(read_relaxation(path, options=given)))
+                test = prepare(result_cache.downsample_test(read_relaxation(path, options=given)))
                 solid = fit(test, arms=1, intervals=False).model
             except DashpotError:
                 continue
-            stiffness = in_unit(float(solid.relaxation(test.hold_time)), "N/mm")
+            stiffness = convert_to_unit(float(solid.relaxation(test.hold_time)), "N/mm")
             told.append(
-                view_models.Consequence(unit, f"{float(test.force.max()):.3g}", f"{stiffness:.3g}")
+                view_models.UnitImplication(
+                    unit, f"{float(test.force.max()):.3g}", f"{stiffness:.3g}"
+                )
             )
     return told
 
 
-def live(request: Mapping[str, Any], folder: Path) -> bytes:
+def preview_fit(request: Mapping[str, Any], folder: Path) -> bytes:
     """The point estimate while a handle is held: curves and numbers, no intervals."""
     job = job_of(request.get("job"), folder)
-    found = result_cache.held(result_cache.of_fit(job))
-    _, prepared = result_cache.shown(job, found, result_cache.HELD)
-    by_eq5 = result_cache.beside(job, found, result_cache.HELD)
+    found = result_cache.fit_while_dragging(result_cache.select_fit_choices(job))
+    _, prepared = result_cache.select_shown_test(job, found, result_cache.HELD)
+    by_eq5 = result_cache.fit_by_eq5(job, found, result_cache.HELD)
     given = request.get("since")
     since = None if given is None else number(given, "since")
     shown = view_models.live_test(
@@ -121,21 +125,23 @@ def live(request: Mapping[str, Any], folder: Path) -> bytes:
     head = {
         "beside": shown.words,
         "cuts": _cuts(prepared),
-        "end": view_models.at_end(found, prepared),
+        "end": view_models.format_end_stiffness(found, prepared),
         "left": shown.left,
     }
-    return wire_format.packed(head, shown.arrays)
+    return wire_format.encode_message(head, shown.arrays)
 
 
-def look(request: Mapping[str, Any], folder: Path) -> bytes:
+def preview_record(request: Mapping[str, Any], folder: Path) -> bytes:
     """The test as it was recorded, to look at while it is fitted; of a long one few samples."""
     job = job_of(request.get("job"), folder)
     most = result_cache.HELD if request.get("quick") is True else None
-    ready = result_cache.prepared(result_cache.of_test(job), most)[0]
-    return wire_format.packed({"panels": view_models.record_panels(ready, sizes_of(request))})
+    ready = result_cache.prepare_job_tests(result_cache.select_test_choices(job), most)[0]
+    return wire_format.encode_message(
+        {"panels": view_models.record_panels(ready, sizes_of(request))}
+    )
 
 
-def settle(request: Mapping[str, Any], folder: Path) -> bytes:
+def fit_with_intervals(request: Mapping[str, Any], folder: Path) -> bytes:
     """The fit with its intervals and checks, every panel of the test, and the command line.
 
     A `quick` one is of a part of the samples, to have something to look at meanwhile.
@@ -143,35 +149,39 @@ def settle(request: Mapping[str, Any], folder: Path) -> bytes:
     job = job_of(request.get("job"), folder)
     sizes = sizes_of(request)
     most = result_cache.WHILE_HELD if request.get("quick") is True else None
-    found = result_cache.fitted(result_cache.of_fit(job), True, most)
-    test, prepared = result_cache.shown(job, found, most)
-    by_eq5 = result_cache.beside(job, found, most)
-    whole = result_cache.whole(job, prepared)
+    found = result_cache.fit_job(result_cache.select_fit_choices(job), True, most)
+    test, prepared = result_cache.select_shown_test(job, found, most)
+    by_eq5 = result_cache.fit_by_eq5(job, found, most)
+    whole = result_cache.prepare_uncut_test(job, prepared)
     panels = view_models.test_panels(found, prepared, by_eq5, sizes, whole)
     checks = found.checks
     if job.mass is not None:
-        response = _predicted(found, job, _kind(request), REACH)
+        response = _predict_response(found, job, _kind(request), REACH)
         panels["frf"] = view_models.response_panel(
-            response, sizes, view_models.over(job, _kind(request))
+            response, sizes, view_models.format_response_title(job, _kind(request))
         )
-        rests = at_rest(found, mass=job.mass, seals=job.seals, compression=job.compression)
+        rests = find_static_equilibrium(
+            found, mass=job.mass, seals=job.seals, compression=job.compression
+        )
         checks += family_checks(found, rests.point, mass=job.mass, seals=job.seals)
-    return wire_format.packed(
+    return wire_format.encode_message(
         {
-            "verdict": view_models.verdict(found.verdict, view_models.lights_alone(found)),
+            "verdict": view_models.verdict(found.verdict, view_models.make_fit_lights(found)),
             "colour": COLOURS[found.verdict.use],
             "solid": view_models.arms_table(found),
             "checks": view_models.check_list(checks),
-            "beside": view_models.piece("beside", rows=view_models.beside(found, by_eq5)),
+            "beside": view_models.render_template(
+                "beside", rows=view_models.make_parameter_rows(found, by_eq5)
+            ),
             "panels": panels,
             "cuts": _cuts(prepared),
-            "pressed": _pressed(found, job, prepared),
-            "temperature": cell(test.specimen.temperature, "°C"),
+            "pressed": _format_compression(found, job, prepared),
+            "temperature": format_cell(test.specimen.temperature, "°C"),
             "clock": [float(test.time[0]), float(test.time[-1])],
             "step": float(np.median(np.diff(test.time))),
             "arms": found.model.arms if found.family == "maxwell" else "",
             "law": _law(found),
-            "end": view_models.at_end(found, prepared),
+            "end": view_models.format_end_stiffness(found, prepared),
             "simulated": test.source is not None and test.source.simulated,
             "command": line("report", job),
         }
@@ -185,13 +195,13 @@ def _law(found: Fit) -> str:
     return "linear" if found.elastic_law.kind == "linear" else "nonlinear"
 
 
-def _pressed(found: Fit, job: Job, prepared: RampHold) -> dict[str, str]:
+def _format_compression(found: Fit, job: Job, prepared: RampHold) -> dict[str, str]:
     """How far the mass presses the seals, mm, and what it says beside the test."""
-    depth = f"test at {cell(prepared.depth, 'mm')} mm"
+    depth = f"test at {format_cell(prepared.depth, 'mm')} mm"
     if job.mass is None or job.compression is not None:
         return {"value": "", "says": depth}
-    rests = at_rest(found, mass=job.mass, seals=job.seals)
-    return {"value": cell(rests.point.compression, "mm"), "says": f"by its weight; {depth}"}
+    rests = find_static_equilibrium(found, mass=job.mass, seals=job.seals)
+    return {"value": format_cell(rests.point.compression, "mm"), "says": f"by its weight; {depth}"}
 
 
 def _cuts(prepared: RampHold) -> dict[str, float]:
@@ -205,7 +215,7 @@ def _kind(request: Mapping[str, Any]) -> Kind:
     return Kind.TRANSMISSIBILITY if request.get("base") is True else Kind.ACCELERANCE
 
 
-def _predicted(found: Fit, job: Job, kind: Kind, about: FloatArray) -> FRF:
+def _predict_response(found: Fit, job: Job, kind: Kind, about: FloatArray) -> FRF:
     """The response on lines that are multiples of the highest frequency of its peak."""
     if job.mass is None:
         raise DataError("no mass is given: say what rests on the seals, such as 104 g")
@@ -220,11 +230,13 @@ def predict(request: Mapping[str, Any], folder: Path) -> bytes:
     """The response of the mass while it moves: a bare curve."""
     job = job_of(request.get("job"), folder)
     # of a long record a part says as much of a curve that moves
-    found = result_cache.fitted(
-        result_cache.of_fit(job), job.arms == "auto", result_cache.WHILE_HELD
+    found = result_cache.fit_job(
+        result_cache.select_fit_choices(job), job.arms == "auto", result_cache.WHILE_HELD
     )
-    shown = view_models.live_response(_predicted(found, job, _kind(request), LIVE_LINES))
-    return wire_format.packed({"peak": shown.words, "command": line("report", job)}, shown.arrays)
+    shown = view_models.live_response(_predict_response(found, job, _kind(request), LIVE_LINES))
+    return wire_format.encode_message(
+        {"peak": shown.words, "command": line("report", job)}, shown.arrays
+    )
 
 
 def study(request: Mapping[str, Any], folder: Path) -> bytes:
@@ -236,8 +248,11 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
     asks, solid = found.mass_inferred, found.joint or found.fit
     judged, said = (found.fit.checks, found.fit.verdict) if asks else (found.weighed, found.verdict)
     told = recommendation(found, asked=True)
-    lights = view_models.lights_alone(found.fit) if asks else first_screen.lights(found, told)
-    phase, title = request.get("phase") is True, view_models.over(job, _kind(request))
+    lights = view_models.make_fit_lights(found.fit) if asks else first_screen.lights(found, told)
+    phase, title = (
+        request.get("phase") is True,
+        view_models.format_response_title(job, _kind(request)),
+    )
     by_eq5 = found.hold_fit if solid is found.fit and solid.family == "maxwell" else None
     head: dict[str, Any] = {
         "verdict": view_models.verdict(said, lights, mass=view_models.mass_that_explains(found)),
@@ -253,10 +268,14 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
         "hit_panels": view_models.hit_panels(found, sizes),
         "hammer": view_models.hammer_line(found),
         "panels": view_models.test_panels(
-            solid, found.prepared, by_eq5, sizes, result_cache.whole(job, found.prepared)
+            solid,
+            found.prepared,
+            by_eq5,
+            sizes,
+            result_cache.prepare_uncut_test(job, found.prepared),
         ),
         "cuts": _cuts(found.prepared),
-        "simulated": bool(simulated(found)),
+        "simulated": bool(find_simulated_files(found)),
         "command": line("report", job),
     }
     if request.get("base") is True and found.mass is not None:
@@ -264,4 +283,4 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
         head["frf"] = view_models.base_panel(moved, joint, sizes, title)
         of = replace(job, mass=found.mass)
         head["command"] += "\n" + predict_command(of, moved.frf, "joint.json" if joint else FIT)
-    return wire_format.packed(head)
+    return wire_format.encode_message(head)

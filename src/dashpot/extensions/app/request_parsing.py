@@ -7,10 +7,10 @@ from dataclasses import Field, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
-from dashpot.base.choices import refuse_other
+from dashpot.base.choices import require_choice
 from dashpot.base.errors import DashpotError, DataError
-from dashpot.base.option_fields import names_files, texts_of
-from dashpot.base.units import si, si_range
+from dashpot.base.option_fields import is_path_field, texts_of
+from dashpot.base.units import convert_to_si, si_range
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.app.upload_store import path_in
 from dashpot.workflow.job import Job
@@ -37,16 +37,16 @@ def job_of(given: object, folder: Path) -> Job:
         raise DataError(f"a job has no '{min(strange)}'")
     if not asked.get("relaxation"):
         raise DataError("no relaxation test is open: open one first")
-    warmth = listed(asked, "temperatures")
+    warmth = get_list(asked, "temperatures")
     if "" in warmth:
         raise DataError(
             f"{warmth.count('')} of {len(warmth)} tests that are fitted together has no "
             "temperature: give every one its own, or none"
         )
-    return noun_of(Job, asked, folder)
+    return build_from_request(Job, asked, folder)
 
 
-def noun_of(kind: type[T], asked: Mapping[str, Any], folder: Path) -> T:
+def build_from_request(kind: type[T], asked: Mapping[str, Any], folder: Path) -> T:
     """Return a noun whose fields are declared options, of what a page says of them.
 
     Raises
@@ -66,7 +66,7 @@ def _value(one: Field[Any], asked: Mapping[str, Any], folder: Path) -> Any:
     if "part" in how:
         return part(how["part"], given, name)
     if isinstance(one.default, tuple):
-        return tuple(_single(one, each, folder) for each in listed(asked, name))
+        return tuple(_single(one, each, folder) for each in get_list(asked, name))
     if isinstance(one.default, bool):
         return given is True
     return one.default if given in (None, "") else _single(one, given, folder)
@@ -74,14 +74,14 @@ def _value(one: Field[Any], asked: Mapping[str, Any], folder: Path) -> Any:
 
 def _single(one: Field[Any], given: Any, folder: Path) -> Any:
     how, name = one.metadata, one.name
-    if names_files(one):
+    if is_path_field(one):
         return str(path_in(folder, given))
     if "ends" in how:
-        return _made(lambda text: si_range(text, how["unit"]), given, name)
+        return _convert_value(lambda text: si_range(text, how["unit"]), given, name)
     if "unit" in how:
         return quantity({name: given}, name, how["unit"])
     if "choices" in how:
-        refuse_other(name, given, how["choices"])
+        require_choice(name, given, how["choices"])
         return given
     if "least" in how:
         return arms_of(given)
@@ -90,7 +90,7 @@ def _single(one: Field[Any], given: Any, folder: Path) -> Any:
 
 def page_of(job: Job) -> dict[str, Any]:
     """Return the choices of a job as a page says them: what :func:`job_of` takes back exactly."""
-    said = said_of(job)
+    said = convert_to_request(job)
     specimen = said["specimen"]
     if "temperature" in specimen:
         said["temperatures"] = [specimen.pop("temperature")]
@@ -98,26 +98,26 @@ def page_of(job: Job) -> dict[str, Any]:
     return {name: said.pop(name) for name in beside} | {"job": said}
 
 
-def said_of(noun: Any) -> dict[str, Any]:
+def convert_to_request(noun: Any) -> dict[str, Any]:
     """Return what a noun says as a page says it, but for its files; of its parts no default."""
     said = {}
     for one in _fields(noun):
         value = getattr(noun, one.name)
         if "part" in one.metadata:
-            said[one.name] = _stated(value)
-        elif not names_files(one) and value not in (None, ""):
-            said[one.name] = _said(one, value)
+            said[one.name] = _get_changed_fields(value)
+        elif not is_path_field(one) and value not in (None, ""):
+            said[one.name] = _format_field(one, value)
     return said
 
 
-def _said(one: Field[Any], value: Any) -> Any:
+def _format_field(one: Field[Any], value: Any) -> Any:
     if "unit" not in one.metadata:
         return value
     texts = texts_of(one, value)
     return texts if isinstance(value, tuple) and "ends" not in one.metadata else texts[0]
 
 
-def _stated(noun: Any) -> dict[str, Any]:
+def _get_changed_fields(noun: Any) -> dict[str, Any]:
     """What a part of a job says that is not the default."""
     said = {}
     for one in fields(noun):
@@ -126,7 +126,7 @@ def _stated(noun: Any) -> dict[str, Any]:
             continue
         said[one.name] = dict(value) if one.name == "units" else value
         if isinstance(noun, Specimen):
-            said[one.name] = _said(one, value)
+            said[one.name] = _format_field(one, value)
     return said
 
 
@@ -149,7 +149,7 @@ def part(kind: type[T], given: object, name: str) -> T:
         for key, value in asked.items()
         if value not in (None, "")
     }
-    return _made(lambda them: kind(**them), stated, name)
+    return _convert_value(lambda them: kind(**them), stated, name)
 
 
 def _fields(noun: Any) -> tuple[Field[Any], ...]:
@@ -189,7 +189,7 @@ def deck_choices(request: Mapping[str, Any]) -> dict[str, Any]:
     band = request.get("range") or None
     return {
         "form": request.get("form") or None,
-        "frequency_range": _made(lambda text: si_range(text, "frequency"), band, "range"),
+        "frequency_range": _convert_value(lambda text: si_range(text, "frequency"), band, "range"),
         "seals": number(request.get("seals", 1.0), "seals"),
         "compression": quantity(request, "compression", "length"),
         "modulus": quantity(request, "modulus", "stress"),
@@ -211,7 +211,7 @@ def mapping(given: object, name: str) -> Mapping[str, Any]:
     return given
 
 
-def _made(make: Callable[[Any], T], given: Any, name: str) -> T:
+def _convert_value(make: Callable[[Any], T], given: Any, name: str) -> T:
     try:
         return make(given)
     except DashpotError:
@@ -220,7 +220,7 @@ def _made(make: Callable[[Any], T], given: Any, name: str) -> T:
         raise DataError(f"{name} = {given!r} is not of the kind expected") from None
 
 
-def listed(asked: Mapping[str, Any], name: str) -> list[Any]:
+def get_list(asked: Mapping[str, Any], name: str) -> list[Any]:
     """Return what must be a list; nothing is an empty one."""
     given = asked.get(name, [])
     if not isinstance(given, list):
@@ -235,7 +235,7 @@ def quantity(asked: Mapping[str, Any], name: str, dimension: Any) -> float | Non
         return None
     if not isinstance(given, str):
         raise DataError(f"{name} = {given!r}; expected a quantity with its unit, such as '104g'")
-    return si(given, dimension)
+    return convert_to_si(given, dimension)
 
 
 def number(given: object, name: str) -> float:

@@ -9,9 +9,9 @@ from functools import lru_cache
 from dashpot.base.errors import DashpotError, DataError, FitError
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
-from dashpot.datamodel.specimen import each_specimen
+from dashpot.datamodel.specimen import make_file_specimens
 from dashpot.extensions.app import record_cache
-from dashpot.fitting.relaxation import fit, followed
+from dashpot.fitting.relaxation import fit, refit_nearby
 from dashpot.vibration.systems.frf_prediction import highest_peak
 from dashpot.workflow.job import Cuts, Job, deciding
 from dashpot.workflow.prepare_tests import prepared_tests
@@ -32,18 +32,18 @@ test = lru_cache(KEPT)(record_cache.relaxation)
 def tests(job: Job) -> tuple[RelaxationTest, ...]:
     """The tests of a job, each with its own temperature where that is said."""
     files = job.relaxation, *job.further
-    each = each_specimen(job.specimen, job.temperatures, len(files))
+    each = make_file_specimens(job.specimen, job.temperatures, len(files))
     return tuple(test(file, job.reading, one) for file, one in zip(files, each, strict=True))
 
 
 @lru_cache(KEPT)
-def prepared(job: Job, most: int | None) -> tuple[RampHold, ...]:
+def prepare_job_tests(job: Job, most: int | None) -> tuple[RampHold, ...]:
     """The tests of a job, prepared; of each as many samples as there are, or `most`."""
     every = tests(job)
     if most is not None and all(len(test.time) <= most for test in every):
-        return prepared(job, None)
+        return prepare_job_tests(job, None)
     return prepared_tests(
-        [thinned(test, most) for test in every],
+        [downsample_test(test, most) for test in every],
         judged=most != HELD,
         filter=job.filter,
         machine=job.machine,
@@ -52,7 +52,7 @@ def prepared(job: Job, most: int | None) -> tuple[RampHold, ...]:
     )
 
 
-def thinned(test: RelaxationTest, most: int | None = WHILE_HELD) -> RelaxationTest:
+def downsample_test(test: RelaxationTest, most: int | None = WHILE_HELD) -> RelaxationTest:
     """The test with every second, third ... sample, so that at most so many are left."""
     step = 1 if most is None else -(-len(test.time) // most)
     if step == 1:
@@ -62,10 +62,10 @@ def thinned(test: RelaxationTest, most: int | None = WHILE_HELD) -> RelaxationTe
 
 
 @lru_cache(KEPT)
-def fitted(job: Job, intervals: bool, most: int | None) -> Fit:
+def fit_job(job: Job, intervals: bool, most: int | None) -> Fit:
     """The fit of a job's tests; with its intervals and checks if asked for."""
     return fit(
-        prepared(of_test(job), most),
+        prepare_job_tests(select_test_choices(job), most),
         arms=job.arms,
         method=job.method,
         law=job.law,
@@ -78,16 +78,16 @@ _before: dict[Job, Fit] = {}
 """Of each job without its cuts, the fit of the cut before."""
 
 
-def held(job: Job) -> Fit:
+def fit_while_dragging(job: Job) -> Fit:
     """The fit while a handle is held: of a linear solid the one next to that of the cut before."""
-    of, tests = replace(job, cuts=Cuts()), prepared(of_test(job), HELD)
+    of, tests = replace(job, cuts=Cuts()), prepare_job_tests(select_test_choices(job), HELD)
     near, found = _before.get(of), None
     if near is not None and len(tests) == 1 and _is_followed(near, job):
         with suppress(FitError):
-            found = followed(tests[0], near)
+            found = refit_nearby(tests[0], near)
     if len(_before) > KEPT:
         _before.clear()
-    _before[of] = found or fitted(job, job.arms == "auto", HELD)
+    _before[of] = found or fit_job(job, job.arms == "auto", HELD)
     return _before[of]
 
 
@@ -98,31 +98,33 @@ def _is_followed(near: Fit, job: Job) -> bool:
     return straight and near.method == job.method and near.model.arms == job.arms
 
 
-def beside(job: Job, found: Fit, most: int | None = None) -> Fit | None:
+def fit_by_eq5(job: Job, found: Fit, most: int | None = None) -> Fit | None:
     """The fit of eq. (5) with as many arms, of one test; None where it has nothing to say."""
     if found.family != "maxwell" or job.further:
         return None
-    by_eq5 = replace(of_test(job), arms=found.model.arms, method="hold")
+    by_eq5 = replace(select_test_choices(job), arms=found.model.arms, method="hold")
     try:
-        return held(by_eq5) if most == HELD else fitted(by_eq5, False, most)
+        return fit_while_dragging(by_eq5) if most == HELD else fit_job(by_eq5, False, most)
     except DashpotError:
         return None
 
 
-def shown(job: Job, found: Fit, most: int | None = None) -> tuple[RelaxationTest, RampHold]:
+def select_shown_test(
+    job: Job, found: Fit, most: int | None = None
+) -> tuple[RelaxationTest, RampHold]:
     """The test that is drawn: that of the temperature of the solid."""
-    ready = prepared(of_test(job), most)
+    ready = prepare_job_tests(select_test_choices(job), most)
     first = of_solid(found, ready)
     return tests(job)[first], ready[first]
 
 
-def whole(job: Job, prepared_one: RampHold) -> RampHold | None:
+def prepare_uncut_test(job: Job, prepared_one: RampHold) -> RampHold | None:
     """The test of a job to its last sample, for the eye, where its hold is cut by hand."""
     if job.cuts.hold_end is None or job.further:
         return None
-    uncut = replace(of_test(job), cuts=replace(job.cuts, hold_end=None))
+    uncut = replace(select_test_choices(job), cuts=replace(job.cuts, hold_end=None))
     try:
-        (found,) = prepared(uncut, WHILE_HELD)
+        (found,) = prepare_job_tests(uncut, WHILE_HELD)
     except DashpotError:
         return None
     return found if found.time[-1] > prepared_one.time[-1] else None
@@ -161,11 +163,11 @@ def base_motion(job: Job) -> Prediction:
     )
 
 
-def of_test(job: Job) -> Job:
+def select_test_choices(job: Job) -> Job:
     """What of a job decides the prepared test."""
     return deciding(job, "test")
 
 
-def of_fit(job: Job) -> Job:
+def select_fit_choices(job: Job) -> Job:
     """What of a job decides the fit of the relaxation test."""
     return deciding(job, "test", "fit")

@@ -22,10 +22,10 @@ from dashpot.base.errors import DashpotError, DataError
 from dashpot.extensions.app import session
 from dashpot.extensions.app.access_control import Guard
 from dashpot.extensions.app.live_recording import Live
-from dashpot.extensions.app.page_form import filled
-from dashpot.extensions.app.upload_store import Store, TooLargeError, clear_left
-from dashpot.extensions.app.words import on_page
-from dashpot.extensions.app.worker_pool import FaultError, Lane, StoppedError
+from dashpot.extensions.app.page_form import fill_form
+from dashpot.extensions.app.upload_store import Store, TooLargeError, remove_stale_stores
+from dashpot.extensions.app.words import format_for_page
+from dashpot.extensions.app.worker_pool import FaultError, StoppedError, WorkerProcess
 from dashpot.plot import style
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ GRACE = 1
 _KEPT = {"settle", "study", "bench", "level", "modes", "judged", "against"}
 
 
-class Desk:
+class AppContext:
     """What one server keeps: files, lanes, answers, and what the page last looked like.
 
     Parameters
@@ -66,7 +66,9 @@ class Desk:
 
     def __init__(self, files: Sequence[str | Path] = ()) -> None:
         self.store = Store()
-        self.lanes = {name: Lane(self.store.folder) for name in dict.fromkeys(LANES.values())}
+        self.lanes = {
+            name: WorkerProcess(self.store.folder) for name in dict.fromkeys(LANES.values())
+        }
         self.live = Live(self.store)
         self.answers: OrderedDict[str, bytes] = OrderedDict()
         places = [Path(path) for path in files]
@@ -78,7 +80,7 @@ class Desk:
             ],
             "folders": [str(one.resolve()) for one in places if one.is_dir()],
         }
-        if not places and (left := session.left()):
+        if not places and (left := session.get_saved_session()):
             self.state["left"] = left
 
     async def answer(self, verb: str, body: bytes) -> bytes:
@@ -153,25 +155,25 @@ def json_of(body: bytes) -> dict[str, Any]:
     return found
 
 
-def application(desk: Desk) -> Starlette:  # noqa: C901 -- a list of routes
+def application(desk: AppContext) -> Starlette:  # noqa: C901 -- a list of routes
     """Return the routes over a desk, without their guard."""
     from starlette.applications import Starlette
     from starlette.responses import JSONResponse, Response
     from starlette.routing import Route
 
     async def page(_: Request) -> Response:
-        return _sent(_static("index.html"), "text/html")
+        return _make_response(_static("index.html"), "text/html")
 
     async def static(request: Request) -> Response:
         name = request.path_params["name"]
         kind = _KINDS.get(name.rpartition(".")[2])
         if kind is None or name not in _names():
             return Response("there is no such file", status_code=404)
-        return _sent(_static(name), kind)
+        return _make_response(_static(name), kind)
 
     async def charts(_: Request) -> Response:
         script = _HOUSE.joinpath("plot", "charts.js").read_text("utf-8")
-        return _sent(script, _KINDS["js"])
+        return _make_response(script, _KINDS["js"])
 
     async def files(request: Request) -> Response:
         name = request.query_params.get("name", "file")
@@ -218,7 +220,9 @@ def application(desk: Desk) -> Starlette:  # noqa: C901 -- a list of routes
 
     async def sentence(_: Request, error: Exception) -> Response:
         codes: dict[type, int] = {TooLargeError: 413, StoppedError: 409, FaultError: 500}
-        return JSONResponse({"error": on_page(str(error))}, status_code=codes.get(type(error), 422))
+        return JSONResponse(
+            {"error": format_for_page(str(error))}, status_code=codes.get(type(error), 422)
+        )
 
     async def fault(_: Request, error: Exception) -> Response:
         words = f"a fault of dashpot's own: {type(error).__name__}; the shell's command says more"
@@ -253,13 +257,13 @@ def application(desk: Desk) -> Starlette:  # noqa: C901 -- a list of routes
     )
 
 
-def _recording(desk: Desk) -> list[Route]:
+def _recording(desk: AppContext) -> list[Route]:
     """The page that shows an instrument as it is read, and what it asks."""
     from starlette.responses import JSONResponse
     from starlette.routing import Route
 
     async def record_page(_: Request) -> Response:
-        return _sent(_static("record.html"), "text/html")
+        return _make_response(_static("record.html"), "text/html")
 
     async def recording(request: Request) -> Response:
         if request.method == "POST":
@@ -306,15 +310,15 @@ def _names() -> set[str]:
     return {one.name for one in _HOUSE.joinpath("extensions", "app", "static").iterdir()}
 
 
-def _sent(text: str, kind: str) -> Response:
+def _make_response(text: str, kind: str) -> Response:
     from starlette.responses import Response
 
     headers = {"content-encoding": "gzip"}
-    return Response(_packed(text), media_type=kind, headers=headers)
+    return Response(_compress_text(text), media_type=kind, headers=headers)
 
 
 @cache
-def _packed(text: str) -> bytes:
+def _compress_text(text: str) -> bytes:
     return gzip.compress(text.encode(), mtime=0)
 
 
@@ -322,7 +326,7 @@ def _static(name: str) -> str:
     text = _HOUSE.joinpath("extensions", "app", "static", name).read_text("utf-8")
     if name == "index.html":
         icons = _HOUSE.joinpath("report", "templates", "icons.html").read_text("utf-8")
-        return filled(text.replace("<!-- icons -->", icons))
+        return fill_form(text.replace("<!-- icons -->", icons))
     return f"{style.css()}\n{text}" if name == "app.css" else text
 
 
@@ -350,8 +354,8 @@ def serve(files: Sequence[str | Path] = (), *, port: int = 0, browser: bool = Tr
         listener.close()
         raise DataError(f"port {port} is taken; leave out --port to get a free one") from None
     taken = int(listener.getsockname()[1])
-    clear_left()
-    desk = Desk(files)
+    remove_stale_stores()
+    desk = AppContext(files)
     guarded = Guard(application(desk), port=taken)
     address = f"http://127.0.0.1:{taken}/?token={guarded.token}"
     print(address, flush=True)  # noqa: T201 -- the one line that a program may wait for

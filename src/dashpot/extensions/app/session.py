@@ -13,7 +13,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from dashpot.base.atomic import write_whole
+from dashpot.base.atomic import write_atomic
 from dashpot.base.errors import DashpotError
 from dashpot.extensions.app.recent import place_of
 from dashpot.extensions.app.upload_store import Store, path_in
@@ -33,7 +33,7 @@ def keep(state: dict[str, Any], store: Store) -> None:
         for name in names:
             _copy(path_in(store.folder, name), home / name)
         when = datetime.now(UTC).isoformat(timespec="seconds")
-        write_whole(place_of(_WORDS), json.dumps({"when": when, "state": state}).encode())
+        write_atomic(place_of(_WORDS), json.dumps({"when": when, "state": state}).encode())
         for one in home.iterdir():
             if one.name not in names:
                 shutil.rmtree(one, ignore_errors=True)
@@ -50,7 +50,7 @@ def _copy(file: Path, home: Path) -> None:
         shutil.copyfile(file, home / file.name)
 
 
-def left() -> dict[str, Any] | None:
+def get_saved_session() -> dict[str, Any] | None:
     """Return the names of its files, and when it was kept (UTC); None if none was left."""
     found = _read()
     if found is None:

@@ -11,7 +11,7 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.lock import alone
+from dashpot.base.lock import open_exclusive_lock
 
 LIMIT = 200 << 20
 """Bytes of one file, at most."""
@@ -39,7 +39,7 @@ class Store:
         self.folder = Path(folder or tempfile.mkdtemp(prefix=_NAMED))
         self._held = ExitStack()
         if folder is None:
-            self._held.enter_context(alone(self.folder / _LOCK, str(self.folder)))
+            self._held.enter_context(open_exclusive_lock(self.folder / _LOCK, str(self.folder)))
 
     async def keep(self, name: str, blocks: AsyncIterator[bytes], *, limit: int = LIMIT) -> str:
         """Write a file as it comes, and return its identity.
@@ -86,10 +86,10 @@ class Store:
         shutil.rmtree(self.folder, ignore_errors=True)
 
 
-def clear_left() -> None:
+def remove_stale_stores() -> None:
     """Remove what servers left that were killed together with all their workers."""
     for lock in Path(tempfile.gettempdir()).glob(f"{_NAMED}*/{_LOCK}"):
-        with suppress(DataError, OSError), alone(lock, ""):
+        with suppress(DataError, OSError), open_exclusive_lock(lock, ""):
             shutil.rmtree(lock.parent)
 
 

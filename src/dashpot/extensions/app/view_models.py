@@ -16,29 +16,36 @@ from dashpot import plot
 from dashpot.base import units
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict
-from dashpot.base.choices import Method, words
-from dashpot.base.form_fields import Ask
-from dashpot.base.number_format import cell, duration, rounded, seals, shown, symbol
-from dashpot.base.reported_values import UNKNOWN, Fact
+from dashpot.base.choices import Method, get_choice_values
+from dashpot.base.form_fields import FormField
+from dashpot.base.number_format import (
+    duration,
+    format_cell,
+    format_with_error,
+    round_to_error,
+    seals,
+    symbol,
+)
+from dashpot.base.reported_values import UNKNOWN, ReportedValue
 from dashpot.base.sentences import sentences
-from dashpot.base.units import Dimension, in_unit, read_in
+from dashpot.base.units import Dimension, convert_to_unit, get_display_unit
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.extensions.app.words import on_page
+from dashpot.extensions.app.words import format_for_page
 from dashpot.plot import relaxation
-from dashpot.plot.downsampling import extremes
+from dashpot.plot.downsampling import downsample_to_extremes
 from dashpot.plot.frf_figure import (
     SHOWN,
     Curve,
-    Spread,
+    PredictionBand,
     about_peaks,
     coherence_panels,
     curves_of,
     magnitude_panel,
+    make_prediction_bands,
     phase_panel,
     resonance_curves,
-    spreads,
 )
 from dashpot.plot.layout import ROW
 from dashpot.plot.picture import (
@@ -113,12 +120,12 @@ LIVE_POINTS = 240
 """Of a curve that follows a handle: more than a panel has px across a bend."""
 
 
-def piece(name: str, **values: Any) -> str:
+def render_template(name: str, **values: Any) -> str:
     """A piece of the page, from its template; whatever came from a file is escaped."""
     return str(environment("dashpot.extensions.app").get_template(f"{name}.html").render(values))
 
 
-def ready() -> None:
+def preload_templates() -> None:
     """Load every piece: who waits for the first plot waits for no template, and for no module."""
     for module in ("msgspec", "dashpot.reading.formats.text", "dashpot.plot.solid"):
         import_module(module)
@@ -130,7 +137,7 @@ def ready() -> None:
 # -- panels ---------------------------------------------------------------------------------------
 
 
-def drawn(
+def render_panels(
     name: str, panels: Panel | tuple[Panel, ...], sizes: Sizes, *, title: str = "", note: str = ""
 ) -> str:
     """Panels as the page has them: the key, then the drawing at the size of its place.
@@ -152,7 +159,7 @@ def drawn(
                            if one.label not in AT_ITS_LINE]  # fmt: skip
     samples = [(swatch(mark, name=f"{name}-k{i}"), mark.label) for i, mark in enumerate(key)]
     svg = strip(strip_of, name=name, width=max(width, NARROWEST), kind="figure")
-    return piece("figure", key=samples, svg=svg, title=title, note=note)
+    return render_template("figure", key=samples, svg=svg, title=title, note=note)
 
 
 def test_panels(
@@ -169,73 +176,73 @@ def test_panels(
     chosen = _shown_fit(fit, prepared)
     other = None
     if by_eq5 is not None and fit.method != "hold":
-        other = relaxation.DrawnFit(by_eq5, EQ5, *relaxation.fitted_force(by_eq5, prepared))
+        other = relaxation.PlottedFit(by_eq5, EQ5, *relaxation.fitted_force(by_eq5, prepared))
     ramp, hold, rest = relaxation.upon_panels(chosen, prepared, other=other, whole=whole)
     force, left = (one.y.label.rpartition(", ")[2] for one in (hold, rest))
-    said = _beside_noise(rest.note, prepared, left)
-    arms = _named(plot.spectrum(fit).panels[0], fit)
+    said = _format_noise_comparison(rest.note, prepared, left)
+    arms = _label_arms(plot.spectrum(fit).panels[0], fit)
     return {
-        "ramp": drawn("ramp", _in_short(ramp), sizes, title=f"Ramp, {force}"),
-        "hold": drawn(
-            "hold", (_in_short(hold), _in_short(rest)), sizes,
+        "ramp": render_panels("ramp", _shorten_key(ramp), sizes, title=f"Ramp, {force}"),
+        "hold": render_panels(
+            "hold", (_shorten_key(hold), _shorten_key(rest)), sizes,
             title=f"Hold, {force}; residual, {left}", note=said,
         ),
-        "spectrum": drawn(
-            "spectrum", _coloured(_in_short(arms), _ink(fit)), sizes,
+        "spectrum": render_panels(
+            "spectrum", _recolour_panel(_shorten_key(arms), _ink(fit)), sizes,
             title=f"{'Arms' if fit.family == 'maxwell' else 'Spectrum'}, "
             f"{arms.y.label.rpartition(', ')[2]}",
         ),
     }  # fmt: skip
 
 
-def _beside_noise(left: str, prepared: RampHold, unit: str) -> str:
+def _format_noise_comparison(left: str, prepared: RampHold, unit: str) -> str:
     """What is left of a force beside its noise, in the `unit` of the axis where it is that one."""
     noise, of = unit_of(np.array([prepared.force_noise]), "N")
-    scatter = rounded(of * prepared.force_noise, digits=2)
+    scatter = round_to_error(of * prepared.force_noise, digits=2)
     said = f"{left.removesuffix(noise).rstrip()}, noise {scatter}"
     return said if noise == unit else f"{said} {noise}"
 
 
 def record_panels(prepared: RampHold, sizes: Sizes) -> dict[str, str]:
     """Ramp and hold as they were recorded, where they will stand upon their fit."""
-    ramp, hold = map(_in_short, relaxation.record_panels(prepared))
+    ramp, hold = map(_shorten_key, relaxation.record_panels(prepared))
     rest = Panel(hold.x, Scale("residual", (0.0, 1.0), unnumbered=True), ())
     unit = ramp.y.label.rpartition(", ")[2]
     return {
-        "ramp": drawn("ramp", ramp, sizes, title=f"Ramp, {unit}"),
-        "hold": drawn("hold", (hold, rest), sizes, title=f"Hold, {unit}"),
+        "ramp": render_panels("ramp", ramp, sizes, title=f"Ramp, {unit}"),
+        "hold": render_panels("hold", (hold, rest), sizes, title=f"Hold, {unit}"),
     }
 
 
-def _shown_fit(fit: Fit, prepared: RampHold) -> relaxation.DrawnFit:
+def _shown_fit(fit: Fit, prepared: RampHold) -> relaxation.PlottedFit:
     """A fit with its curve, in the colour of its solid."""
-    chosen = relaxation.fitted(fit, (), prepared)[0]
+    chosen = relaxation.make_plotted_fits(fit, (), prepared)[0]
     return chosen._replace(pen=replace(chosen.pen, colour=_ink(fit)))
 
 
 def _ink(fit: Fit) -> str:
     """The colour of the solid: of the relaxation test alone, or of both tests."""
-    return "fit" if fit.method in words(Method) else "joint-ink"
+    return "fit" if fit.method in get_choice_values(Method) else "joint-ink"
 
 
-def _coloured(panel: Panel, colour: str) -> Panel:
+def _recolour_panel(panel: Panel, colour: str) -> Panel:
     """A panel whose marks of the fit have the colour of its solid."""
 
-    def own(mark: Mark) -> Mark:
+    def recolour_mark(mark: Mark) -> Mark:
         if isinstance(mark, (Dots, Tag)) and mark.colour == "fit":
             return replace(mark, colour=colour)
         if isinstance(mark, Line) and mark.pen.colour == "fit":
             return replace(mark, pen=replace(mark.pen, colour=colour))
         return mark
 
-    return replace(panel, marks=tuple(map(own, panel.marks)))
+    return replace(panel, marks=tuple(map(recolour_mark, panel.marks)))
 
 
-def _named(panel: Panel, fit: Fit) -> Panel:
+def _label_arms(panel: Panel, fit: Fit) -> Panel:
     """The spectrum of the arms alone, each named at its tip; k∞ stands in the table."""
     if fit.family != "maxwell" or not fit.model.arms:
         return panel
-    k = in_unit(np.array(fit.model.k), read_in(fit.unit)).tolist()
+    k = convert_to_unit(np.array(fit.model.k), get_display_unit(fit.unit)).tolist()
     tips = list(zip(fit.model.tau, k, strict=True))
     tags = [
         Tag(tau, tip, f"{symbol(f'tau_{j}')} {duration(tau)}", "fit", "filled")
@@ -253,7 +260,7 @@ def _named(panel: Panel, fit: Fit) -> Panel:
     )
 
 
-def _in_short(panel: Panel) -> Panel:
+def _shorten_key(panel: Panel) -> Panel:
     """The panel with a key of one line: beside its title each mark needs a word."""
     marks: list[Mark] = []
     for mark in panel.marks:
@@ -264,7 +271,7 @@ def _in_short(panel: Panel) -> Panel:
     return replace(panel, marks=tuple(marks))
 
 
-def over(job: Job, quantity: Kind) -> str:
+def format_response_title(job: Job, quantity: Kind) -> str:
     """What the panel of the response shows: the title of its place."""
     name = quantity.value.replace("_", " ").capitalize()
     return f"{name} of {weight(job)}, {SHOWN[quantity][0]}"
@@ -274,8 +281,8 @@ def response_panel(predicted: FRF, sizes: Sizes, title: str) -> str:
     """The predicted response before anything bounds it."""
     if predicted.quantity is Kind.TRANSMISSIBILITY:
         curve = Curve(predicted, "predicted from relaxation", PREDICTED)
-        return drawn("frf", magnitude_panel([curve]), sizes, title=title)
-    return drawn("frf", plot.resonance(None, predicted).panels[0], sizes, title=title)
+        return render_panels("frf", magnitude_panel([curve]), sizes, title=title)
+    return render_panels("frf", plot.resonance(None, predicted).panels[0], sizes, title=title)
 
 
 def study_panel(study: Study, sizes: Sizes, title: str, *, phase: bool = False) -> str:
@@ -294,7 +301,7 @@ def study_panel(study: Study, sizes: Sizes, title: str, *, phase: bool = False) 
     below: tuple[Panel, ...] = ()
     if phase:
         below = (phase_panel(curves, panel.x.limits), *_coherence(study, panel.x))
-    return drawn("frf", tuple(map(_in_short, (panel, *below))), sizes, title=title)
+    return render_panels("frf", tuple(map(_shorten_key, (panel, *below))), sizes, title=title)
 
 
 def _coherence(study: Study, frequency: Scale) -> tuple[Panel, ...]:
@@ -309,11 +316,11 @@ def _coherence(study: Study, frequency: Scale) -> tuple[Panel, ...]:
     )  # fmt: skip
 
 
-def _responses(study: Study) -> tuple[list[Curve], tuple[Spread, ...]]:
+def _responses(study: Study) -> tuple[list[Curve], tuple[PredictionBand, ...]]:
     """The curves of the tab's solid, the hammer's, and what the prediction leaves open."""
     joint, alone = study.joint_comparison, study.comparison
     if joint is None or alone is None or study.prediction is None:
-        return _predicted_curves(study), spreads(study.frf_band)[:1]
+        return _predicted_curves(study), make_prediction_bands(study.frf_band)[:1]
     failed = study.joint is not None and study.joint.verdict.use == "do not use"
     measured, relaxed, both = curves_of(alone, joint, failed=failed)
     if both.pen is JOINT:
@@ -331,9 +338,9 @@ def base_panel(found: Prediction, joint: bool, sizes: Sizes, title: str) -> str:
     pen, name = joint_pen(failed=False) if joint else (PREDICTED, "predicted from relaxation")
     panel = magnitude_panel([Curve(found.frf, name, pen, found.peak)], tagged=True)
     if found.isolation is not None:
-        said = f"less than its base above {rounded(found.isolation, digits=4)} Hz"
+        said = f"less than its base above {round_to_error(found.isolation, digits=4)} Hz"
         panel = replace(panel, marks=(*panel.marks, Rule(found.isolation, REF, label=said)))
-    return drawn("frf", panel, sizes, title=title)
+    return render_panels("frf", panel, sizes, title=title)
 
 
 def hit_panels(study: Study, sizes: Sizes) -> dict[str, str]:
@@ -346,7 +353,8 @@ def hit_panels(study: Study, sizes: Sizes) -> dict[str, str]:
     if chart is not None:
         found["poles"] = chart.panels[-1]
     return {
-        name: drawn(name, replace(_in_short(one), title=""), sizes) for name, one in found.items()
+        name: render_panels(name, replace(_shorten_key(one), title=""), sizes)
+        for name, one in found.items()
     }
 
 
@@ -355,7 +363,9 @@ def hammer_line(study: Study) -> str:
     if study.measured is None or not study.measured.hits:
         return ""
     accepted = sum(hit.accepted for hit in study.measured.hits)
-    peak = "" if study.comparison is None else f", {rounded(study.comparison.measured_hz)} Hz"
+    peak = (
+        "" if study.comparison is None else f", {round_to_error(study.comparison.measured_hz)} Hz"
+    )
     return f"{accepted} of {len(study.measured.hits)} hits{peak}"
 
 
@@ -392,24 +402,26 @@ def live_test(
     curves = {
         "ramp/fit": ramp,
         "hold/fit": (hold[0] + later, hold[1]),
-        "hold/mean": (when + later, in_unit(left, unit)),
+        "hold/mean": (when + later, convert_to_unit(left, unit)),
     }
     arrays: dict[str, FloatArray] = {}
     for name, (x, y) in curves.items():
         keep = np.unique(np.linspace(0, len(x) - 1, LIVE_POINTS).astype(int))
         arrays[f"{name}/x"], arrays[f"{name}/y"] = x[keep], y[keep]
-    rest = _beside_noise(relaxation.residual_panel(one, prepared).note, prepared, unit)
-    return LiveCurves(arrays, piece("beside", rows=beside(fit, by_eq5)), rest)
+    rest = _format_noise_comparison(relaxation.residual_panel(one, prepared).note, prepared, unit)
+    return LiveCurves(
+        arrays, render_template("beside", rows=make_parameter_rows(fit, by_eq5)), rest
+    )
 
 
-def at_end(fit: Fit, prepared: RampHold) -> tuple[str, str]:
+def format_end_stiffness(fit: Fit, prepared: RampHold) -> tuple[str, str]:
     """What the stiffness of one seal at the end of the hold is called, and how large it is."""
-    word, after = read_in(fit.unit), duration(prepared.hold_time).replace(".0 ", " ")
-    k = in_unit(float(fit.solid.relaxation(prepared.hold_time)), word)
-    return f"k after {after}", f"{rounded(k, digits=4)} {word}"
+    word, after = get_display_unit(fit.unit), duration(prepared.hold_time).replace(".0 ", " ")
+    k = convert_to_unit(float(fit.solid.relaxation(prepared.hold_time)), word)
+    return f"k after {after}", f"{round_to_error(k, digits=4)} {word}"
 
 
-def beside(fit: Fit, by_eq5: Fit | None) -> list[tuple[str, str, str, str]]:
+def make_parameter_rows(fit: Fit, by_eq5: Fit | None) -> list[tuple[str, str, str, str]]:
     """Name, value of the fit, value of eq. (5) and unit, of every parameter."""
     there = {}
     if by_eq5 is not None and fit.family != "fractional":
@@ -426,7 +438,8 @@ def live_response(predicted: FRF) -> LiveCurves:
     size = np.abs(predicted.value)
     top = int(size.argmax())
     words = (
-        f"{rounded(float(predicted.frequency[top]), digits=4)} Hz, {rounded(float(size[top]))} "
+        f"{round_to_error(float(predicted.frequency[top]), digits=4)} Hz, "
+        f"{round_to_error(float(size[top]))} "
         f"{SHOWN[predicted.quantity][0]}"
     )
     return LiveCurves({"frf/predicted/x": predicted.frequency, "frf/predicted/y": size}, words)
@@ -437,7 +450,9 @@ def live_response(predicted: FRF) -> LiveCurves:
 
 def verdict(found: Verdict, lights: Sequence[Light] = (), *, mass: str = "") -> str:
     """The verdict in colour and words, with its lights, and a mass, g, that would mend it."""
-    return piece("verdict", verdict=found, colour=COLOURS[found.use], lights=lights, mass=mass)
+    return render_template(
+        "verdict", verdict=found, colour=COLOURS[found.use], lights=lights, mass=mass
+    )
 
 
 def mass_that_explains(study: Study) -> str:
@@ -445,7 +460,13 @@ def mass_that_explains(study: Study) -> str:
     best = next(iter(study.joint.explanations), None) if study.joint else None
     if best is not None and best.explains:
         alone = best.name.split(" and ")[0] == "mass"
-        return rounded(in_unit(best.value, "g"), in_unit(best.standard_error, "g")) if alone else ""
+        return (
+            round_to_error(
+                convert_to_unit(best.value, "g"), convert_to_unit(best.standard_error, "g")
+            )
+            if alone
+            else ""
+        )
     shown = next((one for one in study.weighed if one.name == mass_line.name and one.failed), None)
     if (
         study.mass is None
@@ -455,10 +476,10 @@ def mass_that_explains(study: Study) -> str:
         or shown.value <= -1
     ):
         return ""
-    return rounded(in_unit(study.mass * (1 + shown.value), "g"), digits=4)
+    return round_to_error(convert_to_unit(study.mass * (1 + shown.value), "g"), digits=4)
 
 
-def lights_alone(fit: Fit) -> tuple[Light, ...]:
+def make_fit_lights(fit: Fit) -> tuple[Light, ...]:
     """What is known before the hammer is compared, or the limits are sought."""
     return (
         first_screen.test_light(fit.checks),
@@ -485,7 +506,7 @@ def terms(fit: Fit) -> list[Term]:
     return [term(one) for one in fit.known if not one.name.startswith("b_")]
 
 
-def term(fact: Fact) -> Term:
+def term(fact: ReportedValue) -> Term:
     """A number with the ends of its interval, and whether it is determined."""
     half = (fact.high - fact.low) / 2
     # known to half of itself is seen; beyond, it is not determined
@@ -505,7 +526,7 @@ class ArmRow(NamedTuple):
     note: str = ""
 
 
-def _among(tau: float, known: Iterable[float]) -> bool:
+def _is_near_any(tau: float, known: Iterable[float]) -> bool:
     return any(1 / ALIKE < tau / one < ALIKE for one in known)
 
 
@@ -526,15 +547,19 @@ def arms_table(fit: Fit, *, alone: Fit | None = None) -> str:
         facts = [known[one] for one in of if one in known]
         cells = [text for one in facts for text in (one.ends[0], _plus_minus(one))]
         marks = [term(one).mark for one in facts]
-        new = len(facts) > 1 and alone is not None and not _among(facts[1].value, alone.model.tau)
+        new = (
+            len(facts) > 1
+            and alone is not None
+            and not _is_near_any(facts[1].value, alone.model.tau)
+        )
         k, k_error, tau, tau_error = (*cells, "", "")[:4]
         mark = max(marks, key=first_screen.ORDER.index)
         rows.append(ArmRow(name, k, k_error, tau, tau_error, mark, "hammer" if new else ""))
     unit = known["k_inf"].word
-    return piece("arms", rows=rows, unit=unit, of=fit.identity)
+    return render_template("arms", rows=rows, unit=unit, of=fit.identity)
 
 
-def _plus_minus(fact: Fact) -> str:
+def _plus_minus(fact: ReportedValue) -> str:
     """The standard error of a number; its highest value where that is all that is known."""
     if fact.topped or fact.bound_alone:
         return f"≤ {fact.ends[2]}"
@@ -565,7 +590,7 @@ def term_table(title: str, found: Sequence[Term], more: str = "", *, of: str = "
         groups.append(
             (unit, [one._replace(pads=pads) for one, *pads in zip(rows, *columns, strict=True)])
         )
-    return piece("solid", title=title, groups=groups, more=more, of=of)
+    return render_template("solid", title=title, groups=groups, more=more, of=of)
 
 
 def _pads(texts: Sequence[str]) -> list[str]:
@@ -591,7 +616,9 @@ def check_list(checks: Sequence[Check]) -> str:
         if (count := sum(one[0] == mark for one in failed))
     ]
     grades.sort(key=lambda pair: -first_screen.ORDER.index(pair[0]))
-    return piece("checks", failed=failed, passed=passed, judged=passed + len(failed), grades=grades)
+    return render_template(
+        "checks", failed=failed, passed=passed, judged=passed + len(failed), grades=grades
+    )
 
 
 def _split(check: Check) -> tuple[str, str]:
@@ -609,7 +636,7 @@ def answers(study: Study, found: Recommendation) -> str:
     own = zip(found.one_seal, first_screen.rows(found.one_seal), strict=True)
     every.append(("One seal", [_shorter(*pair) for pair in own]))
     measured = study.comparison is not None
-    return piece(
+    return render_template(
         "answers", groups=every, measured=measured, ranged=True, told="Numbers", note=""
     )  # fmt: skip
 
@@ -620,7 +647,7 @@ def tells_more(study: Study, checks: Sequence[Check]) -> str:
     said = {one.remedy.words for one in checks if one.failed and one.remedy}
     if end is None or end.remedy in said:
         return ""
-    return piece("more", remedy=end.remedy, told=end.told(study.fit.unit))
+    return render_template("more", remedy=end.remedy, told=end.told(study.fit.unit))
 
 
 def groups(found: Sequence[Group], told: str, note: str) -> str:
@@ -628,7 +655,7 @@ def groups(found: Sequence[Group], told: str, note: str) -> str:
     every = [(one.title, one.rows) for one in found if one.rows]
     measured = any(row.measured for _, rows in every for row in rows)
     ranged = any(row.low or row.high for _, rows in every for row in rows)
-    return piece(
+    return render_template(
         "answers", groups=every, measured=measured, ranged=ranged, told=told, note=note
     )  # fmt: skip
 
@@ -640,7 +667,7 @@ def _shorter(one: Answer, row: Row) -> Row:
 
 def short_name(one: Answer) -> str:
     """A number's name that does not wrap beside its cells."""
-    at = "" if one.at is None else rounded(one.at)
+    at = "" if one.at is None else round_to_error(one.at)
     return {
         "frequency": "Frequency", "damping": "Damping", "peak": "Peak",
         "end of hold": f"k after {at.removesuffix('.0')} s", "dynamic stiffness": f"K′ at {at} Hz",
@@ -650,7 +677,7 @@ def short_name(one: Answer) -> str:
 
 def weight(job: Job) -> str:
     """What rests on how many seals."""
-    on = "the mass" if job.mass is None else shown(job.mass, "g", digits=4)
+    on = "the mass" if job.mass is None else format_with_error(job.mass, "g", digits=4)
     return f"{on} on {seals(job.seals)}"
 
 
@@ -658,7 +685,7 @@ def hit_table(study: Study) -> str:
     """Every hit with its pulse and its verdict; nothing where no hits were averaged."""
     if study.measured is None or not study.measured.hits:
         return ""
-    return piece("hits", hits=study.measured.hits, pulses=_pulses(study), size=PULSE)
+    return render_template("hits", hits=study.measured.hits, pulses=_pulses(study), size=PULSE)
 
 
 def _pulses(study: Study) -> dict[str, str]:
@@ -672,7 +699,7 @@ def _pulses(study: Study) -> dict[str, str]:
     for one in blocks:
         time = (np.arange(len(one.force)) - one.onset) / one.rate
         near = (time > -0.5 * longest) & (time < 2.5 * longest)
-        t, force = extremes(time[near], one.force[near], bins=width)
+        t, force = downsample_to_extremes(time[near], one.force[near], bins=width)
         x, y = width * (t / longest + 0.5) / 3, height * (1 - np.clip(force / top, -0.05, 1)) + 1
         found[one.name] = "M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(x, y, strict=True))
     return found
@@ -683,7 +710,7 @@ def place_of(found: InspectedFile) -> str:
     return KINDS[found.kind].place if found.kind in KINDS else ""
 
 
-def asks(fields: Sequence[Ask]) -> list[dict[str, Any]]:
+def make_form_fields(fields: Sequence[FormField]) -> list[dict[str, Any]]:
     """The fields that are asked beside a file, as the page draws them."""
     return [{"name": one.name, "label": one.label, "unit": one.unit, "choices": [*one.choices],
              "each": one.each} for one in fields]  # fmt: skip
@@ -694,16 +721,19 @@ def file_row(found: InspectedFile) -> dict[str, Any]:
     strange = _refusal(found) or _stranger(found)
     mark = "care" if found.questions else "bad" if strange else "good"
     return {
-        "kind": found.kind, "page": place_of(found), "line": on_page(_told(found)), "mark": mark,
+        "kind": found.kind,
+        "page": place_of(found),
+        "line": format_for_page(_format_file_line(found)),
+        "mark": mark,
         "simulated": found.simulated,
-    }  # fmt: skip
+    }
 
 
-def _told(found: InspectedFile) -> str:
+def _format_file_line(found: InspectedFile) -> str:
     ready = found.preparation
     if ready is not None:
-        ramp, hold = rounded(ready.ramp_time), rounded(ready.hold_time)
-        return f"{cell(ready.depth, 'mm')} mm, {ramp} s, {hold} s"
+        ramp, hold = round_to_error(ready.ramp_time), round_to_error(ready.hold_time)
+        return f"{format_cell(ready.depth, 'mm')} mm, {ramp} s, {hold} s"
     if found.questions:
         return "asks: " + ("a unit" if "--units" in found.questions[0].option else "a column")
     if place_of(found) in _ALONE:
@@ -736,7 +766,7 @@ def _stranger(found: InspectedFile) -> str:
     )
 
 
-class Consequence(NamedTuple):
+class UnitImplication(NamedTuple):
     """What the seal would be, were a column in this unit: its largest force and its stiffness."""
 
     unit: str
@@ -744,14 +774,14 @@ class Consequence(NamedTuple):
     stiffness: str
 
 
-def asked(found: InspectedFile, consequences: Sequence[Consequence]) -> str:
+def render_column_questions(found: InspectedFile, consequences: Sequence[UnitImplication]) -> str:
     """The first rows with roles and units to choose, and what is to be answered."""
     words: dict[str, list[str]] = {}
     for unit in units.TABLE.values():
         if unit.dimension in ASKED:
             words.setdefault(unit.dimension, []).append(unit.word)
-    return piece(
+    return render_template(
         "asked", file=found, heading=_heading(found), stranger=_stranger(found), roles=ROLES,
-        units=words, consequences=consequences, on_page=on_page,
+        units=words, consequences=consequences, on_page=format_for_page,
         rows=list(zip(*(column.first for column in found.columns), strict=False)),
     )  # fmt: skip

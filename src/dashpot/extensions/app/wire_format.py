@@ -21,10 +21,12 @@ from dashpot.base.arrays import FloatArray
 _LENGTH = struct.Struct("<I")
 
 
-def packed(head: Mapping[str, Any], arrays: Mapping[str, FloatArray] | None = None) -> bytes:
+def encode_message(
+    head: Mapping[str, Any], arrays: Mapping[str, FloatArray] | None = None
+) -> bytes:
     """Return a message; what is no number in JSON is null in the head and NaN in an array.
 
-    >>> unpacked(packed({"a": 1}, {"x": np.array([1.0, 2.0])}))[1]["x"].tolist()
+    >>> decode_message(encode_message({"a": 1}, {"x": np.array([1.0, 2.0])}))[1]["x"].tolist()
     [1.0, 2.0]
     """
     places, parts, at = {}, [], 0
@@ -39,7 +41,7 @@ def packed(head: Mapping[str, Any], arrays: Mapping[str, FloatArray] | None = No
     return b"".join((_LENGTH.pack(len(text)), text, *parts))
 
 
-def unpacked(message: bytes) -> tuple[dict[str, Any], dict[str, FloatArray]]:
+def decode_message(message: bytes) -> tuple[dict[str, Any], dict[str, FloatArray]]:
     """Return head and arrays of a message."""
     (length,) = _LENGTH.unpack_from(message)
     head = json.loads(message[_LENGTH.size : _LENGTH.size + length])
@@ -48,7 +50,7 @@ def unpacked(message: bytes) -> tuple[dict[str, Any], dict[str, FloatArray]]:
     return head, {name: rest[at : at + count] for name, (at, count) in places.items()}
 
 
-def framed(kind: str, body: bytes) -> bytes:
+def encode_frame(kind: str, body: bytes) -> bytes:
     """Return a body as one frame of a pipe: its kind, of one letter, its length, itself."""
     return kind.encode() + _LENGTH.pack(len(body)) + body
 

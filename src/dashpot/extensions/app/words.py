@@ -10,12 +10,12 @@ _BRACKETS = re.compile(r"\s*\([^()]*\)")
 _PARTS = re.compile(r"(; |: |\. )")
 
 
-def on_page(sentence: str) -> str:
+def format_for_page(sentence: str) -> str:
     """Return a refusal without what only a command line or Python can heed.
 
-    >>> on_page("no unit of force; add --units force=N, or write it into the header")
+    >>> format_for_page("no unit of force; add --units force=N, or write it into the header")
     'no unit of force'
-    >>> on_page("widen --band")
+    >>> format_for_page("widen --band")
     'widen the choice on this page'
     """
     if not _OPTION.search(sentence):

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from dashpot.base.errors import DashpotError, DataError
-from dashpot.base.subprocesses import end_group, interpreter, long_lived
+from dashpot.base.subprocesses import get_long_lived_env, interpreter, stop_process_group
 from dashpot.extensions.app import wire_format
 
 
@@ -21,7 +21,7 @@ class FaultError(DashpotError):
     """A fault of dashpot's own."""
 
 
-class Lane:
+class WorkerProcess:
     """One worker, one question at a time; started when first asked, and anew once it was cancelled.
 
     Parameters
@@ -84,7 +84,7 @@ class Lane:
             self._process = await asyncio.create_subprocess_exec(
                 *interpreter("dashpot.extensions.app.worker_process"), str(self._folder),
                 stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
-                env=long_lived(), start_new_session=True,
+                env=get_long_lived_env(), start_new_session=True,
             )  # fmt: skip
         return self._process
 
@@ -92,16 +92,16 @@ class Lane:
         """Start anew, so that the modules are there when the next question comes."""
         if not self._left:
             await self.start()
-        self._end_if_left()
+        self._end_if_closed()
 
-    def _end_if_left(self) -> None:
+    def _end_if_closed(self) -> None:
         if self._left:  # meanwhile
             self.end()
 
     async def _answer(self, process: asyncio.subprocess.Process, verb: str, request: Any) -> bytes:
         assert process.stdin is not None and process.stdout is not None  # noqa: PT018, S101
         question = json.dumps({"verb": verb, "request": request}).encode()
-        process.stdin.write(wire_format.framed("q", question))
+        process.stdin.write(wire_format.encode_frame("q", question))
         await process.stdin.drain()
         while True:
             kind, length = wire_format.frame_head(
@@ -129,7 +129,7 @@ class Lane:
     def end(self) -> None:
         """End the worker, whatever it does."""
         if self._process is not None and self._process.returncode is None:
-            end_group(self._process.pid)
+            stop_process_group(self._process.pid)
 
     def leave(self) -> None:
         """End the worker, and start no other for who still waits."""

@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from dashpot.base.errors import DashpotError
-from dashpot.base.progress import listening
-from dashpot.base.subprocesses import end_group, give_back
+from dashpot.base.progress import set_progress_listener
+from dashpot.base.subprocesses import stop_process_group, trim_memory
 from dashpot.extensions.app import wire_format
 
 LARGE = 200 << 20
@@ -37,13 +37,13 @@ def main() -> None:
     from dashpot.extensions.app.handler_registry import (
         VERBS,  # the imports are what makes a worker worth keeping
     )
-    from dashpot.extensions.app.view_models import ready
+    from dashpot.extensions.app.view_models import preload_templates
 
     if questions.empty():
-        ready()
+        preload_templates()
     while True:
         _answer(VERBS, questions.get(), folder, answers)
-        give_back(LARGE)
+        trim_memory(LARGE)
 
 
 def _listen(source: BinaryIO, questions: queue.Queue[bytes], folder: Path) -> None:
@@ -51,7 +51,7 @@ def _listen(source: BinaryIO, questions: queue.Queue[bytes], folder: Path) -> No
         _, length = wire_format.frame_head(head)
         questions.put(source.read(length))
     shutil.rmtree(folder, ignore_errors=True)
-    end_group(os.getpid())
+    stop_process_group(os.getpid())
     os._exit(0)
 
 
@@ -59,11 +59,11 @@ def _answer(verbs: Any, question: bytes, folder: Path, answers: BinaryIO) -> Non
     asked = json.loads(question)
 
     def send(kind: str, body: bytes) -> None:
-        answers.write(wire_format.framed(kind, body))
+        answers.write(wire_format.encode_frame(kind, body))
         answers.flush()
 
     try:
-        with listening(lambda what: send("p", what.encode())):
+        with set_progress_listener(lambda what: send("p", what.encode())):
             send("d", verbs[asked["verb"]](asked["request"], folder))
     except DashpotError as error:
         send("e", str(error).encode())

@@ -20,7 +20,7 @@ SURE = 0.95
 """Probability with which a seal that passes keeps the limit (ISO 14253-1:2017)."""
 
 
-class Decided(NamedTuple):
+class SealDecision(NamedTuple):
     """What the limits make of one seal.
 
     Attributes
@@ -49,7 +49,7 @@ class Decided(NamedTuple):
         return f"inside the limits by less than its guard band, {guard}"
 
 
-def judged(lot: Lot, limits: Limits) -> tuple[Decided, ...]:
+def judged(lot: Lot, limits: Limits) -> tuple[SealDecision, ...]:
     r"""Return what limits make of every seal that was tested, in the order of lot and seal.
 
     The guard band is :math:`t_{0.95,\nu}\,u`, the decision rule of ISO 14253-1, with the standard
@@ -58,7 +58,7 @@ def judged(lot: Lot, limits: Limits) -> tuple[Decided, ...]:
     it is not known, and a seal passes inside the limits.
     """
     seals = lot.seals(limits.quantity.column)
-    deviation, freedom = _pooled(seals)
+    deviation, freedom = _compute_pooled_deviation(seals)
     between = _between_operators(lot, limits.quantity.column)
     found = []
     for one in seals:
@@ -67,14 +67,14 @@ def judged(lot: Lot, limits: Limits) -> tuple[Decided, ...]:
             own = math.hypot(deviation / math.sqrt(len(one.values)), between)
             guard = t_quantile(2 * SURE - 1, freedom) * own
         found.append(
-            Decided(one.lot, one.name, _decision(limits, one.mean, guard), one.mean, guard)
+            SealDecision(one.lot, one.name, _decision(limits, one.mean, guard), one.mean, guard)
         )
     known = {(one.lot, one.name) for one in seals}
-    lost = (key for key in _tested(lot) if key not in known)
-    return (*found, *(Decided(of, seal, "no result", None, None) for of, seal in lost))
+    lost = (key for key in _find_tested_seals(lot) if key not in known)
+    return (*found, *(SealDecision(of, seal, "no result", None, None) for of, seal in lost))
 
 
-def _tested(lot: Lot) -> dict[tuple[str, str], None]:
+def _find_tested_seals(lot: Lot) -> dict[tuple[str, str], None]:
     """Lot and name of every seal; a file that nobody named and that has no fit need not be one."""
     rows = lot.table.select("lot", "seal", "file", "outcome").iter_rows()
     return {(of, seal or file): None for of, seal, file, end in rows if seal or end == "fitted"}
@@ -86,7 +86,7 @@ def _decision(limits: Limits, value: float, guard: float | None) -> Decision:
     return "pass" if limits.inside(value, guard or 0.0) else "not proven"
 
 
-def _pooled(seals: Sequence[Seal]) -> tuple[float, int]:
+def _compute_pooled_deviation(seals: Sequence[Seal]) -> tuple[float, int]:
     """Standard deviation of repeats, and its degrees of freedom."""
     freedom = sum(len(one.values) - 1 for one in seals)
     squares = sum(float(np.sum((one.values - one.mean) ** 2)) for one in seals)

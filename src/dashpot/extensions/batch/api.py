@@ -14,7 +14,7 @@ from dashpot.base.units import Quantity
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from dashpot.extensions.batch.arrays.fit_many import Many
+    from dashpot.extensions.batch.arrays.fit_many import BatchFit
     from dashpot.extensions.batch.comparison import LotComparison
     from dashpot.extensions.batch.lot import Lot
 
@@ -53,7 +53,7 @@ def batch(
     arms: int = ...,
     method: Method = ...,
     errors: bool = ...,
-) -> Many: ...
+) -> BatchFit: ...
 def batch(what: Any, /, **how: Any) -> Any:
     """Fit every test in files and folders, one row each; or many records on one clock at once.
 
@@ -115,7 +115,7 @@ def _arrays(
     displacement: Any = None,
     ramp: tuple[float, float] | None = None,
     **how: Any,
-) -> Many:
+) -> BatchFit:
     from dashpot.base.array_units import arrays_in_si
     from dashpot.extensions.batch.arrays.fit_many import fit_many
 

@@ -11,8 +11,8 @@ from typing import Any, Literal
 
 from dashpot.base.choices import Method
 from dashpot.base.errors import DataError
-from dashpot.base.option_fields import like, option, part
-from dashpot.base.units import Dimension, Quantity, si, si_fields
+from dashpot.base.option_fields import copy_option, make_nested_options, option
+from dashpot.base.units import Dimension, Quantity, convert_to_si, si_fields
 from dashpot.reading.raw_file import open_raw
 from dashpot.reading.read_options import ReadOptions
 from dashpot.workflow.job import Job
@@ -24,7 +24,7 @@ MOST_ARMS = 6
 def several(given: Quantity | Sequence[Quantity], dimension: Dimension) -> tuple[float, ...]:
     """Return one quantity or several in SI."""
     quantities = [given] if isinstance(given, str | float | int) else given
-    return tuple(si(one, dimension) for one in quantities)
+    return tuple(convert_to_si(one, dimension) for one in quantities)
 
 
 def _positive(name: str, value: float, unit: str = "", *, expected: str = "a number") -> None:
@@ -33,7 +33,7 @@ def _positive(name: str, value: float, unit: str = "", *, expected: str = "a num
 
 
 @dataclass(frozen=True)
-class BatchChoices:
+class BatchOptions:
     """How every test of a batch is read and fitted.
 
     Attributes
@@ -61,15 +61,15 @@ class BatchChoices:
         Of an indenter's tip, m: a hit then has a modulus.
     """
 
-    arms: int | Literal["auto"] = like(Job, "arms")
-    method: Method = like(Job, "method")
+    arms: int | Literal["auto"] = copy_option(Job, "arms")
+    method: Method = copy_option(Job, "method")
     quick: bool = option(False, "No intervals; needs a number of --arms.", is_flag=True)
-    mass: float | None = like(
+    mass: float | None = copy_option(
         Job, "mass", help="Mass of the block or indenter: adds its frequency."
     )
-    seals: float = like(Job, "seals")
-    reading: ReadOptions = part(ReadOptions)
-    reading_impact: ReadOptions = part(ReadOptions)
+    seals: float = copy_option(Job, "seals")
+    reading: ReadOptions = make_nested_options(ReadOptions)
+    reading_impact: ReadOptions = make_nested_options(ReadOptions)
     joint: bool = option(False, "One solid for a test and its hammer.", is_flag=True)
     at: tuple[float, ...] = option(
         (),
@@ -114,13 +114,13 @@ class BatchChoices:
         return self.reading.without(("modulus",))
 
     @staticmethod
-    def from_plain(plain: dict[str, Any]) -> BatchChoices:
+    def from_plain(plain: dict[str, Any]) -> BatchOptions:
         """From what JSON held of them."""
         options = {
             name: ReadOptions(**(plain[name] | {"units": dict(plain[name]["units"])}))
             for name in ("reading", "reading_impact")
         }
-        return BatchChoices(**(plain | options))
+        return BatchOptions(**(plain | options))
 
     def calibration(self) -> str:
         """The hash of the calibration that the readings are turned by; empty without one."""

@@ -14,27 +14,27 @@ from typing import Any, Literal
 
 from dashpot.base.choices import Method
 from dashpot.base.errors import ExportError
-from dashpot.base.lock import alone
-from dashpot.base.progress import doing
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import Quantity, si
-from dashpot.extensions.batch.batch_options import BatchChoices, several
-from dashpot.extensions.batch.executors import engine
-from dashpot.extensions.batch.input_files import LOG, Entry, entries
+from dashpot.base.lock import open_exclusive_lock
+from dashpot.base.progress import send_progress
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import Quantity, convert_to_si
+from dashpot.extensions.batch.batch_options import BatchOptions, several
+from dashpot.extensions.batch.executors import open_executor
+from dashpot.extensions.batch.input_files import LOG, Entry, find_entries
 from dashpot.extensions.batch.limits import Limits
 from dashpot.extensions.batch.lot import Lot
 from dashpot.extensions.batch.parquet_parts import (
     SMALL,
     Task,
+    build_row_frame,
     claim,
-    framed,
     keys_done,
     polars,
     table,
     tasks,
     write_part,
 )
-from dashpot.extensions.batch.process_pool import Engine, Rows
+from dashpot.extensions.batch.process_pool import Executor, Rows
 from dashpot.extensions.batch.table_row import row
 from dashpot.reading.read_options import ReadOptions
 
@@ -57,7 +57,7 @@ class BatchJob:
 
     paths: tuple[str | Path, ...]
     output: Path
-    choices: BatchChoices
+    choices: BatchOptions
     by: str | None = None
     manifest: str | Path | None = None
     pair: str | None = None
@@ -68,21 +68,21 @@ class BatchJob:
 
     def entries(self, *, growing: bool = False) -> tuple[Entry, ...]:
         """The tests that are there now; where more are to come, none is no error."""
-        return entries(
+        return find_entries(
             self.paths, manifest=self.manifest, by=self.by, pair=self.pair, without=self.output,
             growing=growing,
         )  # fmt: skip
 
     def tasks(self) -> tuple[Task, ...]:
         """The rows that are asked for."""
-        doing("finding the files")
+        send_progress("finding the files")
         found = self.entries()
-        doing(f"hashing the files of {len(found)} tests")
+        send_progress(f"hashing the files of {len(found)} tests")
         return tasks(found, self.choices)
 
 
 @dataclass(frozen=True)
-class BatchPlan(Documented):
+class BatchPlan(Serialisable):
     """What a batch would do.
 
     Attributes
@@ -185,11 +185,20 @@ def batch(
     ExportError
         If `output` holds something else, or polars is missing.
     """
-    choices = BatchChoices(
-        arms, method, quick, si(mass, "mass"), seals, options or ReadOptions(),
-        impact_options or ReadOptions(), joint, several(at, "frequency"),
-        several(compression, "length"), si(length, "length"), si(radius, "length"),
-    )  # fmt: skip
+    choices = BatchOptions(
+        arms,
+        method,
+        quick,
+        convert_to_si(mass, "mass"),
+        seals,
+        options or ReadOptions(),
+        impact_options or ReadOptions(),
+        joint,
+        several(at, "frequency"),
+        several(compression, "length"),
+        convert_to_si(length, "length"),
+        convert_to_si(radius, "length"),
+    )
     every = (paths,) if isinstance(paths, str | Path) else tuple(paths)
     with _folder(output) as folder:
         return run_batch(BatchJob(every, folder, choices, by, manifest, pair, jobs, scheduler))
@@ -198,26 +207,26 @@ def batch(
 def run_batch(job: BatchJob) -> Lot:
     """Make the rows of a batch that are missing, and return all."""
     polars()
-    engine(job.jobs, job.scheduler)  # refuses what makes no sense before anything is written
+    open_executor(job.jobs, job.scheduler)  # refuses what makes no sense before anything is written
     asked = job.tasks()
-    with occupied(job.output):
-        return completed(job, asked)
+    with lock_results_folder(job.output):
+        return compute_missing_rows(job, asked)
 
 
 @contextmanager
-def occupied(folder: Path) -> Iterator[None]:
+def lock_results_folder(folder: Path) -> Iterator[None]:
     """Make the folder of the results, and keep others out of it."""
     claim(folder)
-    with alone(folder / _LOCK, str(folder)):
+    with open_exclusive_lock(folder / _LOCK, str(folder)):
         yield
 
 
-def completed(job: BatchJob, asked: Sequence[Task]) -> Lot:
+def compute_missing_rows(job: BatchJob, asked: Sequence[Task]) -> Lot:
     """Make of the rows asked for those that are missing, in a folder that is occupied."""
     missing = _missing(asked, job.output)
     if missing:
         try:
-            with engine(job.jobs, job.scheduler) as made:
+            with open_executor(job.jobs, job.scheduler) as made:
                 _compute(missing, job.choices, job.output, made)
         except (KeyboardInterrupt, OSError) as error:
             made_now = len(missing) - len(_missing(missing, job.output))
@@ -240,16 +249,16 @@ def plan_batch(job: BatchJob) -> BatchPlan:
         As :func:`batch`.
     """
     polars()
-    made, asked = engine(job.jobs, job.scheduler), job.tasks()
+    made, asked = open_executor(job.jobs, job.scheduler), job.tasks()
     missing = _missing(asked, job.output)
     with made as making:
         chunks = len(_chunks(missing, making.side))
-    each = _seconds_each(missing[:_TIMED], job.choices)
+    each = _estimate_seconds_per_row(missing[:_TIMED], job.choices)
     seconds = each * len(missing) / min(making.at_once, max(chunks, 1))
     return BatchPlan(len(asked), len(asked) - len(missing), chunks, seconds, making.side)
 
 
-def _seconds_each(some: Sequence[Task], choices: BatchChoices) -> float:
+def _estimate_seconds_per_row(some: Sequence[Task], choices: BatchOptions) -> float:
     if not some:
         return 0.0
     row(some[0].entry, some[0].hashes, choices)  # what is imported once does not count
@@ -285,12 +294,12 @@ def _chunks(missing: Sequence[Task], jobs: int) -> list[tuple[Task, ...]]:
     return found
 
 
-def _compute(missing: Sequence[Task], choices: BatchChoices, folder: Path, by: Engine) -> None:
+def _compute(missing: Sequence[Task], choices: BatchOptions, folder: Path, by: Executor) -> None:
     chunks, done, began = _chunks(missing, by.side), 0, time.monotonic()
-    doing(f"{len(missing)} tests in {len(chunks)} chunks")
+    send_progress(f"{len(missing)} tests in {len(chunks)} chunks")
     first = (0, 0.0)
     for number, (chunk, rows) in enumerate(by.computed(chunks, choices), start=1):
-        path = write_part(folder, framed(rows, choices))
+        path = write_part(folder, build_row_frame(rows, choices))
         done += len(chunk)
         now = done, max(time.monotonic() - began, 1e-6)
         first = now if number == 1 else first
@@ -298,8 +307,8 @@ def _compute(missing: Sequence[Task], choices: BatchChoices, folder: Path, by: E
         told = f"{done} of {len(missing)} tests, {pace:.1f} tests/s"
         if done < len(missing):
             told += f", {(len(missing) - done) / pace:.0f} s left"
-        doing(told)
-        noted(folder, f"{path.name} {_counted(rows)}; {told}")
+        send_progress(told)
+        append_log_line(folder, f"{path.name} {_format_outcome_counts(rows)}; {told}")
 
 
 def rate(first: tuple[int, float], now: tuple[int, float], chunks: int, side: int) -> float:
@@ -313,12 +322,12 @@ def rate(first: tuple[int, float], now: tuple[int, float], chunks: int, side: in
     return (now[0] - first[0]) / max(now[1] - first[1], 1e-6)
 
 
-def noted(folder: Path, what: str) -> None:
+def append_log_line(folder: Path, what: str) -> None:
     """Add a line to the log."""
     with (folder / LOG).open("a", encoding="utf-8") as log:
         log.write(f"{dt.datetime.now(dt.UTC).isoformat(timespec='seconds')} {what}\n")
 
 
-def _counted(rows: Rows) -> str:
+def _format_outcome_counts(rows: Rows) -> str:
     counts: Counter[Any] = Counter(one["outcome"] for one in rows)
     return ", ".join(f"{count} {outcome}" for outcome, count in counts.most_common())

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from dashpot.base.checks import Finding, Grade, Remedy, criterion
-from dashpot.base.number_format import counted
-from dashpot.extensions.batch.statistics.control_chart import by_chance
+from dashpot.base.number_format import format_count
+from dashpot.extensions.batch.statistics.control_chart import compute_chance_limit
 from dashpot.extensions.batch.statistics.gauge_rr import LIMIT, TRUSTED, Gauge
 from dashpot.extensions.batch.statistics.process_capability import Capability
 from dashpot.extensions.batch.statistics.variance_components import NOT_NORMAL
@@ -49,7 +49,7 @@ def hammers_compared(without: int, paired: int) -> Finding:
 def tests_alike(unlike: int, tests: int) -> Finding:
     """Tests of a lot have one hold and depth, within 5 %, and one temperature, within 3 K."""
     return Finding(
-        f"{counted(tests, 'seal')} tested alike",
+        f"{format_count(tests, 'seal')} tested alike",
         unlike,
         "The statistics leave those out, and the page names them",
         "Test every seal alike.",
@@ -102,15 +102,16 @@ def charts_in_control(charts: Sequence[tuple[str, int, int, int]]) -> Finding:
     Of each kind of chart what its points are, and how many causes, points that break a rule, and
     points there are: lots among themselves are judged apart from the seals of a lot.
     """
-    what, causes, points, of = max(charts, key=lambda one: one[2] / by_chance(one[3]))
+    what, causes, points, of = max(charts, key=lambda one: one[2] / compute_chance_limit(one[3]))
     if not points:
         return Finding(f"No point of {sum(one[3] for one in charts)} breaks a rule of control", 0)
     return Finding(
-        f"{points} of {of} points of {what} break a rule of control, in {counted(causes, 'cause')}",
+        f"{points} of {of} points of {what} break a rule of control, in "
+        f"{format_count(causes, 'cause')}",
         points,
         "Chance does not do that",
         "Look at the chart: something changed.",
-        limit=by_chance(of),
+        limit=compute_chance_limit(of),
     )
 
 
@@ -141,7 +142,8 @@ def capability_as_asked(
     if lowest is None or unknown:
         return Finding(
             "",
-            instead=f"Cpk of {words} is not known of {counted(unknown, 'lot')}; {asked:.2f} is "
+            instead=f"Cpk of {words} is not known of {format_count(unknown, 'lot')}; {asked:.2f} "
+            "is "
             "asked",
             remedy="Test two or more different seals of each lot.",
             limit=asked,
@@ -192,7 +194,7 @@ def asked_in_band(frequencies: Sequence[float], tests: int) -> Finding:
     return Finding(
         "The frequencies asked for lie in the valid band of every test",
         tests,
-        instead=f"{where} Hz lies outside the valid band of {counted(tests, 'test')}. "
+        instead=f"{where} Hz lies outside the valid band of {format_count(tests, 'test')}. "
         "Stiffness and loss factor there are extrapolated",
         remedy=Remedy("Add a hammer test, or ramp faster.", "pair"),
     )

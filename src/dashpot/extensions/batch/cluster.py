@@ -14,11 +14,11 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from dashpot.base.errors import DashpotError, DataError, ExportError
-from dashpot.base.serialisation import plain
+from dashpot.base.serialisation import to_plain_value
 from dashpot.base.version import __version__
-from dashpot.extensions.batch.batch_options import BatchChoices
-from dashpot.extensions.batch.cluster_worker import let_go, rows_of
-from dashpot.extensions.batch.process_pool import Chunk, Engine, Rows
+from dashpot.extensions.batch.batch_options import BatchOptions
+from dashpot.extensions.batch.cluster_worker import rows_of, stop_idle_workers
+from dashpot.extensions.batch.process_pool import Chunk, Executor, Rows
 
 PATIENCE = 10.0
 """Seconds for the scheduler to answer, and for a first worker to be there."""
@@ -27,7 +27,7 @@ _AHEAD = 2
 
 
 @contextmanager
-def cluster(address: str) -> Iterator[Engine]:
+def cluster(address: str) -> Iterator[Executor]:
     """The workers behind a scheduler.
 
     Raises
@@ -44,9 +44,9 @@ def cluster(address: str) -> Iterator[Engine]:
             "a cluster is one of dask.distributed, which is not installed: "
             'pip install "dashpot[batch,cluster]"'
         ) from None
-    with _silent(), closing(_connected(distributed, address)) as client:
+    with _silent(), closing(_open_client(distributed, address)) as client:
         side = sum(client.nthreads().values())
-        yield Engine(side, side, partial(_computed, distributed, client, address))
+        yield Executor(side, side, partial(_compute_chunks, distributed, client, address))
 
 
 @contextmanager
@@ -63,7 +63,7 @@ def _silent() -> Iterator[None]:
             one.setLevel(level)
 
 
-def _connected(distributed: Any, address: str) -> Any:
+def _open_client(distributed: Any, address: str) -> Any:
     try:
         # a client that finds nobody would try on, and again when it is collected
         parts = urlsplit(address)
@@ -87,28 +87,28 @@ def _connected(distributed: Any, address: str) -> Any:
     return client
 
 
-def _computed(
+def _compute_chunks(
     distributed: Any,
     client: Any,
     address: str,
     chunks: Sequence[Chunk],
-    choices: BatchChoices,
+    choices: BatchOptions,
 ) -> Iterator[tuple[Chunk, Rows]]:
     common = {
-        "choices": json.dumps(plain(choices)),
+        "choices": json.dumps(to_plain_value(choices)),
         "folder": str(Path.cwd()),
         "version": __version__,
     }
     waiting, asked = iter(chunks), dict[str, Chunk]()
 
-    def submitted(chunk: Chunk) -> Any:
+    def send_chunk(chunk: Chunk) -> Any:
         tasks = json.dumps([one.packed for one in chunk])
         future = client.submit(rows_of, tasks, **common, pure=False)
         asked[future.key] = chunk
         return future
 
     ahead = _AHEAD * sum(client.nthreads().values())
-    first = list(map(submitted, islice(waiting, ahead)))
+    first = list(map(send_chunk, islice(waiting, ahead)))
     running = distributed.as_completed(first, loop=client.loop)
     try:
         for future in running:
@@ -116,8 +116,8 @@ def _computed(
             yield chunk, _rows(future, address)
             following = next(waiting, None)
             if following is not None:
-                running.add(submitted(following))
-        client.run(let_go)
+                running.add(send_chunk(following))
+        client.run(stop_idle_workers)
     finally:
         client.cancel(list(running.futures))
 

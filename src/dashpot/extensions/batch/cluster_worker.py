@@ -13,7 +13,7 @@ from pathlib import Path
 
 from dashpot.base.errors import DataError
 from dashpot.base.version import __version__
-from dashpot.extensions.batch.batch_options import BatchChoices
+from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.parquet_parts import Task
 from dashpot.extensions.batch.process_pool import Worker
 
@@ -40,14 +40,14 @@ def rows_of(tasks: str, *, choices: str, folder: str, version: str) -> str:
     chunk = [Task(one) for one in json.loads(tasks)]
     _refuse_unreachable(chunk, Path(folder))
     key = (choices, folder)
-    worker = _taken(key) or Worker(BatchChoices.from_plain(json.loads(choices)), folder)
+    worker = _pop_idle_worker(key) or Worker(BatchOptions.from_plain(json.loads(choices)), folder)
     try:
         return json.dumps([worker.row(one, threading.Event()) for one in chunk])
     finally:
-        _kept(key, worker)
+        _add_idle_worker(key, worker)
 
 
-def let_go() -> None:
+def stop_idle_workers() -> None:
     """End the processes that wait."""
     with _lock:
         ended, _idle[:] = list(_idle), []
@@ -68,21 +68,21 @@ def _refuse_unreachable(chunk: list[Task], folder: Path) -> None:
                 )
 
 
-def _taken(key: tuple[str, str]) -> Worker | None:
+def _pop_idle_worker(key: tuple[str, str]) -> Worker | None:
     with _lock:
         place = next((i for i, (of, _) in enumerate(_idle) if of == key), None)
         return None if place is None else _idle.pop(place)[1]
 
 
-def _kept(key: tuple[str, str], worker: Worker) -> None:
+def _add_idle_worker(key: tuple[str, str], worker: Worker) -> None:
     with _lock:
         _idle.append((key, worker))
-    timer = threading.Timer(LINGER, _ended, (key, worker))
+    timer = threading.Timer(LINGER, _stop_idle_worker, (key, worker))
     timer.daemon = True
     timer.start()
 
 
-def _ended(key: tuple[str, str], worker: Worker) -> None:
+def _stop_idle_worker(key: tuple[str, str], worker: Worker) -> None:
     with _lock:
         if (key, worker) not in _idle:
             return

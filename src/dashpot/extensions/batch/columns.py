@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any, TypeAlias
 
-from dashpot.base.units import column, in_unit
+from dashpot.base.units import column, convert_to_unit
 from dashpot.base.version import __version__
-from dashpot.extensions.batch.batch_options import BatchChoices
+from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.input_files import LABELS, Entry
 from dashpot.registry import KINDS
 
@@ -26,7 +26,7 @@ COUNTS = ("bytes", "samples", "arms")
 _OF_THE_SOLID = ("0", "end", "end_low", "end_high", "inf", "inf_se", "inf_low", "inf_high")
 
 
-def of_solid(what: str, unit: str) -> str:
+def format_stiffness_column(what: str, unit: str) -> str:
     """Return the column of a stiffness: k of a part (`unit` N/m), E of a material (Pa)."""
     return column(f"{'k' if unit == 'N/m' else 'E'}_{what}", unit)
 
@@ -34,12 +34,12 @@ def of_solid(what: str, unit: str) -> str:
 NUMBERS = (
     "temperature_K", "hammer_temperature_K", "mass_kg", "depth_m", "ramp_s", "hold_s",
     "force_noise_N",
-    *(of_solid(what, "N/m") for what in _OF_THE_SOLID), "rms_N", "band_low_Hz",
+    *(format_stiffness_column(what, "N/m") for what in _OF_THE_SOLID), "rms_N", "band_low_Hz",
     "band_high_Hz", "frequency_Hz", "damping_ratio",
     "predicted_Hz", "predicted_damping_ratio", "measured_Hz", "measured_se_Hz",
     "measured_damping_ratio", "measured_damping_ratio_se", "peak_dB", "frac",
     *(name for kind in KINDS.values() for name in kind.columns),
-    *(of_solid(what, "Pa") for what in _OF_THE_SOLID),
+    *(format_stiffness_column(what, "Pa") for what in _OF_THE_SOLID),
 )  # fmt: skip
 
 
@@ -49,14 +49,17 @@ def arm_columns(arms: int) -> tuple[str, ...]:
         name
         for j in range(1, arms + 1)
         for name in (
-            of_solid(f"{j}", "N/m"), of_solid(f"{j}_se", "N/m"), column(f"tau_{j}", "s"),
+            format_stiffness_column(f"{j}", "N/m"),
+            format_stiffness_column(f"{j}_se", "N/m"),
+            column(f"tau_{j}", "s"),
             column(f"tau_{j}_se", "s"),
-            of_solid(f"{j}", "Pa"), of_solid(f"{j}_se", "Pa"),
+            format_stiffness_column(f"{j}", "Pa"),
+            format_stiffness_column(f"{j}_se", "Pa"),
         )
-    )  # fmt: skip
+    )
 
 
-def asked_columns(choices: BatchChoices, unit: str) -> dict[Where, tuple[str, ...]]:
+def build_requested_columns(choices: BatchOptions, unit: str) -> dict[Where, tuple[str, ...]]:
     """Return the columns of each frequency, Hz, and compression, m, that was asked for.
 
     Without a frequency, that of the stiffness at the end of the hold; without a compression, those
@@ -64,11 +67,12 @@ def asked_columns(choices: BatchChoices, unit: str) -> dict[Where, tuple[str, ..
     """
     deep = choices.compression if unit == "N/m" else ()
     found: dict[Where, tuple[str, ...]] = {
-        (None, one): (of_solid(f"end_at_{in_unit(one, 'mm'):g}mm", unit),) for one in deep
+        (None, one): (format_stiffness_column(f"end_at_{convert_to_unit(one, 'mm'):g}mm", unit),)
+        for one in deep
     }
     for frequency in choices.at:
         for about in deep or (None,):
-            deeper = "" if about is None else f"_{in_unit(about, 'mm'):g}mm"
+            deeper = "" if about is None else f"_{convert_to_unit(about, 'mm'):g}mm"
             where = f"at_{frequency:g}Hz{deeper}"
             found[frequency, about] = (
                 column(f"storage_{where}", unit), column(f"loss_{where}", unit),
@@ -77,19 +81,19 @@ def asked_columns(choices: BatchChoices, unit: str) -> dict[Where, tuple[str, ..
     return found
 
 
-def chosen_columns(choices: BatchChoices) -> tuple[str, ...]:
+def chosen_columns(choices: BatchOptions) -> tuple[str, ...]:
     """Return the columns that depend on the choices, all of numbers."""
-    asked = (asked_columns(choices, unit).values() for unit in ("N/m", "Pa"))
+    asked = (build_requested_columns(choices, unit).values() for unit in ("N/m", "Pa"))
     names = (name for of in asked for several in of for name in several)
     return (*arm_columns(choices.columns), *dict.fromkeys(names))
 
 
-def number_columns(choices: BatchChoices) -> tuple[str, ...]:
+def number_columns(choices: BatchOptions) -> tuple[str, ...]:
     """Return every column of numbers but the counts."""
     return (*NUMBERS, *chosen_columns(choices))
 
 
-def empty(entry: Entry, sha256: str, choices: BatchChoices) -> dict[str, Any]:
+def empty(entry: Entry, sha256: str, choices: BatchOptions) -> dict[str, Any]:
     """Return the row of a file of which nothing is known yet."""
     numbers = dict.fromkeys((*COUNTS, *number_columns(choices)))
     told = {name: getattr(entry, name) for name in ("file", *LABELS)}

@@ -11,15 +11,15 @@ import click
 
 from dashpot.cli import _options as options
 from dashpot.cli._command import group, opt, verb
-from dashpot.cli._command_io import Outcome
+from dashpot.cli._command_io import CommandResult
 from dashpot.cli._options import RESULT
 from dashpot.extensions.batch.lot_options import (
-    Filled,
-    each_test,
+    LotOutput,
+    build_fit_options,
     job_of,
     outcome,
     rows,
-    summarised,
+    summarise_lot,
     write_lot,
 )
 from dashpot.text_output.layout import Text
@@ -42,7 +42,7 @@ A stopped batch goes on where it was. Two lots: dashpot compare LOT LOT.""",
         opt("--watch", help="Go on as files are written; Ctrl-C ends it."),
         opt("--dry-run", help="Say what would be done."),
     ),
-    each_test(),
+    build_fit_options(),
     options.reading(),
     group(
         RESULT,
@@ -51,7 +51,7 @@ A stopped batch goes on where it was. Two lots: dashpot compare LOT LOT.""",
         opt("-v", "--verbose", help="Print everything."),
     ),
 )
-def command(*, paths: tuple[str, ...], watch: bool, dry_run: bool, **said: Any) -> Outcome:
+def command(*, paths: tuple[str, ...], watch: bool, dry_run: bool, **said: Any) -> CommandResult:
     """Fit what is there, or what comes."""
     if not paths and said["manifest"] is None:
         raise click.UsageError(
@@ -61,18 +61,18 @@ def command(*, paths: tuple[str, ...], watch: bool, dry_run: bool, **said: Any) 
     if watch:
         if dry_run:
             raise click.UsageError("--watch waits for files, --dry-run does nothing: leave one out")
-        return _watched(asked)
+        return _watch_folder(asked)
     from dashpot.extensions.batch.batch_run import plan_batch, run_batch
 
     if dry_run:
         planned = plan_batch(asked)
-        return Outcome(planned, Text(_planned(planned)))
-    found = summarised(asked, run_batch(asked))
+        return CommandResult(planned, Text(_format_plan(planned)))
+    found = summarise_lot(asked, run_batch(asked))
     write_lot(asked, found)
     return outcome(asked, found)
 
 
-def _watched(asked: BatchJob) -> Outcome:
+def _watch_folder(asked: BatchJob) -> CommandResult:
     """Fit each test of a folder as it is written, until Ctrl-C; a file is taken when it rests."""
     from dashpot.extensions.batch.folder_watch import watch_batch
 
@@ -80,14 +80,14 @@ def _watched(asked: BatchJob) -> Outcome:
         raise click.UsageError("--watch looks at one folder, such as: dashpot batch rig/ --watch")
     with suppress(ValueError):  # not the main thread of whoever calls
         signal.signal(signal.SIGTERM, signal.default_int_handler)
-    lot = watch_batch(asked, lambda found: write_lot(asked, summarised(asked, found)))
+    lot = watch_batch(asked, lambda found: write_lot(asked, summarise_lot(asked, found)))
     if lot is None:
         told = "stopped before a table was made; the same command goes on from there"
-        return Outcome(Filled(str(asked.output)), Text([told]))
-    return outcome(asked, summarised(asked, lot))
+        return CommandResult(LotOutput(str(asked.output)), Text([told]))
+    return outcome(asked, summarise_lot(asked, lot))
 
 
-def _planned(plan: BatchPlan) -> list[str]:
+def _format_plan(plan: BatchPlan) -> list[str]:
     left, seconds = plan.files - plan.done, plan.seconds
     return [
         f"files       {plan.files}, {plan.done} of them done",

@@ -6,14 +6,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from dashpot.base.checks import Check, Checked
+from dashpot.base.checks import Check, HasChecks
 from dashpot.base.errors import DataError
-from dashpot.base.number_format import ascii_only, counted
+from dashpot.base.number_format import ascii_only, format_count
 from dashpot.base.sentences import sentence
-from dashpot.base.serialisation import Documented
+from dashpot.base.serialisation import Serialisable
 from dashpot.extensions.batch.checks import lots_tested_alike, records_distinct, seals_named
 from dashpot.extensions.batch.lot import ALIKE, DEGREES, Lot
-from dashpot.extensions.batch.quantities import Quantity, natural
+from dashpot.extensions.batch.quantities import Quantity, make_natural_sort_key
 from dashpot.extensions.batch.statistics.two_sample import SURE, Difference, holm
 
 _TOLD_BY_OTHERS = ("k_inf", "E_inf", "loss_at_")
@@ -21,7 +21,7 @@ _CONDITIONS = ("hold_s", "depth_m", "temperature_K", "ramp_s")
 
 
 @dataclass(frozen=True)
-class Compared(Documented):
+class Compared(Serialisable):
     """One quantity of two lots.
 
     Attributes
@@ -60,7 +60,7 @@ class Compared(Documented):
 
 
 @dataclass(frozen=True)
-class LotComparison(Checked, Documented):
+class LotComparison(HasChecks, Serialisable):
     """Whether two lots differ.
 
     Attributes
@@ -97,11 +97,11 @@ class LotComparison(Checked, Documented):
         first, second = self.names
         lines = [f"{second} against {first}; seals are what is compared, not their repeats"]
         for one in self.each:
-            lines += _told(one)
+            lines += _format_comparison(one)
         return "\n".join(lines)
 
 
-def _told(one: Compared) -> Iterator[str]:
+def _format_comparison(one: Compared) -> Iterator[str]:
     of, read = one.difference, one.quantity.read
 
     def share(value: float) -> str:
@@ -110,7 +110,7 @@ def _told(one: Compared) -> Iterator[str]:
     low, high = of.interval
     what = f"{'different' if one.different else 'no difference found'} (p = {one.p_value:.2g})"
     if one.shared:
-        what = f"not judged, the lots have {counted(one.shared, 'record')} in common"
+        what = f"not judged, the lots have {format_count(one.shared, 'record')} in common"
     yield f"{one.quantity.words}: {what}"
     means = " and ".join(
         f"{read(mean)} ({count} seals, SD {read(sd, digits=2)})"
@@ -140,7 +140,7 @@ def opened(named: str) -> tuple[str, Lot]:
     lot = Lot.read(folder or named)
     if chosen:
         return chosen, lot.only(chosen)
-    lots = sorted(set(lot.fitted["lot"]), key=natural)
+    lots = sorted(set(lot.fitted["lot"]), key=make_natural_sort_key)
     if len(lots) > 1:
         raise DataError(
             f"{named} holds {len(lots)} lots: {', '.join(lots)}; say which one is meant, such as "
@@ -175,13 +175,16 @@ def compared(
         If a lot has fewer than two seals, or lacks a quantity.
     """
     (one_name, one), (other_name, other) = first, second
-    quantities = [_of(first, second, name) for name in tuple(names) or _shared(one, other)]
+    quantities = [
+        _find_common_quantity(first, second, name)
+        for name in tuple(names) or _select_common_quantities(one, other)
+    ]
     if not quantities:
         raise DataError(f"{one_name} and {other_name} have no quantity in common")
     found = [one.compare(other, quantity.name) for quantity in quantities]
     p_values = holm([each.p_value for each in found])
     unnamed = sum(int((lot.used["seal"] == "").sum()) for lot in (one, other))
-    again = _again(one, other)
+    again = _count_shared_records(one, other)
     tests = one.used.height + other.used.height
     return LotComparison(
         (one_name, other_name),
@@ -201,20 +204,20 @@ def compare_folders(first: str, second: str, quantities: Sequence[str]) -> LotCo
     return compared(one, other, tuple(quantities))
 
 
-def _again(one: Lot, other: Lot) -> int:
+def _count_shared_records(one: Lot, other: Lot) -> int:
     """Records of the second lot that the first holds, too."""
     known = set(one.used["sha256"]) - {""}
     return sum(sha256 in known for sha256 in other.used["sha256"])
 
 
-def _shared(one: Lot, other: Lot) -> tuple[str, ...]:
+def _select_common_quantities(one: Lot, other: Lot) -> tuple[str, ...]:
     """The quantities that both lots have, less what the others tell."""
     theirs = {quantity.name for quantity in other.quantities}
     mine = (quantity.name for quantity in one.quantities)
     return tuple(name for name in mine if name in theirs and not name.startswith(_TOLD_BY_OTHERS))
 
 
-def _of(first: tuple[str, Lot], second: tuple[str, Lot], name: str) -> Quantity:
+def _find_common_quantity(first: tuple[str, Lot], second: tuple[str, Lot], name: str) -> Quantity:
     """A quantity that both lots have."""
     for called, lot in (second, first):
         try:

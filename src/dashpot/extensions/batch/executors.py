@@ -5,10 +5,10 @@ from __future__ import annotations
 from contextlib import AbstractContextManager
 
 from dashpot.base.errors import DataError
-from dashpot.extensions.batch.process_pool import Engine, processes
+from dashpot.extensions.batch.process_pool import Executor, processes
 
 
-def engine(jobs: int | None, scheduler: str | None) -> AbstractContextManager[Engine]:
+def open_executor(jobs: int | None, scheduler: str | None) -> AbstractContextManager[Executor]:
     """Return processes of this machine, or the workers of a cluster.
 
     Raises

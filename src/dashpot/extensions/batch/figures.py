@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.number_format import rounded
-from dashpot.base.units import in_unit
+from dashpot.base.number_format import round_to_error
+from dashpot.base.units import convert_to_unit
 from dashpot.extensions.batch.quantities import Quantity
-from dashpot.extensions.batch.seals import Charts, LotCharts, Seal, by_lot, seal_means
+from dashpot.extensions.batch.seals import Charts, LotCharts, Seal, seal_means, split_seals_by_lot
 from dashpot.extensions.batch.statistics.control_chart import Chart
 from dashpot.extensions.batch.statistics.process_capability import Capability
 from dashpot.plot.picture import (
@@ -26,8 +26,8 @@ from dashpot.plot.picture import (
     Rule,
     Scale,
     Tag,
-    around,
-    around_log,
+    compute_padded_limits,
+    compute_padded_log_limits,
 )
 
 _SAMPLES = 80
@@ -74,7 +74,7 @@ def control_picture(
         )
         areas.insert(0, Area(ends, least, most, "fit", "control limits of each lot"))
         marks.append(Line(ends, centre, _MEAN, "mean of each lot"))
-        marks += _named(one.seals, one.means, at, quantity.scale)
+        marks += _make_signal_tags(one.seals, one.means, at, quantity.scale)
         if name:
             titles.append((float(ends[0]), name))
         spans.append((one, at))
@@ -104,7 +104,7 @@ def _scatter(
             Line(_ends(at), quantity.scale * chart.centre * np.ones(2), _USUAL),
             Line(at, ceiling, _CEILING, "its upper control limit"),
             Dots(at, values, "measured", size=4.0),
-            *_named(one.seals, chart, at, quantity.scale),
+            *_make_signal_tags(one.seals, chart, at, quantity.scale),
         ]
         heights += [values, ceiling]
     if marks:
@@ -117,7 +117,9 @@ def _ends(at: FloatArray) -> FloatArray:
     return np.array([at[0] - 0.5, at[-1] + 0.5])
 
 
-def _named(seals: Sequence[Seal], chart: Chart, at: FloatArray, scale: float) -> list[Tag]:
+def _make_signal_tags(
+    seals: Sequence[Seal], chart: Chart, at: FloatArray, scale: float
+) -> list[Tag]:
     """The names of the seals that break a rule."""
     return [
         Tag(float(at[i]), scale * float(chart.values[i]), seals[i].name, "care-ink", "hollow")
@@ -135,7 +137,7 @@ def _limits(
     edges = [quantity.scale * seal_means(seals), quantity.scale * np.array(asked)]
     for one in charts.values():
         edges += [quantity.scale * one.means.lower, quantity.scale * one.means.upper]
-    low, high = around(np.concatenate(edges))
+    low, high = compute_padded_limits(np.concatenate(edges))
     # the names of the lots stand above all that is drawn
     return low, high + 0.12 * (high - low)
 
@@ -168,7 +170,7 @@ def histogram_picture(
         marks.append(Line(shape, y, _SHAPE, "normal"))
     marks += [Rule(quantity.scale * end, _ASKED, across=True) for end in asked]
     marks += [Rule(mean, _MEAN, across=True)]
-    said = rounded(mean, deviation / 10 if deviation > 0 else None)
+    said = round_to_error(mean, deviation / 10 if deviation > 0 else None)
     scale = Scale("seals", (0.0, 1.1 * top), whole=True)
     upright = Scale(f"all {len(seals)} seals", limits, unnumbered=True)
     panel = Panel(scale, upright, tuple(marks), height=CHART, note=f"mean {said}")
@@ -190,7 +192,7 @@ def cpk_picture(known: Sequence[Capability], asked: float | None) -> Picture:
     if asked is not None:
         marks.append(Rule(asked, _ASKED, "asked"))
         ends.append(np.array([asked]))
-    across = Scale("Cpk", around(*ends))
+    across = Scale("Cpk", compute_padded_limits(*ends))
     upright = Scale("", (0.0, len(ranked) + 1.0), unnumbered=True)
     panel = Panel(across, upright, tuple(marks), height=70, bare=True)
     return Picture("cpks", "Cpk of every lot", ((panel,),))
@@ -207,7 +209,9 @@ def lots_picture(
 
     Control limits are those of the means of lots; what breaks a rule has a ring.
     """
-    each = {name: quantity.scale * seal_means(own) for name, own in by_lot(seals).items()}
+    each = {
+        name: quantity.scale * seal_means(own) for name, own in split_seals_by_lot(seals).items()
+    }
     names, at = list(each), np.arange(1.0, len(each) + 1)
     scale = Scale("lot, in the order of name", (0.5, len(names) + 0.5), whole=True)
     means = np.array([one.mean() for one in each.values()])
@@ -253,7 +257,7 @@ def _groups(names: Sequence[str], means: FloatArray, top: float) -> Iterator[Mar
             span = names[start] if stop - start == 1 else f"{names[start]} to {names[stop - 1]}"
             if start:
                 yield Rule(start + 0.5, Pen("edge", 1.0))
-            words = f"{span}  mean {rounded(float(means[start:stop].mean()), digits=4)}"
+            words = f"{span}  mean {round_to_error(float(means[start:stop].mean()), digits=4)}"
             yield Tag(start + 0.7, top, words, "soft")
         return
     step = -(-len(names) // _GROUPS) if len(names) > 2 * _GROUPS else 1
@@ -301,7 +305,7 @@ def curves_picture(rows: Sequence[Mapping[str, Any]], odd: Sequence[str] = ()) -
     )  # fmt: skip
     axes = (
         Scale("time after a step, s", (float(time[0]), float(time[-1])), log=True),
-        Scale("stiffness k(t), N/mm", around_log(*drawn, margin=1.05), log=True),
+        Scale("stiffness k(t), N/mm", compute_padded_log_limits(*drawn, margin=1.05), log=True),
     )
     return Picture("curves", "relaxation of every solid", ((Panel(*axes, marks, height=170),),))
 
@@ -310,4 +314,4 @@ def _relaxation(row: Mapping[str, Any], time: FloatArray) -> FloatArray:
     k = np.full(len(time), float(row["k_inf_N_per_m"]))
     for j in range(1, int(row["arms"]) + 1):
         k += row[f"k_{j}_N_per_m"] * np.exp(-time / row[f"tau_{j}_s"])
-    return in_unit(k, "N/mm")
+    return convert_to_unit(k, "N/mm")

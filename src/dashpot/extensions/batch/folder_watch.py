@@ -8,10 +8,15 @@ from pathlib import Path
 from typing import TypeAlias
 
 from dashpot.base.errors import DashpotError, ReadError
-from dashpot.base.progress import doing
-from dashpot.extensions.batch.batch_run import BatchJob, completed, noted, occupied
-from dashpot.extensions.batch.executors import engine
-from dashpot.extensions.batch.input_files import Entry, hashed, refuse_senseless
+from dashpot.base.progress import send_progress
+from dashpot.extensions.batch.batch_run import (
+    BatchJob,
+    append_log_line,
+    compute_missing_rows,
+    lock_results_folder,
+)
+from dashpot.extensions.batch.executors import open_executor
+from dashpot.extensions.batch.input_files import Entry, compute_file_hash, refuse_senseless
 from dashpot.extensions.batch.lot import Lot
 from dashpot.extensions.batch.parquet_parts import Task, tasks
 
@@ -57,10 +62,10 @@ def watch_batch(
     for path in job.paths:
         if not Path(path).is_dir():
             raise ReadError(f"{path} is no folder; give the one into which the tests are written")
-    engine(job.jobs, job.scheduler)
+    open_executor(job.jobs, job.scheduler)
     refuse_senseless(job.by, job.pair)
     watched, lot = _Watched(job, clock), None
-    with occupied(job.output):
+    with lock_results_folder(job.output):
         try:
             while True:
                 lot = watched.look(lot, refreshed)
@@ -86,7 +91,7 @@ class _Watched:
             asked = self._tasks([one for one in every if self._still(one)])
             keys = tuple(one.key for one in asked)
             if keys and keys != self._made:
-                lot = completed(self._job, asked)
+                lot = compute_missing_rows(self._job, asked)
                 refreshed(lot)
                 self._made = keys
                 self._forget(lot)
@@ -94,14 +99,14 @@ class _Watched:
             self._say(f"waiting: {error}")
         else:
             moving = len(every) - len(asked)
-            doing(f"watching: {len(asked)} tests, {moving} still being written")
+            send_progress(f"watching: {len(asked)} tests, {moving} still being written")
         return lot
 
     def _still(self, entry: Entry) -> bool:
         """Whether none of its files has changed for a while."""
-        return all(list(map(self._at_rest, (entry.file, *entry.hammer))))
+        return all(list(map(self._is_unchanged, (entry.file, *entry.hammer))))
 
-    def _at_rest(self, file: str) -> bool:
+    def _is_unchanged(self, file: str) -> bool:
         now, state = self._clock(), _state(file)
         if state is None:
             self._since.pop(file, None)
@@ -113,15 +118,15 @@ class _Watched:
         return now - since >= STILL
 
     def _tasks(self, still: list[Entry]) -> tuple[Task, ...]:
-        return tasks(still, self._job.choices, hashed=self._hashed)
+        return tasks(still, self._job.choices, hashed=self._compute_hash)
 
-    def _hashed(self, file: str) -> str:
+    def _compute_hash(self, file: str) -> str:
         """The hash of its contents, computed once while it stays as it is."""
         state = _state(file)
         known = self._hashes.get(file)
         if known is not None and known[0] == state:
             return known[1]
-        found = hashed(file)
+        found = compute_file_hash(file)
         if found and state is not None:
             self._hashes[file] = state, found
         return found
@@ -134,10 +139,10 @@ class _Watched:
             self._made = ()
 
     def _say(self, what: str) -> None:
-        doing(what)
+        send_progress(what)
         if what != self._said:
             self._said = what
-            noted(self._job.output, what)
+            append_log_line(self._job.output, what)
 
 
 def _state(file: str) -> _State | None:

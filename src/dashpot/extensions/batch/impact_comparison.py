@@ -7,25 +7,25 @@ from typing import TYPE_CHECKING, Any
 from dashpot.base.checks import verdict
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import SIMULATED, Source
-from dashpot.base.sentences import lowered
+from dashpot.base.sentences import decapitalise_sentence
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.extensions.batch.batch_options import BatchChoices
+from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.input_files import Entry
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.workflow.job import HammerChoices
-from dashpot.workflow.response.static_equilibrium import at_rest
-from dashpot.workflow.vibration.impact_tests import held_against
+from dashpot.workflow.response.static_equilibrium import find_static_equilibrium
+from dashpot.workflow.vibration.impact_tests import compare_with_measured
 from dashpot.workflow.vibration.measured_frf import read_measured
 
 if TYPE_CHECKING:
     from dashpot.workflow.fit_bench_tests import Record
 
 
-def held_against_hammer(
-    fit: Fit, record: Record, entry: Entry, choices: BatchChoices, mass: float | None
+def compare_with_hammer(
+    fit: Fit, record: Record, entry: Entry, choices: BatchOptions, mass: float | None
 ) -> tuple[Fit, dict[str, Any]]:
     """Return the fit, or the joint one if that is asked for, and what the hammer says of it.
 
@@ -43,41 +43,43 @@ def held_against_hammer(
     _, frf = read_measured(
         entry.hammer, choices=HammerChoices(), options=choices.reading_impact, mass=mass
     )
-    origin = of_origin(*fit.source, *frf.source)
+    origin = make_origin_column(*fit.source, *frf.source)
     if entry.hammer_temperature is not None:
         try:
             fit.at(entry.hammer_temperature)
         except DataError as error:
             return fit, _resonance(frf) | origin | {"reason": f"hammer: {error}"}
-    _, held = held_against(fit, frf, mass=mass, seals=choices.seals)
+    _, held = compare_with_measured(fit, frf, mass=mass, seals=choices.seals)
     numbers = _peaks(held) | origin
     if choices.joint and isinstance(record, RampHold):
-        at = at_rest(fit, mass=mass, seals=choices.seals).point.compression
+        at = find_static_equilibrium(fit, mass=mass, seals=choices.seals).point.compression
         from dashpot.fitting.identification.identify import identify
 
         fit = identify(
             frf, tests=(record,), fit=fit, mass=mass, seals=choices.seals, compression=at
         )
-        _, held = held_against(fit, frf, mass=mass, seals=choices.seals)
+        _, held = compare_with_measured(fit, frf, mass=mass, seals=choices.seals)
     agreed = verdict((*frf.checks, *held.checks), sound=held.says)
     numbers |= {
         "agreement": agreed.use,
         "peak_dB": held.ratio_db,
         "frac": held.frac,
-        "reason": "" if agreed.use == "use" else f"hammer: {lowered(agreed.says)}",
+        "reason": "" if agreed.use == "use" else f"hammer: {decapitalise_sentence(agreed.says)}",
     }
     return fit, numbers
 
 
-def of_hammer_alone(entry: Entry, choices: BatchChoices, mass: float | None) -> dict[str, Any]:
+def read_hammer_resonance(
+    entry: Entry, choices: BatchOptions, mass: float | None
+) -> dict[str, Any]:
     """Return the resonance in a hammer file, or an FRF, that is paired with no test."""
     _, frf = read_measured(
         (entry.file,), choices=HammerChoices(), options=choices.reading_impact, mass=mass
     )
-    return _resonance(frf) | of_origin(*frf.source)
+    return _resonance(frf) | make_origin_column(*frf.source)
 
 
-def of_origin(*files: Source) -> dict[str, Any]:
+def make_origin_column(*files: Source) -> dict[str, Any]:
     """Return what a row says of files of which one was made by the virtual rig or hammer."""
     return {"origin": SIMULATED} if any(one.simulated for one in files) else {}
 

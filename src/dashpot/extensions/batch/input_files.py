@@ -14,7 +14,7 @@ from pathlib import Path
 from string import Formatter
 from typing import Any
 
-from dashpot.base.atomic import named
+from dashpot.base.atomic import validate_path
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.parsing import parsed_toml
 from dashpot.base.units import Dimension, parse_quantity
@@ -78,10 +78,12 @@ class Entry:
 
     def hashes(self, by: Callable[[str], str] | None = None) -> tuple[str, ...]:
         """SHA-256 of the contents of its file and of its hammer's; of what is not read, none."""
-        return ("",) if self.aside else tuple(map(by or hashed, (self.file, *self.hammer)))
+        return (
+            ("",) if self.aside else tuple(map(by or compute_file_hash, (self.file, *self.hammer)))
+        )
 
 
-def hashed(path: str) -> str:
+def compute_file_hash(path: str) -> str:
     """Return the SHA-256 of a file's contents; empty where they cannot be read."""
     try:
         if not Path(path).is_file():
@@ -92,7 +94,7 @@ def hashed(path: str) -> str:
         return ""
 
 
-def entries(
+def find_entries(
     paths: Sequence[str | Path],
     *,
     manifest: str | Path | None = None,
@@ -130,8 +132,8 @@ def entries(
         If the expression is none, or fits no file, or a pattern pairs nothing.
     """
     listed = _manifest(manifest)
-    given = (one for path in paths for one in _expanded(str(path), without))
-    found = _by_place((*given, *((path, "") for path in listed)))
+    given = (one for path in paths for one in _expand_path(str(path), without))
+    found = _build_entries_by_path((*given, *((path, "") for path in listed)))
     if manifest is not None:
         found.pop(os.path.realpath(manifest), None)
     if not found and not growing:
@@ -146,20 +148,22 @@ def entries(
         place = os.path.realpath(path)
         found[place] = replace(found[place], **said)
     every = sorted(found.values(), key=lambda one: one.file)
-    return _tests(_paired(every, pair, growing=growing))
+    return _tests(_add_hammer_files(every, pair, growing=growing))
 
 
-def _by_place(paths: Iterable[tuple[str, str]]) -> dict[str, Entry]:
+def _build_entries_by_path(paths: Iterable[tuple[str, str]]) -> dict[str, Entry]:
     """Each file once, by its real path; what is not read by its own, with the reason."""
     found: dict[str, Entry] = {}
     for path, aside in paths:
-        place = path if aside else os.path.realpath(named(path))
+        place = path if aside else os.path.realpath(validate_path(path))
         # one text where both are the same: there may be many files
-        found.setdefault(path if path == place else place, Entry(_named(path), aside=aside))
+        found.setdefault(
+            path if path == place else place, Entry(_validate_path_encoding(path), aside=aside)
+        )
     return found
 
 
-def _named(path: str) -> str:
+def _validate_path_encoding(path: str) -> str:
     """The path, which a table holds as text."""
     try:
         path.encode()
@@ -188,7 +192,9 @@ def _tests(every: Sequence[Entry]) -> tuple[Entry, ...]:
     return tuple(one for one in every if os.path.realpath(one.file) not in hammers)
 
 
-def _paired(every: Sequence[Entry], pair: str | None, *, growing: bool) -> Sequence[Entry]:
+def _add_hammer_files(
+    every: Sequence[Entry], pair: str | None, *, growing: bool
+) -> Sequence[Entry]:
     """The entries with their hammers, but for those whose manifest names some."""
     if pair is None:
         return every
@@ -208,7 +214,7 @@ def _refuse_unpaired(found: Sequence[Entry], pair: str, names: set[str]) -> None
     if "stem" not in names and not any(getattr(one, name) for one in found for name in names):
         raise DataError(f"--pair '{pair}': no test has a lot, seal or repeat: give --by too")
     if not any(one.hammer for one in found):
-        example = Path(found[0].file).parent / _filled(found[0], pair)
+        example = Path(found[0].file).parent / _format_pair_pattern(found[0], pair)
         raise DataError(f"--pair '{pair}' finds no hammer file, such as {example}")
 
 
@@ -226,22 +232,22 @@ def _names(pair: str) -> set[str]:
     return names
 
 
-def _filled(one: Entry, pair: str) -> str:
+def _format_pair_pattern(one: Entry, pair: str) -> str:
     known = {"stem": Path(one.file).stem} | {name: getattr(one, name) for name in LABELS}
     return pair.format(**{name: glob.escape(value) for name, value in known.items()})
 
 
 def _hammers(one: Entry, pair: str) -> tuple[str, ...]:
     folder = Path(one.file).parent
-    pattern = Path(glob.escape(str(folder))) / _filled(one, pair)
+    pattern = Path(glob.escape(str(folder))) / _format_pair_pattern(one, pair)
     found = glob.glob(str(pattern), recursive=True)  # noqa: PTH207 -- it may be absolute
     return tuple(sorted(path for path in found if Path(path).is_file()))
 
 
-def _expanded(path: str, without: Path) -> Iterator[tuple[str, str]]:
+def _expand_path(path: str, without: Path) -> Iterator[tuple[str, str]]:
     """The files of a path, each with the reason why it is not read, if there is one."""
     if Path(path).is_dir():
-        yield from _in_folder(Path(path), without)
+        yield from _scan_folder(Path(path), without)
     elif Path(path).exists():
         yield path, ""
     elif glob.has_magic(path):
@@ -249,12 +255,12 @@ def _expanded(path: str, without: Path) -> Iterator[tuple[str, str]]:
         if not named:
             raise ReadError(f"{path}: the pattern fits no file; give another")
         for one in named:
-            yield from _expanded(one, without)
+            yield from _expand_path(one, without)
     else:
         raise ReadError(missing(path))
 
 
-def _in_folder(folder: Path, without: Path) -> Iterator[tuple[str, str]]:
+def _scan_folder(folder: Path, without: Path) -> Iterator[tuple[str, str]]:
     results, inside = without.resolve(), folder.resolve()
     for above, folders, files in os.walk(folder, onerror=_unreadable):
         folders[:] = sorted(
@@ -312,15 +318,15 @@ def _labels(
         return lambda _: {}
     pattern, named = _groups(by)
 
-    def known(file: str) -> dict[str, Any]:
+    def parse_labels(file: str) -> dict[str, Any]:
         one = pattern.search(Path(file).as_posix())
         return {} if one is None else {
             name: sys.intern(one[i] or "") for i, name in enumerate(named, start=1)
         }  # fmt: skip
 
-    if not any(map(known, files)) and not growing:
+    if not any(map(parse_labels, files)) and not growing:
         raise DataError(f"--by '{by}' fits none of {len(files)} paths, such as {files[0]}")
-    return known
+    return parse_labels
 
 
 def _groups(by: str) -> tuple[re.Pattern[str], tuple[str, ...]]:
@@ -367,7 +373,7 @@ def _manifest(given: str | Path | None) -> dict[str, dict[str, Any]]:
     listed: dict[str, dict[str, Any]] = {}
     for number, row in enumerate(rows, start=1):
         where = f"{path}, test {number}"
-        file, said = _stated(where, row)
+        file, said = _parse_manifest_row(where, row)
         if str(path.parent / file) in listed:
             raise ReadError(f"{where}: {file} is listed twice; keep one")
         said["hammer"] = tuple(str(path.parent / one) for one in said.get("hammer", ()))
@@ -375,7 +381,7 @@ def _manifest(given: str | Path | None) -> dict[str, dict[str, Any]]:
     return listed
 
 
-def _stated(where: str, row: Any) -> tuple[str, dict[str, Any]]:
+def _parse_manifest_row(where: str, row: Any) -> tuple[str, dict[str, Any]]:
     if isinstance(row, Mapping) and None in row:
         raise ReadError(
             f"{where}: more cells than the first line has names: {', '.join(row[None])}"
@@ -392,11 +398,11 @@ def _stated(where: str, row: Any) -> tuple[str, dict[str, Any]]:
             said[name] = parse_quantity(said[name], _QUANTITIES[name])
         except DataError as error:
             raise ReadError(f"{where}: {name}: {error}") from None
-    said["hammer"] = _listed(given.get("hammer"))
+    said["hammer"] = _parse_text_list(given.get("hammer"))
     return file, said
 
 
-def _listed(value: object) -> list[str]:
+def _parse_text_list(value: object) -> list[str]:
     """The texts of a list, or between semicolons."""
     several = value if isinstance(value, list) else str(value or "").split(";")
     return [text for one in several if (text := str(one).strip())]

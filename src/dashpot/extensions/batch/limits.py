@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from dashpot.base.errors import DashpotError, DataError, ReadError
-from dashpot.base.serialisation import Documented
+from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import parse_quantity
 from dashpot.extensions.batch.quantities import Quantity, quantity
 from dashpot.reading.toml import Section, tables_of
@@ -19,7 +19,7 @@ _KNOWN = ("lower", "upper", "cpk")
 
 
 @dataclass(frozen=True)
-class Limits(Documented):
+class Limits(Serialisable):
     """What is asked of one quantity.
 
     Attributes
@@ -78,7 +78,7 @@ def read_limits(path: str | Path, columns: Sequence[str]) -> tuple[Limits, ...]:
     for name, table in tables.items():
         section = Section(f"{path}, [{name}]", table, _KNOWN)
         try:
-            found.append(_stated(name, section.entries, columns))
+            found.append(_parse_limits(name, section.entries, columns))
         except (DashpotError, TypeError, ValueError) as error:
             raise ReadError(f"{section.where}: {error}") from None
     column, times = Counter(one.quantity.column for one in found).most_common(1)[0]
@@ -87,7 +87,7 @@ def read_limits(path: str | Path, columns: Sequence[str]) -> tuple[Limits, ...]:
     return tuple(found)
 
 
-def _stated(name: str, table: Mapping[str, Any], columns: Sequence[str]) -> Limits:
+def _parse_limits(name: str, table: Mapping[str, Any], columns: Sequence[str]) -> Limits:
     found = quantity(name, columns)
     lower, upper = (_number(table.get(one), found) for one in ("lower", "upper"))
     cpk = float(table["cpk"]) if "cpk" in table else None

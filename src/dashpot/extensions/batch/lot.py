@@ -13,9 +13,9 @@ import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.escaping import neutral
+from dashpot.base.escaping import escape_formula
 from dashpot.base.provenance import SIMULATED
-from dashpot.base.units import written
+from dashpot.base.units import format_quantity
 from dashpot.base.version import byline
 from dashpot.extensions.batch.checks import (
     files_fitted,
@@ -24,9 +24,16 @@ from dashpot.extensions.batch.checks import (
     records_distinct,
     tests_alike,
 )
-from dashpot.extensions.batch.parquet_parts import joined, polars, read_parts
-from dashpot.extensions.batch.quantities import Quantity, natural, quantity
-from dashpot.extensions.batch.seals import Charts, LotCharts, Seal, by_lot, charted, seal_means
+from dashpot.extensions.batch.parquet_parts import join_frames, polars, read_parts
+from dashpot.extensions.batch.quantities import Quantity, make_natural_sort_key, quantity
+from dashpot.extensions.batch.seals import (
+    Charts,
+    LotCharts,
+    Seal,
+    make_control_charts,
+    seal_means,
+    split_seals_by_lot,
+)
 from dashpot.extensions.batch.statistics.control_chart import means_and_deviations
 from dashpot.extensions.batch.statistics.gauge_rr import Gauge, gauge
 from dashpot.extensions.batch.statistics.process_capability import Capability, capability
@@ -98,7 +105,7 @@ class Lot:
         ReadError
             If there is none.
         """
-        found = joined((one for _, one in read_parts(Path(folder))), "diagonal")
+        found = join_frames((one for _, one in read_parts(Path(folder))), "diagonal")
         if found.is_empty():
             raise ReadError(f"{folder} holds no rows of a batch; give the LOT of dashpot batch -o")
         return Lot(found.sort("file"), 0)
@@ -151,7 +158,7 @@ class Lot:
                 reach = DEGREES if unit == "K" else ALIKE * usual
                 for file, value in rows.drop_nulls(name).select("file", name).iter_rows():
                     if abs(value - usual) > reach * (1 + 1e-9):
-                        own, others = (written(one, unit, ".3g") for one in (value, usual))
+                        own, others = (format_quantity(one, unit, ".3g") for one in (value, usual))
                         found.setdefault(file, f"{what} {own}, its lot {others}")
         return found
 
@@ -212,7 +219,9 @@ class Lot:
         rows = self.used.drop_nulls(column).select("lot", "seal", "file", column)
         for lot, seal, file, value in rows.iter_rows():
             groups[lot, seal or file].append((file, value))
-        ordered = sorted(groups, key=lambda key: (natural(key[0]), natural(key[1])))
+        ordered = sorted(
+            groups, key=lambda key: (make_natural_sort_key(key[0]), make_natural_sort_key(key[1]))
+        )
         return tuple(
             Seal(*key, tuple(file for file, _ in groups[key]),
                  np.array([value for _, value in groups[key]]))
@@ -239,7 +248,7 @@ class Lot:
                 "test is, by --by or --manifest, of at least two lots or seals"
             )
         known = self.quantity(name).name == "k_inf"
-        errors = self._by_test("k_inf_se_N_per_m", seals) if known else [None]
+        errors = self._select_test_values("k_inf_se_N_per_m", seals) if known else [None]
         return components(
             np.concatenate([one.values for one in seals]),
             levels,
@@ -247,7 +256,7 @@ class Lot:
             errors=None if None in errors else np.array(errors),
         )
 
-    def _by_test(self, column: str, seals: Sequence[Seal]) -> list[Any]:
+    def _select_test_values(self, column: str, seals: Sequence[Seal]) -> list[Any]:
         """What a column has of every test of these seals."""
         by_file = dict(self.used.select("file", column).iter_rows())
         return [by_file[file] for one in seals for file in one.files]
@@ -261,7 +270,7 @@ class Lot:
             If no seal was tested twice, or not every operator tested two seals twice.
         """
         seals = self.seals(name)
-        who = self._by_test("operator", seals)
+        who = self._select_test_values("operator", seals)
         parts = [f"{i}" for i, one in enumerate(seals) for _ in one.files]
         if not seals:
             raise DataError(f"no test that is used has a value of {name}")
@@ -274,15 +283,15 @@ class Lot:
         individuals and moving ranges, and the repeats have a chart of their standard deviations
         (Wheeler, Advanced Topics in Statistical Process Control, 1995, chapter 9).
         """
-        lots = by_lot(self.seals(name))
-        return {lot: charted(seals) for lot, seals in lots.items() if len(seals) > 1}
+        lots = split_seals_by_lot(self.seals(name))
+        return {lot: make_control_charts(seals) for lot, seals in lots.items() if len(seals) > 1}
 
     def lot_chart(self, name: str = "k_end") -> LotCharts | None:
         """Return lots, and the X-bar and s charts whose groups are the seals of each.
 
         None of one lot, or where no lot has two seals.
         """
-        lots = by_lot(self.seals(name))
+        lots = split_seals_by_lot(self.seals(name))
         if len(lots) < 2 or max(map(len, lots.values())) < 2:
             return None
         charts = means_and_deviations([seal_means(seals) for seals in lots.values()])
@@ -294,7 +303,7 @@ class Lot:
         """Return Cp and Cpk of the seals of each lot that has two, between limits in SI, by lot."""
         return {
             lot: capability(seal_means(seals), lower, upper)
-            for lot, seals in by_lot(self.seals(name)).items()
+            for lot, seals in split_seals_by_lot(self.seals(name)).items()
             if len(seals) > 1
         }
 
@@ -316,7 +325,7 @@ class Lot:
         DataError
             If there is none of that name.
         """
-        lots = sorted(set(self.table["lot"]), key=natural)
+        lots = sorted(set(self.table["lot"]), key=make_natural_sort_key)
         if name not in lots:
             raise DataError(f"there is no lot '{name}'; there are {', '.join(filter(None, lots))}")
         return Lot(self.table.filter(polars().col("lot") == name), 0)
@@ -352,7 +361,7 @@ class Lot:
         """The table with no text that a spreadsheet takes for a formula."""
         made = polars()
         texts = [
-            made.Series(one.name, [neutral(text) for text in one])
+            made.Series(one.name, [escape_formula(text) for text in one])
             for one in self.table.select(made.col(made.String)).iter_columns()
         ]
         return self.table.with_columns(texts)

@@ -11,13 +11,13 @@ import click
 
 import dashpot as dp
 from dashpot.base.errors import DataError
-from dashpot.base.number_format import ascii_only, counted
-from dashpot.base.progress import doing
-from dashpot.base.serialisation import Documented
-from dashpot.cli._command import Opt, group, of, opt, rest
-from dashpot.cli._command_io import Outcome, printed, write
+from dashpot.base.number_format import ascii_only, format_count
+from dashpot.base.progress import send_progress
+from dashpot.base.serialisation import Serialisable
+from dashpot.cli._command import CommandOption, build_options, group, mark_advanced, opt
+from dashpot.cli._command_io import CommandResult, format_json, write
 from dashpot.cli._param_types import File, Folder
-from dashpot.extensions.batch.batch_options import BatchChoices
+from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.reading.read_options import OF_HAMMER, OF_HAMMER_ALONE, ReadOptions
 from dashpot.text_output.layout import Text
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 _ROWS, _EACH = "Rows and page", "Each test"
 
 
-def rows(*own: Opt) -> list[Opt]:
+def rows(*own: CommandOption) -> list[CommandOption]:
     """Return the options of the table and its page, after those of the verb itself."""
     return group(
         _ROWS,
@@ -40,7 +40,7 @@ def rows(*own: Opt) -> list[Opt]:
         opt("--by", metavar="REGEX", help="Lot, seal, repeat from the path."),
         opt("--pair", metavar="PATTERN", help="Hammer files of a test: {stem}_hammer*.csv."),
         opt("--limits", type=File(), metavar="FILE", help="Acceptance limits (.toml)."),
-        rest(
+        mark_advanced(
             opt("--quantity", "quantities", multiple=True, metavar="NAME",
                 help="Quantity of the page (k_end)."),
             opt("--jobs", type=click.IntRange(1), metavar="N",
@@ -50,12 +50,16 @@ def rows(*own: Opt) -> list[Opt]:
     )  # fmt: skip
 
 
-def each_test() -> list[Opt]:
+def build_fit_options() -> list[CommandOption]:
     """Return the options of how each test is fitted."""
     return group(
         _EACH,
-        of(BatchChoices, "arms", "quick", "joint", "mass", "seals", "at", into="choices"),
-        rest(of(BatchChoices, "method", "compression", "length", "radius", into="choices")),
+        build_options(
+            BatchOptions, "arms", "quick", "joint", "mass", "seals", "at", into="choices"
+        ),
+        mark_advanced(
+            build_options(BatchOptions, "method", "compression", "length", "radius", into="choices")
+        ),
     )
 
 
@@ -63,7 +67,7 @@ def job_of(
     paths: tuple[str, ...],
     *,
     output: str | None,
-    choices: BatchChoices,
+    choices: BatchOptions,
     by: str | None,
     manifest: str | None,
     pair: str | None,
@@ -95,7 +99,7 @@ def job_of(
     return BatchJob(paths, Path(output), choices, by, manifest, pair, jobs, scheduler, main, asked)
 
 
-def summarised(job: BatchJob, lot: dp.Lot) -> Summary:
+def summarise_lot(job: BatchJob, lot: dp.Lot) -> Summary:
     """Return what a lot says of what was asked for."""
     from dashpot.extensions.batch.summary import summary
 
@@ -109,16 +113,16 @@ def write_lot(job: BatchJob, found: Summary) -> None:
     )
     from dashpot.extensions.batch.workbook import workbook
 
-    doing("writing table, workbook and page")
+    send_progress("writing table, workbook and page")
     write(f"{job.output}/lot.csv", found.lot.csv())
     write(f"{job.output}/lot.xlsx", workbook(found))
     quantity = job.quantity or found.lot.main
-    write(f"{job.output}/lot.json", printed(Filled(str(job.output), found, quantity)) + "\n")
+    write(f"{job.output}/lot.json", format_json(LotOutput(str(job.output), found, quantity)) + "\n")
     write(f"{job.output}/lot.html", html(found.lot, title=job.output.resolve().name, found=found))
 
 
 @dataclass(frozen=True)
-class Filled(Documented):
+class LotOutput(Serialisable):
     """The folder of a lot, and what the lot says of a quantity.
 
     Attributes
@@ -169,42 +173,45 @@ class Outlier(NamedTuple):
     robust_deviations: float | None
 
 
-def outcome(job: BatchJob, found: Summary) -> Outcome:
+def outcome(job: BatchJob, found: Summary) -> CommandResult:
     """Return what is printed of a lot."""
     lot, quantity = found.lot, job.quantity or found.lot.main
-    filled = Filled(str(job.output), found, quantity)
+    filled = LotOutput(str(job.output), found, quantity)
     lines = [
         *(f"{one.name:<12}{_LIGHTS[one.mark]}{ascii_only(one.says)}" for one in found.lights),
-        *_told(lot),
+        *_format_lot_counts(lot),
         *found.lines,
         *_out(lot, quantity),
     ]
     none = not lot.outcomes.get("fitted")
-    reasons = _others(lot)
+    reasons = _format_unfitted_files(lot)
     text = Text([*lines, *reasons]) if none else Text(lines, reasons)
-    return Outcome(filled, text, found.checks, verdict=found.verdict, nothing_done=none)
+    return CommandResult(filled, text, found.checks, verdict=found.verdict, nothing_done=none)
 
 
 _LIGHTS = {"good": "", "note": "", "care": "! ", "bad": "!! "}
 """How a light is marked without colour, as a failed check of its grade is."""
 
 
-def _told(lot: dp.Lot) -> list[str]:
-    def tallied(counts: dict[str, int]) -> str:
+def _format_lot_counts(lot: dp.Lot) -> list[str]:
+    def format_counts(counts: dict[str, int]) -> str:
         return ", ".join(f"{count} {name}" for name, count in counts.items())
 
     files = lot.table.height
     lines = [
-        f"files       {files}: {tallied(lot.outcomes)}",
+        f"files       {files}: {format_counts(lot.outcomes)}",
         f"computed    {lot.computed} now, {files - lot.computed} taken from an earlier run",
     ]
     judged = {"verdicts": lot.verdicts, "hammers": lot.agreements}
     if lot.simulated:
-        lines.append(f"SIMULATED   {counted(lot.simulated, 'file')}, by the virtual rig")
-    return [*lines, *(f"{name:<12}{tallied(found)}" for name, found in judged.items() if found)]
+        lines.append(f"SIMULATED   {format_count(lot.simulated, 'file')}, by the virtual rig")
+    return [
+        *lines,
+        *(f"{name:<12}{format_counts(found)}" for name, found in judged.items() if found),
+    ]
 
 
-def _others(lot: dp.Lot) -> list[str]:
+def _format_unfitted_files(lot: dp.Lot) -> list[str]:
     """Every file that was not fitted, with its sentence."""
     columns = lot.table.select("file", "outcome", "reason").iter_rows()
     return [f"  {file}: {reason}" for file, outcome, reason in columns if outcome != "fitted"]

@@ -14,8 +14,8 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import GRADES, Check
-from dashpot.base.number_format import counted, rounded
-from dashpot.base.units import written
+from dashpot.base.number_format import format_count, round_to_error
+from dashpot.base.units import format_quantity
 from dashpot.base.version import byline
 from dashpot.extensions.batch.figures import (
     control_picture,
@@ -27,12 +27,12 @@ from dashpot.extensions.batch.figures import (
 from dashpot.extensions.batch.input_files import LABELS
 from dashpot.extensions.batch.lot import Lot
 from dashpot.extensions.batch.quantities import Quantity
-from dashpot.extensions.batch.seals import Seal, by_lot, seal_means
+from dashpot.extensions.batch.seals import Seal, seal_means, split_seals_by_lot
 from dashpot.extensions.batch.statistics.control_chart import BEYOND, ENOUGH
 from dashpot.extensions.batch.statistics.gauge_rr import LIMIT, TRUSTED
 from dashpot.extensions.batch.summary import OfQuantity, Summary, summary
 from dashpot.plot.picture import Picture
-from dashpot.report.figures import PAPER, Drawn, drawn
+from dashpot.report.figures import PAPER, RenderedFigure, render_figure
 from dashpot.report.first_screen import ORDER
 from dashpot.report.page_frame import COLOURS, digest, environment, frame
 
@@ -73,7 +73,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
     style = f"{shared['style']}\n{_part('lot.css')}"
     script = _part("lot.js")
     said, main = found.verdict, found.main
-    further = _further(lot, main)
+    further = _select_other_quantities(lot, main)
     # a lot of an earlier version has no date
     known = [name for name in LABELS if name in lot.table.columns]
     labels = [name for name in known if (lot.table[name].fill_null("") != "").any()]
@@ -97,11 +97,11 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             colour=COLOURS[said.use],
             lights=[one._replace(name=one.name.capitalize()) for one in found.lights],
             counts=_counts(lot, main),
-            simulated=[counted(lot.simulated, "file")] if lot.simulated else [],
+            simulated=[format_count(lot.simulated, "file")] if lot.simulated else [],
             quantity=main.quantity,
             heading=main.quantity.title[:1].upper() + main.quantity.title[1:],
             anchor=lambda name: f"a{hashlib.sha256(name.encode()).hexdigest()[:12]}",
-            what=_what(main, by_lots=by_lots),
+            what=_format_chart_points(main, by_lots=by_lots),
             chart=_chart(main, by_lots=by_lots),
             by_lots=by_lots,
             histogram=_histogram(main),
@@ -129,7 +129,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             judged=bool(main.judged),
             labels=labels,
             tests=tests,
-            every=_every(tests, labels, found),
+            every=_encode_test_rows(tests, labels, found),
             files=lot.table.height,
             most=ROWS,
             marks=_MARKS,
@@ -137,10 +137,10 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
     )  # fmt: skip
 
 
-def _what(main: OfQuantity, *, by_lots: bool) -> str:
+def _format_chart_points(main: OfQuantity, *, by_lots: bool) -> str:
     if by_lots:
         return "every lot"
-    return "mean of the tests of each seal" if _repeated(main) else "one test each"
+    return "mean of the tests of each seal" if _has_repeats(main) else "one test each"
 
 
 def _mark(check: Check) -> str:
@@ -162,47 +162,51 @@ def _part(name: str) -> str:
 # -- figures --------------------------------------------------------------------------------------
 
 
-def _drawn(picture: Picture, width: float = WIDE) -> Drawn:
+def _render_picture(picture: Picture, width: float = WIDE) -> RenderedFigure:
     """For a screen and a phone and, where that is wider than a sheet, for paper."""
     whole = sum(panel.height for panel in picture.panels)
-    return drawn(picture, width=width, low=whole if width > PAPER else None)
+    return render_figure(picture, width=width, low=whole if width > PAPER else None)
 
 
-def _chart(main: OfQuantity, *, by_lots: bool) -> Drawn | None:
+def _chart(main: OfQuantity, *, by_lots: bool) -> RenderedFigure | None:
     if not main.seals:
         return None
     if by_lots:
-        return _drawn(lots_picture(main.quantity, main.charts, main.lots, main.seals, _asked(main)))
-    return _drawn(control_picture(main.quantity, main.charts, main.seals, _asked(main)))
+        return _render_picture(
+            lots_picture(main.quantity, main.charts, main.lots, main.seals, _get_limit_ends(main))
+        )
+    return _render_picture(
+        control_picture(main.quantity, main.charts, main.seals, _get_limit_ends(main))
+    )
 
 
-def _asked(main: OfQuantity) -> tuple[float, ...]:
+def _get_limit_ends(main: OfQuantity) -> tuple[float, ...]:
     return () if main.limits is None else main.limits.ends
 
 
-def _histogram(main: OfQuantity) -> Drawn | None:
+def _histogram(main: OfQuantity) -> RenderedFigure | None:
     if not main.seals:
         return None
-    picture = histogram_picture(main.quantity, main.charts, main.seals, _asked(main))
-    return _drawn(picture, SIDE)
+    picture = histogram_picture(main.quantity, main.charts, main.seals, _get_limit_ends(main))
+    return _render_picture(picture, SIDE)
 
 
-def _cpks(main: OfQuantity) -> Drawn | None:
+def _cpks(main: OfQuantity) -> RenderedFigure | None:
     """Of more lots than a table has room for."""
     if len(main.known) <= FEW_LOTS:
         return None
     asked = None if main.limits is None else main.limits.cpk
-    return _drawn(cpk_picture(list(main.known.values()), asked), SIDE)
+    return _render_picture(cpk_picture(list(main.known.values()), asked), SIDE)
 
 
 def _points(main: OfQuantity, *, by_lots: bool) -> list[tuple[str, str]]:
     """What each place of the chart stands for: a lot, or a lot and the words that find a seal."""
     if by_lots:
-        return [(lot, "") for lot in by_lot(main.seals)]
+        return [(lot, "") for lot in split_seals_by_lot(main.seals)]
     return [(one.lot, f"seal {one.name}") for one in main.seals]
 
 
-def _curves(lot: Lot, found: Summary) -> Drawn | None:
+def _curves(lot: Lot, found: Summary) -> RenderedFigure | None:
     rows = lot.used.drop_nulls("k_end_N_per_m")
     files = [one.file for one in found.flags if one.file and one.weighty]
     for one in found.main.charts.values():
@@ -212,7 +216,7 @@ def _curves(lot: Lot, found: Summary) -> Drawn | None:
         return None
     few = np.unique(np.linspace(0, rows.height - 1, min(rows.height, CURVES)).astype(int))
     odd = rows.filter(rows["file"].is_in(files)).head(CURVES)
-    return _drawn(curves_picture([*rows[few].to_dicts(), *odd.to_dicts()], files))
+    return _render_picture(curves_picture([*rows[few].to_dicts(), *odd.to_dicts()], files))
 
 
 def _capability(main: OfQuantity) -> dict[str, Any] | None:
@@ -232,29 +236,29 @@ def _capability(main: OfQuantity) -> dict[str, Any] | None:
         "outside": one.outside,
         "share": f"{100 * near:.2g} to {100 * far:.2g} %",
         "suspect": one.suspect,
-        "normal": None if one.normal is None else rounded(one.normal, digits=2),
+        "normal": None if one.normal is None else round_to_error(one.normal, digits=2),
     }
 
 
 # -- words and tables -----------------------------------------------------------------------------
 
 
-def _repeated(main: OfQuantity) -> bool:
+def _has_repeats(main: OfQuantity) -> bool:
     return any(len(one.values) > 1 for one in main.seals)
 
 
 def _counts(lot: Lot, main: OfQuantity) -> str:
     lots = {one.lot for one in main.seals}
     told = [
-        counted(lot.table.height, "file"),
-        f"{counted(lot.used.height, 'fit')} used",
-        counted(len(main.seals), "seal") if _repeated(main) else "",
-        counted(len(lots), "lot") if len(lots) > 1 else "",
+        format_count(lot.table.height, "file"),
+        f"{format_count(lot.used.height, 'fit')} used",
+        format_count(len(main.seals), "seal") if _has_repeats(main) else "",
+        format_count(len(lots), "lot") if len(lots) > 1 else "",
     ]
     depth, hold = (lot.used[name].median() for name in ("depth_m", "hold_s"))
     for value, unit in ((depth, "mm"), (hold, "s")):
         if isinstance(value, float):
-            told.append(written(value, unit))
+            told.append(format_quantity(value, unit))
     return ", ".join(filter(None, told))
 
 
@@ -307,9 +311,9 @@ def _signals(main: OfQuantity) -> Iterator[tuple[str, str, str]]:
 def _lots(main: OfQuantity) -> list[tuple[str, ...]]:
     """Lot, seals, mean, standard deviation, control limits, Cpk and its ends, causes of alarms."""
     rows: list[tuple[str, ...]] = []
-    for name, seals in by_lot(main.seals).items():
+    for name, seals in split_seals_by_lot(main.seals).items():
         values = seal_means(seals)
-        shown, charts = main.quantity.shown, main.charts.get(name)
+        shown, charts = main.quantity.format_value, main.charts.get(name)
         able = main.capability.get(name)
         spread = float(np.std(values, ddof=1)) if len(values) > 1 else None
         ends = ("", "")
@@ -323,14 +327,16 @@ def _lots(main: OfQuantity) -> list[tuple[str, ...]]:
     return sorted(rows, key=lambda row: (float(row[6] or "inf"), -int(row[9] or 0)))
 
 
-def _further(lot: Lot, main: OfQuantity) -> list[tuple[Quantity, Mapping[tuple[str, str], str]]]:
+def _select_other_quantities(
+    lot: Lot, main: OfQuantity
+) -> list[tuple[Quantity, Mapping[tuple[str, str], str]]]:
     """The further quantities of the table of seals, each with the means that any of them has."""
     told, there = (
         (main.quantity.name, "k_inf", "E_inf"),
         {(one.lot, one.name) for one in main.seals},
     )
     found = [
-        (one, {(seal.lot, seal.name): one.shown(seal.mean) for seal in lot.seals(one.name)})
+        (one, {(seal.lot, seal.name): one.format_value(seal.mean) for seal in lot.seals(one.name)})
         for one in lot.quantities
         if one.name not in told and not one.name.startswith("loss_at_")
     ]
@@ -343,7 +349,7 @@ def _seals(
     """Every seal, the gravest first: what fails, what is to be looked at, the others in order."""
     decisions = {(one.lot, one.seal): one for one in found.main.judged}
     seals = {(one.lot, one.name): one for one in found.main.seals}
-    why, rows = _why(found), []
+    why, rows = _build_seal_reasons(found), []
     # those of which no test is used are judged alone
     for key in dict.fromkeys((*seals, *decisions)):
         said = "; ".join(why[key])
@@ -354,17 +360,17 @@ def _seals(
             "lot": key[0], "name": key[1], "word": word, "why": said,
             "rank": _GRAVITY.get(word, len(_GRAVITY)),
             "more": [means.get(key, "") for _, means in further],
-            **_tested(seals.get(key), found.main.quantity),
+            **_format_seal_cells(seals.get(key), found.main.quantity),
         })  # fmt: skip
     return sorted(rows, key=lambda row: row["rank"])
 
 
-def _tested(seal: Seal | None, quantity: Quantity) -> dict[str, Any]:
+def _format_seal_cells(seal: Seal | None, quantity: Quantity) -> dict[str, Any]:
     """What the tests of a seal found, if one is used."""
     if seal is None:
         return {"tests": 0, "value": "", "sd": ""}
-    sd = quantity.shown(seal.deviation, digits=2)
-    return {"tests": len(seal.files), "value": quantity.shown(seal.mean), "sd": sd}
+    sd = quantity.format_value(seal.deviation, digits=2)
+    return {"tests": len(seal.files), "value": quantity.format_value(seal.mean), "sd": sd}
 
 
 def _decisions(seals: Sequence[Mapping[str, Any]]) -> str:
@@ -378,7 +384,7 @@ def _causes(main: OfQuantity) -> Iterator[dict[str, Any]]:
     if lots is None:
         return
     centre, values = lots.mean.centre, np.asarray(lots.mean.values)
-    whole = main.quantity.shown(centre)
+    whole = main.quantity.format_value(centre)
     for low, high in lots.mean.causes:
         run = np.arange(low, high + 1)
         for way, side in (("low", run[values[run] < centre]), ("high", run[values[run] > centre])):
@@ -387,14 +393,15 @@ def _causes(main: OfQuantity) -> Iterator[dict[str, Any]]:
             names = [lots.names[at] for at in side]
             one = len(names) == 1
             yield {
-                "mark": "care", "name": f"Lot{'' if one else 's'} {_listed(names, len(run))}",
+                "mark": "care", "name": f"Lot{'' if one else 's'} "
+                                        f"{_join_lot_names(names, len(run))}",
                 "filter": names[0],
                 "says": f"{'lies' if one else 'lie'} {way}: {_ends(main, values[side])}, "
                 f"all lots {whole}.",
             }  # fmt: skip
 
 
-def _listed(names: Sequence[str], run: int) -> str:
+def _join_lot_names(names: Sequence[str], run: int) -> str:
     """Name lots of one run on one side of the centre: all of them by the first and the last."""
     if len(names) > 2 and len(names) == run:
         return f"{names[0]} to {names[-1]}"
@@ -404,7 +411,10 @@ def _listed(names: Sequence[str], run: int) -> str:
 
 def _ends(main: OfQuantity, values: FloatArray) -> str:
     """The value of a lot, or the least and the largest of several."""
-    low, high = main.quantity.shown(float(values.min())), main.quantity.read(float(values.max()))
+    low, high = (
+        main.quantity.format_value(float(values.min())),
+        main.quantity.read(float(values.max())),
+    )
     return high if len(values) == 1 else f"{low} to {high}"
 
 
@@ -427,7 +437,9 @@ def _weighs(found: Summary) -> Iterator[dict[str, Any]]:
         }
 
 
-def _every(tests: Sequence[Mapping[str, Any]], labels: Sequence[str], found: Summary) -> str:
+def _encode_test_rows(
+    tests: Sequence[Mapping[str, Any]], labels: Sequence[str], found: Summary
+) -> str:
     """All rows for the script: no markup can end the element that holds them."""
     decided = {(one.lot, one.seal): one.decision for one in found.main.judged}
     heads = ["file", *labels, "value", "verdict", "why", "mark"]
@@ -444,7 +456,7 @@ def _every(tests: Sequence[Mapping[str, Any]], labels: Sequence[str], found: Sum
     return json.dumps({"heads": heads, "rows": rows}, separators=(",", ":")).replace("<", "\\u003c")
 
 
-def _why(found: Summary) -> dict[tuple[str, str], list[str]]:
+def _build_seal_reasons(found: Summary) -> dict[tuple[str, str], list[str]]:
     """Why each seal is to be looked at: its judgement, then its flags."""
     why: dict[tuple[str, str], list[str]] = defaultdict(list)
     for one in found.main.judged:
@@ -471,7 +483,7 @@ def _tests(found: Summary, labels: Sequence[str]) -> list[dict[str, Any]]:
         {
             "file": file,
             "labels": of,
-            "value": quantity.shown(value),
+            "value": quantity.format_value(value),
             "verdict": (verdict or "point estimate") if outcome == "fitted" else outcome,
             "mark": COLOURS.get(verdict, "") if outcome == "fitted" else "bad",
             "reason": reason or "",

@@ -12,13 +12,13 @@ from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import TYPE_CHECKING, Any, Literal, cast
 
-from dashpot.base.atomic import PART, named, write_whole
+from dashpot.base.atomic import PART, validate_path, write_atomic
 from dashpot.base.errors import DataError, ExportError
-from dashpot.base.serialisation import plain
+from dashpot.base.serialisation import to_plain_value
 from dashpot.base.version import __version__
-from dashpot.extensions.batch.batch_options import BatchChoices
+from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.columns import AGAIN, COUNTS, TEXTS, number_columns
-from dashpot.extensions.batch.input_files import Entry, hashed
+from dashpot.extensions.batch.input_files import Entry, compute_file_hash
 
 if TYPE_CHECKING:
     import polars as pl
@@ -48,7 +48,7 @@ class Task:
     packed: str
 
     @staticmethod
-    def of(entry: Entry, hashes: Sequence[str], key: str) -> Task:
+    def from_entry(entry: Entry, hashes: Sequence[str], key: str) -> Task:
         """Return the task of a test, by the key of its row and the hashes of its files."""
         return Task(key + json.dumps([*astuple(entry), hashes], separators=(",", ":")))
 
@@ -74,16 +74,19 @@ class Task:
 
 
 def tasks(
-    entries: Iterable[Entry], choices: BatchChoices, *, hashed: Callable[[str], str] = hashed
+    entries: Iterable[Entry],
+    choices: BatchOptions,
+    *,
+    hashed: Callable[[str], str] = compute_file_hash,
 ) -> tuple[Task, ...]:
     """Return one task for each test: its key is of configuration, version and contents."""
-    decides = [_FORM, __version__, plain(choices), choices.calibration()]
+    decides = [_FORM, __version__, to_plain_value(choices), choices.calibration()]
     common = hashlib.sha256(json.dumps(decides, sort_keys=True).encode())
 
     def task(entry: Entry) -> Task:
         key, hashes = common.copy(), entry.hashes(hashed)
-        key.update(json.dumps([plain(entry), hashes], sort_keys=True).encode())
-        return Task.of(entry, hashes, key.hexdigest())
+        key.update(json.dumps([to_plain_value(entry), hashes], sort_keys=True).encode())
+        return Task.from_entry(entry, hashes, key.hexdigest())
 
     return tuple(map(task, entries))
 
@@ -99,7 +102,7 @@ def polars() -> Any:
     return pl
 
 
-def schema(choices: BatchChoices) -> dict[str, Any]:
+def schema(choices: BatchOptions) -> dict[str, Any]:
     """Return the columns of the table and their types."""
     kind = polars()
     numbers = number_columns(choices)
@@ -113,11 +116,11 @@ def write_part(folder: Path, rows: pl.DataFrame) -> Path:
     name = hashlib.sha256("".join(sorted(rows[KEY])).encode()).hexdigest()[:16]
     path, content = folder / f"part-{name}.parquet", BytesIO()
     rows.write_parquet(content)
-    write_whole(path, content.getvalue())
+    write_atomic(path, content.getvalue())
     return path
 
 
-def framed(rows: Sequence[Mapping[str, Any]], choices: BatchChoices) -> pl.DataFrame:
+def build_row_frame(rows: Sequence[Mapping[str, Any]], choices: BatchOptions) -> pl.DataFrame:
     """Return rows as a table."""
     return cast("pl.DataFrame", polars().DataFrame(rows, schema=schema(choices)))
 
@@ -133,7 +136,7 @@ def read_parts(folder: Path) -> Iterator[tuple[Path, pl.DataFrame]]:
             yield path, frame
 
 
-def joined(
+def join_frames(
     frames: Iterable[pl.DataFrame], how: Literal["vertical", "diagonal"] = "vertical"
 ) -> pl.DataFrame:
     """Return tables as one; few parts are held at once, for one takes ten times what is in it."""
@@ -174,7 +177,9 @@ def table(folder: Path, wanted: Iterable[str]) -> pl.DataFrame:
     }
     missing = set(wanted)
     count = len(missing)
-    found = joined(_kept(folder, sorted(parts, key=lambda path: parts[path]), missing))
+    found = join_frames(
+        _extract_missing_rows(folder, sorted(parts, key=lambda path: parts[path]), missing)
+    )
     for path in (*(there - parts.keys()), *folder.glob(f".*{PART}")):
         path.unlink()
     _gather(folder)
@@ -186,7 +191,9 @@ def table(folder: Path, wanted: Iterable[str]) -> pl.DataFrame:
     return found if found["file"].is_sorted() else found.sort("file")
 
 
-def _kept(folder: Path, parts: Iterable[Path], missing: set[str]) -> Iterator[pl.DataFrame]:
+def _extract_missing_rows(
+    folder: Path, parts: Iterable[Path], missing: set[str]
+) -> Iterator[pl.DataFrame]:
     """Yield of each part the rows that are still missing; leave no others in the folder."""
     for path in parts:
         frame = polars().read_parquet(path.read_bytes())
@@ -205,7 +212,7 @@ def _gather(folder: Path) -> None:
     small = {path for path, one in read_parts(folder) if one.height < SMALL}
     if len(small) >= SMALL:
         parts = (one for path, one in read_parts(folder) if path in small)
-        whole = write_part(folder, joined(parts))
+        whole = write_part(folder, join_frames(parts))
         for path in small - {whole}:
             path.unlink()
 
@@ -217,7 +224,7 @@ def claim(folder: Path) -> None:
     ------
     ExportError
     """
-    if named(folder).exists() and not folder.is_dir():
+    if validate_path(folder).exists() and not folder.is_dir():
         raise ExportError(f"{folder} is a file; give a folder for the results")
     ours = set(folder.glob(PARTS)) if folder.is_dir() else set()
     foreign = sorted(set(folder.glob("*.parquet")) - ours) if folder.is_dir() else []

@@ -12,9 +12,9 @@ from contextlib import contextmanager
 from functools import partial
 from typing import Any, NamedTuple, TypeAlias
 
-from dashpot.base.serialisation import plain
-from dashpot.base.subprocesses import interpreter, long_lived
-from dashpot.extensions.batch.batch_options import BatchChoices
+from dashpot.base.serialisation import to_plain_value
+from dashpot.base.subprocesses import get_long_lived_env, interpreter
+from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.columns import empty
 from dashpot.extensions.batch.parquet_parts import KEY, Task
 
@@ -32,7 +32,7 @@ def processors() -> int:
     return os.cpu_count() or 1
 
 
-class Engine(NamedTuple):
+class Executor(NamedTuple):
     """What makes rows.
 
     Attributes
@@ -47,18 +47,18 @@ class Engine(NamedTuple):
 
     side: int
     at_once: int
-    computed: Callable[[Sequence[Chunk], BatchChoices], Iterator[tuple[Chunk, Rows]]]
+    computed: Callable[[Sequence[Chunk], BatchOptions], Iterator[tuple[Chunk, Rows]]]
 
 
 @contextmanager
-def processes(jobs: int | None) -> Iterator[Engine]:
+def processes(jobs: int | None) -> Iterator[Executor]:
     """So many processes of this machine side by side; by default as many as processors."""
     side = jobs or processors()
-    yield Engine(side, min(side, processors()), partial(_computed, side))
+    yield Executor(side, min(side, processors()), partial(_compute_chunks, side))
 
 
-def _computed(
-    jobs: int, chunks: Sequence[Chunk], choices: BatchChoices
+def _compute_chunks(
+    jobs: int, chunks: Sequence[Chunk], choices: BatchOptions
 ) -> Iterator[tuple[Chunk, Rows]]:
     """A file whose workers die gets a row that says so."""
     waiting: queue.SimpleQueue[Chunk] = queue.SimpleQueue()
@@ -106,7 +106,7 @@ def _serve(
 class Worker:
     """One process, started when first asked in a folder, and again after its end."""
 
-    def __init__(self, choices: BatchChoices, folder: str | None = None) -> None:
+    def __init__(self, choices: BatchOptions, folder: str | None = None) -> None:
         self._choices, self._folder = choices, folder
         self._process: subprocess.Popen[bytes] | None = None
 
@@ -130,24 +130,24 @@ class Worker:
     def _answer(self, task: Task) -> bytes:
         """The line of an answer; cut short where the process died."""
         try:
-            process = self._started()
+            process = self._start_process()
             assert process.stdin is not None and process.stdout is not None  # noqa: PT018, S101
-            question = {"entry": plain(task.entry), "hashes": task.hashes}
+            question = {"entry": to_plain_value(task.entry), "hashes": task.hashes}
             process.stdin.write(json.dumps(question).encode() + b"\n")
             process.stdin.flush()
             return process.stdout.readline()
         except (BrokenPipeError, ConnectionError):
             return b""
 
-    def _started(self) -> subprocess.Popen[bytes]:
+    def _start_process(self) -> subprocess.Popen[bytes]:
         if self._process is None:
             self._process = subprocess.Popen(  # noqa: S603 -- this interpreter, our module
                 interpreter("dashpot.extensions.batch.rows_worker"),
-                stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=long_lived(),
+                stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=get_long_lived_env(),
                 cwd=self._folder,
             )  # fmt: skip
             assert self._process.stdin is not None  # noqa: S101
-            self._process.stdin.write(json.dumps(plain(self._choices)).encode() + b"\n")
+            self._process.stdin.write(json.dumps(to_plain_value(self._choices)).encode() + b"\n")
         return self._process
 
     def end(self) -> None:

@@ -8,9 +8,15 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from dashpot.base.errors import DataError
-from dashpot.base.number_format import cell
-from dashpot.base.reported_values import Fact
-from dashpot.base.units import Dimension, find, in_unit, of_column, read_in
+from dashpot.base.number_format import format_cell
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.units import (
+    Dimension,
+    convert_to_unit,
+    find_unit,
+    get_display_unit,
+    parse_column_title,
+)
 
 _WORDS = {
     "k_end": "stiffness at the end of the hold", "k_0": "stiffness at once",
@@ -45,12 +51,12 @@ class Quantity(NamedTuple):
     @property
     def scale(self) -> float:
         """From SI to that unit."""
-        return in_unit(1.0, self.unit) if self.unit else 1.0
+        return convert_to_unit(1.0, self.unit) if self.unit else 1.0
 
     @property
     def dimension(self) -> Dimension | None:
         """What it measures; None of a plain number."""
-        known = find(self.unit)
+        known = find_unit(self.unit)
         return None if known is None else known.dimension
 
     @property
@@ -58,18 +64,22 @@ class Quantity(NamedTuple):
         """Its words and its unit."""
         return f"{self.words}, {self.unit}" if self.unit else self.words
 
-    def fact(self, name: str, value: float, ends: tuple[float, float] | None = None) -> Fact:
+    def fact(
+        self, name: str, value: float, ends: tuple[float, float] | None = None
+    ) -> ReportedValue:
         """A number of this quantity, SI, and its 95 % interval."""
         low, high = ends or (math.nan, math.nan)
-        return Fact(name, value, low, high, of_column(self.column)[1], read=self.unit)
+        return ReportedValue(
+            name, value, low, high, parse_column_title(self.column)[1], read=self.unit
+        )
 
-    def shown(self, value: float | None, *, digits: int = 4) -> str:
+    def format_value(self, value: float | None, *, digits: int = 4) -> str:
         """A value, SI, in that unit without its word; empty where there is none."""
-        return cell(value, self.unit or "1", digits=digits)
+        return format_cell(value, self.unit or "1", digits=digits)
 
     def read(self, value: float, *, digits: int = 4) -> str:
         """A value, SI, with its unit."""
-        return f"{self.shown(value, digits=digits)} {self.unit}".strip()
+        return f"{self.format_value(value, digits=digits)} {self.unit}".strip()
 
 
 def quantity(name: str, columns: Sequence[str]) -> Quantity:
@@ -80,7 +90,7 @@ def quantity(name: str, columns: Sequence[str]) -> Quantity:
     DataError
         If no column is called so.
     """
-    found = [_of(one) for one in columns]
+    found = [_parse_column(one) for one in columns]
     known = {one.name: one for one in reversed(found)} | {one.column: one for one in found}
     if name not in known:
         there = ", ".join(sorted({one.name for one in found}))
@@ -88,12 +98,12 @@ def quantity(name: str, columns: Sequence[str]) -> Quantity:
     return known[name]
 
 
-def _of(column: str) -> Quantity:
-    name, unit = of_column(column)
-    return Quantity(name, column, _worded(name), read_in(unit))
+def _parse_column(column: str) -> Quantity:
+    name, unit = parse_column_title(column)
+    return Quantity(name, column, _format_quantity_words(name), get_display_unit(unit))
 
 
-def _worded(name: str) -> str:
+def _format_quantity_words(name: str) -> str:
     kind, _, where = name.partition("_at_")
     if not where:
         return _WORDS.get(name, name.replace("_", " "))
@@ -102,7 +112,7 @@ def _worded(name: str) -> str:
     return " at ".join([said, *places])
 
 
-def natural(text: str) -> tuple[tuple[int, str], ...]:
+def make_natural_sort_key(text: str) -> tuple[tuple[int, str], ...]:
     """Return what sorts texts as people count: seal 2 before seal 10."""
     parts = re.split(r"(\d+)", text)
     return tuple((int(one), "") if one.isdecimal() else (-1, one) for one in parts)

@@ -15,7 +15,7 @@ EXTENSION = Extension(
             "lot": "dashpot.extensions.batch.api:read_lot",
         },
         "text": {
-            "dashpot.extensions.batch.comparison:LotComparison": "dashpot.text_output.frequency_table:plainly",
+            "dashpot.extensions.batch.comparison:LotComparison": "dashpot.text_output.frequency_table:render_summary",
         },
     },
     commands=(

@@ -27,12 +27,12 @@ def main() -> None:
     import msgspec  # noqa: F401 -- what is imported once and reads every file faster
 
     from dashpot.extensions.batch.batch_options import (
-        BatchChoices,  # the imports are what makes a worker worth it
+        BatchOptions,  # the imports are what makes a worker worth it
     )
     from dashpot.extensions.batch.input_files import Entry
     from dashpot.extensions.batch.table_row import row
 
-    choices = BatchChoices.from_plain(json.loads(questions.get()))
+    choices = BatchOptions.from_plain(json.loads(questions.get()))
     while True:
         asked = json.loads(questions.get())
         found = row(Entry.from_plain(asked["entry"]), asked["hashes"], choices)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.serialisation import Documented
+from dashpot.base.serialisation import Serialisable
 from dashpot.extensions.batch.statistics.control_chart import (
     Chart,
     individuals,
@@ -19,7 +19,7 @@ from dashpot.extensions.batch.statistics.control_chart import (
 
 
 @dataclass(frozen=True, eq=False)
-class Seal(Documented):
+class Seal(Serialisable):
     """The tests of one seal; a test whose seal nobody named stands for itself.
 
     Attributes
@@ -53,7 +53,7 @@ class Seal(Documented):
         return float(self.values.std(ddof=1)) if len(self.values) > 1 else None
 
 
-def by_lot(seals: Sequence[Seal]) -> dict[str, list[Seal]]:
+def split_seals_by_lot(seals: Sequence[Seal]) -> dict[str, list[Seal]]:
     """Return the seals of each lot, in their order."""
     lots: dict[str, list[Seal]] = defaultdict(list)
     for one in seals:
@@ -93,7 +93,7 @@ class LotCharts(NamedTuple):
     sd: Chart
 
 
-def charted(seals: Sequence[Seal]) -> Charts:
+def make_control_charts(seals: Sequence[Seal]) -> Charts:
     """Return the control charts of the seals of one lot, two or more."""
     points, moving = individuals(seal_means(seals))
     groups = [one.values for one in seals]

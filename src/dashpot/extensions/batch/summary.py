@@ -9,13 +9,13 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from dashpot.base.checks import GRADES, Check, Checked
+from dashpot.base.checks import GRADES, Check, HasChecks
 from dashpot.base.errors import DataError
-from dashpot.base.number_format import ascii_only, counted
-from dashpot.base.reported_values import Fact
+from dashpot.base.number_format import ascii_only, format_count
+from dashpot.base.reported_values import ReportedValue
 from dashpot.base.sentences import sentence
-from dashpot.base.serialisation import Documented
-from dashpot.extensions.batch.acceptance import Decided, judged
+from dashpot.base.serialisation import Serialisable
+from dashpot.extensions.batch.acceptance import SealDecision, judged
 from dashpot.extensions.batch.checks import (
     asked_in_band,
     capability_as_asked,
@@ -34,7 +34,7 @@ from dashpot.extensions.batch.checks import (
 from dashpot.extensions.batch.limits import Limits
 from dashpot.extensions.batch.lot import Lot
 from dashpot.extensions.batch.quantities import Quantity
-from dashpot.extensions.batch.seals import Charts, LotCharts, Seal, by_lot, seal_means
+from dashpot.extensions.batch.seals import Charts, LotCharts, Seal, seal_means, split_seals_by_lot
 from dashpot.extensions.batch.statistics.control_chart import BEYOND, Chart
 from dashpot.extensions.batch.statistics.gauge_rr import Gauge
 from dashpot.extensions.batch.statistics.process_capability import Capability
@@ -74,7 +74,7 @@ class Flag(NamedTuple):
     weighty: bool = True
 
 
-class Unlike(NamedTuple):
+class ExcludedFile(NamedTuple):
     """A file that is no test like the others, and why."""
 
     file: str
@@ -106,7 +106,7 @@ class Signals(NamedTuple):
     of: int
 
 
-class ChartsOfLot(NamedTuple):
+class LotControlCharts(NamedTuple):
     """The charts of one lot: its seals, the ranges of neighbours, and repeats."""
 
     lot: str
@@ -116,7 +116,7 @@ class ChartsOfLot(NamedTuple):
 
 
 @dataclass(frozen=True)
-class CapabilityOfLot(Documented):
+class LotCapability(Serialisable):
     """The capability of one lot."""
 
     keys = ("lot", "*capability")
@@ -126,7 +126,7 @@ class CapabilityOfLot(Documented):
 
 
 @dataclass(frozen=True)
-class OfQuantity(Documented):
+class OfQuantity(Serialisable):
     """The statistics of one quantity.
 
     Attributes
@@ -161,13 +161,13 @@ class OfQuantity(Documented):
     gauge: Gauge | None
     limits: Limits | None
     capability: dict[str, Capability]
-    judged: tuple[Decided, ...]
+    judged: tuple[SealDecision, ...]
 
     @property
-    def by_lot(self) -> tuple[ChartsOfLot, ...]:
+    def by_lot(self) -> tuple[LotControlCharts, ...]:
         """The charts of each lot."""
         each = self.charts.items()
-        return tuple(ChartsOfLot(lot, of.means, of.moving, of.repeats) for lot, of in each)
+        return tuple(LotControlCharts(lot, of.means, of.moving, of.repeats) for lot, of in each)
 
     @property
     def signals(self) -> Signals:
@@ -187,25 +187,27 @@ class OfQuantity(Documented):
         )
 
     @property
-    def capable(self) -> tuple[CapabilityOfLot, ...] | None:
+    def capable(self) -> tuple[LotCapability, ...] | None:
         """The capability of each lot; None without limits."""
-        each = tuple(CapabilityOfLot(*one) for one in self.capability.items())
+        each = tuple(LotCapability(*one) for one in self.capability.items())
         return None if self.limits is None else each
 
     @property
-    def decided(self) -> tuple[Decided, ...] | None:
+    def decided(self) -> tuple[SealDecision, ...] | None:
         """The judgement of each seal; None without limits."""
         return None if self.limits is None else self.judged
 
     @property
-    def sources(self) -> tuple[tuple[Fact, str], ...]:
+    def sources(self) -> tuple[tuple[ReportedValue, str], ...]:
         """The standard deviation of each source of scatter, and its share of the variance, %."""
         return tuple(
             (self._deviation(one.source, one.variance, one.interval), f"{100 * one.share:.1f}")
             for one in self.components
         )
 
-    def _deviation(self, name: str, variance: float, ends: tuple[float, float] | None) -> Fact:
+    def _deviation(
+        self, name: str, variance: float, ends: tuple[float, float] | None
+    ) -> ReportedValue:
         within = None if ends is None else (sqrt(ends[0]), sqrt(ends[1]))
         return self.quantity.fact(name, sqrt(variance), within)
 
@@ -221,7 +223,7 @@ class OfQuantity(Documented):
 
 
 @dataclass(frozen=True, eq=False)
-class Summary(Checked, Documented):
+class Summary(HasChecks, Serialisable):
     """What a lot says.
 
     Attributes
@@ -292,9 +294,9 @@ class Summary(Checked, Documented):
         return said + (f", {copies} cop{'y' if copies == 1 else 'ies'}" if copies else "")
 
     @property
-    def copies(self) -> tuple[Unlike, ...]:
+    def copies(self) -> tuple[ExcludedFile, ...]:
         """The files that hold what another one does, and which: they are left out."""
-        return tuple(Unlike(*one) for one in self.lot.copies.items())
+        return tuple(ExcludedFile(*one) for one in self.lot.copies.items())
 
     @property
     def lines(self) -> list[str]:
@@ -302,9 +304,9 @@ class Summary(Checked, Documented):
         return [line for one in self.each for line in _lines(one)]
 
     @property
-    def unlike(self) -> tuple[Unlike, ...]:
+    def unlike(self) -> tuple[ExcludedFile, ...]:
         """The files that are no test like the others."""
-        return tuple(Unlike(*one) for one in self.lot.unlike.items())
+        return tuple(ExcludedFile(*one) for one in self.lot.unlike.items())
 
 
 def summary(lot: Lot, *, quantity: str = "k_end", limits: Sequence[Limits] = ()) -> Summary:
@@ -319,7 +321,7 @@ def summary(lot: Lot, *, quantity: str = "k_end", limits: Sequence[Limits] = ())
     # a stiffness and a modulus share a name, and never a column
     asked = {one.quantity.column: one for one in limits}
     first, *others = [
-        _of(lot, one, asked.get(one.column))
+        _compute_quantity_summary(lot, one, asked.get(one.column))
         for one in (main, *(one.quantity for one in limits if one.quantity != main))
     ]
     flags = tuple(_flags(lot, first))
@@ -327,7 +329,7 @@ def summary(lot: Lot, *, quantity: str = "k_end", limits: Sequence[Limits] = ())
     return Summary(lot, first, tuple(others), flags, checks)
 
 
-def _of(lot: Lot, quantity: Quantity, limits: Limits | None) -> OfQuantity:
+def _compute_quantity_summary(lot: Lot, quantity: Quantity, limits: Limits | None) -> OfQuantity:
     name = quantity.column
     try:
         scatter = lot.components(name)
@@ -414,7 +416,7 @@ def _odd_repeats(of: OfQuantity) -> Iterator[Flag]:
 def _checks(lot: Lot, each: Sequence[OfQuantity], flags: Sequence[Flag]) -> Iterator[Check]:
     for one in each:
         if one.limits is not None:
-            yield from _of_limits(one, one.limits)
+            yield from _check_limits(one, one.limits)
     main = each[0]
     if main.gauge is not None:
         yield gauge_tells_apart(main.gauge)
@@ -434,7 +436,7 @@ def _checks(lot: Lot, each: Sequence[OfQuantity], flags: Sequence[Flag]) -> Iter
         yield asked_in_band(asked, max(beyond.values()))
 
 
-def _of_limits(one: OfQuantity, limits: Limits) -> Iterator[Check]:
+def _check_limits(one: OfQuantity, limits: Limits) -> Iterator[Check]:
     decisions = [judge.decision for judge in one.judged]
     yield seals_within_limits(one.quantity.words, str(limits), decisions)
     if limits.cpk is not None:
@@ -479,12 +481,12 @@ def _control_says(of: OfQuantity) -> str:
     if not of.signals.of:
         return ""
     if not of.signals.points:
-        return f"no signal in {counted(len(of.charts), 'lot')}"
+        return f"no signal in {format_count(len(of.charts), 'lot')}"
     each = [(of.signals_of("seals"), "seals"), (of.signals_of("lots"), "lots")]
     points = " and ".join(
         f"{one.points} of {one.of} points of {what}" for one, what in each if one.points
     )
-    return f"{counted(of.signals.causes, 'cause')}: {points}"
+    return f"{format_count(of.signals.causes, 'cause')}: {points}"
 
 
 def _limits_says(of: OfQuantity) -> str:
@@ -503,7 +505,7 @@ def _limits_says(of: OfQuantity) -> str:
 
 def _alarms(one: OfQuantity) -> str:
     causes = one.signals.causes
-    alarms = f"{counted(causes, 'cause')} of control-chart alarms"
+    alarms = f"{format_count(causes, 'cause')} of control-chart alarms"
     return alarms if causes else "no control-chart alarm"
 
 
@@ -513,7 +515,7 @@ def _lines(one: OfQuantity) -> Iterator[str]:
     mean = ascii_only(one.quantity.read(float(seal_means(one.seals).mean())))
     yield (
         f"{one.quantity.words}: mean {mean} of {len(one.seals)} seals in "
-        f"{counted(len(by_lot(one.seals)), 'lot')}; "
+        f"{format_count(len(split_seals_by_lot(one.seals)), 'lot')}; "
         f"{_alarms(one)}"
     )
     if one.gauge is not None:
@@ -526,10 +528,12 @@ def _lines(one: OfQuantity) -> Iterator[str]:
         value, low, high = map(ascii_only, fact.ends)
         between = f" ({low} to {high})" if fact.bounded else ""
         yield f"    {fact.name:<9} {value}{between}, {share} % of the variance"
-    yield from (_judged(judge, one.quantity) for judge in one.judged if judge.decision != "pass")
+    yield from (
+        _format_decision(judge, one.quantity) for judge in one.judged if judge.decision != "pass"
+    )
 
 
-def _judged(judge: Decided, quantity: Quantity) -> str:
+def _format_decision(judge: SealDecision, quantity: Quantity) -> str:
     value = "" if judge.value is None else f", {ascii_only(quantity.read(judge.value))}"
     where = f"{judge.lot} " if judge.lot else ""
     return f"  {judge.decision:<11} {where}seal {judge.seal}{value}"

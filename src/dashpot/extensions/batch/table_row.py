@@ -14,34 +14,34 @@ import numpy as np
 from dashpot.base.checks import Check, Verdict
 from dashpot.base.errors import DashpotError
 from dashpot.base.provenance import SIMULATED
-from dashpot.base.reported_values import Fact
+from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import column
-from dashpot.datamodel.compression_limits import refuse_far
+from dashpot.datamodel.compression_limits import require_plausible_compression
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.batch.batch_options import BatchChoices
-from dashpot.extensions.batch.columns import asked_columns, empty, of_solid
+from dashpot.extensions.batch.batch_options import BatchOptions
+from dashpot.extensions.batch.columns import build_requested_columns, empty, format_stiffness_column
 from dashpot.extensions.batch.impact_comparison import (
-    held_against_hammer,
-    of_hammer_alone,
-    of_origin,
+    compare_with_hammer,
+    make_origin_column,
+    read_hammer_resonance,
 )
-from dashpot.extensions.batch.input_files import Entry, hashed
+from dashpot.extensions.batch.input_files import Entry, compute_file_hash
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance, LoadHold
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
 from dashpot.reading.columns.kind_detection import MASTER
 from dashpot.reading.readers.detect_kind import Recognised, recognise
-from dashpot.registry import FIT_FILES, KINDS, KindOfTest, Piece, load, row_of
+from dashpot.registry import FIT_FILES, KINDS, KindOfTest, Piece, load_object, row_of
 from dashpot.workflow.fit_bench_tests import fit_files
-from dashpot.workflow.response.static_equilibrium import at_rest
+from dashpot.workflow.response.static_equilibrium import find_static_equilibrium
 
 if TYPE_CHECKING:
     from dashpot.workflow.fit_bench_tests import Record
 
 
-def row(entry: Entry, hashes: Sequence[str], choices: BatchChoices) -> dict[str, Any]:
+def row(entry: Entry, hashes: Sequence[str], choices: BatchOptions) -> dict[str, Any]:
     """Return the row of one test; whatever is wrong with its files is said in it.
 
     Parameters
@@ -58,7 +58,7 @@ def row(entry: Entry, hashes: Sequence[str], choices: BatchChoices) -> dict[str,
     if entry.aside:
         return found | {"outcome": "refused", "reason": entry.aside}
     try:
-        answer = _answered(entry, choices, found)
+        answer = _fit_entry(entry, choices, found)
     except DashpotError as error:
         answer = {"outcome": "refused", "reason": str(error)}
     except Exception as error:  # noqa: BLE001 -- one file's fault is one row
@@ -66,7 +66,7 @@ def row(entry: Entry, hashes: Sequence[str], choices: BatchChoices) -> dict[str,
             "outcome": "refused",
             "reason": f"a fault of dashpot's own: {type(error).__name__}; dashpot fit says more",
         }
-    changed = _changed(entry, hashes, answer.get("sha256"))
+    changed = _find_changed_file(entry, hashes, answer.get("sha256"))
     if changed:
         did = "changed" if Path(changed).exists() else "went"
         answer = {
@@ -80,14 +80,14 @@ def row(entry: Entry, hashes: Sequence[str], choices: BatchChoices) -> dict[str,
     return {name: _finite(value) for name, value in found.items()}
 
 
-def _changed(entry: Entry, hashes: Sequence[str], read: str | None) -> str:
+def _find_changed_file(entry: Entry, hashes: Sequence[str], read: str | None) -> str:
     """The first file that is not what it was, if one is; `read` is what a fit read of the first."""
-    now = (read or hashed(entry.file), *map(hashed, entry.hammer))
+    now = (read or compute_file_hash(entry.file), *map(compute_file_hash, entry.hammer))
     files = zip((entry.file, *entry.hammer), now, hashes, strict=True)
     return next((file for file, found, then in files if found != then), "")
 
 
-def _answered(entry: Entry, choices: BatchChoices, found: Mapping[str, Any]) -> dict[str, Any]:
+def _fit_entry(entry: Entry, choices: BatchOptions, found: Mapping[str, Any]) -> dict[str, Any]:
     """What a fit says, or what the file is that has none."""
     specimen = Specimen(temperature=entry.temperature)
     how: dict[str, Any] = {
@@ -98,40 +98,40 @@ def _answered(entry: Entry, choices: BatchChoices, found: Mapping[str, Any]) -> 
     origin = {"origin": SIMULATED if seen.simulated else ""}
     kind = KINDS.get(seen.kind, KINDS["relaxation"])
     if kind.fit != FIT_FILES:
-        return _of_other(seen, kind, entry, choices, found["mass_kg"]) | origin
+        return _build_other_row(seen, kind, entry, choices, found["mass_kg"]) | origin
     try:
         fit, records = fit_files((entry.file,), options=choices.bench, **how)
     except DashpotError as error:
         return {"kind": seen.kind, "outcome": "refused", "reason": str(error)} | origin
-    return _of_test(fit, records[0], entry, choices, found)
+    return _build_fit_row(fit, records[0], entry, choices, found)
 
 
-def _of_other(
-    seen: Recognised, kind: KindOfTest, entry: Entry, choices: BatchChoices, mass: float | None
+def _build_other_row(
+    seen: Recognised, kind: KindOfTest, entry: Entry, choices: BatchOptions, mass: float | None
 ) -> dict[str, Any]:
     """The row of what is no test of a bench: its own, or what it is and waits for."""
     piece = _piece(entry, choices, mass)
     if kind.row and (not kind.needs or getattr(piece, kind.needs) is not None):
-        return _of_kind(kind, entry, piece)
+        return _build_kind_row(kind, entry, piece)
     told = {
         "kind": kind.name,
         "outcome": "other",
         "reason": f"it is {seen.what}: {kind.says or seen.use}",
     }
-    return told | (of_hammer_alone(entry, choices, mass) if kind.resonates else {})
+    return told | (read_hammer_resonance(entry, choices, mass) if kind.resonates else {})
 
 
-def _piece(entry: Entry, choices: BatchChoices, mass: float | None) -> Piece:
+def _piece(entry: Entry, choices: BatchOptions, mass: float | None) -> Piece:
     return Piece(
         choices.bench, entry.temperature, mass,
         choices.length, choices.radius, next(iter(choices.compression), None),
     )  # fmt: skip
 
 
-def _of_kind(kind: KindOfTest, entry: Entry, piece: Piece) -> dict[str, Any]:
+def _build_kind_row(kind: KindOfTest, entry: Entry, piece: Piece) -> dict[str, Any]:
     """The row of a kind that has its own."""
     try:
-        result, numbers = load(kind.row)(entry.file, piece)
+        result, numbers = load_object(kind.row)(entry.file, piece)
     except DashpotError as error:
         return {"kind": kind.name, "outcome": "refused", "reason": str(error)}
     source = result.source
@@ -139,30 +139,33 @@ def _of_kind(kind: KindOfTest, entry: Entry, piece: Piece) -> dict[str, Any]:
         "kind": kind.name, "outcome": "fitted", "sha256": "" if source is None else source.sha256,
     }  # fmt: skip
     told |= numbers
-    return told | _trusted(result.verdict, result.checks)
+    return told | _build_verdict_columns(result.verdict, result.checks)
 
 
-def _of_test(
+def _build_fit_row(
     fit: Fit,
     record: Record,
     entry: Entry,
-    choices: BatchChoices,
+    choices: BatchOptions,
     found: Mapping[str, Any],
 ) -> dict[str, Any]:
-    numbers, mass = _of_record(record) | of_origin(*fit.source), found["mass_kg"]
+    numbers, mass = (
+        _build_record_columns(record) | make_origin_column(*fit.source),
+        found["mass_kg"],
+    )
     said: list[str] = []
     if entry.hammer:
         try:
-            fit, held = held_against_hammer(fit, record, entry, choices, mass)
+            fit, held = compare_with_hammer(fit, record, entry, choices, mass)
             said.append(held.pop("reason"))
             numbers |= held
         except DashpotError as error:
             said.append(f"hammer: {error}")
-    numbers |= _of_fit(fit, numbers.get("hold_s"), choices.columns)
+    numbers |= _build_fit_columns(fit, numbers.get("hold_s"), choices.columns)
     if not choices.quick:
-        numbers |= _judged(fit, choices.columns)
+        numbers |= _build_uncertainty_columns(fit, choices.columns)
     try:
-        numbers |= _asked(fit, choices, numbers.get("hold_s"))
+        numbers |= _compute_requested_columns(fit, choices, numbers.get("hold_s"))
     except DashpotError as error:
         said.append(str(error))
     try:
@@ -173,7 +176,7 @@ def _of_test(
     return numbers | {"reason": reasons}
 
 
-def _of_record(record: Record) -> dict[str, Any]:
+def _build_record_columns(record: Record) -> dict[str, Any]:
     kelvin = getattr(record, "specimen", Specimen()).temperature
     source = getattr(record, "source", None)
     found: dict[str, Any] = {} if kelvin is None else {"temperature_K": kelvin}
@@ -200,7 +203,7 @@ def _of_record(record: Record) -> dict[str, Any]:
     return found
 
 
-def _of_fit(fit: Fit, hold: float | None, room: int) -> dict[str, Any]:
+def _build_fit_columns(fit: Fit, hold: float | None, room: int) -> dict[str, Any]:
     model, unit = fit.model, fit.unit
     found: dict[str, Any] = {
         "outcome": "fitted",
@@ -209,29 +212,32 @@ def _of_fit(fit: Fit, hold: float | None, room: int) -> dict[str, Any]:
         "arms": model.arms,
         "band_low_Hz": fit.band[0],
         "band_high_Hz": fit.band[1],
-        of_solid("0", unit): model.k_0,
+        format_stiffness_column("0", unit): model.k_0,
     }
     if hold is not None:
-        found[of_solid("end", unit)] = float(model.relaxation(hold))
+        found[format_stiffness_column("end", unit)] = float(model.relaxation(hold))
     if fit.residual.unit == "N":
         found["rms_N"] = fit.residual.rms
-    return found | {_column(one): one.value for one in _shown(fit, room)}
+    return found | {_column(one): one.value for one in _select_arm_facts(fit, room)}
 
 
-def _judged(fit: Fit, room: int) -> dict[str, Any]:
+def _build_uncertainty_columns(fit: Fit, room: int) -> dict[str, Any]:
     """Errors, intervals, checks and verdict."""
-    unit, shown = fit.unit, list(_shown(fit, room))
-    found = _trusted(fit.verdict, fit.checks) | {
-        of_solid("inf_low", unit): shown[0].low,
-        of_solid("inf_high", unit): shown[0].high,
+    unit, shown = fit.unit, list(_select_arm_facts(fit, room))
+    found = _build_verdict_columns(fit.verdict, fit.checks) | {
+        format_stiffness_column("inf_low", unit): shown[0].low,
+        format_stiffness_column("inf_high", unit): shown[0].high,
     }
     if fit.left_open is not None:
         low, high = fit.left_open["k_end"]
-        found |= {of_solid("end_low", unit): low, of_solid("end_high", unit): high}
+        found |= {
+            format_stiffness_column("end_low", unit): low,
+            format_stiffness_column("end_high", unit): high,
+        }
     return found | {_column(one, "_se"): one.error for one in shown}
 
 
-def _trusted(verdict: Verdict, checks: Iterable[Check]) -> dict[str, Any]:
+def _build_verdict_columns(verdict: Verdict, checks: Iterable[Check]) -> dict[str, Any]:
     """The verdict, why, and the checks that limit the use, each once."""
     failed = dict.fromkeys(one.name for one in checks if one.failed and one.grade != "note")
     return {
@@ -241,27 +247,29 @@ def _trusted(verdict: Verdict, checks: Iterable[Check]) -> dict[str, Any]:
     }
 
 
-def _shown(fit: Fit, room: int) -> Iterator[Fact]:
+def _select_arm_facts(fit: Fit, room: int) -> Iterator[ReportedValue]:
     """k_inf and the arms; a curve may have more than a row has room for."""
     each = (one for one in fit.arm_facts if not one.name.startswith("b"))
     return islice(each, 1 + 2 * room)
 
 
-def _column(fact: Fact, what: str = "") -> str:
+def _column(fact: ReportedValue, what: str = "") -> str:
     """The column of a number of a solid, or of what is known of it."""
     kind, _, place = fact.name.partition("_")
     if kind == "k":
-        return of_solid(f"{place}{what}", fact.unit)
+        return format_stiffness_column(f"{place}{what}", fact.unit)
     return column(f"{fact.name}{what}", fact.unit)
 
 
-def _asked(fit: Fit, choices: BatchChoices, hold: float | None) -> dict[str, Any]:
+def _compute_requested_columns(
+    fit: Fit, choices: BatchOptions, hold: float | None
+) -> dict[str, Any]:
     """Stiffness and loss where they were asked for: of small vibration about a compression."""
     found: dict[str, Any] = {}
-    for (frequency, compression), columns in asked_columns(choices, fit.unit).items():
+    for (frequency, compression), columns in build_requested_columns(choices, fit.unit).items():
         solid = fit.model
         if compression is not None:
-            refuse_far(compression, fit.elastic_law, fit.specimen.height)
+            require_plausible_compression(compression, fit.elastic_law, fit.specimen.height)
             solid = fit.model_at(compression)
         if frequency is not None:
             value = complex(solid.complex_stiffness(omega=2 * math.pi * frequency))
@@ -276,7 +284,7 @@ def _under_mass(fit: Fit, mass: float | None, seals: float) -> dict[str, Any]:
     """The mode of the mass at rest on the seals, as ``dashpot predict`` has it."""
     if mass is None or fit.unit != "N/m":
         return {}
-    rests = at_rest(fit, mass=mass, seals=seals).tangent
+    rests = find_static_equilibrium(fit, mass=mass, seals=seals).tangent
     return {"frequency_Hz": rests.frequency, "damping_ratio": rests.damping_ratio}
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile
 
 from dashpot.base.errors import ExportError
-from dashpot.base.escaping import neutral
+from dashpot.base.escaping import escape_formula
 from dashpot.base.version import byline
 from dashpot.extensions.batch.lot import Lot
 from dashpot.extensions.batch.parquet_parts import polars
@@ -131,7 +131,8 @@ def _flat(row: dict[str, Any]) -> dict[str, Any]:
 def _frame(rows: Iterable[dict[str, Any]]) -> pl.DataFrame:
     """A table of rows, in which no text is a formula."""
     cells = [
-        {name: neutral(v) if isinstance(v, str) else v for name, v in row.items()} for row in rows
+        {name: escape_formula(v) if isinstance(v, str) else v for name, v in row.items()}
+        for row in rows
     ]
     made: pl.DataFrame = polars().DataFrame(cells, infer_schema_length=None)
     return made

@@ -10,10 +10,10 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, distinct, median
 from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.status import Status
-from dashpot.base.units import written
+from dashpot.base.units import format_quantity
 from dashpot.fitting.checks.relaxation import MAX_FALLING
 from dashpot.fitting.checks.solid import ROUNDING, amount
-from dashpot.signals.noise import usual_scatter
+from dashpot.signals.noise import robust_scatter
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 if TYPE_CHECKING:
@@ -87,16 +87,18 @@ def instrument_stiff(data: DynamicTest) -> Finding:
     What frame and load cell give, C, is in series: :math:`K^*/(1 + C K^*)` is measured, with a
     storage by CK too low and a loss by 2CK. Of a modulus nothing says how stiff its piece was.
     """
-    both = f"frame and load cell that give {written(GIVES, 'um/N', 'g')}"
+    both = f"frame and load cell that give {format_quantity(GIVES, 'um/N', 'g')}"
     if data.unit != "N/m":
         return Finding(
-            f"Of a piece of more than {written(UNSAID / GIVES, 'N/mm', '.3g')}, {both} take more "
+            f"Of a piece of more than {format_quantity(UNSAID / GIVES, 'N/mm', '.3g')}, {both} "
+            "take more "
             f"than {100 * UNSAID:g} % off the storage and {200 * UNSAID:g} % off the loss. How "
             "stiff it was is not said"
         )
     stiffest = float(np.hypot(data.storage, data.loss).max())
     return Finding(
-        f"At {written(stiffest, 'N/mm', '.3g')}, {both} take {100 * GIVES * stiffest:.2g} % off "
+        f"At {format_quantity(stiffest, 'N/mm', '.3g')}, {both} take {100 * GIVES * stiffest:.2g} "
+        "% off "
         "the storage and twice as much off the loss",
         GIVES * stiffest,
         "An instrument may have corrected it",
@@ -314,7 +316,7 @@ def _scatter_of_sweeps(data: DynamicTest, values: FloatArray) -> float:
     for one in distinct(kelvin):
         here = np.flatnonzero(kelvin == one)
         ordered = values[here[np.argsort(data.frequency[here], kind="stable")]]
-        found.append(usual_scatter(np.arange(float(len(here))), ordered))
+        found.append(robust_scatter(np.arange(float(len(here))), ordered))
     return median(np.array(found))
 
 

@@ -11,10 +11,10 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
 from dashpot.fitting.fit_options import refuse_shifts
-from dashpot.reading.raw_file import about
+from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.registry import row_of
-from dashpot.workflow.fit_bench_tests import Bench, BenchAsked, Record, prepare_ramps
-from dashpot.workflow.job import known_of_a_test
+from dashpot.workflow.fit_bench_tests import Bench, BenchFitOptions, Record, prepare_ramps
+from dashpot.workflow.job import require_test_for_machine
 from dashpot.workflow.shift_options import ShiftChoices, shifted_ramps
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def fit_curves(
-    tests: Sequence[Bench], asked: BenchAsked, *, name: str = ""
+    tests: Sequence[Bench], asked: BenchFitOptions, *, name: str = ""
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit one solid to tests of which one at least is no ramp and hold.
 
@@ -56,12 +56,12 @@ def _select_kind(tests: Sequence[Bench], name: str) -> list[Any]:
 
 def _name_file(name: str) -> AbstractContextManager[None]:
     """Return what puts the name of a file before an error."""
-    return about(name) if name else nullcontext()
+    return add_name_to_errors(name) if name else nullcontext()
 
 
-def _refuse_beside_modulus(asked: BenchAsked, *, others: int) -> None:
+def _refuse_beside_modulus(asked: BenchFitOptions, *, others: int) -> None:
     """Refuse what belongs to a ramp, and tests that are no moduli."""
-    known_of_a_test(asked.machine, tests=0, add="a ramp and hold")
+    require_test_for_machine(asked.machine, tests=0, add="a ramp and hold")
     asked.cuts.refuse_several(0)
     if others:
         raise FitError(
@@ -76,7 +76,7 @@ def _refuse_beside_modulus(asked: BenchAsked, *, others: int) -> None:
         )
 
 
-def _refuse_beside_creep(asked: BenchAsked, *, others: int) -> None:
+def _refuse_beside_creep(asked: BenchFitOptions, *, others: int) -> None:
     """Refuse what is of ramps and holds, and tests that are none of creep."""
     asked.cuts.refuse_several(0)
     if others or asked.filter or asked.depth_law:
@@ -92,7 +92,7 @@ def _refuse_beside_creep(asked: BenchAsked, *, others: int) -> None:
 
 
 def _fit_creep(
-    tests: Sequence[CreepTest | LoadHold | CreepCompliance], asked: BenchAsked, name: str
+    tests: Sequence[CreepTest | LoadHold | CreepCompliance], asked: BenchFitOptions, name: str
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit one creep test, or the master curve of several; `name` is the first file's."""
     from dashpot.extensions.curves.creep.compliance import measured_compliance
@@ -102,7 +102,7 @@ def _fit_creep(
     from dashpot.extensions.curves.datamodel.superposition import Superposition
 
     raw = sum(isinstance(one, CreepTest) for one in tests)
-    known_of_a_test(asked.machine, tests=raw, add="a creep test as it was recorded")
+    require_test_for_machine(asked.machine, tests=raw, add="a creep test as it was recorded")
     # a load that is not held says itself of which file it is
     held = [load_hold(one, asked.machine) if isinstance(one, CreepTest) else one for one in tests]
     with _name_file(name):
@@ -123,7 +123,7 @@ def _fit_creep(
 
 
 def _fit_sweeps(
-    sweeps: Sequence[DynamicTest], tests: tuple[RampHold, ...], asked: BenchAsked
+    sweeps: Sequence[DynamicTest], tests: tuple[RampHold, ...], asked: BenchFitOptions
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit a sweep, or a master curve, with the ramps and holds of the same part."""
     if asked.depth_law or asked.method == "hold" or (tests and len(sweeps) > 1):

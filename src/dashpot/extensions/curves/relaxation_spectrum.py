@@ -17,9 +17,9 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.parameter_estimate import ParameterEstimate, Residual
 from dashpot.extensions.curves.checks import FOLLOWED, few_arms_suffice
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
-from dashpot.extensions.curves.datamodel.superposition import AsMeasured, Superposition
-from dashpot.fitting.fit_construction import FoundSolid, assembled
-from dashpot.numerics.least_squares.nnls import linear
+from dashpot.extensions.curves.datamodel.superposition import Superposition, UnshiftedCurve
+from dashpot.fitting.fit_construction import SolidEstimate, build_fit
+from dashpot.numerics.least_squares.nnls import solve_linear
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # arms this far beyond the measured frequencies still shape the loss at their ends, half a decade;
@@ -128,7 +128,7 @@ def master_curve(
     # an arm faster than the second time would show in one sample only
     grid = _grid(float(t[1]), float(t[-1]), per_decade)
     columns = np.concatenate((np.ones((len(t), 1)), np.exp(-t[:, None] / grid)), axis=1)
-    found, _ = linear(columns / values[:, None], np.ones(len(t)), positive=True)
+    found, _ = solve_linear(columns / values[:, None], np.ones(len(t)), positive=True)
     return MasterCurve(
         _solid(found, grid),
         (_misfit("modulus", columns @ found / values - 1.0, t),),
@@ -168,7 +168,7 @@ def dynamic_master_curve(data: DynamicTest, *, per_decade: float = 4) -> MasterC
     loss = np.concatenate((np.zeros((len(w), 1)), x / (1 + x * x)), axis=1)
     columns = np.concatenate((storage / scale[0][:, None], loss / scale[1][:, None]))
     target = np.concatenate((data.storage / scale[0], data.loss / scale[1]))
-    found, _ = linear(columns, target, positive=True)
+    found, _ = solve_linear(columns, target, positive=True)
     error = columns @ found - target
     n = len(w)
     return MasterCurve(
@@ -262,10 +262,10 @@ class Dense(Protocol):
         ...
 
 
-def spectrum_where_few_fail(
+def dense_spectrum_if_needed(
     few: Fit,
     error: FloatArray,
-    origin: Superposition | AsMeasured,
+    origin: Superposition | UnshiftedCurve,
     spectrum: Callable[[], Dense],
     of_data: Sequence[Check] = (),
 ) -> Fit:
@@ -277,14 +277,14 @@ def spectrum_where_few_fail(
     error : array, shape (n,)
         Its relative errors on every value of the curves.
     origin : Superposition or AsMeasured
-        Of several temperatures: then :func:`shared_where_few_fall_short`.
+        Of several temperatures: then :func:`shared_spectrum_if_needed`.
     spectrum : callable
         Fits the dense spectrum of one temperature.
     of_data : sequence of Check
         Those of the fit's checks that do not speak of its arms.
     """
     if isinstance(origin, Superposition):
-        return shared_where_few_fall_short(few, error, origin, of_data)
+        return shared_spectrum_if_needed(few, error, origin, of_data)
     missed = float(np.sqrt(np.mean(error * error)))
     if missed < FOLLOWED:
         return few
@@ -294,12 +294,12 @@ def spectrum_where_few_fail(
     return _dense(few, (missed, None), dense, len(error), of_data)
 
 
-def shared_where_few_fall_short(
+def shared_spectrum_if_needed(
     few: Fit, error: FloatArray, shared: Dense, of_data: Sequence[Check] = ()
 ) -> Fit:
     """Return the fit, or the spectrum of several temperatures where few arms follow less closely.
 
-    The parameters are those of :func:`spectrum_where_few_fail`; `shared` is there already.
+    The parameters are those of :func:`dense_spectrum_if_needed`; `shared` is there already.
     """
     missed, limit = float(np.sqrt(np.mean(error * error))), _AS_CLOSE * shared.rms
     return few if missed < limit else _dense(few, (missed, limit), shared, len(error), of_data)
@@ -331,8 +331,8 @@ def _dense(
         checks=(*of_data, check),
         end_of_hold=None if end is None else end.holding(dense.model),
     )
-    return assembled(
-        FoundSolid(dense.model, estimate),
+    return build_fit(
+        SolidEstimate(dense.model, estimate),
         evidence,
         few.provenance,
         unit=few.unit,

@@ -18,11 +18,17 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, samples
-from dashpot.base.choices import ShiftLaw, refuse_other
+from dashpot.base.choices import ShiftLaw, require_choice
 from dashpot.base.errors import FitError
 from dashpot.numerics.inference.covariance_estimate import estimate, white_noise
-from dashpot.numerics.inference.model_order import bic_of_deviance, needed
-from dashpot.numerics.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
+from dashpot.numerics.inference.model_order import bic_of_deviance, is_significant_fall
+from dashpot.numerics.least_squares.problem import (
+    Optimum,
+    Parameter,
+    Problem,
+    Rows,
+    require_optimum,
+)
 from dashpot.solids.shift_laws import GAS, WLF, Arrhenius, FreeShifts, TemperatureLaw
 
 MAX_MISSED = 0.15
@@ -68,12 +74,12 @@ class LawScore:
     @property
     def fails(self) -> bool:
         """Whether it misses a shift by more than matters, and by more than chance."""
-        beyond_chance = self.dof > 0 and needed(self.deviance, self.dof)
+        beyond_chance = self.dof > 0 and is_significant_fall(self.deviance, self.dof)
         return beyond_chance and self.missed > MAX_MISSED
 
 
 @dataclass(frozen=True)
-class OddOne:
+class ShiftOutlier:
     """A temperature whose shift lies off the law that all others follow.
 
     Attributes
@@ -89,7 +95,7 @@ class OddOne:
 
 
 @dataclass(frozen=True, eq=False)
-class LawThroughShifts:
+class ShiftLawFit:
     """The law chosen, how well its constants are known, and how the others did.
 
     Attributes
@@ -109,7 +115,7 @@ class LawThroughShifts:
     parameters: tuple[str, ...]
     covariance: FloatArray
     scores: tuple[LawScore, ...]
-    odd: OddOne | None = None
+    odd: ShiftOutlier | None = None
 
     @property
     def score(self) -> LawScore:
@@ -141,14 +147,14 @@ class _SolvedLaw(NamedTuple):
     constants: Callable[[FloatArray], FloatArray]
 
 
-def law_through(
+def fit_shift_law(
     temperature: npt.ArrayLike,
     log10_shift: npt.ArrayLike,
     covariance: npt.ArrayLike,
     *,
     reference: float,
     law: ShiftLaw = "auto",
-) -> LawThroughShifts:
+) -> ShiftLawFit:
     """Lay a law through shift factors.
 
     Parameters
@@ -170,7 +176,7 @@ def law_through(
     FitError
         If the law asked for cannot follow the shifts.
     """
-    refuse_other("law", law, ShiftLaw, FitError)
+    require_choice("law", law, ShiftLaw, FitError)
     t, s = samples("temperature", temperature), samples("log10_shift", log10_shift)
     free = FreeShifts(tuple(t), tuple(s), reference)
     away = t != reference
@@ -190,7 +196,7 @@ def law_through(
         off = np.abs(one.log10_a_t(shifts.temperature) - shifts.log10)
         wider = max(1.0, deviance / (n - size)) if n > size else 1.0
         known = estimate(fit, noises=[white_noise(fit, wider)])
-        found[kind] = one, known.derived(constants).covariance
+        found[kind] = one, known.derive_quantity(constants).covariance
         bic = bic_of_deviance(deviance, effective=n, parameters=size)
         worst = int(np.argmax(off))
         scores.append(
@@ -210,19 +216,19 @@ def law_through(
             "shifts themselves (dashpot fit --shift free)"
         )
     chosen, errors = found[kind]
-    return LawThroughShifts(chosen, _PARAMETERS[kind], errors, tuple(scores), _odd(shifts, c))
+    return ShiftLawFit(chosen, _PARAMETERS[kind], errors, tuple(scores), _odd(shifts, c))
 
 
-def _odd(shifts: _Shifts, covariance: FloatArray) -> OddOne | None:
+def _odd(shifts: _Shifts, covariance: FloatArray) -> ShiftOutlier | None:
     """Return the temperature without which a law follows the shifts that it fails with it."""
-    found: list[tuple[float, OddOne]] = []
+    found: list[tuple[float, ShiftOutlier]] = []
     n = len(shifts.temperature)
     for kind, lay in _LAID.items():
         dof = n - len(_PARAMETERS[kind])
         if dof < _LEAST_LEFT or (laid := lay(shifts)) is None:
             continue
         deviance = laid.optimum.sse
-        if not needed(deviance, dof):
+        if not is_significant_fall(deviance, dof):
             return None
         for i in range(n):
             rest = np.delete(np.arange(n), i)
@@ -234,7 +240,7 @@ def _odd(shifts: _Shifts, covariance: FloatArray) -> OddOne | None:
                 continue
             at, left = float(shifts.temperature[i]), without.optimum.sse / (dof - 1)
             missed = float(shifts.log10[i]) - float(without.law.log10_a_t(at))
-            found.append((left / (deviance / dof), OddOne(at, missed)))
+            found.append((left / (deviance / dof), ShiftOutlier(at, missed)))
     share, odd = min(found, key=lambda one: one[0], default=(1.0, None))
     return odd if share < _ODD else None
 
@@ -261,7 +267,7 @@ def _whitener(covariance: FloatArray) -> FloatArray:
 
 def _arrhenius(shifts: _Shifts) -> _SolvedLaw | None:
     column = (1 / shifts.temperature - 1 / shifts.reference) / (GAS * np.log(10.0))
-    best = solved(Problem(lambda _: shifts.rows(column), positive=True))
+    best = require_optimum(Problem(lambda _: shifts.rows(column), positive=True))
     energy = float(best.beta[0])
     return _SolvedLaw(Arrhenius(energy, shifts.reference), best, np.array) if energy > 0 else None
 
@@ -279,7 +285,7 @@ def _wlf(shifts: _Shifts) -> _SolvedLaw | None:
     # linear where every shift is multiplied by what it is divided by
     straight = np.column_stack((-shifts.log10 * above, -above))
     start = np.asarray(np.linalg.lstsq(straight, shifts.log10)[0][:1])
-    best = solved(Problem(rows, [range_], positive=True), [start])
+    best = require_optimum(Problem(rows, [range_], positive=True), [start])
     if best.beta[0] <= 0 or best.theta[0] <= range_.low:
         return None
     c1, c2 = _constants(best.values)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.number_format import rounded
+from dashpot.base.number_format import round_to_error
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
 from dashpot.plot.picture import (
@@ -19,11 +19,11 @@ from dashpot.plot.picture import (
     Picture,
     Rule,
     Scale,
-    around,
-    around_log,
+    compute_padded_limits,
+    compute_padded_log_limits,
     read_as,
 )
-from dashpot.plot.provenance_stamp import of_fit
+from dashpot.plot.provenance_stamp import format_fit_stamp
 
 TIME = "time, s"
 
@@ -44,7 +44,7 @@ def modulus(fit: Fit, data: RelaxationModulus, *, stamp: str = "") -> Picture:
         name="relaxation modulus", axis=TIME,
     )  # fmt: skip
     caption = "Relaxation modulus: measured, the fit to it, and what that leaves."
-    return Picture("modulus", caption, (panels,), 1, stamp or of_fit(fit))
+    return Picture("modulus", caption, (panels,), 1, stamp or format_fit_stamp(fit))
 
 
 def answer_panels(
@@ -65,13 +65,13 @@ def answer_panels(
     left = 100 * (measured / (scale * answer(t)) - 1)
     across = Scale(axis, (float(t[0]), float(t[-1])), log=True)
     upper = Panel(
-        across, Scale(f"{name}, {word}", around_log(measured, curve), log=True),
+        across, Scale(f"{name}, {word}", compute_padded_log_limits(measured, curve), log=True),
         (Line(dense, curve, FIT, "fit"), Dots(t, measured, "measured", "measured")),
         height=240,
     )  # fmt: skip
     lower = Panel(
-        across, Scale("residual, %", around(left, np.zeros(1), margin=0.1)),
+        across, Scale("residual, %", compute_padded_limits(left, np.zeros(1), margin=0.1)),
         (Rule(0.0, REF, across=True), Dots(t, left, "fit")),
-        height=90, note=f"rms {rounded(float(np.sqrt(np.mean(left**2))))} %",
+        height=90, note=f"rms {round_to_error(float(np.sqrt(np.mean(left**2))))} %",
     )  # fmt: skip
     return upper, lower

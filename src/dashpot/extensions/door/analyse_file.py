@@ -13,7 +13,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
 from dashpot.datamodel.checks import temperature_tested
-from dashpot.datamodel.compression_limits import refuse_far
+from dashpot.datamodel.compression_limits import require_plausible_compression
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.free_modes import FreeModes
 from dashpot.datamodel.seal_line import SealLine, SealSection, Shear
@@ -23,24 +23,24 @@ from dashpot.extensions.door.door_model import Door, DoorPoint, SealChoice
 from dashpot.extensions.door.modes import (
     DoorMode,
     basis_error,
+    count_free_motions,
+    count_lateral_free_motions,
     door_modes,
-    farthest,
-    left_sideways,
-    loose_motions,
+    find_farthest_point,
     oscillations,
     station_error,
 )
 from dashpot.extensions.door.mounts import SEAL
 from dashpot.extensions.door.read import read_door
 from dashpot.extensions.door.read_modes import read_modes
-from dashpot.extensions.door.result import DoorResult, Shaken
-from dashpot.reading.raw_file import about
+from dashpot.extensions.door.result import BaseResponse, DoorResult
+from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.readers.psd import read_psd
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import compression_tested
 from dashpot.vibration.systems.bodies import Point
 from dashpot.vibration.systems.random_base import RandomResponse, random_response
-from dashpot.workflow.json_files import read_fit, stored, told_as
+from dashpot.workflow.json_files import format_unexpected_kind, read_fit, read_json_document
 
 __all__ = ["DoorResult", "door_file", "open_door"]
 
@@ -76,7 +76,7 @@ def open_door(
         if not kept.any():
             raise ReadError(f"{choice.path}: no mode lies below {choice.most:g} Hz (most)")
         modes = modes.only(kept)
-    with named(path):
+    with add_file_to_errors(path):
         fit = None
         if door.seal is not None and door.line is not None:
             choice_of_seal = door.seal
@@ -92,7 +92,7 @@ def open_door(
             fit = fit if kelvin is None else fit.at_temperature(kelvin)
             if door.line.compression is not None:
                 most = float(door.line.compression.max())
-                refuse_far(most, fit.elastic_law, fit.specimen.height)
+                require_plausible_compression(most, fit.elastic_law, fit.specimen.height)
             door = replace(door, line=replace(door.line, section=section))
         return Assembly(door, modes, dict(_parts_of(door))), fit
 
@@ -119,12 +119,12 @@ def shear_of(choice: SealChoice, temperature: float | None) -> Shear:
         except DataError as error:
             raise DataError(f"{one}: {error}") from None
         found.append(section.solid)
-        band = _of_both(band, section.band)
+        band = _intersect_bands(band, section.band)
     across, along = found
     return Shear(across, along, band)
 
 
-def _of_both(
+def _intersect_bands(
     one: tuple[float, float] | None, other: tuple[float, float] | None
 ) -> tuple[float, float] | None:
     """The frequencies that both tests inform, Hz; (0, 0) where they have none in common."""
@@ -134,9 +134,9 @@ def _of_both(
     return (low, high) if low <= high else (0.0, 0.0)
 
 
-def named(path: str | Path | Door) -> AbstractContextManager[None]:
+def add_file_to_errors(path: str | Path | Door) -> AbstractContextManager[None]:
     """Put a file's name before what is wrong; a door that was read has none."""
-    return nullcontext() if isinstance(path, Door) else about(Path(path).name)
+    return nullcontext() if isinstance(path, Door) else add_name_to_errors(Path(path).name)
 
 
 def _parts_of(door: Door) -> Iterator[tuple[str, Solid]]:
@@ -144,14 +144,14 @@ def _parts_of(door: Door) -> Iterator[tuple[str, Solid]]:
     for support in (*door.hinges, *((door.latch,) if door.latch else ()), *door.bumpers):
         if not support.fit:
             continue
-        found = stored(support.fit)
+        found = read_json_document(support.fit)
         if isinstance(found, Fit):
             here = found.at_compression(support.compression) if support.compression else found
             yield support.fit, here.solid
         elif isinstance(found, Solid):
             yield support.fit, found
         else:
-            raise ReadError(f"{told_as(support.fit, found)}; expected a fit")
+            raise ReadError(f"{format_unexpected_kind(support.fit, found)}; expected a fit")
 
 
 BAND = (1.0, 200.0)
@@ -182,7 +182,7 @@ def door_file(
     """
     assembly, fit = open_door(path, temperature=temperature)
     band = band or BAND
-    with named(path):
+    with add_file_to_errors(path):
         system, bare = assembly.system(), assembly.system(sealed=False)
         modes = door_modes(assembly, band[1])
         points = _points(assembly)
@@ -205,7 +205,7 @@ def door_file(
             driven,
             tuple(frfs),
             shaken,
-            (*(fit.checks if fit else ()), *_asked(assembly, fit, modes, band[1])),
+            (*(fit.checks if fit else ()), *_check_door(assembly, fit, modes, band[1])),
         )
 
 
@@ -238,7 +238,7 @@ def _place(one: DoorPoint) -> Point:
     return Point(one.on, one.at, one.along)
 
 
-def _shaken(assembly: Assembly, points: tuple[DoorPoint, ...]) -> Iterator[Shaken]:
+def _shaken(assembly: Assembly, points: tuple[DoorPoint, ...]) -> Iterator[BaseResponse]:
     door = assembly.door
     if door.body is not None:
         raise DataError(
@@ -263,36 +263,36 @@ def _shaken(assembly: Assembly, points: tuple[DoorPoint, ...]) -> Iterator[Shake
                 response = None
             found.append(response)
         if found[0] is not None:
-            yield Shaken(one.name, found[0], found[1])
+            yield BaseResponse(one.name, found[0], found[1])
 
 
-def _asked(
+def _check_door(
     assembly: Assembly, fit: Fit | None, modes: tuple[DoorMode, ...], below: float
 ) -> Iterator[Check]:
     """Every check of a door."""
     door = assembly.door
-    yield from _asked_sideways(assembly)
-    yield asked.door_held(loose_motions(assembly.system()))
+    yield from _check_lateral_stiffness(assembly)
+    yield asked.door_held(count_free_motions(assembly.system()))
     if fit is not None and door.line is not None:
         felt = [(one.mode.frequency, max(one.share(SEAL), one.loss_share(SEAL))) for one in modes]
         section = door.line.section
-        band = fit.band if section is None else _of_both(fit.band, section.shear.band)
+        band = fit.band if section is None else _intersect_bands(fit.band, section.shear.band)
         yield asked.door_modes_informed(felt, band)
-        yield from _asked_of_line(door.line, assembly, fit, below)
+        yield from _check_seal_line(door.line, assembly, fit, below)
         if fit.temperatures is not None and fit.specimen.temperature is not None:
             yield temperature_tested(fit.temperatures, fit.specimen.temperature)
     if assembly.modes is not None:
-        yield from _asked_of_modes(assembly.modes, assembly, below)
+        yield from _check_modes(assembly.modes, assembly, below)
 
 
-def _asked_sideways(assembly: Assembly) -> Iterator[Check]:
+def _check_lateral_stiffness(assembly: Assembly) -> Iterator[Check]:
     """What the seal's section holds across the way in which it is pressed."""
     line = assembly.door.line
     section = None if line is None else line.section
     if line is None or section is None:
         return
     if not section.shear.holds:
-        yield asked.line_holds_sideways(*left_sideways(assembly))
+        yield asked.line_holds_sideways(*count_lateral_free_motions(assembly))
         return
     stations = line.stations(assembly.door.pitch)
     normal, *others = (one.solid.k_inf * one.share.sum() for one in section.ways(stations))
@@ -300,7 +300,7 @@ def _asked_sideways(assembly: Assembly) -> Iterator[Check]:
         yield asked.shear_usual(float(max(others) / normal))
 
 
-def _asked_of_line(line: SealLine, assembly: Assembly, fit: Fit, below: float) -> Iterator[Check]:
+def _check_seal_line(line: SealLine, assembly: Assembly, fit: Fit, below: float) -> Iterator[Check]:
     """Whether the seal is all there, finely enough, and pressed as it was tested."""
     apart = float(np.linalg.norm(line.points[0] - line.points[-1]))
     pieces = np.diff(line.along).tolist()
@@ -326,9 +326,9 @@ def touches_along(pressed: FloatArray, along: FloatArray, length: float) -> Chec
     )
 
 
-def _asked_of_modes(modes: FreeModes, assembly: Assembly, below: float) -> Iterator[Check]:
+def _check_modes(modes: FreeModes, assembly: Assembly, below: float) -> Iterator[Check]:
     """Whether the shapes are known where they are held, and enough of them."""
-    yield asked.shapes_known_there(*farthest(assembly, modes))
+    yield asked.shapes_known_there(*find_farthest_point(assembly, modes))
     elastic = modes.frequency[~modes.rigid]
     highest = float(elastic.max(initial=0.0))
     yield asked.modes_suffice(basis_error(assembly, below), len(elastic), highest)

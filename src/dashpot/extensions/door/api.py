@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.extensions.door.closing_result import ClosingResult
 from dashpot.extensions.door.door_model import Door
 from dashpot.extensions.door.result import DoorResult
@@ -19,7 +19,7 @@ def predict_door(
     from dashpot.extensions.door.analyse_file import door_file
     from dashpot.extensions.door.closing_from_file import close_file
 
-    kelvin = si(temperature, "temperature")
+    kelvin = convert_to_si(temperature, "temperature")
     if close is not None:
-        return close_file(door, si(close, "velocity"), temperature=kelvin)
+        return close_file(door, convert_to_si(close, "velocity"), temperature=kelvin)
     return door_file(door, band=si_range(band, "frequency"), temperature=kelvin)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from dashpot.base.checks import Finding, criterion
 from dashpot.base.plausibility import SIZES
-from dashpot.base.units import written
+from dashpot.base.units import format_quantity
 
 NOT_THERE = 0.3
 """m, beyond which shapes are not those of this door."""
@@ -59,7 +59,8 @@ def seal_touches(part: float, *, length: float, least: float, where: float, most
     """The seal reaches its counterpart all along the line."""
     if most <= 0:
         return Finding(
-            f"No station of the seal is pressed: the compression is {written(most, 'mm', '.3g')} "
+            "No station of the seal is pressed: the compression is "
+            f"{format_quantity(most, 'mm', '.3g')} "
             "at most",
             part,
             remedy="Check compression, gap and height in [seal], and their units.",
@@ -69,9 +70,10 @@ def seal_touches(part: float, *, length: float, least: float, where: float, most
     return Finding(
         "The seal touches all along the line",
         part,
-        instead=f"{written(part * length, 'mm')} of {length:.3g} m of seal do not touch: there is "
+        instead=f"{format_quantity(part * length, 'mm')} of {length:.3g} m of seal do not touch: "
+        "there is "
         f"a leak. The gap is largest at {where:.4g} m along the line, "
-        f"{written(-least, 'mm', '.3g')}",
+        f"{format_quantity(-least, 'mm', '.3g')}",
         remedy="Close the gap there, or use a higher seal.",
     )
 
@@ -112,9 +114,11 @@ def line_closed(length: float, apart: float, pieces: Sequence[float] = (1.0, 1.0
     return Finding(
         f"The seal line of {length:.4g} m is closed",
         instead=f"The seal line of {length:.4g} m is closed by a straight piece of "
-        f"{written(closing, 'mm')}, and no other is longer than {written(longest, 'mm')}"
+        f"{format_quantity(closing, 'mm')}, and no other is longer than "
+        f"{format_quantity(longest, 'mm')}"
         if jumps and not apart > 0
-        else f"The seal line of {length:.4g} m ends {written(apart, 'mm')} from where it begins",
+        else f"The seal line of {length:.4g} m ends {format_quantity(apart, 'mm')} from where it "
+        "begins",
         remedy="Add its last points, if some are missing.",
         faulted=apart > 0 or jumps,
     )
@@ -124,7 +128,8 @@ def line_closed(length: float, apart: float, pieces: Sequence[float] = (1.0, 1.0
 def stations_suffice(change: float, pitch: float) -> Finding:
     """Half the distance of the stations changes no mode."""
     return Finding(
-        f"With stations twice as dense as {written(pitch, 'mm')} no mode moves by more than "
+        f"With stations twice as dense as {format_quantity(pitch, 'mm')} no mode moves by more "
+        "than "
         f"{100 * change:.2g} %",
         change,
         remedy="Use a smaller pitch in [seal].",
@@ -151,9 +156,10 @@ def modes_suffice(change: float | None, kept: int, highest: float) -> Finding:
 def shapes_known_there(away: float, place: str) -> Finding:
     """Shapes are known near the seal, the supports and the points."""
     return Finding(
-        f"The shapes are known within {written(away, 'mm', '.3g')} of all places that are used",
+        f"The shapes are known within {format_quantity(away, 'mm', '.3g')} of all places that are "
+        "used",
         away,
-        instead=f"The shapes are known only {written(away, 'mm', '.3g')} from {place}",
+        instead=f"The shapes are known only {format_quantity(away, 'mm', '.3g')} from {place}",
         remedy="Export points there, or check the axes and the unit of the modes.",
         grade="stop" if away > NOT_THERE else "limit",
     )
@@ -205,9 +211,10 @@ def closing_informed(
             ends = f"is {known[0]:.3g} m/s or more"
         speeds = f"The least closing speed {ends}. "
     return Finding(
-        f"The door presses its seal in {written(seconds, 'ms', '.3g')}, as slowly as its test",
+        f"The door presses its seal in {format_quantity(seconds, 'ms', '.3g')}, as slowly as its "
+        "test",
         factor,
-        instead=f"{speeds}The door presses its seal in {written(seconds, 'ms', '.3g')}, "
+        instead=f"{speeds}The door presses its seal in {format_quantity(seconds, 'ms', '.3g')}, "
         f"{factor:.3g} times faster than its test did. There the fit gives {glassy:.3g} times the "
         "relaxed force",
         remedy="Test the seal faster, or in the cold.",

@@ -21,7 +21,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.validators import positive
+from dashpot.base.validators import require_positive
 from dashpot.datamodel.seal_line import SealSection
 from dashpot.extensions.door.closing_forces import Chambers, PressedSeal
 from dashpot.extensions.door.closing_setup import ClosingSetup
@@ -67,7 +67,7 @@ class ClosingDoor:
     setup: ClosingSetup = field(default_factory=ClosingSetup)
 
     def __post_init__(self) -> None:
-        positive(inertia=self.inertia, edge=self.edge, unit=" of a closing door")
+        require_positive(inertia=self.inertia, edge=self.edge, unit=" of a closing door")
         shapes = {np.shape(one) for one in (self.lever, self.compression, self.length)}
         if len(shapes) != 1 or not all(
             np.isfinite(one).all() for one in (self.lever, self.compression, self.length)
@@ -123,7 +123,7 @@ class ClosingDoor:
 
 
 @dataclass(frozen=True)
-class March:
+class ClosingHistory:
     """What became of some doors, step by step.
 
     Attributes
@@ -151,12 +151,12 @@ class March:
     returned: float = 0.0
 
     @property
-    def latched(self) -> BoolArray:
+    def is_latched(self) -> BoolArray:
         """Whether each door reached the end, shape (doors,)."""
         return np.asarray(np.isfinite(self.kinetic[-1]))
 
     @property
-    def spared(self) -> FloatArray:
+    def least_kinetic_energy(self) -> FloatArray:
         """The least kinetic energy on the way, J, nan for those that stopped, shape (doors,)."""
         return np.asarray(self.kinetic.min(axis=0))
 
@@ -171,7 +171,7 @@ class _Doors:
     angle: float
 
     @classmethod
-    def at_first(
+    def from_angle(
         cls,
         door: ClosingDoor,
         closed: FloatArray,
@@ -186,14 +186,17 @@ class _Doors:
         airs = [Chambers(name, one, length=door.length, **about) for name, one in door.setup.airs]
         return cls(door, seal, airs, angle)
 
-    def copied(self) -> _Doors:
+    def copy_state(self) -> _Doors:
         """The same, which the next step leaves where they are."""
         return replace(self, seal=copy(self.seal), chambers=[copy(one) for one in self.chambers])
 
-    def stored(self, work: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    def compute_stored_energy(self, work: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """What every term would give back of its work in all the steps, J."""
         back = {name: work[name].sum(axis=0) for name in (ELASTIC, GRAVITY) if name in work}
-        back |= {VISCOUS: self.seal.stored(), **{one.name: one.stored() for one in self.chambers}}
+        back |= {
+            VISCOUS: self.seal.compute_stored_energy(),
+            **{one.name: one.compute_stored_energy() for one in self.chambers},
+        }
         return {name: back.get(name, np.zeros(each.shape[1])) for name, each in work.items()}
 
     def step(self, angle: float, kinetic: FloatArray, moment: FloatArray) -> _Instants:
@@ -226,7 +229,7 @@ def march(
     load: FloatArray | None = None,
     dashpot: FloatArray | None = None,
     steps: int = STEPS,
-) -> March:
+) -> ClosingHistory:
     """Let doors close that differ in speed, compression of the seal and its force.
 
     Parameters
@@ -251,7 +254,7 @@ def march(
     first = float(angle[0])
     load = np.ones(doors) if load is None else load
     dashpot = np.zeros(doors) if dashpot is None else dashpot
-    going = _Doors.at_first(door, pressed, load, dashpot, first)
+    going = _Doors.from_angle(door, pressed, load, dashpot, first)
     n = len(angle) - 1
     work: dict[str, FloatArray] = defaultdict(lambda: np.zeros((n, doors)))
     pressure: dict[str, FloatArray] = defaultdict(lambda: np.zeros((n + 1, doors)))
@@ -260,7 +263,7 @@ def march(
     moment, returned = np.zeros(doors), 0.0
     for i in range(n):
         # of one door alone it is asked with what it comes back
-        before = going.copied() if doors == 1 else going
+        before = going.copy_state() if doors == 1 else going
         done = going.step(float(angle[i + 1]), kinetic[i], moment)
         kinetic[i + 1] = kinetic[i] - done.taken
         on = kinetic[i + 1] > 0
@@ -275,14 +278,17 @@ def march(
             kinetic[i + 1 :] = np.nan
             time[i + 1 :] = time[i + 1]
             if doors == 1:
-                returned = _returned(before, angle[i::-1])
+                returned = _compute_rebound_energy(before, angle[i::-1])
             break
     stopped = np.isnan(kinetic[-1])
-    held = {name: np.where(stopped, np.nan, each) for name, each in going.stored(work).items()}
-    return March(angle, kinetic, time, dict(work), held, dict(pressure), returned)
+    held = {
+        name: np.where(stopped, np.nan, each)
+        for name, each in going.compute_stored_energy(work).items()
+    }
+    return ClosingHistory(angle, kinetic, time, dict(work), held, dict(pressure), returned)
 
 
-def _returned(going: _Doors, angle: FloatArray) -> float:
+def _compute_rebound_energy(going: _Doors, angle: FloatArray) -> float:
     """With what energy a door comes back that stopped at the first of the angles, J."""
     kinetic, moment = np.zeros(1), np.zeros(1)
     for at in angle[1:].tolist():

@@ -10,11 +10,11 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import NORMAL
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import GRAVITY, Quantity, si
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import GRAVITY, Quantity, convert_to_si
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.seal_line import SealLine
-from dashpot.extensions.door.closing import ELASTIC, STEPS, ClosingDoor, March, march
+from dashpot.extensions.door.closing import ELASTIC, STEPS, ClosingDoor, ClosingHistory, march
 from dashpot.extensions.door.closing_setup import ClosingSetup, Tolerances
 from dashpot.extensions.door.door_model import Door, RigidPart
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -31,7 +31,7 @@ _FASTER = (1.02, 1.1, 1.25, 1.5, 2.0, 3.0)
 
 
 @dataclass(frozen=True)
-class Share(Documented):
+class Share(Serialisable):
     """What one term took from the motion.
 
     Attributes
@@ -59,7 +59,7 @@ class Share(Documented):
 
 
 @dataclass(frozen=True)
-class Scatter(Documented):
+class Scatter(Serialisable):
     """Doors drawn within their tolerances.
 
     Attributes
@@ -188,7 +188,7 @@ class Closing:
 
     door: ClosingDoor
     speed: float
-    march: March
+    march: ClosingHistory
     terms: tuple[Share, ...]
     minimum: float
     interval: tuple[float, float] | None
@@ -198,7 +198,7 @@ class Closing:
     @property
     def latched(self) -> bool:
         """Whether it closed."""
-        return bool(self.march.latched[0])
+        return bool(self.march.is_latched[0])
 
     @property
     def energy(self) -> float:
@@ -273,7 +273,7 @@ def close_door(
     DataError
         If the door lacks what closing needs, or the speed is not > 0.
     """
-    v = si(speed, "velocity")
+    v = convert_to_si(speed, "velocity")
     if not 0 < v <= FASTEST:
         raise DataError(
             f"a closing speed of {v:g} m/s; expected > 0 and at most {FASTEST:g} m/s, such as 1m/s"
@@ -299,7 +299,7 @@ def close_door(
     )
 
 
-def _shares(done: March) -> list[Share]:
+def _shares(done: ClosingHistory) -> list[Share]:
     turned = -np.diff(done.angle)
     return [
         Share(
@@ -316,7 +316,7 @@ def _faster_close(door: ClosingDoor, minimum: float) -> bool:
     if not np.isfinite(minimum):
         return True
     faster = max(minimum, 1e-2) * np.array(_FASTER)
-    return bool(march(door, faster, steps=_COARSE).latched.all())
+    return bool(march(door, faster, steps=_COARSE).is_latched.all())
 
 
 def least_speed(
@@ -354,7 +354,7 @@ def least_speed(
 
     def spare(energy: FloatArray) -> FloatArray:
         speed = np.sqrt(np.maximum(energy, _NOTHING * half) / half)
-        return march(door, speed, steps=steps, **told).spared
+        return march(door, speed, steps=steps, **told).least_kinetic_energy
 
     high, low = np.full(doors, half), np.zeros(doors)
     spared = spare(high)
@@ -381,7 +381,7 @@ def least_speed(
     return np.where(never, np.inf, np.sqrt(high / half))
 
 
-def _thinned(door: ClosingDoor) -> tuple[ClosingDoor, IndexArray]:
+def _reduce_stations(door: ClosingDoor) -> tuple[ClosingDoor, IndexArray]:
     """The same door with few stations, and which of them each of its own belongs to."""
     n = len(door.lever)
     group = np.arange(n) * min(n, _FEW) // n
@@ -415,7 +415,7 @@ def scattered(door: ClosingDoor, variation: Tolerances, minimum: float) -> Scatt
     moved = variation.gap * np.clip(drawn / 3, -1, 1)
     load = 1 + variation.load * np.clip(random.standard_normal(count) / 3, -1, 1)
     pressed = door.compression + moved
-    few, group = _thinned(door)
+    few, group = _reduce_stations(door)
     share = door.length / few.length[group]
     groups = np.zeros((n, len(few.lever)))
     groups[np.arange(n), group] = share
@@ -455,7 +455,7 @@ def closing_door(door: Door, line: SealLine | None = None) -> ClosingDoor:
     width = setup.edge if setup.edge is not None else door.width
     if width is None:
         raise DataError("closing needs edge, the distance from the hinges at which speed is meant")
-    inertia, weight = _of_its_mass(door.rigid, setup, hinge, axis)
+    inertia, weight = _compute_hinge_inertia(door.rigid, setup, hinge, axis)
     return ClosingDoor(
         inertia,
         width,
@@ -468,7 +468,7 @@ def closing_door(door: Door, line: SealLine | None = None) -> ClosingDoor:
     )
 
 
-def _of_its_mass(
+def _compute_hinge_inertia(
     rigid: RigidPart | None, setup: ClosingSetup, hinge: FloatArray, axis: FloatArray
 ) -> tuple[float, tuple[float, float]]:
     """Inertia about the hinges, kg m^2, and the moments of gravity as in :class:`ClosingDoor`."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.number_format import rounded, shown
-from dashpot.base.units import in_unit
+from dashpot.base.number_format import format_with_error, round_to_error
+from dashpot.base.units import convert_to_unit
 from dashpot.extensions.door.closing_analysis import Closing, Scatter
 from dashpot.extensions.door.closing_result import ClosingResult
 from dashpot.plot.picture import (
@@ -21,7 +21,7 @@ from dashpot.plot.picture import (
     Rule,
     Scale,
     Tag,
-    around,
+    compute_padded_limits,
 )
 from dashpot.plot.provenance_stamp import stamp as stamped
 from dashpot.plot.style import sequential
@@ -99,12 +99,12 @@ def waterfall(done: Closing) -> Panel:
 
 def _way(done: Closing) -> tuple[FloatArray, float]:
     """Where the edge is, mm to closed, and how far of it is drawn."""
-    way = in_unit(done.door.edge * done.march.angle, "mm")
+    way = convert_to_unit(done.door.edge * done.march.angle, "mm")
     door = done.door
     angles = door.compression[door.lever > 0] / door.lever[door.lever > 0]
     most = 0.0
     if len(angles):
-        most = _NEAR * in_unit(door.edge * float(np.median(angles)), "mm")
+        most = _NEAR * convert_to_unit(door.edge * float(np.median(angles)), "mm")
     return way, min(float(way[0]), most) if most > 0 else float(way[0])
 
 
@@ -123,7 +123,7 @@ def moments_panel(done: Closing) -> Panel:
         marks.append(Line(middle[on], moment, pen, name))
     return Panel(
         Scale("edge to closed, mm", (float(way[-1]), most)),
-        Scale("moment against closing, N m", around(*highest)),
+        Scale("moment against closing, N m", compute_padded_limits(*highest)),
         tuple(marks),
         title="moments",
         height=250,
@@ -138,11 +138,11 @@ def speed_panel(done: Closing) -> Panel:
     marks: list[Mark] = [Line(way[known], speed[known], FIT)]
     return Panel(
         Scale("edge to closed, mm", (float(way[-1]), float(way[0]))),
-        Scale("speed of the edge, m/s", around(speed[known], np.zeros(1))),
+        Scale("speed of the edge, m/s", compute_padded_limits(speed[known], np.zeros(1))),
         tuple(marks),
         title="speed",
         height=220,
-        note=f"{shown(done.sealing, 'ms')} for the seal",
+        note=f"{format_with_error(done.sealing, 'ms')} for the seal",
     )
 
 
@@ -166,17 +166,17 @@ def doors_panel(done: Closing, scatter: Scatter, *, height: float = 220.0) -> Pa
             # each ends where it is named: the name of one may reach over the other
             marks.append(Line(np.full(2, at), np.array([0.0, level * top]), pen))
             ends.append(np.array([at]))
-            words = f"{name} {rounded(at, digits=3)}"
+            words = f"{name} {round_to_error(at, digits=3)}"
             marks.append(Tag(at, level * top, words, ink, end=True))
     return Panel(
-        Scale("least speed of the edge, m/s", around(*ends, margin=0.12)),
+        Scale("least speed of the edge, m/s", compute_padded_limits(*ends, margin=0.12)),
         Scale("doors", (0.0, 1.45 * top)),
         tuple(marks),
         title=f"least speed of {len(scatter.speed)} doors",
         height=height,
         note=""
         if above is None
-        else f"{rounded(100 * above, digits=3)} % need more than the limit",
+        else f"{round_to_error(100 * above, digits=3)} % need more than the limit",
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.datamodel.seal_line import SealSection
 from dashpot.extensions.door import air_flow
-from dashpot.extensions.door.closing_setup import Air, Ajar
+from dashpot.extensions.door.closing_setup import Air, DoorPosition
 from dashpot.solids.constant_rate_step import EvenStep
 
 
@@ -63,7 +63,7 @@ class PressedSeal:
         elastic = (self.share * relaxed * pressed).sum(axis=1)
         return elastic, (self.share * whole * pressed).sum(axis=1) - elastic
 
-    def stored(self) -> FloatArray:
+    def compute_stored_energy(self) -> FloatArray:
         """In the arms, J, shape (doors,)."""
         factor = np.where(self.path > 0, self.section.factor(self.at), 1.0)
         held = (self.arms**2 / (2 * self.k)).sum(axis=-1)
@@ -96,17 +96,19 @@ class Chambers:
     ) -> None:
         self.name, self.kind = name, kind
         self.lever, self.length, self.closed = lever, length, closed
-        self.volume, self.opening = self._at(angle)
+        self.volume, self.opening = self._compute_chamber_geometry(angle)
         self.density = np.full(self.volume.shape, air_flow.DENSITY)
 
-    def _at(self, angle: float) -> tuple[FloatArray, FloatArray]:
+    def _compute_chamber_geometry(self, angle: float) -> tuple[FloatArray, FloatArray]:
         left = self.closed - self.lever * angle
-        ajar = Ajar(angle, np.maximum(left, 0.0), np.maximum(-left, 0.0), self.length, self.lever)
+        ajar = DoorPosition(
+            angle, np.maximum(left, 0.0), np.maximum(-left, 0.0), self.length, self.lever
+        )
         return self.kind.chambers(ajar)
 
     def step(self, angle: float, seconds: FloatArray) -> FloatArray:
         """Close on to an angle: work done on the air, J, shape (doors,)."""
-        volume, opening = self._at(angle)
+        volume, opening = self._compute_chamber_geometry(angle)
         jet = 0.5 * self.kind.discharge * (opening + self.opening)
         before = self.pressure
         self.density = air_flow.emptied(
@@ -127,7 +129,7 @@ class Chambers:
         """The highest over the ambient's, Pa, shape (doors,)."""
         return np.asarray(self.pressure.max(axis=1) - air_flow.AMBIENT)
 
-    def stored(self) -> FloatArray:
+    def compute_stored_energy(self) -> FloatArray:
         """What the air would give back, J, shape (doors,)."""
         each = air_flow.stored(self.density, self.volume, self.kind.exponent)
         return np.asarray(each.sum(axis=1))

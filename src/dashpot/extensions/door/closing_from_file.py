@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.checks import Check
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.door import checks as asked
-from dashpot.extensions.door.analyse_file import named, open_door, touches_along
+from dashpot.extensions.door.analyse_file import add_file_to_errors, open_door, touches_along
 from dashpot.extensions.door.closing_analysis import Closing, SealDoubt, close_door
 from dashpot.extensions.door.closing_result import ClosingResult
 from dashpot.extensions.door.door_model import Door
@@ -41,14 +41,14 @@ def close_file(
         If the file lacks what closing needs.
     """
     assembly, fit = open_door(path, temperature=temperature)
-    with named(path):
+    with add_file_to_errors(path):
         found = close_door(
             assembly.door, speed=speed, doubt=None if fit is None else SealDoubt.of(fit)
         )
-        return ClosingResult(assembly.door, fit, found, tuple(_asked(found, fit)))
+        return ClosingResult(assembly.door, fit, found, tuple(_check_closing(found, fit)))
 
 
-def _asked(found: Closing, fit: Fit | None) -> Iterator[Check]:
+def _check_closing(found: Closing, fit: Fit | None) -> Iterator[Check]:
     yield asked.faster_doors_close(found.monotone)
     pressed, pieces = found.door.compression, found.door.length
     yield touches_along(pressed, np.cumsum(pieces) - 0.5 * pieces, float(pieces.sum()))

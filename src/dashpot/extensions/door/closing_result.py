@@ -6,17 +6,17 @@ import math
 from dataclasses import dataclass
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Check, Checked
+from dashpot.base.checks import Check, HasChecks
 from dashpot.base.provenance import Source
-from dashpot.base.result_mixins import Judged, Series, columns
-from dashpot.base.serialisation import Documented
+from dashpot.base.result_mixins import HasVerdict, Series, collect_columns
+from dashpot.base.serialisation import Serialisable
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.door.closing_analysis import Closing
 from dashpot.extensions.door.door_model import Door
 
 
 @dataclass(frozen=True, repr=False)
-class ClosingResult(Checked, Judged, Documented):
+class ClosingResult(HasChecks, HasVerdict, Serialisable):
     """What ``dashpot predict --close`` found.
 
     Attributes
@@ -46,7 +46,7 @@ class ClosingResult(Checked, Judged, Documented):
     @property
     def series(self) -> Series:
         """What each term takes of the energy."""
-        return columns(self.closing.terms, name="", work="J", stored="J", moment="N m")
+        return collect_columns(self.closing.terms, name="", work="J", stored="J", moment="N m")
 
     @property
     def sound(self) -> str:

@@ -9,8 +9,8 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.units import written
-from dashpot.base.validators import not_negative, picked, positive
+from dashpot.base.units import format_quantity
+from dashpot.base.validators import require_nonnegative, require_positive, select_fields
 
 Vector: TypeAlias = tuple[float, float, float]
 
@@ -20,7 +20,7 @@ ADIABATIC, ISOTHERMAL = 1.4, 1.0
 """Exponents n of p ~ density^n."""
 
 
-class Ajar(NamedTuple):
+class DoorPosition(NamedTuple):
     """A door at an angle.
 
     Attributes
@@ -64,7 +64,7 @@ class Air:
                 f"{self.exponent:g}; expected > 0 and at most 1, and 1.4 or 1"
             )
 
-    def chambers(self, door: Ajar) -> tuple[FloatArray, FloatArray]:
+    def chambers(self, door: DoorPosition) -> tuple[FloatArray, FloatArray]:
         """Volumes, m^3, and openings, m^2, each of shape (doors, chambers)."""
         raise NotImplementedError
 
@@ -89,16 +89,18 @@ class Vents(Air):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        positive("the vents: ", width=self.width, section=self.section)
-        not_negative("the vents: ", opening=self.opening)
+        require_positive("the vents: ", width=self.width, section=self.section)
+        require_nonnegative("the vents: ", opening=self.opening)
 
-    def chambers(self, door: Ajar) -> tuple[FloatArray, FloatArray]:
+    def chambers(self, door: DoorPosition) -> tuple[FloatArray, FloatArray]:
         """The hollow less what is pressed out of it."""
         hollow = self.section - self.width * door.pressed
         if (hollow <= 0).any():
             raise DataError(
-                f"a bulb of {written(self.section, 'mm^2')} that is {written(self.width, 'mm')} "
-                f"wide has no air left when pressed by {written(door.pressed.max(), 'mm')}; give "
+                f"a bulb of {format_quantity(self.section, 'mm^2')} that is "
+                f"{format_quantity(self.width, 'mm')} "
+                "wide has no air left when pressed by "
+                f"{format_quantity(door.pressed.max(), 'mm')}; give "
                 "the area of its hollow and the width over which it is pressed"
             )
         return door.length * hollow, np.broadcast_to(door.length * self.opening, hollow.shape)
@@ -124,10 +126,10 @@ class Between(Air):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        positive("the air between the seals: ", width=self.width, depth=self.depth)
-        not_negative("the air between the seals: ", opening=self.opening)
+        require_positive("the air between the seals: ", width=self.width, depth=self.depth)
+        require_nonnegative("the air between the seals: ", opening=self.opening)
 
-    def chambers(self, door: Ajar) -> tuple[FloatArray, FloatArray]:
+    def chambers(self, door: DoorPosition) -> tuple[FloatArray, FloatArray]:
         """The room between the seals, and its leaks with the gap that is still open."""
         depth = self.depth + np.maximum(door.lever, 0.0) * door.angle
         volume = np.broadcast_to(door.length * self.width * depth, door.gap.shape)
@@ -157,10 +159,10 @@ class Cabin(Air):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        positive("the cabin: ", volume=self.volume, area=self.area, lever=self.lever)
-        not_negative("the cabin: ", opening=self.opening)
+        require_positive("the cabin: ", volume=self.volume, area=self.area, lever=self.lever)
+        require_nonnegative("the cabin: ", opening=self.opening)
 
-    def chambers(self, door: Ajar) -> tuple[FloatArray, FloatArray]:
+    def chambers(self, door: DoorPosition) -> tuple[FloatArray, FloatArray]:
         """The cabin with what the door still encloses, and its vents with the open gap."""
         volume = self.volume + self.area * self.lever * door.angle
         opening = self.opening + (door.gap @ door.length)[:, None]
@@ -187,8 +189,8 @@ class Latch:
     beyond: float = 0.0
 
     def __post_init__(self) -> None:
-        positive("the latch: ", lever=self.lever)
-        not_negative("the latch: ", beyond=self.beyond)
+        require_positive("the latch: ", lever=self.lever)
+        require_nonnegative("the latch: ", beyond=self.beyond)
         _table("the latch", self.travel, self.force, from_zero=True)
 
     def moment(self, angle: FloatArray) -> FloatArray:
@@ -245,7 +247,7 @@ class Tolerances:
     limit: float | None = None
 
     def __post_init__(self) -> None:
-        not_negative("the variation: ", gap=self.gap, load=self.load)
+        require_nonnegative("the variation: ", gap=self.gap, load=self.load)
         if self.load >= 1 or not 2 <= self.count <= 100_000:
             raise DataError(
                 f"a tolerance of {self.load:g} of the seal's force in {self.count} doors; expected "
@@ -290,8 +292,10 @@ class ClosingSetup:
     airs: tuple[tuple[str, Air], ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        not_negative("closing: ", friction=self.friction)
-        positive("closing: ", **picked(self, "edge", "inertia", "start"), optional=True)
+        require_nonnegative("closing: ", friction=self.friction)
+        require_positive(
+            "closing: ", **select_fields(self, "edge", "inertia", "start"), optional=True
+        )
         named = (
             ("vents", self.vents), ("air between seals", self.between), ("cabin air", self.cabin),
         )  # fmt: skip

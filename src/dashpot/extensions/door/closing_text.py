@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from dashpot.base.units import in_unit, written
+from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.text_output.layout import Text, table
-from dashpot.text_output.results import rounded
+from dashpot.text_output.results import format_rounded
 
 if TYPE_CHECKING:
     from dashpot.extensions.door.closing_analysis import Closing
     from dashpot.extensions.door.closing_result import ClosingResult
 
 
-def closed(found: ClosingResult) -> Text:
+def render_closing(found: ClosingResult) -> Text:
     """Return how a door closes."""
     return closing_text(found.closing)
 
@@ -23,8 +23,10 @@ def closing_text(found: Closing) -> Text:
     """The outcome, its energy by terms, the least speed and how it scatters."""
     lines = [
         (
-            f"  {rounded(found.speed)} m/s at the edge, {rounded(found.door.edge)} m from the "
-            f"hinges: {rounded(found.energy)} J (I = {rounded(found.door.inertia)} kg m^2)"
+            f"  {format_rounded(found.speed)} m/s at the edge, {format_rounded(found.door.edge)} m "
+            "from the "
+            f"hinges: {format_rounded(found.energy)} J (I = {format_rounded(found.door.inertia)} "
+            "kg m^2)"
         ),
         _outcome(found),
         _least(found),
@@ -33,8 +35,8 @@ def closing_text(found: Closing) -> Text:
     force = found.door.section.force(pressed)
     lines.append(
         "  Closed, the seal is compressed by at least "
-        f"{rounded(in_unit(float(pressed.min()), 'mm'), digits=3)} mm, with "
-        f"{rounded(float(force.min()), digits=3)} N/m after relaxation."
+        f"{format_rounded(convert_to_unit(float(pressed.min()), 'mm'), digits=3)} mm, with "
+        f"{format_rounded(float(force.min()), digits=3)} N/m after relaxation."
     )
     lines += _scatter(found)
     rows = [["term", "J", "% of all", "recoverable, J", "highest moment, N m"]]
@@ -43,15 +45,15 @@ def closing_text(found: Closing) -> Text:
         rows.append(
             [
                 one.name,
-                rounded(one.work, digits=3),
+                format_rounded(one.work, digits=3),
                 f"{100 * one.work / taken:.1f}" if taken > 0 else "",
-                "" if math.isnan(one.stored) else rounded(one.stored, digits=3),
-                rounded(one.moment, digits=3),
+                "" if math.isnan(one.stored) else format_rounded(one.stored, digits=3),
+                format_rounded(one.moment, digits=3),
             ]
         )
-    rows.append(["all", rounded(taken, digits=3), "", "", ""])
+    rows.append(["all", format_rounded(taken, digits=3), "", "", ""])
     peaks = ", ".join(
-        f"{name} {rounded(float(each.max()), digits=3)} Pa"
+        f"{name} {format_rounded(float(each.max()), digits=3)} Pa"
         for name, each in found.march.pressure.items()
     )
     return Text([*lines, *table(rows), *([f"  highest pressure: {peaks}"] if peaks else [])])
@@ -60,14 +62,16 @@ def closing_text(found: Closing) -> Text:
 def _outcome(found: Closing) -> str:
     if found.latched:
         return (
-            f"  The door closes in {rounded(found.seconds, digits=3)} s; the last "
-            f"{rounded(in_unit(found.sealing, 'ms'), digits=3)} ms compress the seal. "
-            f"{rounded(found.left, digits=3)} J are left when it latches."
+            f"  The door closes in {format_rounded(found.seconds, digits=3)} s; the last "
+            f"{format_rounded(convert_to_unit(found.sealing, 'ms'), digits=3)} ms compress the "
+            "seal. "
+            f"{format_rounded(found.left, digits=3)} J are left when it latches."
         )
     return (
         "  The door does not close. Its edge stops "
-        f"{rounded(in_unit(found.stopped or 0.0, 'mm'), digits=3)} mm short and comes back at "
-        f"{rounded(found.rebound, digits=3)} m/s."
+        f"{format_rounded(convert_to_unit(found.stopped or 0.0, 'mm'), digits=3)} mm short and "
+        "comes back at "
+        f"{format_rounded(found.rebound, digits=3)} m/s."
     )
 
 
@@ -78,13 +82,13 @@ def _least(found: Closing) -> str:
         return "  It closes by itself."
     known = ""
     if found.interval is not None:
-        low, high = (rounded(one, digits=3) for one in found.interval)
+        low, high = (format_rounded(one, digits=3) for one in found.interval)
         known = (
             f" ({low} to {high} by the test of the seal)"
             if math.isfinite(found.interval[1])
             else f" ({low} or more: the test sets no upper limit to a seal so fast)"
         )
-    return f"  Least closing speed: {rounded(found.minimum)} m/s{known}"
+    return f"  Least closing speed: {format_rounded(found.minimum)} m/s{known}"
 
 
 def _scatter(found: Closing) -> list[str]:
@@ -95,23 +99,24 @@ def _scatter(found: Closing) -> list[str]:
     alike = (
         "the same all along"
         if one.correlation is None
-        else f"the same over {rounded(one.correlation)} m"
+        else f"the same over {format_rounded(one.correlation)} m"
     )
     low, middle, high = (scatter.quantile(part) for part in (0.05, 0.5, 0.95))
     said = [
         (
-            f"  {one.count} doors, gap ±{written(one.gap, 'mm', '.3g')} {alike}, force of the "
+            f"  {one.count} doors, gap ±{format_quantity(one.gap, 'mm', '.3g')} {alike}, force of "
+            "the "
             f"seal ±{100 * one.load:.3g} % (three standard deviations, seed {one.seed}):"
         ),
         (
-            f"  least speed {rounded(low, digits=3)}, {rounded(middle, digits=3)}, "
-            f"{rounded(high, digits=3)} m/s (5, 50, 95 %); in "
-            f"{rounded(100 * scatter.leaking, digits=3)} % the seal does not touch all along"
+            f"  least speed {format_rounded(low, digits=3)}, {format_rounded(middle, digits=3)}, "
+            f"{format_rounded(high, digits=3)} m/s (5, 50, 95 %); in "
+            f"{format_rounded(100 * scatter.leaking, digits=3)} % the seal does not touch all along"
         ),
     ]
     if scatter.above is not None:
         said.append(
-            f"  {rounded(100 * scatter.above, digits=3)} % need more than "
-            f"{rounded(one.limit or 0.0)} m/s"
+            f"  {format_rounded(100 * scatter.above, digits=3)} % need more than "
+            f"{format_rounded(one.limit or 0.0)} m/s"
         )
     return said

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from dashpot.base.arrays import ByValue
+from dashpot.base.arrays import EqualByValue
 from dashpot.base.provenance import Source
 from dashpot.datamodel.seal_line import LineFriction, SealLine
 from dashpot.extensions.door.closing_setup import ClosingSetup
@@ -157,7 +157,7 @@ class DoorPoint:
 
 
 @dataclass(frozen=True, eq=False)
-class Door(ByValue):
+class Door(EqualByValue):
     """What the file of a door says, SI; x, y and z are the file's own axes.
 
     Attributes

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.number_format import rounded
-from dashpot.base.units import in_unit
+from dashpot.base.number_format import round_to_error
+from dashpot.base.units import convert_to_unit
 from dashpot.extensions.door.assembly import AXES, DOOR
 from dashpot.extensions.door.mounts import SEAL
 from dashpot.extensions.door.result import DoorResult
@@ -25,9 +25,9 @@ from dashpot.plot.picture import (
     Rule,
     Scale,
     Tag,
-    around,
-    around_log,
-    inside,
+    compute_padded_limits,
+    compute_padded_log_limits,
+    split_at_band,
 )
 from dashpot.plot.provenance_stamp import stamp as stamped
 from dashpot.plot.style import sequential
@@ -69,7 +69,7 @@ def door(found: DoorResult, *, stamp: str = "") -> Picture:
         What the figure says of its origin; by default the files.
     """
     strips: list[tuple[Panel, ...]] = []
-    view = View.of(found)
+    view = View.from_result(found)
     if view is not None:
         strips.append((line_panel(found, view),))
         if found.stations is not None and found.stations.compression is not None:
@@ -109,7 +109,7 @@ class View:
     outward: FloatArray
 
     @classmethod
-    def of(cls, found: DoorResult) -> View | None:
+    def from_result(cls, found: DoorResult) -> View | None:
         """As the seal line of a door lies; None without one."""
         line = found.door.line
         if line is None:
@@ -122,7 +122,7 @@ class View:
         right = np.cross(np.eye(3)[second], outward)
         return cls((first, second), bool(right[first] < 0), outward)
 
-    def seen(self, places: FloatArray) -> FloatArray:
+    def project_points(self, places: FloatArray) -> FloatArray:
         """Places or motions, shape (n, 3), as they are drawn, shape (n, 2)."""
         flat = places[:, list(self.axes)].copy()
         flat[:, 0] *= -1 if self.mirrored else 1
@@ -135,22 +135,22 @@ def line_panel(found: DoorResult, view: View) -> Panel:
     marks: list[Mark] = []
     places = [np.zeros((0, 2))]
     if line is not None and stations is not None:
-        outline, at = view.seen(line.points), view.seen(stations.place)
+        outline, at = view.project_points(line.points), view.project_points(stations.place)
         places.append(outline)
         marks.append(Line(outline[:, 0], outline[:, 1], Pen("line", 1.2)))
         pressed = stations.compression
         if pressed is None:
             marks.append(Dots(at[:, 0], at[:, 1], "fit", "seal", size=4.0))
         else:
-            marks += _classes(at[:, 0], at[:, 1], in_unit(pressed, "mm"))
+            marks += _classes(at[:, 0], at[:, 1], convert_to_unit(pressed, "mm"))
     latch = () if found.door.latch is None else (found.door.latch,)
     for one in (*found.door.hinges, *latch, *found.door.bumpers):
-        ((x, y),) = view.seen(np.array([one.at]))
+        ((x, y),) = view.project_points(np.array([one.at]))
         places.append(np.array([[x, y]]))
         marks.append(Tag(x, y, one.name, "ink", "filled"))
     for point in found.door.points:
         if point.on == DOOR:
-            ((x, y),) = view.seen(np.array([point.at]))
+            ((x, y),) = view.project_points(np.array([point.at]))
             marks.append(Tag(x, y, point.name, "soft", "hollow"))
     low, high = (end(np.concatenate(places), axis=0) for end in (np.min, np.max))
     # a metre, or as much of one as is no wider than the door
@@ -160,8 +160,8 @@ def line_panel(found: DoorResult, view: View) -> Panel:
     marks.append(Line(ends, np.full(2, under), Pen("edge", 1.4)))
     marks.append(Tag(float(ends[1]), float(under), f"{metre:g} m", "soft", end=True))
     return Panel(
-        Scale("", around(np.array([low[0], high[0]]), margin=0.16)),
-        Scale("", around(np.array([under, high[1]]), margin=0.1)),
+        Scale("", compute_padded_limits(np.array([low[0], high[0]]), margin=0.16)),
+        Scale("", compute_padded_limits(np.array([under, high[1]]), margin=0.1)),
         tuple(marks),
         title="seal line pressed by, from outside",
         height=300,
@@ -197,17 +197,17 @@ def pressed_panel(found: DoorResult) -> Panel:
     length = 0.0 if found.door.line is None else found.door.line.length
     mm = np.zeros(0)
     if stations is not None and stations.compression is not None:
-        mm = in_unit(stations.compression, "mm")
+        mm = convert_to_unit(stations.compression, "mm")
     law = None if found.fit is None else found.fit.elastic_law
     marks: list[Mark] = [Line(along, mm, FIT, "compression"), Rule(0.0, REF, across=True)]
     limits = [mm, np.zeros(1)]
     if law is not None:
-        tested = in_unit(law.depth, "mm")
+        tested = convert_to_unit(law.depth, "mm")
         marks.append(Rule(tested, Pen("ref", 1.2, (7, 4)), "depth tested", across=True))
         limits.append(np.array([tested]))
     return Panel(
         Scale("along the line, m", (0.0, length)),
-        Scale("compression, mm", around(*limits)),
+        Scale("compression, mm", compute_padded_limits(*limits)),
         tuple(marks),
         title="compression along the line",
         height=264,
@@ -233,22 +233,28 @@ def shape_panels(found: DoorResult, view: View) -> list[Panel]:
         ]
     )
     latch = () if found.door.latch is None else (found.door.latch,)
-    held = view.seen(np.array([one.at for one in (*found.door.hinges, *latch)]).reshape(-1, 3))
+    held = view.project_points(
+        np.array([one.at for one in (*found.door.hinges, *latch)]).reshape(-1, 3)
+    )
     size = _WIDE * float(np.ptp(place[:, list(view.axes)], axis=0).max())
-    seen = view.seen(place)
+    seen = view.project_points(place)
     low, high = seen.min(axis=0) - 1.3 * size, seen.max(axis=0) + 1.3 * size
     panels = []
     for number, one in enumerate(found.modes[:SHOWN], start=1):
-        moved = _in_phase(rows @ one.mode.shape)
+        moved = _extract_real_motion(rows @ one.mode.shape)
         out = moved @ view.outward
         flat = moved - np.outer(out, view.outward)
         within = float(np.abs(out).max()) < _IN_PLANE * float(np.linalg.norm(flat, axis=1).max())
-        marks = _swung(seen, view.seen(flat), size) if within else _bands(seen, out, size)
+        marks = (
+            _draw_plane_motion(seen, view.project_points(flat), size)
+            if within
+            else _bands(seen, out, size)
+        )
         if len(held):
             marks.append(Dots(held[:, 0], held[:, 1], "ink", "hinge, latch", size=6.0))
         share = f"seal {100 * one.share(SEAL):.1f} %"
-        damping = rounded(100 * one.mode.damping_ratio, digits=2)
-        hz = rounded(one.mode.frequency, digits=4)
+        damping = round_to_error(100 * one.mode.damping_ratio, digits=2)
+        hz = round_to_error(one.mode.frequency, digits=4)
         panels.append(
             Panel(
                 Scale("", (low[0], high[0])),
@@ -263,7 +269,7 @@ def shape_panels(found: DoorResult, view: View) -> list[Panel]:
     return panels
 
 
-def _swung(seen: FloatArray, moved: FloatArray, size: float) -> list[Mark]:
+def _draw_plane_motion(seen: FloatArray, moved: FloatArray, size: float) -> list[Mark]:
     """A motion in the plane: the line at rest, dashed, and moved."""
     there = seen + size / float(np.linalg.norm(moved, axis=1).max()) * moved
     x, y = seen.mean(axis=0).tolist()
@@ -316,7 +322,7 @@ def _outwards(seen: FloatArray) -> FloatArray:
     return np.asarray(smooth if away > 0 else -smooth)
 
 
-def _in_phase(moved: ComplexArray) -> FloatArray:
+def _extract_real_motion(moved: ComplexArray) -> FloatArray:
     """The real motion when most of it is at its largest."""
     top = moved.ravel()[int(np.abs(moved).argmax())]
     return np.asarray((moved / top).real)
@@ -340,18 +346,24 @@ def frf_panel(found: DoorResult, index: int, *, height: float = 230.0) -> Panel:
     f, curves = f[shown], [np.abs(one.value)[shown] for one in (sealed, bare)]
     known = (0.0, np.inf) if found.fit is None else found.fit.band
     tops = [
-        Tag(hz, float(np.interp(hz, f, curves[0])), f"{number}: {rounded(hz)} Hz", "fit", bold=True)
+        Tag(
+            hz,
+            float(np.interp(hz, f, curves[0])),
+            f"{number}: {round_to_error(hz)} Hz",
+            "fit",
+            bold=True,
+        )
         for number, hz in held[:SHOWN]
     ]
     words = "with the seal"
     lines = [
         one
-        for one in inside(known, f, curves[0], words, beyond=f"{words}, extrapolated")
+        for one in split_at_band(known, f, curves[0], words, beyond=f"{words}, extrapolated")
         if np.isfinite(one.y).any()
     ]
     return Panel(
         Scale("frequency, Hz", near),
-        Scale("accelerance, 1/kg", around_log(*curves, margin=2.0), log=True),
+        Scale("accelerance, 1/kg", compute_padded_log_limits(*curves, margin=2.0), log=True),
         (Line(f, curves[1], Pen("ref", 1.6), "without the seal"), *lines, *tops),
         title=name if name == found.driven.name else f"{name}, driven at {found.driven.name}",
         height=height,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.serialisation import Documented
+from dashpot.base.serialisation import Serialisable
 from dashpot.datamodel.free_modes import FreeModes
 from dashpot.datamodel.seal_line import Shear
 from dashpot.extensions.door.assembly import DOOR, Assembly
@@ -28,7 +28,7 @@ _SAME = 0.5
 
 
 @dataclass(frozen=True)
-class DoorMode(Documented):
+class DoorMode(Serialisable):
     """A mode of the closed door.
 
     Attributes
@@ -92,7 +92,9 @@ def station_error(assembly: Assembly, below: float) -> float:
     line, pitch = assembly.door.line, assembly.door.pitch
     # a pitch longer than the pieces of the line cuts nothing: half of what stands there does
     half = pitch / 2 if line is None else float(line.stations(pitch).length.max()) / 2
-    return _moved(*(oscillations(assembly.system(pitch=one), below) for one in (pitch, half)))
+    return _compute_frequency_change(
+        *(oscillations(assembly.system(pitch=one), below) for one in (pitch, half))
+    )
 
 
 def basis_error(assembly: Assembly, below: float) -> float | None:
@@ -104,10 +106,12 @@ def basis_error(assembly: Assembly, below: float) -> float | None:
     fewer = replace(assembly, modes=modes.only(order[: len(modes) - elastic // 3]))
     kept = modes.frequency[order[len(modes) - elastic // 3 - 1]]
     limit = min(below, float(kept)) / 2
-    return _moved(*(oscillations(one.system(), limit) for one in (assembly, fewer)))
+    return _compute_frequency_change(
+        *(oscillations(one.system(), limit) for one in (assembly, fewer))
+    )
 
 
-def farthest(assembly: Assembly, modes: FreeModes) -> tuple[float, str]:
+def find_farthest_point(assembly: Assembly, modes: FreeModes) -> tuple[float, str]:
     """How far at most a place that is used lies from where the shapes are known, m, and which."""
     door = assembly.door
     latch = () if door.latch is None else (door.latch,)
@@ -120,13 +124,13 @@ def farthest(assembly: Assembly, modes: FreeModes) -> tuple[float, str]:
     return max((modes.at(place)[1], name) for place, name in places)
 
 
-def loose_motions(system: System) -> int:
+def count_free_motions(system: System) -> int:
     """Motions that stretch no spring; those of a whole car that flies are none."""
     flying = 0 if system.grounds else 6
-    return max(len(system.dofs) - int(np.linalg.matrix_rank(_scaled(system))) - flying, 0)
+    return max(len(system.dofs) - int(np.linalg.matrix_rank(_scale_stretches(system))) - flying, 0)
 
 
-def left_sideways(assembly: Assembly) -> tuple[int, float | None]:
+def count_lateral_free_motions(assembly: Assembly) -> tuple[int, float | None]:
     r"""Motions that nothing holds unless the seal answers sideways, and the slowest of them, Hz.
 
     Those by whose shapes the springs of the door are at rest less than a tenth of what they were
@@ -139,7 +143,7 @@ def left_sideways(assembly: Assembly) -> tuple[int, float | None]:
     held = replace(door.line.section, shear=Shear(1.0, 1.0))
     firm = replace(assembly, door=replace(door, line=replace(door.line, section=held)))
     pitch = min(_COARSE * door.pitch, door.line.length)
-    K, K_1 = (_at_rest(one.system(pitch=pitch)) for one in (assembly, firm))
+    K, K_1 = (_compute_rest_stiffness(one.system(pitch=pitch)) for one in (assembly, firm))
     size, axes = np.linalg.eigh(K_1)
     kept = size > _LOOSE * size.max(initial=0.0)
     scaled = axes[:, kept] / np.sqrt(size[kept])
@@ -147,23 +151,27 @@ def left_sideways(assembly: Assembly) -> tuple[int, float | None]:
     if not count:
         return 0, None
     found = oscillations(assembly.system())
-    return count, found[0].frequency if found and loose_motions(assembly.system()) == 0 else None
+    return count, found[0].frequency if found and count_free_motions(
+        assembly.system()
+    ) == 0 else None
 
 
-def _at_rest(system: System) -> FloatArray:
+def _compute_rest_stiffness(system: System) -> FloatArray:
     """Stiffness at rest by unit masses, 1/s^2, shape (n, n)."""
     E = system.stretch / np.sqrt(np.diag(system.mass_matrix))
     k = np.array([spring.felt.k_0 for spring in system.springs])
     return np.asarray((E.T * k) @ E)
 
 
-def _scaled(system: System) -> FloatArray:
+def _scale_stretches(system: System) -> FloatArray:
     """Stretches by the square root of stiffness over mass, so that all motions compare."""
     stiff = np.sqrt([spring.felt.k_0 + spring.felt.maxwell.b for spring in system.springs])
     return np.asarray(stiff[:, None] * system.stretch / np.sqrt(np.diag(system.mass_matrix)))
 
 
-def _moved(one: tuple[ComplexMode, ...], other: tuple[ComplexMode, ...]) -> float:
+def _compute_frequency_change(
+    one: tuple[ComplexMode, ...], other: tuple[ComplexMode, ...]
+) -> float:
     pairs = zip(one, other, strict=False)
     return max((abs(b.frequency / a.frequency - 1) for a, b in pairs), default=0.0)
 

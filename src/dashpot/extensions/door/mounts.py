@@ -9,7 +9,7 @@ import numpy as np
 
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity
-from dashpot.datamodel.seal_line import SealLine, Stations, Way
+from dashpot.datamodel.seal_line import LineDirection, SealLine, Stations
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.networks import spring
 from dashpot.vibration.systems.bodies import Mount
@@ -58,7 +58,7 @@ def line_mounts(
 
 
 def _mounts(
-    way: Way, stations: Stations, between: tuple[str, str], *, stuck: bool
+    way: LineDirection, stations: Stations, between: tuple[str, str], *, stuck: bool
 ) -> Iterator[Mount]:
     """One at each station that answers that way; stations of one share are one solid."""
     nothing = np.zeros(len(way.share))

@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.number_format import counted, duration, hertz, rounded
+from dashpot.base.number_format import duration, format_count, hertz, round_to_error
 from dashpot.base.sentences import sentence
-from dashpot.base.units import in_unit, written
+from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.extensions.door.closing_figure import (
     doors_panel,
     moments_panel,
@@ -34,9 +34,9 @@ from dashpot.extensions.door.result import DoorResult
 from dashpot.plot.picture import Panel, Picture
 from dashpot.plot.provenance_stamp import stamp
 from dashpot.report.attachments import Attachment, attachment
-from dashpot.report.figures import Drawn, drawn
+from dashpot.report.figures import RenderedFigure, render_figure
 from dashpot.report.first_screen import NBSP, Light
-from dashpot.report.page_content import Fold, Topic, lights
+from dashpot.report.page_content import CollapsibleSection, Topic, lights
 from dashpot.report.page_frame import environment
 from dashpot.report.result_page import judgement, text_of
 from dashpot.report.tables import TextTable
@@ -93,10 +93,10 @@ def door_html(*results: DoorResult | ClosingResult) -> str:
     found = next((one for one in results if isinstance(one, DoorResult)), None)
     closed = next((one for one in results if isinstance(one, ClosingResult)), None)
     template = environment("dashpot.extensions.door").get_template("door.html")
-    return str(template.render(contents(found, closed)))
+    return str(template.render(build_page_contents(found, closed)))
 
 
-def contents(found: DoorResult | None, closed: ClosingResult | None) -> dict[str, Any]:
+def build_page_contents(found: DoorResult | None, closed: ClosingResult | None) -> dict[str, Any]:
     """What the page of a door holds: how it vibrates, how it closes, or both."""
     results = [one for one in (found, closed) if one is not None]
     every = tuple(dict.fromkeys(check for one in results for check in one.checks))
@@ -107,11 +107,11 @@ def contents(found: DoorResult | None, closed: ClosingResult | None) -> dict[str
     return {
         **judgement("door", said, every, sources),
         "title": next(iter(names), "door"),
-        "about": about(results[0]),
+        "about": format_door_summary(results[0]),
         "beside": " ".join(sentence(one.sound) for one in results),
         "lights": tuple(lights_of(found, closed, every, said)),
         "figures": dict(_figures(found, closed))
-        | {f"fold{i}": drawn(one.picture) for i, one in enumerate(folds) if one.picture},
+        | {f"fold{i}": render_figure(one.picture) for i, one in enumerate(folds) if one.picture},
         "modes": ModesTable((), (), "", 0) if found is None else modes_of(found),
         "closing_notes": () if closed is None else _closing_notes(closed),
         "speed": "" if closed is None else f"{closed.closing.speed:.2f} m/s",
@@ -124,17 +124,17 @@ def _verdict(results: Sequence[DoorResult | ClosingResult], every: Sequence[Chec
     return results[0].verdict if len(results) == 1 else verdict(every, sound=results[-1].sound)
 
 
-def about(found: DoorResult | ClosingResult) -> str:
+def format_door_summary(found: DoorResult | ClosingResult) -> str:
     """The mass, what holds it, and the seal."""
     door = found.door
     said = [] if door.rigid is None else [f"{door.rigid.mass:.3g} kg"]
     if door.line is not None:
         said.append(f"{door.line.length:.3g} m of seal")
-    said.append(counted(len(door.hinges), "hinge"))
+    said.append(format_count(len(door.hinges), "hinge"))
     if door.latch is not None:
         said.append("one latch")
     if found.fit is not None and found.fit.specimen.temperature is not None:
-        said.append(written(found.fit.specimen.temperature, "°C", ".1f"))
+        said.append(format_quantity(found.fit.specimen.temperature, "°C", ".1f"))
     return ", ".join(said)
 
 
@@ -147,7 +147,7 @@ def lights_of(
     """Of the seal line, the modes, the closing and its limit, as far as each was asked."""
     asked = []
     if found is not None:
-        beyond = [found.beyond(one.mode.frequency) for one in _held(found)]
+        beyond = [found.beyond(one.mode.frequency) for one in _select_seal_modes(found)]
         factors = ", ".join(f"×{one:.3g}" for one in beyond if one > 1)
         asked.append(Topic(
             "Modes", _MODES, f"{len(found.modes)} to {found.band[1]:g}{NBSP}Hz",
@@ -155,7 +155,7 @@ def lights_of(
         ))  # fmt: skip
     if closed is not None:
         least = f"from {closed.closing.minimum:.3g}{NBSP}m/s"
-        asked.append(Topic("Closing", _CLOSING, least, _bounded(closed)))
+        asked.append(Topic("Closing", _CLOSING, least, _format_speed_interval(closed)))
     yield from lights(every, Topic("Seal line", says=_line_says(found, closed)), *asked)
     scatter = None if closed is None else closed.closing.scatter
     above = None if scatter is None else scatter.above
@@ -165,7 +165,7 @@ def lights_of(
         yield Light("Limit", mark, f"{100 * above:.3g} % need more than {limit:g}{NBSP}m/s")
 
 
-def _bounded(closed: ClosingResult) -> str:
+def _format_speed_interval(closed: ClosingResult) -> str:
     interval = closed.closing.interval
     if interval is None or not math.isfinite(interval[1]):
         return ""
@@ -180,11 +180,13 @@ def _line_says(found: DoorResult | None, closed: ClosingResult | None) -> str:
         pressed = closed.closing.door.compression
     if not len(pressed):
         return ""
-    low, high = (f"{in_unit(float(end), 'mm'):.2f}" for end in (pressed.min(), pressed.max()))
+    low, high = (
+        f"{convert_to_unit(float(end), 'mm'):.2f}" for end in (pressed.min(), pressed.max())
+    )
     return f"{low} to {high}{NBSP}mm" + ", all touch" * bool((pressed >= 0).all())
 
 
-def _held(found: DoorResult) -> list[DoorMode]:
+def _select_seal_modes(found: DoorResult) -> list[DoorMode]:
     """The modes that the seal holds."""
     return [one for one in found.modes if one.share(SEAL) >= _HOLDS]
 
@@ -209,7 +211,8 @@ def _closing_notes(closed: ClosingResult) -> tuple[str, str]:
     seal = sum(one.work for one in done.terms if one.name.startswith(SEAL))
     whole = sum(one.work for one in done.terms)
     first = (
-        f"The seal takes {rounded(seal, digits=2)} of {rounded(whole, digits=3)} J, in "
+        f"The seal takes {round_to_error(seal, digits=2)} of {round_to_error(whole, digits=3)} J, "
+        "in "
         f"{duration(done.sealing)}."
     )
     scatter = done.scatter
@@ -218,8 +221,9 @@ def _closing_notes(closed: ClosingResult) -> tuple[str, str]:
     vary = scatter.variation
     leaks = "none leaks" if scatter.leaking == 0 else f"{100 * scatter.leaking:.2g} % leak"
     return first, (
-        f"Gap ±{in_unit(vary.gap, 'mm'):g} mm and force ±{100 * vary.load:g} % (three SD). 95 % of "
-        f"doors close from {rounded(scatter.least_speed_95, digits=3)} m/s; {leaks}."
+        f"Gap ±{convert_to_unit(vary.gap, 'mm'):g} mm and force ±{100 * vary.load:g} % (three SD). "
+        "95 % of "
+        f"doors close from {round_to_error(scatter.least_speed_95, digits=3)} m/s; {leaks}."
     )
 
 
@@ -243,9 +247,9 @@ def _rows(found: DoorResult) -> Iterator[ModeRow]:
         lossy = one.loss_share(SEAL)
         yield ModeRow(
             number,
-            rounded(hz, digits=4),
-            "" if one.without_seal is None else rounded(one.without_seal, digits=4),
-            rounded(100 * one.mode.damping_ratio, digits=2),
+            round_to_error(hz, digits=4),
+            "" if one.without_seal is None else round_to_error(one.without_seal, digits=4),
+            round_to_error(100 * one.mode.damping_ratio, digits=2),
             _bars({share.name: share.energy for share in one.shares}, colours),
             f"{100 * one.share(SEAL):.1f}",
             _bars({share.name: share.loss for share in one.shares}, colours),
@@ -269,49 +273,59 @@ def _bars(shares: dict[str, float], colours: dict[str, str]) -> tuple[Bar, ...]:
 # -- figures --------------------------------------------------------------------------------------
 
 
-def _figures(found: DoorResult | None, closed: ClosingResult | None) -> Iterator[tuple[str, Drawn]]:
+def _figures(
+    found: DoorResult | None, closed: ClosingResult | None
+) -> Iterator[tuple[str, RenderedFigure]]:
     """Every figure of the page by its name."""
     if found is not None:
-        view = View.of(found)
+        view = View.from_result(found)
         if view is not None:
-            yield _one("line", line_panel(found, view), _SIDE, "Where the seal is pressed", 240.0)
+            yield _render_panel(
+                "line", line_panel(found, view), _SIDE, "Where the seal is pressed", 240.0
+            )
             shapes = shape_panels(found, view)
             if shapes:
                 words = "How the seal line moves in each mode, seen from outside"
                 picture = Picture("shapes", words, tuple((one,) for one in shapes), len(shapes))
-                yield "shapes", drawn(picture, phone=2)
+                yield "shapes", render_figure(picture, phone=2)
         if found.frfs:
             words = "Accelerance with the seal and without, where the seal holds a mode"
-            yield _one("frf", frf_panel(found, 0, height=220.0), _THIRD, words)
+            yield _render_panel("frf", frf_panel(found, 0, height=220.0), _THIRD, words)
     if closed is not None:
         done = closed.closing
-        yield _one("waterfall", waterfall(done), _THIRD, "What each term takes of the energy")
+        yield _render_panel(
+            "waterfall", waterfall(done), _THIRD, "What each term takes of the energy"
+        )
         if done.scatter is not None and np.isfinite(done.scatter.speed).any():
             panel = doors_panel(done, done.scatter, height=205.0)
-            yield _one("doors", panel, _THIRD, "The least speeds of doors within their tolerances")
+            yield _render_panel(
+                "doors", panel, _THIRD, "The least speeds of doors within their tolerances"
+            )
 
 
-def _one(
+def _render_panel(
     name: str, panel: Panel, width: float, caption: str, height: float = 0.0
-) -> tuple[str, Drawn]:
+) -> tuple[str, RenderedFigure]:
     # a heading of the page says what its title says
-    return name, drawn(
+    return name, render_figure(
         Picture(name, caption, ((replace(panel, title="", height=height or panel.height),),)),
         width=width,
     )
 
 
-def _folds(found: DoorResult | None, closed: ClosingResult | None) -> Iterator[Fold]:
+def _folds(found: DoorResult | None, closed: ClosingResult | None) -> Iterator[CollapsibleSection]:
     if found is not None and found.stations is not None and found.stations.compression is not None:
         picture = Picture("pressed", "Compression along the line", ((pressed_panel(found),),),
                           stamp=stamp(found.sources))  # fmt: skip
-        yield Fold("Along the line", _line_line(found), None, picture)
+        yield CollapsibleSection("Along the line", _line_line(found), None, picture)
     if found is not None and found.modes:
-        yield Fold("Every share", "per cent of the energy, and of the loss", _shares(found))
+        yield CollapsibleSection(
+            "Every share", "per cent of the energy, and of the loss", _shares(found)
+        )
     if closed is not None:
         panels = ((moments_panel(closed.closing),), (speed_panel(closed.closing),))
         words = "Moments against closing, and the speed of the edge over the way"
-        yield Fold("As it closes", "moments and speed over the way", _terms(closed),
+        yield CollapsibleSection("As it closes", "moments and speed over the way", _terms(closed),
                    Picture("course", words, panels, 2, stamp(closed.sources)))  # fmt: skip
 
 
@@ -320,8 +334,8 @@ def _line_line(found: DoorResult) -> str:
     if seal is None or seal.force is None:
         return "compression by place"
     return (
-        f"{seal.stations} stations, {rounded(seal.force)} N in all after relaxation, "
-        f"{rounded(in_unit(seal.stiffness, 'N/mm'))} N/mm"
+        f"{seal.stations} stations, {round_to_error(seal.force)} N in all after relaxation, "
+        f"{round_to_error(convert_to_unit(seal.stiffness, 'N/mm'))} N/mm"
     )
 
 
@@ -335,15 +349,15 @@ def _shares(found: DoorResult) -> TextTable:
         cells += [
             f"{100 * by_name[name].loss / whole:.2f}" if name in by_name else "" for name in parts
         ]
-        rows.append((f"{number}: {rounded(one.mode.frequency, digits=4)} Hz", *cells))
+        rows.append((f"{number}: {round_to_error(one.mode.frequency, digits=4)} Hz", *cells))
     head = ("mode", *(f"{name}, energy" for name in parts), *(f"{name}, loss" for name in parts))
     return TextTable(head, tuple(rows))
 
 
 def _terms(closed: ClosingResult) -> TextTable:
     rows = tuple(
-        (one.name, rounded(one.work, digits=3), rounded(one.stored, digits=3),
-         rounded(one.moment, digits=3))
+        (one.name, round_to_error(one.work, digits=3), round_to_error(one.stored, digits=3),
+         round_to_error(one.moment, digits=3))
         for one in closed.closing.terms
     )  # fmt: skip
     return TextTable(("term", "J", "recoverable, J", "highest moment, N m"), rows)

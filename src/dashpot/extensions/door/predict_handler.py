@@ -8,8 +8,8 @@ from typing import Any
 import click
 
 from dashpot.base.checks import verdict
-from dashpot.base.serialisation import Documented
-from dashpot.cli._command_io import Outcome, printed, write, write_figure
+from dashpot.base.serialisation import Serialisable
+from dashpot.cli._command_io import CommandResult, format_json, write, write_figure
 from dashpot.cli.predict import is_page
 from dashpot.extensions.door.analyse_file import door_file
 from dashpot.extensions.door.closing_from_file import close_file
@@ -22,7 +22,7 @@ from dashpot.text_output.layout import Text
 
 
 @dataclass(frozen=True)
-class Both(Documented):
+class DoorPrediction(Serialisable):
     """How a door vibrates, and how it closes."""
 
     keys = ("*found", "closing")
@@ -40,7 +40,7 @@ def run(
     output: str | None,
     band: tuple[float, float] | None,
     temperature: float | None,
-) -> Outcome:
+) -> CommandResult:
     """Predict how a door vibrates on its seal, and how it closes."""
     if picture and every and speed is not None:
         raise click.UsageError(
@@ -52,24 +52,28 @@ def run(
         found = door_file(path, band=band, temperature=temperature)
     if speed is not None:
         closed = close_file(path, speed, temperature=temperature)
-    outcome = _of_door(found, closed, every=every)
+    outcome = _merge_door_results(found, closed, every=every)
     if picture:
         shown: Any = found if closed is None else closed
         write_figure(picture, shown.plot())
     if output:
         results = [one for one in (found, closed) if one is not None]
-        write(output, door_html(*results) if page else printed(outcome.found) + "\n")
+        write(output, door_html(*results) if page else format_json(outcome.found) + "\n")
     return outcome
 
 
-def _of_door(found: DoorResult | None, closed: ClosingResult | None, *, every: bool) -> Outcome:
+def _merge_door_results(
+    found: DoorResult | None, closed: ClosingResult | None, *, every: bool
+) -> CommandResult:
     """How it vibrates, how it closes, or both."""
     if closed is None:
         assert found is not None  # noqa: S101
-        return Outcome(found, door(found, every=every), found.checks, verdict=found.verdict)
+        return CommandResult(found, door(found, every=every), found.checks, verdict=found.verdict)
     if found is None:
-        return Outcome.of(closed)
+        return CommandResult.from_result(closed)
     said, shuts = door(found, every=every), closing_text(closed.closing)
     checks = tuple(dict.fromkeys((*found.checks, *closed.checks)))
     text = Text([*said.lines, *shuts.lines], [*said.details, *shuts.details], said.asked)
-    return Outcome(Both(found, closed), text, checks, verdict=verdict(checks, sound=closed.sound))
+    return CommandResult(
+        DoorPrediction(found, closed), text, checks, verdict=verdict(checks, sound=closed.sound)
+    )

@@ -26,7 +26,7 @@ from dashpot.extensions.door.door_model import (
 )
 from dashpot.extensions.door.read_closing import closing_of
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.named_columns import by_name, in_si
+from dashpot.reading.readers.named_columns import convert_column_to_si, read_named_columns
 from dashpot.reading.toml import Section, Vector, tables_of
 
 LARGEST = SIZES["door"].hard[1]
@@ -57,7 +57,7 @@ def read_door(path: str | Path) -> Door:
     folder = Path(path).parent
     found: dict[str, Any] = {"source": Source(raw.name, raw.sha256, "TOML")}
     for name, entries in tables.items():
-        here = _Here(f"{raw.name}, [{name}]", folder)
+        here = _TableLocation(f"{raw.name}, [{name}]", folder)
         try:
             if name == "closing":
                 size = Section(here.where, tables["door"], tuple(tables["door"]))
@@ -77,7 +77,7 @@ _MOST_POINTS = 20_000
 
 
 @dataclass(frozen=True)
-class _Here:
+class _TableLocation:
     """Where a table stands, and the folder of the files that it names."""
 
     where: str
@@ -86,7 +86,7 @@ class _Here:
     def section(self, entries: Any, *known: str) -> Section:
         return Section(self.where, entries, known)
 
-    def each(self, entries: Any, *known: str) -> list[Section]:
+    def parse_tables(self, entries: Any, *known: str) -> list[Section]:
         """The tables of an array of them; a single table is one."""
         rows = [entries] if isinstance(entries, Mapping) else entries
         if not isinstance(rows, list):
@@ -129,7 +129,7 @@ def _rigid(section: Section) -> RigidPart:
     return RigidPart(mass, inertia, _place(section, "centre"), motions)
 
 
-def _door(here: _Here, entries: Any) -> dict[str, Any]:
+def _door(here: _TableLocation, entries: Any) -> dict[str, Any]:
     section = here.section(entries, *_RIGID)
     sizes = {name: _size(section, name) for name in ("width", "height")}
     rigid = _rigid(section) if "mass" in section else None
@@ -143,16 +143,16 @@ def _door(here: _Here, entries: Any) -> dict[str, Any]:
     return {"rigid": rigid, **sizes}
 
 
-def _body(here: _Here, entries: Any) -> dict[str, Any]:
+def _body(here: _TableLocation, entries: Any) -> dict[str, Any]:
     return {"body": _rigid(here.section(entries, *_RIGID))}
 
 
 _SUPPORT = ("name", "at", "along", "stiffness", "damping", "fit", "compression")
 
 
-def _supports(kind: str) -> Callable[[_Here, Any], dict[str, Any]]:
-    def read(here: _Here, entries: Any) -> dict[str, Any]:
-        rows = here.each(entries, *_SUPPORT)
+def _supports(kind: str) -> Callable[[_TableLocation, Any], dict[str, Any]]:
+    def read(here: _TableLocation, entries: Any) -> dict[str, Any]:
+        rows = here.parse_tables(entries, *_SUPPORT)
         found = tuple(
             _support(here, row, f"{kind} {i}" if len(rows) > 1 else kind)
             for i, row in enumerate(rows, start=1)
@@ -166,12 +166,12 @@ def _supports(kind: str) -> Callable[[_Here, Any], dict[str, Any]]:
     return read
 
 
-def _support(here: _Here, section: Section, name: str) -> Support:
+def _support(here: _TableLocation, section: Section, name: str) -> Support:
     section.needs("at")
     along, fit = section.direction("along"), here.path(section.word("fit"))
     ways = 1 if along else 3
-    stiffness = _each_way(section, "stiffness", ways)
-    damping = _each_way(section, "damping", ways)
+    stiffness = _read_directional_values(section, "stiffness", ways)
+    damping = _read_directional_values(section, "damping", ways)
     if bool(stiffness) == bool(fit):
         raise ReadError(f"{section.where}: give its stiffness, or the fit of the part: one of both")
     if fit and along is None:
@@ -192,7 +192,7 @@ def _support(here: _Here, section: Section, name: str) -> Support:
     )
 
 
-def _each_way(
+def _read_directional_values(
     section: Section, name: Literal["stiffness", "damping"], ways: int
 ) -> tuple[float, ...]:
     """Stiffness or damping along each way; one number is that of all."""
@@ -202,7 +202,7 @@ def _each_way(
     return values * ways if len(values) == 1 else values
 
 
-def _seal(here: _Here, entries: Any) -> dict[str, Any]:
+def _seal(here: _TableLocation, entries: Any) -> dict[str, Any]:
     section = here.section(
         entries, "fit", "length", "temperature", "points", "unit", "closed", "normal",
         "tilt", "compression", "gap", "height", "pitch", "joint", "shear",
@@ -222,7 +222,7 @@ def _seal(here: _Here, entries: Any) -> dict[str, Any]:
     normals = normals[order]
     tilt = section.quantity("tilt", "angle")
     if tilt is not None:
-        normals = _tilted(section, normals, points[order], tilt)
+        normals = _tilt_normals(section, normals, points[order], tilt)
     line = SealLine(points[order], pressed, normal=normals, joints=joints)
     if line.length > LARGEST:
         raise ReadError(
@@ -242,7 +242,7 @@ def _seal(here: _Here, entries: Any) -> dict[str, Any]:
     return {"line": line, "seal": choice}
 
 
-def _points(here: _Here, section: Section) -> tuple[FloatArray, dict[str, FloatArray]]:
+def _points(here: _TableLocation, section: Section) -> tuple[FloatArray, dict[str, FloatArray]]:
     """Points, m, and the other columns of their file."""
     given = section.entries["points"]
     if isinstance(given, str):
@@ -262,8 +262,8 @@ _PLACE, _PRESSED, _NORMAL = ("x", "y", "z"), ("gap", "compression"), ("nx", "ny"
 
 def _line_file(path: str, unit: str | None) -> tuple[FloatArray, dict[str, FloatArray]]:
     """The columns of a text file; lengths in the unit of their header, or in the one stated."""
-    with channels.opened(path, None) as file:
-        known, loaded = by_name(
+    with channels.open_file(path, None) as file:
+        known, loaded = read_named_columns(
             file,
             (*_PLACE, *_PRESSED, *_NORMAL),
             needed=[(axis,) for axis in _PLACE],
@@ -272,13 +272,14 @@ def _line_file(path: str, unit: str | None) -> tuple[FloatArray, dict[str, Float
         missing = np.flatnonzero(~np.isfinite(loaded.values).all(axis=1))
         if missing.size:
             raise ReadError(
-                f"a seal line has no gaps, and a number is missing at {loaded.where(missing[0])}; "
+                "a seal line has no gaps, and a number is missing at "
+                f"{loaded.format_row_position(missing[0])}; "
                 "expected one in every row. Write it, or take the row out"
             )
         columns = dict(zip(known, loaded.values.T, strict=True))
         for name in known.keys() - {*_NORMAL}:
             advice = "add unit to [seal] of the door"
-            columns[name] = in_si(known[name], columns[name], "length", unit, advice)
+            columns[name] = convert_column_to_si(known[name], columns[name], "length", unit, advice)
     points = np.stack([columns.pop(axis) for axis in _PLACE], axis=1)
     _refuse_more(Path(path).name, len(points), "points")
     return points, columns
@@ -294,7 +295,7 @@ def _compression(
     section: Section, columns: Mapping[str, FloatArray], count: int
 ) -> FloatArray | None:
     """How far the seal is pressed at each point: as stated, or its height less the gap."""
-    stated = section.one_of("compression", "gap")
+    stated = section.find_single_key("compression", "gap")
     names = [*filter(columns.__contains__, _PRESSED), *filter(None, [stated])]
     if len(names) > 1:
         raise ReadError(f"{section.where}: compression or gap stands there twice; keep one")
@@ -318,7 +319,7 @@ def _compression(
     return np.broadcast_to(values, count)
 
 
-def _shear(here: _Here, entries: Any) -> ShearChoice:
+def _shear(here: _TableLocation, entries: Any) -> ShearChoice:
     """Ratios, or fits of their own, across the line and along it."""
     row = Section(f"{here.where[:-1]}.shear]", entries, ("across", "along", "length"))
 
@@ -336,7 +337,7 @@ def _shear(here: _Here, entries: Any) -> ShearChoice:
     return ShearChoice(across, along, _size(row, "length"))
 
 
-def _friction(here: _Here, entries: Any) -> LineFriction | None:
+def _friction(here: _TableLocation, entries: Any) -> LineFriction | None:
     """What rubs sideways beside the arms."""
     if entries is None:
         return None
@@ -350,7 +351,9 @@ _STEEP = np.radians(80.0)
 """Beyond it a seal is pressed along its door, not on it."""
 
 
-def _tilted(section: Section, normals: FloatArray, points: FloatArray, tilt: float) -> FloatArray:
+def _tilt_normals(
+    section: Section, normals: FloatArray, points: FloatArray, tilt: float
+) -> FloatArray:
     """Normals of the pieces, leant outwards of the line by an angle, rad."""
     if not abs(tilt) <= _STEEP:
         raise ReadError(
@@ -368,16 +371,16 @@ def _tilted(section: Section, normals: FloatArray, points: FloatArray, tilt: flo
     return np.asarray(np.cos(tilt) * upright + np.sign(area) * np.sin(tilt) * outwards)
 
 
-def _joints(here: _Here, rows: Any) -> tuple[Joint, ...]:
+def _joints(here: _TableLocation, rows: Any) -> tuple[Joint, ...]:
     found = []
-    for row in here.each(rows, "name", "at", "length", "factor"):
+    for row in here.parse_tables(rows, "name", "at", "length", "factor"):
         row.needs("at", "length", "factor")
         at, length = (row.quantity(name, "length") or 0.0 for name in ("at", "length"))
         found.append(Joint(at, length, row.number("factor") or 0.0, row.word("name") or "joint"))
     return tuple(found)
 
 
-def _modes(here: _Here, entries: Any) -> dict[str, Any]:
+def _modes(here: _TableLocation, entries: Any) -> dict[str, Any]:
     section = here.section(entries, "file", "unit", "modal_mass", "damping", "most", "held")
     section.needs("file")
     most = section.quantity("most", "frequency")
@@ -393,9 +396,9 @@ def _modes(here: _Here, entries: Any) -> dict[str, Any]:
     }
 
 
-def _watched(here: _Here, entries: Any) -> dict[str, Any]:
+def _read_points(here: _TableLocation, entries: Any) -> dict[str, Any]:
     points = []
-    for i, row in enumerate(here.each(entries, "name", "at", "along", "on"), start=1):
+    for i, row in enumerate(here.parse_tables(entries, "name", "at", "along", "on"), start=1):
         row.needs("at")
         on = row.word("on") or "door"
         if on not in {"door", "body"}:
@@ -409,7 +412,7 @@ def _watched(here: _Here, entries: Any) -> dict[str, Any]:
     return {"points": tuple(points)}
 
 
-def _base(here: _Here, entries: Any) -> dict[str, Any]:
+def _base(here: _TableLocation, entries: Any) -> dict[str, Any]:
     section = here.section(entries, "psd", "along")
     section.needs("psd")
     word = section.word("psd") or ""
@@ -443,7 +446,7 @@ def _believable(section: Section, name: str, lengths: Vector) -> Vector:
     return lengths
 
 
-_TABLES: Mapping[str, Callable[[_Here, Any], dict[str, Any]]] = MappingProxyType(
+_TABLES: Mapping[str, Callable[[_TableLocation, Any], dict[str, Any]]] = MappingProxyType(
     {
         "door": _door,
         "hinge": _supports("hinge"),
@@ -451,7 +454,7 @@ _TABLES: Mapping[str, Callable[[_Here, Any], dict[str, Any]]] = MappingProxyType
         "bumper": _supports("bumper"),
         "seal": _seal,
         "modes": _modes,
-        "point": _watched,
+        "point": _read_points,
         "body": _body,
         "base": _base,
     }

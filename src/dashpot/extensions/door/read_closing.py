@@ -69,7 +69,7 @@ def closing_of(
         sub(_check, "check", "angle", "moment"),
         sub(partial(_latch, width), "latch", "travel", "force", "lever", "beyond"),
         sub(_vents, "vents", "width", "hollow", "hole", "spacing", *_AIR),
-        sub(_between, "between", "width", "depth", "leak", *_AIR),
+        sub(_read_inter_seal_air, "between", "width", "depth", "leak", *_AIR),
         sub(partial(_cabin, width, area), "cabin", "volume", "area", "lever", "opening", *_AIR),
         sub(_variation, "variation", "gap", "force", "correlation", "doors", "seed", "limit"),
     )
@@ -102,7 +102,7 @@ def _vents(table: Section) -> Vents:
     return Vents(*_air(table), width, width * hollow, math.pi / 4 * hole * abs(hole) / spacing)
 
 
-def _between(table: Section) -> Between:
+def _read_inter_seal_air(table: Section) -> Between:
     table.needs("width", "depth")
     width, depth, leak = (
         table.quantity(name, "length") or 0.0 for name in ("width", "depth", "leak")

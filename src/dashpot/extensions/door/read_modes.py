@@ -8,10 +8,10 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.errors import ReadError
-from dashpot.base.units import Dimension, Quantity, parse_unit, si
+from dashpot.base.units import Dimension, Quantity, convert_to_si, parse_unit
 from dashpot.datamodel.free_modes import FreeModes
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.named_columns import by_name, in_si
+from dashpot.reading.readers.named_columns import convert_column_to_si, read_named_columns
 from dashpot.reading.table import Column
 
 _NEEDED = ("mode", "frequency", "x", "y", "z")
@@ -48,8 +48,8 @@ def read_modes(
     ReadError
         If a column or a unit is missing, or the modes do not share their points.
     """
-    with channels.opened(path, None) as file:
-        known, loaded = by_name(
+    with channels.open_file(path, None) as file:
+        known, loaded = read_named_columns(
             file,
             (*_NEEDED, *_SHAPE, *_MORE),
             needed=[*((name,) for name in _NEEDED), _SHAPE],
@@ -58,13 +58,13 @@ def read_modes(
         )
         columns = dict(zip(known, loaded.values.T, strict=True))
 
-        def converted(name: str, dimension: Dimension, unit: str | None = None) -> FloatArray:
+        def convert_column(name: str, dimension: Dimension, unit: str | None = None) -> FloatArray:
             advice = 'say it: unit = "mm" in [modes] (Python: unit=)'
-            return in_si(known[name], columns[name], dimension, unit, advice)
+            return convert_column_to_si(known[name], columns[name], dimension, unit, advice)
 
-        mass = _masses(known, columns, si(modal_mass, "mass"))
-        frequency = converted("frequency", "frequency", "Hz")
-        place = np.stack([converted(axis, "length", unit) for axis in ("x", "y", "z")], axis=1)
+        mass = _masses(known, columns, convert_to_si(modal_mass, "mass"))
+        frequency = convert_column("frequency", "frequency", "Hz")
+        place = np.stack([convert_column(axis, "length", unit) for axis in ("x", "y", "z")], axis=1)
         nil = np.zeros(len(place))
         shape = np.stack([columns.get(axis, nil) for axis in _SHAPE], axis=1)
         shape = shape / np.sqrt(mass)[:, None]
@@ -72,8 +72,8 @@ def read_modes(
         number = columns["mode"]
         gaps = ~np.isfinite(np.column_stack((number, frequency, place, shape, zeta))).all(axis=1)
         if gaps.any():
-            raise ReadError(f"{loaded.where(int(gaps.argmax()))} lacks a number")
-        order = _by_mode(number, place, frequency)
+            raise ReadError(f"{loaded.format_row_position(int(gaps.argmax()))} lacks a number")
+        order = _sort_rows_by_mode(number, place, frequency)
         of = [f"{name} [{column.unit or '-'}]" for name, column in known.items()]
         return FreeModes(
             frequency[order[:, 0]],
@@ -84,7 +84,7 @@ def read_modes(
         )
 
 
-def _by_mode(number: FloatArray, place: FloatArray, frequency: FloatArray) -> IndexArray:
+def _sort_rows_by_mode(number: FloatArray, place: FloatArray, frequency: FloatArray) -> IndexArray:
     """The rows of each mode, all at the same points, shape (modes, points)."""
     counts = np.unique(number, return_counts=True)[1]
     if np.ptp(counts):

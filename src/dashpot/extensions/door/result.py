@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dashpot.base.checks import Check, Checked
+from dashpot.base.checks import Check, HasChecks
 from dashpot.base.provenance import Source
-from dashpot.base.result_mixins import Judged, Series, columns
-from dashpot.base.serialisation import Documented
+from dashpot.base.result_mixins import HasVerdict, Series, collect_columns
+from dashpot.base.serialisation import Serialisable
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.seal_line import SealLine, SealSection, Stations
@@ -23,7 +23,7 @@ from dashpot.vibration.systems.random_base import RandomResponse
 
 
 @dataclass(frozen=True)
-class Shaken(Documented):
+class BaseResponse(Serialisable):
     """A place over a base that shakes at random, with the seal and without.
 
     Attributes
@@ -41,7 +41,7 @@ class Shaken(Documented):
     bare: RandomResponse | None
 
 
-class AlongLine(NamedTuple):
+class LineStatistics(NamedTuple):
     """Of values along a line."""
 
     least: float
@@ -49,7 +49,7 @@ class AlongLine(NamedTuple):
     most: float
 
 
-class Sideways(NamedTuple):
+class LateralStiffness(NamedTuple):
     """Of stiffnesses of a line."""
 
     across: float
@@ -57,7 +57,7 @@ class Sideways(NamedTuple):
 
 
 @dataclass(frozen=True)
-class SealOfDoor(Documented):
+class SealOfDoor(Serialisable):
     """What lies along the line of a door.
 
     Attributes
@@ -92,10 +92,10 @@ class SealOfDoor(Documented):
         return float(self.along.length.mean())
 
     @property
-    def compression(self) -> AlongLine | None:
+    def compression(self) -> LineStatistics | None:
         """m; None where it is not known."""
         x = self.along.compression
-        return None if x is None else AlongLine(x.min(), x.mean(), x.max())
+        return None if x is None else LineStatistics(x.min(), x.mean(), x.max())
 
     @property
     def touching(self) -> float | None:
@@ -106,12 +106,12 @@ class SealOfDoor(Documented):
     @property
     def stiffness(self) -> float:
         """At rest, of all of it, N/m."""
-        return self._at_rest(0)
+        return self._compute_rest_stiffness(0)
 
     @property
-    def sideways(self) -> Sideways:
+    def sideways(self) -> LateralStiffness:
         """At rest, of all of it, across the line and along it, N/m."""
-        return Sideways(self._at_rest(1), self._at_rest(2))
+        return LateralStiffness(self._compute_rest_stiffness(1), self._compute_rest_stiffness(2))
 
     @property
     def sticks(self) -> float | None:
@@ -125,7 +125,7 @@ class SealOfDoor(Documented):
         whole = np.concatenate(ends) if ends else np.zeros(0)
         return float(whole.min()) if len(whole) else None
 
-    def _at_rest(self, way: int) -> float:
+    def _compute_rest_stiffness(self, way: int) -> float:
         found = self.section.ways(self.along)[way]
         return float(found.solid.k_inf * found.share.sum())
 
@@ -139,7 +139,7 @@ class SealOfDoor(Documented):
 
 
 @dataclass(frozen=True, repr=False)
-class DoorResult(Checked, Judged, Documented):
+class DoorResult(HasChecks, HasVerdict, Serialisable):
     """What ``dashpot predict`` found.
 
     Attributes
@@ -174,7 +174,7 @@ class DoorResult(Checked, Judged, Documented):
     bare: tuple[float, ...]
     driven: DoorPoint
     frfs: tuple[tuple[str, FRF, FRF], ...]
-    shaken: tuple[Shaken, ...]
+    shaken: tuple[BaseResponse, ...]
     checks: tuple[Check, ...]
 
     @property
@@ -183,8 +183,8 @@ class DoorResult(Checked, Judged, Documented):
         seal = [(one.share(SEAL), one.loss_share(SEAL)) for one in self.modes]
         return {
             "mode": (list(range(1, len(self.modes) + 1)), ""),
-            **columns((one.mode for one in self.modes), frequency="Hz", damping_ratio=""),
-            **columns(self.modes, without_seal="Hz"),
+            **collect_columns((one.mode for one in self.modes), frequency="Hz", damping_ratio=""),
+            **collect_columns(self.modes, without_seal="Hz"),
             "seal_energy": ([energy for energy, _ in seal], ""),
             "seal_loss": ([loss for _, loss in seal], ""),
         }

@@ -20,7 +20,7 @@ EXTENSION = Extension(
         },
         "mounts": {"dashpot.datamodel.seal_line:SealLine": "dashpot.extensions.door.mounts:line_mounts"},
         "text": {
-            "dashpot.extensions.door.closing_result:ClosingResult": "dashpot.extensions.door.closing_text:closed",
+            "dashpot.extensions.door.closing_result:ClosingResult": "dashpot.extensions.door.closing_text:render_closing",
             "dashpot.extensions.door.result:DoorResult": "dashpot.extensions.door.text:door",
         },
         "html": {

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from math import isnan
 
 from dashpot import workflow
-from dashpot.base.units import in_unit
+from dashpot.base.units import convert_to_unit
 from dashpot.extensions.door.mounts import SEAL
 from dashpot.text_output.layout import Text, table
-from dashpot.text_output.results import hertz, rounded
+from dashpot.text_output.results import format_rounded, hertz
 
 _MOST = 9
 """Modes that are told at once."""
@@ -35,7 +35,7 @@ def door(found: workflow.DoorResult, *, every: bool = False) -> Text:
         lines.append("  of each part: % of the energy/% of the loss")
     lines += _shaken(found)
     details = table(_rows(found, numbers, [])) if every or len(first) < len(numbers) else []
-    bare = f"{', '.join(rounded(f) for f in found.bare)} Hz" if found.bare else "none"
+    bare = f"{', '.join(format_rounded(f) for f in found.bare)} Hz" if found.bare else "none"
     details.append(f"  modes without the seal: {bare}")
     details += table([["% of the energy", *parts], *_shares(found, parts, loss=False)])
     details += table([["% of the loss", *parts], *_shares(found, parts, loss=True)])
@@ -50,16 +50,16 @@ def _rows(
     rows = [["mode", "Hz", *(("damping, %", *parts) if parts else named)]]
     for i in numbers:
         one = found.modes[i]
-        damped = _damped(100 * one.mode.damping_ratio)
-        bare = "" if one.without_seal is None else rounded(one.without_seal, digits=5)
+        damped = _format_damping(100 * one.mode.damping_ratio)
+        bare = "" if one.without_seal is None else format_rounded(one.without_seal, digits=5)
         cells = [
             bare, damped, f"{100 * one.share(SEAL):.3f}", f"{100 * one.loss_share(SEAL):.1f}",
-            _beyond(found, one.mode.frequency),
+            _format_extrapolation_factor(found, one.mode.frequency),
         ]  # fmt: skip
         if parts:
             both = ((one.share(name), one.loss_share(name)) for name in parts)
             cells = [damped, *("/".join(_part(100 * part) for part in each) for each in both)]
-        rows.append([str(i + 1), rounded(one.mode.frequency, digits=5), *cells])
+        rows.append([str(i + 1), format_rounded(one.mode.frequency, digits=5), *cells])
     return rows
 
 
@@ -68,12 +68,12 @@ def _part(value: float) -> str:
     return f"{value:.1f}" if value < 10 else f"{value:.0f}"
 
 
-def _damped(value: float) -> str:
+def _format_damping(value: float) -> str:
     """A damping; what is rounding is none."""
-    return rounded(value, digits=3) if value > _ROUNDING else "0"
+    return format_rounded(value, digits=3) if value > _ROUNDING else "0"
 
 
-def _beyond(found: workflow.DoorResult, frequency: float) -> str:
+def _format_extrapolation_factor(found: workflow.DoorResult, frequency: float) -> str:
     """By what factor a frequency lies outside what the test of the seal informs."""
     factor = found.beyond(frequency)
     return "" if isnan(factor) else "inside" if factor <= 1 else f"{factor:.3g}"
@@ -93,23 +93,27 @@ def _line(found: workflow.DoorResult) -> list[str]:
     if seal is None:
         return ["  no seal"]
     closed = "closed" if seal.line.closed else "open"
-    count, stiffness = seal.stations, rounded(in_unit(seal.stiffness, "N/mm"))
-    length = rounded(seal.line.length)
+    count, stiffness = seal.stations, format_rounded(convert_to_unit(seal.stiffness, "N/mm"))
+    length = format_rounded(seal.line.length)
     said = [f"  seal line {length} m, {closed}, {count} stations, k_inf {stiffness} N/mm in all"]
     if seal.fit is not None:
         said[0] += f"; valid band {hertz(seal.fit.band)}"
-    across, along = (rounded(in_unit(one, "N/mm")) for one in seal.sideways)
+    across, along = (format_rounded(convert_to_unit(one, "N/mm")) for one in seal.sideways)
     if seal.section.shear.holds:
         said.append(f"  sideways {across} N/mm across the line and {along} N/mm along it in all")
     if seal.sticks is not None:
         said.append(
-            f"  its friction sticks sideways up to {rounded(in_unit(seal.sticks, 'mm'), digits=3)} "
+            "  its friction sticks sideways up to "
+            f"{format_rounded(convert_to_unit(seal.sticks, 'mm'), digits=3)} "
             "mm; the modes are of a seal that sticks"
         )
     if seal.compression is not None and seal.force is not None:
-        least, mean, most = (rounded(in_unit(one, "mm"), digits=3) for one in seal.compression)
+        least, mean, most = (
+            format_rounded(convert_to_unit(one, "mm"), digits=3) for one in seal.compression
+        )
         said.append(
-            f"  compressed by {least} to {most} mm (mean {mean}); {rounded(seal.force)} N in all "
+            f"  compressed by {least} to {most} mm (mean {mean}); {format_rounded(seal.force)} N "
+            "in all "
             "after relaxation"
         )
     return said
@@ -124,10 +128,10 @@ def _shaken(found: workflow.DoorResult) -> list[str]:
         rows.append(
             [
                 one.name,
-                rounded(one.sealed.acceleration),
-                rounded(in_unit(one.sealed.stretch, "mm")),
-                "not damped" if bare is None else rounded(bare.acceleration),
-                "" if bare is None else rounded(in_unit(bare.stretch, "mm")),
+                format_rounded(one.sealed.acceleration),
+                format_rounded(convert_to_unit(one.sealed.stretch, "mm")),
+                "not damped" if bare is None else format_rounded(bare.acceleration),
+                "" if bare is None else format_rounded(convert_to_unit(bare.stretch, "mm")),
             ]
         )
     return table(rows)

@@ -15,14 +15,14 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.reading.columns import vocabulary
-from dashpot.reading.columns.header_names import part_unit
+from dashpot.reading.columns.header_names import split_unit
 from dashpot.reading.columns.unit_factors import (
     factors_among,
     names_factor,
-    words_beside_factor,
+    select_channel_words,
     words_of_name,
 )
-from dashpot.reading.table import Column, FileTable, in_memory
+from dashpot.reading.table import Column, FileTable, make_loader
 
 _RATES = {
     "fs", "rate", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency", "sr",
@@ -48,7 +48,7 @@ _WINDOWS = ("window", "fenster", "exp_decay", "expdecay")
 
 
 @dataclass(frozen=True, eq=False)
-class Named:
+class NamedArray:
     """One array with its name and unit as found."""
 
     name: str
@@ -60,7 +60,7 @@ class Named:
     """When it is said to begin, such as "t0 = 0.1"."""
 
 
-def gather(arrays: Sequence[Named], *, format_: str, notes: Sequence[str] = ()) -> FileTable:
+def gather(arrays: Sequence[NamedArray], *, format_: str, notes: Sequence[str] = ()) -> FileTable:
     """Return the arrays of the commonest length as one table; single numbers become hints.
 
     A complex array becomes two columns, named after it: its real and its imaginary part.
@@ -80,12 +80,12 @@ def gather(arrays: Sequence[Named], *, format_: str, notes: Sequence[str] = ()) 
     passed = f"{len(left)} arrays of another length than {length} were passed over: " + ", ".join(
         left[:5]
     )
-    _refuse_clocks_apart(arrays, kept)
+    _require_common_clock(arrays, kept)
     factors, cautions = _stated_factors(arrays, kept)
     return FileTable(
         format=format_,
         columns=tuple(map(_column, kept, factors)),
-        load=in_memory(np.column_stack([array.values for array in kept])),
+        load=make_loader(np.column_stack([array.values for array in kept])),
         notes=(*notes, *([passed] if left else []), *cautions),
         hints=rate_hints(arrays),
         header=tuple(_window_lines(arrays)),
@@ -97,7 +97,7 @@ def window_line(name: str, value: object) -> str:
     return f"{name}: {value}" if any(word in name.casefold() for word in _WINDOWS) else ""
 
 
-def _window_lines(arrays: Sequence[Named]) -> list[str]:
+def _window_lines(arrays: Sequence[NamedArray]) -> list[str]:
     """What single numbers say of a window."""
     single = [one for one in arrays if np.size(one.values) == 1 and not np.iscomplexobj(one.values)]
     lines = [
@@ -107,13 +107,13 @@ def _window_lines(arrays: Sequence[Named]) -> list[str]:
     return [line for line in lines if line]
 
 
-def _column(array: Named, factor: str) -> Column:
-    name, unit = (array.name, array.unit) if array.unit else part_unit(array.name)
+def _column(array: NamedArray, factor: str) -> Column:
+    name, unit = (array.name, array.unit) if array.unit else split_unit(array.name)
     return Column(name, unit, factor=factor)
 
 
 def _stated_factors(
-    arrays: Sequence[Named], columns: Sequence[Named]
+    arrays: Sequence[NamedArray], columns: Sequence[NamedArray]
 ) -> tuple[list[str], list[Caution]]:
     """What is stated of each column that would change its numbers, and what of none of them.
 
@@ -144,21 +144,21 @@ def _stated_factors(
     return [" and ".join(each) for each in factors], cautions
 
 
-def _meant(stem: str, last: str, columns: Sequence[Named]) -> list[int]:
+def _meant(stem: str, last: str, columns: Sequence[NamedArray]) -> list[int]:
     """The columns that a factor is stated of, by its name and where it stands."""
-    words = words_beside_factor(last)
+    words = select_channel_words(last)
     if words:
         return [
             i
             for i, column in enumerate(columns)
-            if words_of_name(part_unit(column.name.rpartition(".")[2])[0]) == words
+            if words_of_name(split_unit(column.name.rpartition(".")[2])[0]) == words
         ]
     inside = [i for i, column in enumerate(columns) if column.name.rpartition(".")[0] == stem]
     alone = inside if stem and len(inside) == 1 else []
     return [i for i, column in enumerate(columns) if stem and column.name == stem] or alone
 
 
-def _refuse_clocks_apart(arrays: Sequence[Named], columns: Sequence[Named]) -> None:
+def _require_common_clock(arrays: Sequence[NamedArray], columns: Sequence[NamedArray]) -> None:
     """Refuse channels of which it is stated that they start, or are sampled, otherwise."""
     signals = [one for one in columns if vocabulary.matches(one.name).get("time", 0.0) < 1.5]
     starts = {one.start.rpartition(" = ")[2] or "0" for one in signals}
@@ -181,7 +181,7 @@ def _refuse_clocks_apart(arrays: Sequence[Named], columns: Sequence[Named]) -> N
         )
 
 
-def _vectors(arrays: Sequence[Named]) -> list[Named]:
+def _vectors(arrays: Sequence[NamedArray]) -> list[NamedArray]:
     """Vectors as they are; a matrix as one vector for each of its columns."""
     out = []
     for array in chain.from_iterable(map(_parts, arrays)):
@@ -197,7 +197,7 @@ def _vectors(arrays: Sequence[Named]) -> list[Named]:
     return [array for array in out if array.values.size >= 2]
 
 
-def _parts(array: Named) -> tuple[Named, ...]:
+def _parts(array: NamedArray) -> tuple[NamedArray, ...]:
     if not np.iscomplexobj(array.values):
         return (array,)
     real = np.asarray(np.real(array.values), dtype=float)
@@ -208,7 +208,7 @@ def _parts(array: Named) -> tuple[Named, ...]:
     )
 
 
-def rate_hints(arrays: Sequence[Named]) -> tuple[str, ...]:
+def rate_hints(arrays: Sequence[NamedArray]) -> tuple[str, ...]:
     """Return what single numbers say about the sampling rate, each rate once."""
     hints: dict[str, str] = {}
     for array in arrays:
@@ -224,7 +224,7 @@ def rate_hints(arrays: Sequence[Named]) -> tuple[str, ...]:
     return tuple(hints.values())
 
 
-def _rate(array: Named) -> float:
+def _rate(array: NamedArray) -> float:
     """The sampling rate, Hz, that a single number of this name states, 0 if it states none."""
     if np.size(array.values) != 1 or np.iscomplexobj(array.values):
         return 0.0
@@ -244,10 +244,10 @@ def stated_rate(name: str, value: float, unit: str | None = None) -> float:
     word = "".join(c for c in stem.casefold() if c.isalpha())
     word = word.removeprefix("wf").removeprefix("ni")
     if word in _RATES and value > 0:
-        size = units.find(unit or inner or "Hz", "frequency")
+        size = units.find_unit(unit or inner or "Hz", "frequency")
         return value * size.factor if size else 0.0
     if word in _STEPS and value > 0:
-        size = units.find(unit or inner or "s", "time")
+        size = units.find_unit(unit or inner or "s", "time")
         return 1 / (value * size.factor) if size else 0.0
     return 0.0
 
@@ -267,11 +267,11 @@ def names_start(name: str) -> bool:
 
 def _parted_name(name: str) -> tuple[str, str | None]:
     """The name of a rate or a step, and the unit behind it."""
-    stem, inner = part_unit(name)
+    stem, inner = split_unit(name)
     if inner:
         return stem, inner
     head, _, tail = name.rpartition("_")
-    known = head and (units.find(tail, "time") or units.find(tail, "frequency"))
+    known = head and (units.find_unit(tail, "time") or units.find_unit(tail, "frequency"))
     return (head, tail) if known else (name, None)
 
 

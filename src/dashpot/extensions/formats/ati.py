@@ -11,11 +11,11 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from dashpot.base import units
-from dashpot.base.arrays import ByValue, FloatArray, frozen
+from dashpot.base.arrays import EqualByValue, FloatArray, frozen
 from dashpot.base.errors import ReadError
-from dashpot.reading.raw_file import Raw, about, open_raw
+from dashpot.reading.raw_file import RawFile, add_name_to_errors, open_raw
 from dashpot.reading.read_options import ReadOptions
-from dashpot.reading.table import Column, FileTable, Loaded
+from dashpot.reading.table import Column, FileTable, LoadedColumns
 
 AXES = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
 _NEAR = 0.9
@@ -28,7 +28,7 @@ _REST = 0.02
 
 
 @dataclass(frozen=True, eq=False)
-class Calibration(ByValue):
+class Calibration(EqualByValue):
     r"""A transducer's calibration: :math:`[F; T] = C\,(v - v_0)`.
 
     Attributes
@@ -90,8 +90,8 @@ def read_calibration(path: str | Path) -> Calibration:
         If the file is no calibration, lacks an axis or a unit, or its transform turns the axes.
     """
     content = open_raw(path).head(_LARGEST + 1)
-    with about(Path(path).name):
-        root, sensor = _parsed(content)
+    with add_name_to_errors(Path(path).name):
+        root, sensor = _parse_calibration(content)
         force = _factor(sensor.get("ForceUnits"), "force")
         torque = _factor(sensor.get("TorqueUnits"), "torque")
         si = np.repeat([force, torque], 3)
@@ -101,12 +101,12 @@ def read_calibration(path: str | Path) -> Calibration:
             serial=root.get("Serial", ""),
             part=sensor.get("PartNumber", ""),
             date=sensor.get("CalDate", ""),
-            matrix=frozen(_moved(sensor, matrix) if scaled else matrix),
+            matrix=frozen(_transform_to_tool_face(sensor, matrix) if scaled else matrix),
             limit=frozen(limits * si),
         )
 
 
-def _parsed(content: bytes) -> tuple[ET.Element, ET.Element]:
+def _parse_calibration(content: bytes) -> tuple[ET.Element, ET.Element]:
     """The root of a calibration file and its calibration."""
     no = "not an ATI calibration file"
     if len(content) > _LARGEST or b"<!DOCTYPE" in content or b"<!ENTITY" in content:
@@ -122,7 +122,7 @@ def _parsed(content: bytes) -> tuple[ET.Element, ET.Element]:
 
 
 def _factor(word: str | None, dimension: units.Dimension) -> float:
-    unit = units.find(word or "", dimension)
+    unit = units.find_unit(word or "", dimension)
     if unit is None:
         raise ReadError(f"'{word}' is no unit of {dimension} that dashpot knows")
     return unit.factor
@@ -149,7 +149,7 @@ def _rows(sensor: ET.Element) -> tuple[FloatArray, FloatArray, bool]:
     return matrix, limits, not users
 
 
-def _moved(sensor: ET.Element, matrix: FloatArray) -> FloatArray:
+def _transform_to_tool_face(sensor: ET.Element, matrix: FloatArray) -> FloatArray:
     """Torques about the tool face, from those about the transducer's origin."""
     entry = sensor.find("BasicTransform")
     if entry is None:
@@ -170,7 +170,7 @@ def _moved(sensor: ET.Element, matrix: FloatArray) -> FloatArray:
     return moved
 
 
-def calibrated(table: FileTable, raw: Raw, options: ReadOptions) -> FileTable:
+def add_calibrated_force(table: FileTable, raw: RawFile, options: ReadOptions) -> FileTable:
     """Return the table with the axis of the calibrated transducer as one more column, the force.
 
     The bias is the median of the first rows, subtracted in volts.
@@ -184,11 +184,11 @@ def calibrated(table: FileTable, raw: Raw, options: ReadOptions) -> FileTable:
     if axis not in AXES:
         raise ReadError(f"--calibration ...,axis={axis}: expected one of {', '.join(AXES)}")
     calibration = read_calibration(str(options.calibration))
-    with about(raw.name):
+    with add_name_to_errors(raw.name):
         gauges, factor = _gauges(table)
     row, place = AXES.index(axis), len(table.columns)
 
-    def load(indexes: Sequence[int]) -> Loaded:
+    def load(indexes: Sequence[int]) -> LoadedColumns:
         if place not in indexes:
             return table.load(indexes)
         plain = [i for i in indexes if i != place]
@@ -221,9 +221,9 @@ def _loads(calibration: Calibration, volts: FloatArray, axis: str) -> tuple[Floa
 
 def _gauges(table: FileTable) -> tuple[list[int], float]:
     """The six gauge columns in the order of their numbers, and the factor to volts."""
-    found = [units.find(column.unit or "", "voltage") for column in table.columns]
+    found = [units.find_unit(column.unit or "", "voltage") for column in table.columns]
     volts = {i: unit.factor for i, unit in enumerate(found) if unit is not None}
-    gauges = _numbered(table) or list(volts)
+    gauges = _find_numbered_gauges(table) or list(volts)
     if len(gauges) != 6:
         raise ReadError(
             f"--calibration needs six columns of gauge voltages, found {len(gauges)}; name "
@@ -237,7 +237,7 @@ def _gauges(table: FileTable) -> tuple[list[int], float]:
     return gauges, factors.pop()
 
 
-def _numbered(table: FileTable) -> list[int]:
+def _find_numbered_gauges(table: FileTable) -> list[int]:
     """The six columns that are called gauges by number, in that order; none if not six."""
     found: dict[int, int] = {}
     for i, column in enumerate(table.columns):

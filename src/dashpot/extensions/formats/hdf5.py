@@ -11,14 +11,20 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import ReadError
-from dashpot.extensions.formats.array_table import Named, gather, names_start, numbers, stated_rate
+from dashpot.extensions.formats.array_table import (
+    NamedArray,
+    gather,
+    names_start,
+    numbers,
+    stated_rate,
+)
 from dashpot.reading.columns.unit_factors import (
     factors_among,
     names_factor,
     stated_numbers,
     stated_unit,
 )
-from dashpot.reading.raw_file import Raw, extra
+from dashpot.reading.raw_file import RawFile, extra
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import limits
 from dashpot.reading.table import FileTable
@@ -50,14 +56,14 @@ class _Walked:
     """What a walk has found, and the objects it has been to: links may lead in circles."""
 
     datasets: list[tuple[Any, str]] = field(default_factory=list)
-    stated: list[Named] = field(default_factory=list)
+    stated: list[NamedArray] = field(default_factory=list)
     """What attributes say of the clock and of factors, as single numbers."""
     notes: list[str] = field(default_factory=list)
     visited: set[tuple[int, int]] = field(default_factory=set)
     numbers: int = 0
 
 
-def read(raw: Raw, options: ReadOptions) -> FileTable:
+def read(raw: RawFile, options: ReadOptions) -> FileTable:
     """Return the datasets of an HDF5 file, or of the group ``options.sheet``, as a table.
 
     Units are read from the attribute ``unit`` or ``units``, or from a text dataset of that name
@@ -74,7 +80,7 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     with raw.open() as stream, h5py.File(stream, "r") as file:
         group: Any = file
         for key in (options.sheet or "").strip("/").split("/"):
-            inner = _linked(group, key) if key else group
+            inner = _get_group_member(group, key) if key else group
             if inner is None:
                 raise ReadError(
                     f"--part sheet={options.sheet}: there is no such group; there are "
@@ -82,14 +88,14 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
                 )
             group = inner
         _walk(group, "", found)
-        limits.within(found.numbers, "the datasets hold")
+        limits.check_value_count(found.numbers, "the datasets hold")
         arrays = [array for node, name in found.datasets for array in _dataset(node, name, found)]
     matlab = raw.head(10) == b"MATLAB 7.3"
     form = "MAT 7.3" if matlab else "HDF5"
     return gather([*arrays, *found.stated], format_=form, notes=found.notes)
 
 
-def _linked(group: Any, key: str) -> Any:
+def _get_group_member(group: Any, key: str) -> Any:
     """The member of a group, or None; what a soft link names has a place of its own."""
     h5py = extra("h5py", "h5py", "HDF5 files")
     link = group.get(key, getlink=True) if isinstance(group, h5py.Group) else None
@@ -111,7 +117,7 @@ def _walk(node: Any, name: str, found: _Walked) -> None:
         found.stated += _stated_numbers(node, name, also_factors=True)
         for key in node:
             if not key.startswith("#") and key not in _UNIT:
-                inner = _linked(node, key)
+                inner = _get_group_member(node, key)
                 if inner is not None:
                     _walk(inner, f"{name}.{key}".strip("."), found)
 
@@ -132,7 +138,7 @@ def _take(node: Any, name: str, found: _Walked) -> None:
         found.datasets.append((node, name))
 
 
-def _dataset(node: Any, name: str, found: _Walked) -> list[Named]:
+def _dataset(node: Any, name: str, found: _Walked) -> list[NamedArray]:
     """The numbers of one dataset, parted where its columns or fields have names."""
     if node.dtype.kind in _INSTANTS:
         return _instants(node, name, found)
@@ -143,10 +149,10 @@ def _dataset(node: Any, name: str, found: _Walked) -> list[Named]:
     return [replace(one, factor=said, start=start) for one, said in zip(whole, factor, strict=True)]
 
 
-def _columns_of(node: Any, name: str, found: _Walked) -> list[Named]:
+def _columns_of(node: Any, name: str, found: _Walked) -> list[NamedArray]:
     if node.dtype.names == _COMPLEX:
         whole = node[()]
-        return [Named(name, whole["real"] + 1j * whole["imag"], _unit(node))]
+        return [NamedArray(name, whole["real"] + 1j * whole["imag"], _unit(node))]
     if node.dtype.names:
         packed = [key for key in _CF if key in node.attrs]
         if packed:
@@ -161,17 +167,19 @@ def _columns_of(node: Any, name: str, found: _Walked) -> list[Named]:
             _units(node, len(fields)),
             strict=True,
         )
-        return [Named(field, value, unit) for field, value, unit in each if value is not None]
+        return [NamedArray(field, value, unit) for field, value, unit in each if value is not None]
     text = _word(node.attrs.get("MATLAB_class")) == "char"
     values = None if text else numbers(node[()])
     if values is None:
         return []
-    values = _unpacked(node, name, values, found)
+    values = _decode_cf_values(node, name, values, found)
     unit = _unit(node)
-    return _parted(node, name, values) or [Named(_stem(name) if unit else name, values, unit)]
+    return _split_named_columns(node, name, values) or [
+        NamedArray(_stem(name) if unit else name, values, unit)
+    ]
 
 
-def _unpacked(
+def _decode_cf_values(
     node: Any, name: str, values: FloatArray | ComplexArray, found: _Walked
 ) -> FloatArray | ComplexArray:
     """The numbers as the CF conventions unpack them: fill values out, scale and offset applied.
@@ -180,7 +188,9 @@ def _unpacked(
     ----------
     CF Metadata Conventions 1.11, sections 2.5.1 and 8.1.
     """
-    packed = {key: _stated(name, key, node.attrs[key]) for key in _CF if key in node.attrs}
+    packed = {
+        key: _parse_cf_attribute(name, key, node.attrs[key]) for key in _CF if key in node.attrs
+    }
     if not packed or np.iscomplexobj(values):
         return values
     missing = np.zeros(values.shape, bool)
@@ -209,7 +219,7 @@ def _unpacked(
     return unpacked
 
 
-def _stated(name: str, key: str, value: Any) -> tuple[float, ...]:
+def _parse_cf_attribute(name: str, key: str, value: Any) -> tuple[float, ...]:
     """The numbers of an attribute of the CF conventions, also where they are written as text.
 
     Raises
@@ -265,7 +275,7 @@ def _start(node: Any) -> str:
     return ""
 
 
-def _stated_numbers(node: Any, name: str, *, also_factors: bool) -> list[Named]:
+def _stated_numbers(node: Any, name: str, *, also_factors: bool) -> list[NamedArray]:
     """The attributes of a node that state a rate, a step or a factor, as single numbers."""
     said = []
     for key in node.attrs:
@@ -275,11 +285,11 @@ def _stated_numbers(node: Any, name: str, *, also_factors: bool) -> list[Named]:
         value = stated_numbers(node.attrs[key])
         if value:
             unit = stated_unit(node.attrs[key]) if names_rate else None
-            said.append(Named(f"{name}.{key}".strip("."), np.array(value), unit))
+            said.append(NamedArray(f"{name}.{key}".strip("."), np.array(value), unit))
     return said
 
 
-def _instants(node: Any, name: str, found: _Walked) -> list[Named]:
+def _instants(node: Any, name: str, found: _Walked) -> list[NamedArray]:
     """Instants as seconds since the first: numbers of NumPy's kind, or text by ISO 8601."""
     if node.ndim != 1 or node.size < _LEAST:
         return []
@@ -291,20 +301,22 @@ def _instants(node: Any, name: str, found: _Walked) -> list[Named]:
                 return []
             cells = np.array([word.removesuffix("Z").strip() for word in words], "datetime64[ns]")
         since = cells - cells[0]
-        return [Named(name, since / np.timedelta64(1, "s"), "s")]
+        return [NamedArray(name, since / np.timedelta64(1, "s"), "s")]
     except (ValueError, TypeError):
         found.notes.append(f"'{name}' holds text that is no instant, and was passed over")
         return []
 
 
-def _parted(node: Any, name: str, values: FloatArray | ComplexArray) -> list[Named]:
+def _split_named_columns(
+    node: Any, name: str, values: FloatArray | ComplexArray
+) -> list[NamedArray]:
     """The columns of a matrix by the names in an attribute, if it has one for each."""
     names: Any = next((node.attrs[key] for key in _NAMES if key in node.attrs), None)
     if np.ndim(names) != 1 or values.ndim != 2 or len(names) not in values.shape:
         return []
     tall = values if values.shape[1] == len(names) else values.T
     each = zip(names, tall.T, _units(node, len(names)), strict=True)
-    return [Named(_word(n) or name, column, unit) for n, column, unit in each]
+    return [NamedArray(_word(n) or name, column, unit) for n, column, unit in each]
 
 
 def _stem(name: str) -> str:
@@ -320,7 +332,9 @@ def _unit(node: Any) -> str | None:
             match = _SINCE.match(word or "")
             return match[1] if match else word
     for key in _UNIT:
-        beside: Any = _linked(node.parent, key) if node.name.rsplit("/", 1)[-1] in _INNER else None
+        beside: Any = (
+            _get_group_member(node.parent, key) if node.name.rsplit("/", 1)[-1] in _INNER else None
+        )
         if 0 < (getattr(beside, "size", None) or 0) < _TEXT and not beside.is_virtual:
             return _word(beside[()])
     return None

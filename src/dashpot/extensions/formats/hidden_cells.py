@@ -34,11 +34,11 @@ def hidden(stream: BinaryIO) -> dict[str, str]:
         names = set(book.namelist())
         parts = _sheets(book, names) if "xl/workbook.xml" in names else {}
         for name, part in parts.items():
-            told = _told(*_of_tags(_tags(book, part)))
+            told = _format_hidden_cells(*_scan_xlsx_sheet(_tags(book, part)))
             if told:
                 found[name] = told
         if not parts and "content.xml" in names:
-            found = _of_tables(_tags(book, "content.xml"))
+            found = _scan_ods_tables(_tags(book, "content.xml"))
     return found
 
 
@@ -86,7 +86,7 @@ def _tags(book: zipfile.ZipFile, part: str) -> Iterator[tuple[str, dict[str, str
             yield match[1].decode(), _words(match[2])
 
 
-def _of_tags(tags: Iterator[tuple[str, dict[str, str]]]) -> tuple[list[int], list[int]]:
+def _scan_xlsx_sheet(tags: Iterator[tuple[str, dict[str, str]]]) -> tuple[list[int], list[int]]:
     """The hidden rows and columns of one sheet of an xlsx file, counted from 1."""
     rows: list[int] = []
     columns: list[int] = []
@@ -94,16 +94,16 @@ def _of_tags(tags: Iterator[tuple[str, dict[str, str]]]) -> tuple[list[int], lis
     for tag, words in tags:
         unseen = words.get("hidden", "").encode() in _UNSEEN
         if tag == "row":
-            row = _whole(words.get("r", "")) or row + 1
+            row = _parse_whole_number(words.get("r", "")) or row + 1
             rows += [row] if unseen else []
         elif tag == "col" and unseen:
-            first = _whole(words.get("min", "")) or 1
-            last = min(_whole(words.get("max", "")) or first, first + _TOLD)
+            first = _parse_whole_number(words.get("min", "")) or 1
+            last = min(_parse_whole_number(words.get("max", "")) or first, first + _TOLD)
             columns += range(first, last + 1)
     return rows, columns
 
 
-def _of_tables(tags: Iterator[tuple[str, dict[str, str]]]) -> dict[str, str]:
+def _scan_ods_tables(tags: Iterator[tuple[str, dict[str, str]]]) -> dict[str, str]:
     """So too, of every table of an ods file."""
     found: dict[str, tuple[list[int], list[int]]] = {}
     name, place = "", {"table-row": 0, "table-column": 0}
@@ -114,30 +114,30 @@ def _of_tables(tags: Iterator[tuple[str, dict[str, str]]]) -> dict[str, str]:
         elif tag in place and name in found:
             unseen = words.get("visibility", "").encode() in _UNSEEN
             count = max(
-                _whole(words.get("number-rows-repeated", "")),
-                _whole(words.get("number-columns-repeated", "")), 1,
+                _parse_whole_number(words.get("number-rows-repeated", "")),
+                _parse_whole_number(words.get("number-columns-repeated", "")), 1,
             )  # fmt: skip
             if unseen:
                 first = place[tag] + 1
                 found[name][tag == "table-column"].extend(range(first, first + min(count, _TOLD)))
             place[tag] += count
-    return {name: told for name, one in found.items() if (told := _told(*one))}
+    return {name: told for name, one in found.items() if (told := _format_hidden_cells(*one))}
 
 
-def _whole(text: str) -> int:
+def _parse_whole_number(text: str) -> int:
     return int(text) if text.isascii() and text.isdigit() and len(text) < 9 else 0
 
 
-def _told(rows: list[int], columns: list[int]) -> str:
+def _format_hidden_cells(rows: list[int], columns: list[int]) -> str:
     """What is hidden, in words; "" if nothing is."""
     parts = [
-        _listed("row", [str(row) for row in rows]),
-        _listed("column", [_letters(column) for column in columns]),
+        _format_places("row", [str(row) for row in rows]),
+        _format_places("column", [_letters(column) for column in columns]),
     ]
     return " and ".join(filter(None, parts))
 
 
-def _listed(what: str, places: list[str]) -> str:
+def _format_places(what: str, places: list[str]) -> str:
     if not places:
         return ""
     more = f" and {len(places) - _TOLD} more" if len(places) > _TOLD else ""

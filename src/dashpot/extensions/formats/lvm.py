@@ -12,16 +12,16 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
-from dashpot.reading.columns.header_names import part_unit
-from dashpot.reading.raw_file import Raw
+from dashpot.reading.columns.header_names import split_unit
+from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
-from dashpot.reading.table import Column, Content, FileTable, Loaded, Question
+from dashpot.reading.table import Column, Content, FileTable, LoadedColumns, Question
 from dashpot.reading.text import cells as cell
 from dashpot.reading.text.cells import Mark
 from dashpot.reading.text.dialect import Dialect
-from dashpot.reading.text.encoding import decoded, find_encoding
+from dashpot.reading.text.encoding import decode_blocks, find_encoding
 from dashpot.reading.text.rows import load_rows
-from dashpot.reading.time_budget import Patience
+from dashpot.reading.time_budget import TimeBudget
 
 _HEAD = 1 << 20
 _SURE = 1e-4
@@ -64,20 +64,20 @@ class _LvmRows:
         return [i for i in self.dialect.numbers if i not in self.clocks]
 
     def load(
-        self, blocks: Callable[[], Iterator[str]], indexes: Sequence[int], patience: Patience
-    ) -> Loaded:
+        self, blocks: Callable[[], Iterator[str]], indexes: Sequence[int], patience: TimeBudget
+    ) -> LoadedColumns:
         wanted = [i for i in indexes if not (self.counted and i == 0)]
         places = wanted or self.signals()[:1]
         loaded = load_rows(blocks, self.dialect, places, patience=patience)
-        loaded = _stacked(loaded, self.segments)
+        loaded = _split_stacked_records(loaded, self.segments)
         if len(wanted) == len(indexes):
             return loaded
         column = dict(zip(wanted, loaded.values.T, strict=False))
-        column[0] = _counted(loaded, self.segments)
+        column[0] = _compute_row_times(loaded, self.segments)
         return replace(loaded, values=np.column_stack([column[i] for i in indexes]))
 
 
-def read(raw: Raw, options: ReadOptions) -> FileTable:
+def read(raw: RawFile, options: ReadOptions) -> FileTable:
     """Return the channels of an LVM file; each segment, and each record stacked in one, parts.
 
     Where the file holds no column of time it is counted from ``X0`` and ``Delta_X``. Records of
@@ -90,14 +90,14 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     """
     encoding = options.encoding or find_encoding(raw.head(_HEAD))
     found = options.encoding is None
-    first = next(decoded([raw.head(_HEAD)], encoding, found=found), "")
+    first = next(decode_blocks([raw.head(_HEAD)], encoding, found=found), "")
     lines = first.split("\n")
     top = _top(lines)
     sign = "," if re.search(r"^Separator[\t,]Comma", first, re.MULTILINE) else "\t"
     mark = _mark(first, lines[top : top + 50], sign, options)
-    segments = _segments(decoded(raw.blocks(), encoding, found=found), sign, mark)
+    segments = _segments(decode_blocks(raw.blocks(), encoding, found=found), sign, mark)
     names, clocks = _names(lines[top - 1], sign)
-    counted = not any(_filled(line, clocks, sign) for line in lines[top : top + 20])
+    counted = not any(_has_clock_value(line, clocks, sign) for line in lines[top : top + 20])
     dialect = Dialect(sign, mark, _contents(names, clocks, lines[top : top + 200], sign, mark), top)
     rows = _LvmRows(dialect, tuple(clocks), counted, tuple(segments))
     columns = _columns(names, clocks, segments[0], dialect.contents)
@@ -106,9 +106,9 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     asks = counted and options.rate is None
     notes, doubts = _rate(segments[0]) if asks else ((), ())
 
-    def load(indexes: Sequence[int]) -> Loaded:
+    def load(indexes: Sequence[int]) -> LoadedColumns:
         def blocks() -> Iterator[str]:
-            return decoded(raw.blocks(), encoding, found=found)
+            return decode_blocks(raw.blocks(), encoding, found=found)
 
         return rows.load(blocks, indexes, raw.patience)
 
@@ -213,7 +213,7 @@ def _unlike(segment: _LvmHead, columns: int) -> bool:
     return len(set(segment.step[:columns])) > 1 and len(filled) > 1
 
 
-def _filled(line: str, clocks: Sequence[int], sign: str) -> bool:
+def _has_clock_value(line: str, clocks: Sequence[int], sign: str) -> bool:
     row = cell.split(line, sign)
     return bool(clocks) and clocks[0] < len(row) and bool(row[clocks[0]])
 
@@ -244,7 +244,7 @@ def _columns(
         # the labels follow the key "Y_Unit_Label" itself, so that they stand one to the left
         place = i - (1 if len(clocks) > 1 else sum(c < i for c in clocks))
         unit = dict(enumerate(segment.units)).get(place, "")
-        stem, inner = part_unit(name)
+        stem, inner = split_unit(name)
         columns.append(Column(stem if inner and not unit else name, unit or inner, contents[i]))
     return columns
 
@@ -260,25 +260,28 @@ def _rate(segment: _LvmHead) -> tuple[tuple[str, ...], tuple[Question, ...]]:
         return (), ()
     says = (
         f"Delta_X = {segment.step[0]:g} s is rounded: the rate is {rate:.2f} Hz, give or take "
-        f"{doubt * rate:.1f} Hz; if you know it, say it, for example --rate {_likely(rate)}Hz"
+        f"{doubt * rate:.1f} Hz; if you know it, say it, for example --rate "
+        f"{_round_sampling_rate(rate)}Hz"
     )
     return (says,), ()
 
 
-def _likely(rate: float) -> int:
+def _round_sampling_rate(rate: float) -> int:
     """The power of two nearby, which samplers love, else the whole number."""
     power = 2 ** round(np.log2(rate)) if rate > 1 else 1
     return power if abs(power / rate - 1) < 1e-3 else max(1, round(rate))
 
 
-def _parts(loaded: Loaded, segments: Sequence[_LvmHead]) -> Iterator[tuple[int, int, _LvmHead]]:
+def _parts(
+    loaded: LoadedColumns, segments: Sequence[_LvmHead]
+) -> Iterator[tuple[int, int, _LvmHead]]:
     """First row, end and header of each part; what has no header of its own has the last."""
     stops = (*loaded.starts[1:], len(loaded.values))
     for k, (start, stop) in enumerate(zip(loaded.starts, stops, strict=True)):
         yield start, stop, segments[min(k, len(segments) - 1)]
 
 
-def _stacked(loaded: Loaded, segments: Sequence[_LvmHead]) -> Loaded:
+def _split_stacked_records(loaded: LoadedColumns, segments: Sequence[_LvmHead]) -> LoadedColumns:
     """Part each segment where it holds several records of ``Samples`` rows."""
     starts: list[int] = []
     notes = list(loaded.notes)
@@ -294,7 +297,7 @@ def _stacked(loaded: Loaded, segments: Sequence[_LvmHead]) -> Loaded:
     return replace(loaded, starts=tuple(starts), segments=names, notes=tuple(notes))
 
 
-def _counted(loaded: Loaded, segments: Sequence[_LvmHead]) -> FloatArray:
+def _compute_row_times(loaded: LoadedColumns, segments: Sequence[_LvmHead]) -> FloatArray:
     """Time of every row, from X0 and Delta_X of its segment; NaN without, asked for before use."""
     time = np.full(len(loaded.values), np.nan)
     for start, stop, segment in _parts(loaded, segments):

@@ -17,9 +17,15 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from dashpot.base.errors import ReadError
-from dashpot.extensions.formats.array_table import Named, gather, names_start, numbers, stated_rate
+from dashpot.extensions.formats.array_table import (
+    NamedArray,
+    gather,
+    names_start,
+    numbers,
+    stated_rate,
+)
 from dashpot.reading.columns.unit_factors import factors_among, names_factor
-from dashpot.reading.raw_file import Raw
+from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import limits
 from dashpot.reading.table import FileTable
@@ -41,14 +47,14 @@ _AT_ONCE = 1 << 16
 Take = Callable[[int], bytes]
 
 
-def read(raw: Raw, options: ReadOptions) -> FileTable:
+def read(raw: RawFile, options: ReadOptions) -> FileTable:
     """Return the vectors of a MAT file as a table; a struct's fields are named ``struct.field``."""
     from scipy.io import loadmat
 
     with raw.open() as stream:
         check_elements(stream)
         content: dict[str, Any] = loadmat(stream, simplify_cells=True)  # type: ignore[arg-type]
-    arrays: list[Named] = []
+    arrays: list[NamedArray] = []
     for name, value in content.items():
         if not name.startswith("__"):
             _flatten(name, value, arrays)
@@ -59,14 +65,14 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     return gather(arrays, format_="MAT")
 
 
-def _flatten(name: str, value: Any, arrays: list[Named], depth: int = 0) -> None:
+def _flatten(name: str, value: Any, arrays: list[NamedArray], depth: int = 0) -> None:
     """Append the arrays in a variable, a struct or a cell; a struct may hold data and unit."""
     if isinstance(value, dict | list) and depth < 8:
-        measured = _measured(name, value) if isinstance(value, dict) else None
+        measured = _extract_struct_array(name, value) if isinstance(value, dict) else None
         if isinstance(value, dict) and measured is not None:
             arrays.append(measured)
             arrays += [
-                Named(f"{name}.{key}", np.array(float(one)))
+                NamedArray(f"{name}.{key}", np.array(float(one)))
                 for key, one in value.items()
                 if isinstance(one, int | float | np.number) and stated_rate(str(key), 1.0) > 0
             ]
@@ -77,10 +83,10 @@ def _flatten(name: str, value: Any, arrays: list[Named], depth: int = 0) -> None
     elif isinstance(value, int | float | complex | np.ndarray | np.number):
         found = numbers(value)
         if found is not None:
-            arrays.append(Named(name, found))
+            arrays.append(NamedArray(name, found))
 
 
-def _measured(name: str, fields: dict[str, Any]) -> Named | None:
+def _extract_struct_array(name: str, fields: dict[str, Any]) -> NamedArray | None:
     """The array of a struct that holds numbers and their unit."""
     folded = {str(key).casefold(): value for key, value in fields.items()}
     data = next((folded[key] for key in _DATA if key in folded), None)
@@ -90,7 +96,7 @@ def _measured(name: str, fields: dict[str, Any]) -> Named | None:
         return None
     beside = {key: value for key, value in fields.items() if names_factor(str(key))}
     start = next((f"{key} = {value}" for key, value in fields.items() if names_start(str(key))), "")
-    return Named(name, found, unit, factors_among(beside), start)
+    return NamedArray(name, found, unit, factors_among(beside), start)
 
 
 def check_elements(stream: BinaryIO) -> None:
@@ -128,7 +134,7 @@ class _MatFile:
 
     def count(self, numbers: int) -> None:
         self.numbers += numbers
-        limits.within(self.numbers, "the variables hold")
+        limits.check_value_count(self.numbers, "the variables hold")
 
 
 def _element(take: Take, file: _MatFile, room: int, kinds: frozenset[int], *, depth: int) -> int:
@@ -137,12 +143,12 @@ def _element(take: Take, file: _MatFile, room: int, kinds: frozenset[int], *, de
     if short is not None:
         return 8
     if kind == _COMPRESSED:
-        _inflated(take, file, size, depth=depth)
+        _scan_compressed_element(take, file, size, depth=depth)
     elif kind == _MATRIX:
         _array(take, file, size, depth=depth)
     else:
         size = min(-(-size // 8) * 8, room - 8)
-        _passed(take, size)
+        _skip_bytes(take, size)
     return 8 + size
 
 
@@ -194,13 +200,15 @@ def _array(take: Take, file: _MatFile, size: int, *, depth: int) -> None:
         raise _Damaged(f"an array of {cells} values in {size} bytes")
     file.count(cells)
     left -= _content(take, file, left, _NAME)[0]
-    read, kinds, parts = _inside(take, file, left, class_=class_, cells=cells, parts=parts)
+    read, kinds, parts = _read_element_layout(
+        take, file, left, class_=class_, cells=cells, parts=parts
+    )
     left -= read
     if class_ == _SPARSE:
         left, parts = left - _indices(take, file, left, shape), parts - 2
     for _part in range(parts):
         left -= _element(take, file, left, kinds, depth=depth + 1)
-    _passed(take, left)
+    _skip_bytes(take, left)
 
 
 def _indices(take: Take, file: _MatFile, room: int, shape: Sequence[int]) -> int:
@@ -220,7 +228,7 @@ def _indices(take: Take, file: _MatFile, room: int, shape: Sequence[int]) -> int
     return first + second
 
 
-def _inside(
+def _read_element_layout(
     take: Take, file: _MatFile, room: int, *, class_: int, cells: int, parts: int
 ) -> tuple[int, frozenset[int], int]:
     """Bytes that name the fields, and the kinds and number of the elements that follow them."""
@@ -246,7 +254,7 @@ def _integers(data: bytes, file: _MatFile) -> tuple[int, ...]:
     return struct.unpack(f"{file.order}{len(data) // 4}i", data[: len(data) // 4 * 4])
 
 
-def _inflated(take: Take, file: _MatFile, size: int, *, depth: int) -> None:
+def _scan_compressed_element(take: Take, file: _MatFile, size: int, *, depth: int) -> None:
     """A compressed element: the one inside, inflated a stretch at a time."""
     inflate = zlib.decompressobj()
     waiting, packed = b"", size
@@ -266,10 +274,10 @@ def _inflated(take: Take, file: _MatFile, size: int, *, depth: int) -> None:
         return found
 
     _element(more, file, 1 << 62, _ARRAYS, depth=depth + 1)
-    _passed(take, packed)
+    _skip_bytes(take, packed)
 
 
-def _passed(take: Take, count: int) -> None:
+def _skip_bytes(take: Take, count: int) -> None:
     while count > 0:
         count -= len(_exactly(take, min(count, _AT_ONCE)))
 

@@ -6,7 +6,7 @@ EXTENSION = Extension(
     "formats",
     handlers={
         "calibrate": {
-            "dashpot.reading.table:FileTable": "dashpot.extensions.formats.ati:calibrated",
+            "dashpot.reading.table:FileTable": "dashpot.extensions.formats.ati:add_calibrated_force",
         },
     },
     formats=(

@@ -14,17 +14,17 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.extensions.formats.array_table import (
-    Named,
+    NamedArray,
     names_start,
     rate_hints,
     stated_rate,
     window_line,
 )
 from dashpot.reading.columns.unit_factors import factors_among
-from dashpot.reading.raw_file import Raw, extra
+from dashpot.reading.raw_file import RawFile, extra
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import limits
-from dashpot.reading.table import Column, FileTable, in_memory
+from dashpot.reading.table import Column, FileTable, make_loader
 
 _UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit", "Units")
 _SCALED = ("NI_Scal", "NI_Number_Of_Scales")
@@ -63,7 +63,7 @@ class _TdmsChannel:
 _Groups: TypeAlias = dict[str, list[_TdmsChannel]]
 
 
-def read(raw: Raw, options: ReadOptions) -> FileTable:
+def read(raw: RawFile, options: ReadOptions) -> FileTable:
     """Return the channels of a TDMS file, one segment for each group.
 
     Raises
@@ -79,10 +79,15 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
         file = SegmentReader(stream)
         file.read_metadata()
         objects = file.object_metadata
-        limits.within(sum(one.num_values for one in objects.values()), "the channels hold")
+        limits.check_value_count(
+            sum(one.num_values for one in objects.values()), "the channels hold"
+        )
         _refuse_unknown_scales(objects)
         told = _is_scaled(objects) or any(map(_is_stamped, objects.values()))
-        groups = _chosen(_scaled(stream, objects) if told else _bare(file), options.sheet)
+        groups = _chosen(
+            _read_scaled_channels(stream, objects) if told else _read_stored_channels(file),
+            options.sheet,
+        )
         stated = [
             line
             for one in objects.values()
@@ -100,7 +105,7 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     return FileTable(
         format="TDMS",
         columns=tuple(columns),
-        load=in_memory(np.concatenate(blocks), tuple(map(int, starts)), tuple(groups)),
+        load=make_loader(np.concatenate(blocks), tuple(map(int, starts)), tuple(groups)),
         notes=tuple(dict.fromkeys(notes)),
         header=tuple(dict.fromkeys(stated)),
         hints=rate_hints(_rates_stated(objects)),
@@ -161,10 +166,10 @@ def _stated_of_all(objects: Mapping[str, Any]) -> list[str]:
     return notes
 
 
-def _rates_stated(objects: Mapping[str, Any]) -> list[Named]:
+def _rates_stated(objects: Mapping[str, Any]) -> list[NamedArray]:
     """What properties beside the format's own state of the sampling rate."""
     return [
-        Named(f"{path}.{key}", np.array(float(value)))
+        NamedArray(f"{path}.{key}", np.array(float(value)))
         for path, one in objects.items()
         for key, value in one.properties.items()
         if isinstance(value, int | float) and stated_rate(key, 1.0) > 0
@@ -177,7 +182,7 @@ def _factors(properties: Mapping[str, Any]) -> str:
     return factors_among(own)
 
 
-def _bare(file: Any) -> _Groups:
+def _read_stored_channels(file: Any) -> _Groups:
     """The channels of a file as they are stored.
 
     npTDMS's own objects cost twice as much as what they hold: of tens of thousands of channels they
@@ -211,7 +216,7 @@ def _names(path: str) -> list[str]:
     return [one.replace("''", "'") for one in found.groups()]
 
 
-def _scaled(stream: Any, objects: Mapping[str, Any]) -> _Groups:
+def _read_scaled_channels(stream: Any, objects: Mapping[str, Any]) -> _Groups:
     """The channels of a file as npTDMS scales them, instants as seconds since the first."""
     from nptdms import TdmsFile
 
@@ -243,7 +248,7 @@ def _channel(name: str, properties: Mapping[str, Any], values: FloatArray) -> _T
     step = float(properties.get("wf_increment") or 0.0)
     offset = float(properties.get("wf_start_offset", 0.0))
     values = values.astype(float, copy=False)
-    along = units.find(str(properties.get("wf_xunit_string", "")).strip() or "s", "time")
+    along = units.find_unit(str(properties.get("wf_xunit_string", "")).strip() or "s", "time")
     factor, start = _factors(properties), _start(properties.get("wf_start_time"))
     own = (key for key in properties if names_start(key) and not key.startswith("wf_"))
     said = ", ".join(f"{key} = {properties[key]}" for key in own)
@@ -263,7 +268,7 @@ def _start(stated: Any) -> int | None:
     return since if since > _UNSET else None
 
 
-def _started(channels: list[_TdmsChannel]) -> list[_TdmsChannel]:
+def _apply_start_times(channels: list[_TdmsChannel]) -> list[_TdmsChannel]:
     """The channels, each later by as much as its stated start is after the first one's.
 
     One that states none began with the first.
@@ -291,7 +296,7 @@ def _started(channels: list[_TdmsChannel]) -> list[_TdmsChannel]:
 
 def _block(channels: list[_TdmsChannel], notes: list[str]) -> FloatArray:
     """One group as rows: with its time in front if the channels carry it."""
-    channels = _started(channels)
+    channels = _apply_start_times(channels)
     steps = {channel.step for channel in channels}
     if len(steps) > 1:
         listed = ", ".join(f"'{c.name}' {c.step} s" for c in channels[:6])
@@ -307,7 +312,7 @@ def _block(channels: list[_TdmsChannel], notes: list[str]) -> FloatArray:
     if sizes == sizes[:1] != [1] and all(channel.offset == offset for channel in channels):
         return np.array([offset + step * np.arange(sizes[0], dtype=float), *values]).T
     time = _common(channels, step)
-    return np.array([time, *(_aligned(c, time, step, notes) for c in channels)]).T
+    return np.array([time, *(_align_channel(c, time, step, notes) for c in channels)]).T
 
 
 def _common(channels: list[_TdmsChannel], step: float) -> FloatArray:
@@ -320,7 +325,9 @@ def _common(channels: list[_TdmsChannel], step: float) -> FloatArray:
     return start + step * np.arange(count, dtype=float)
 
 
-def _aligned(channel: _TdmsChannel, time: FloatArray, step: float, notes: list[str]) -> FloatArray:
+def _align_channel(
+    channel: _TdmsChannel, time: FloatArray, step: float, notes: list[str]
+) -> FloatArray:
     """A channel's samples at the common times; its own where they fall together."""
     shift = (time[0] - channel.offset) / step
     whole = round(shift)

@@ -9,17 +9,17 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from dashpot.base.errors import ReadError
-from dashpot.reading.raw_file import Raw
+from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import limits
-from dashpot.reading.table import Column, FileTable, in_memory
+from dashpot.reading.table import Column, FileTable, make_loader
 
 _LARGEST = 1 << 28
 _DEEPEST = 20
 _Set: TypeAlias = tuple[str, tuple[tuple[str, str], ...], list[list[float]]]
 
 
-def read(raw: Raw, options: ReadOptions) -> FileTable:
+def read(raw: RawFile, options: ReadOptions) -> FileTable:
     """Return the data sets of a TRIOS JSON file, joined as segments where their columns agree.
 
     Raises
@@ -27,7 +27,7 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     ReadError
         If it is not such a file, or its data sets differ in their columns.
     """
-    sets = _parsed(raw)
+    sets = _parse_data_sets(raw)
     if options.sheet is not None:
         sets = [entry for entry in sets if entry[0] == options.sheet] or sets
     names, heads, values = zip(*sets, strict=True)
@@ -42,11 +42,11 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     return FileTable(
         format="TRIOS JSON",
         columns=tuple(Column(name, unit or None) for name, unit in columns),
-        load=in_memory(np.concatenate(rows), tuple(map(int, starts)), names),
+        load=make_loader(np.concatenate(rows), tuple(map(int, starts)), names),
     )
 
 
-def _parsed(raw: Raw) -> list[_Set]:
+def _parse_data_sets(raw: RawFile) -> list[_Set]:
     if raw.size > _LARGEST:
         raise ReadError(f"a JSON file of {raw.size} bytes; export it as text instead")
     try:
@@ -69,7 +69,7 @@ def _data_sets(node: Any, name: str = "", depth: int = 0) -> Iterator[_Set]:
         name = str(properties.get("Name", name)) if isinstance(properties, dict) else name
         if _table_like(node):
             heads = tuple((str(c["name"]), str(c.get("unit") or "")) for c in node["columns"])
-            limits.within(len(heads) * len(node["values"]), "a data set holds")
+            limits.check_value_count(len(heads) * len(node["values"]), "a data set holds")
             yield name, heads, [_row(row, len(heads)) for row in node["values"]]
             return
         children = node.values()

@@ -16,10 +16,10 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
-from dashpot.base.units import in_unit
-from dashpot.reading.raw_file import Raw, extra
+from dashpot.base.units import convert_to_unit
+from dashpot.reading.raw_file import RawFile, extra
 from dashpot.reading.read_options import ReadOptions, flag
-from dashpot.reading.table import Column, FileTable, Question, in_memory
+from dashpot.reading.table import Column, FileTable, Question, make_loader
 
 TIME, FRF_, COHERENCE = 1, 4, 6
 """Function types of dataset 58."""
@@ -46,7 +46,7 @@ _BINARY_DATASET = re.compile(rb"^ {4}58b", re.MULTILINE)
 _Set: TypeAlias = dict[str, Any]
 
 
-def read(raw: Raw, options: ReadOptions) -> FileTable:
+def read(raw: RawFile, options: ReadOptions) -> FileTable:
     """Return the FRFs of a file, else its time records, as a table.
 
     Of several FRFs one is chosen by ``--part segment``; without it those on the same
@@ -70,15 +70,17 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     if not curves:
         return _modes(sets, units)
     notes = _notes(sets, units)
-    frfs = _of_type(curves, FRF_)
+    frfs = _select_by_type(curves, FRF_)
     if frfs:
-        return _frf(frfs, _of_type(curves, COHERENCE), units, segment=options.segment, notes=notes)
+        return _frf(
+            frfs, _select_by_type(curves, COHERENCE), units, segment=options.segment, notes=notes
+        )
     # a spectrum or the like is shown, and refused where a test is asked for
-    return _timed(_of_type(curves, 0, TIME) or curves[:1], units, notes)
+    return _build_time_table(_select_by_type(curves, 0, TIME) or curves[:1], units, notes)
 
 
 @contextmanager
-def _readable_path(raw: Raw) -> Iterator[Path]:
+def _readable_path(raw: RawFile) -> Iterator[Path]:
     """Yield the path of a file whose exponents pyuff reads: E where a text writes Fortran's D."""
     with raw.open() as stream:
         data = stream.read()
@@ -150,7 +152,7 @@ def _record_length(entry: _Set) -> float | None:
     return len(x) * step if entry["func_type"] in {0, TIME} else 1 / step
 
 
-def _of_type(curves: Sequence[_Set], *types: int) -> list[_Set]:
+def _select_by_type(curves: Sequence[_Set], *types: int) -> list[_Set]:
     return [entry for entry in curves if entry["func_type"] in types]
 
 
@@ -178,9 +180,9 @@ def _frf(
     segment: int | None,
     notes: list[str],
 ) -> FileTable:
-    doubts = _which(frfs) if segment is None else ()
+    doubts = _make_frf_question(frfs) if segment is None else ()
     number = segment or 1
-    _refuse_amplitude_alone(frfs if segment is None else frfs[number - 1 : number])
+    _require_complex_values(frfs if segment is None else frfs[number - 1 : number])
     if number > len(frfs):
         raise ReadError(f"--part segment={segment}, but the file has {len(frfs)} FRFs")
     one = frfs[number - 1]
@@ -203,7 +205,7 @@ def _frf(
     return _stating(_table(columns, values, one, notes, (*doubts, *asked)), lines)
 
 
-def _refuse_amplitude_alone(frfs: Sequence[_Set]) -> None:
+def _require_complex_values(frfs: Sequence[_Set]) -> None:
     """Refuse FRFs whose data type is real: amplitudes, which tell no damping.
 
     Raises
@@ -236,7 +238,7 @@ def _turned_notes(shown: Sequence[_Set]) -> list[str]:
     )
 
 
-def _which(frfs: Sequence[_Set]) -> tuple[Question, ...]:
+def _make_frf_question(frfs: Sequence[_Set]) -> tuple[Question, ...]:
     """Ask which one of several."""
     if len(frfs) == 1:
         return ()
@@ -280,7 +282,7 @@ def _per(above: str | None, below: str | None) -> str | None:
     return f"({above})/{below}"
 
 
-def _timed(timed: Sequence[_Set], units: _Set | None, notes: list[str]) -> FileTable:
+def _build_time_table(timed: Sequence[_Set], units: _Set | None, notes: list[str]) -> FileTable:
     first = timed[0]
     grids = {
         (len(e["x"]), round(float(e["x"][0]), 12), round(float(e["x"][-1]), 12)) for e in timed
@@ -321,7 +323,7 @@ def _table(
         format="UFF 58",
         doubts=doubts,
         columns=tuple(columns),
-        load=in_memory(np.column_stack(values)),
+        load=make_loader(np.column_stack(values)),
         notes=tuple(notes),
         header=comments,
         simulated=any("simulated" in comment.casefold() for comment in comments),
@@ -370,11 +372,11 @@ def _places(sets: Sequence[_Set], unit: float) -> dict[int, list[float]]:
         int(node): [value / unit for value in place]
         for entry in sets
         if entry.get("type") in _NODES
-        for node, *place in _by_node(entry, "x", "y", "z")
+        for node, *place in _iterate_nodes(entry, "x", "y", "z")
     }
 
 
-def _by_node(entry: _Set, *names: str) -> Iterator[tuple[Any, ...]]:
+def _iterate_nodes(entry: _Set, *names: str) -> Iterator[tuple[Any, ...]]:
     return zip(*(entry[key] for key in ("node_nums", *names)), strict=True)
 
 
@@ -394,7 +396,7 @@ def _mode(
             "2411 with the shapes"
         )
     head = [number, float(entry["freq"]), viscous or hysteretic / 2, mass / mass_unit or np.nan]
-    for node, *shape in _by_node(entry, "r1", "r2", "r3"):
+    for node, *shape in _iterate_nodes(entry, "r1", "r2", "r3"):
         yield [*head, *places[int(node)], *shape]
 
 
@@ -423,7 +425,9 @@ def _unit(entry: _Set, axis: str, units: _Set | None) -> str | None:
     word = _QUANTITY.get(int(entry.get(f"{axis}_spec_data_type", 0) or 0), "")
     length, force = float(units.get("length", 1.0)), float(units.get("force", 1.0))
     if word == "N":
-        return next((name for name in ("N", "mN", "kN") if in_unit(1.0, name) == force), None)
+        return next(
+            (name for name in ("N", "mN", "kN") if convert_to_unit(1.0, name) == force), None
+        )
     if word.startswith("m"):
         prefix = {1.0: "", 1000.0: "m"}.get(length)
         return None if prefix is None else prefix + word

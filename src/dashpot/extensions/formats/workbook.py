@@ -8,12 +8,12 @@ from dataclasses import replace
 
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
-from dashpot.extensions.formats.workbook_sheets import HIDDEN, listed, sheets
+from dashpot.extensions.formats.workbook_sheets import HIDDEN, format_sheet_names, sheets
 from dashpot.reading.columns.kind_detection import kind_of
 from dashpot.reading.formats import text
-from dashpot.reading.raw_file import Raw
+from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
-from dashpot.reading.sandbox.parent_process import in_child
+from dashpot.reading.sandbox.parent_process import run_in_child
 from dashpot.reading.table import FileTable
 from dashpot.reading.text.cells import EITHER_WAY
 
@@ -22,7 +22,7 @@ _COMMA = re.compile(r"\A[+-]?(?:\d{1,3}(?:\.\d{3})+|\d*),\d+(?:[eE][+-]?\d{1,4})
 _NO_TEST = {"unclear", "not-a-test"}
 
 
-def read(raw: Raw, options: ReadOptions) -> FileTable:
+def read(raw: RawFile, options: ReadOptions) -> FileTable:
     """Return the table of the one sheet that holds a test, or of the sheet named.
 
     Raises
@@ -30,7 +30,7 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     ReadError
         If no sheet or several sheets could be meant.
     """
-    told = in_child("workbook", sheets, raw, options)
+    told = run_in_child("workbook", sheets, raw, options)
     content = {name: cells for name, cells in told.items() if not name.startswith(HIDDEN)}
     if options.sheet is not None:
         return _sheet(options.sheet, told, raw, options)
@@ -39,19 +39,21 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
         with suppress(ReadError):
             tables[name] = _sheet(name, told, raw, options)
     if not tables:
-        raise ReadError(f"no sheet holds a table of numbers; the sheets are {listed(content)}")
+        raise ReadError(
+            f"no sheet holds a table of numbers; the sheets are {format_sheet_names(content)}"
+        )
     seen = replace(options, kind=None)
     known = [n for n, t in tables.items() if kind_of(t, seen)[0] not in _NO_TEST]
     likely = known or list(tables)
     if len(likely) > 1:
         raise ReadError(
-            f"sheets {listed(likely)} could each be the test; choose with --part "
+            f"sheets {format_sheet_names(likely)} could each be the test; choose with --part "
             f'sheet="{likely[0]}"'
         )
     return tables[likely[0]]
 
 
-def _sheet(name: str, told: dict[str, bytes], raw: Raw, options: ReadOptions) -> FileTable:
+def _sheet(name: str, told: dict[str, bytes], raw: RawFile, options: ReadOptions) -> FileTable:
     """The table of a sheet, with a note of what is hidden in it: it was read, too."""
     content = told.get(name, b"")
     if not content.strip():
@@ -62,7 +64,7 @@ def _sheet(name: str, told: dict[str, bytes], raw: Raw, options: ReadOptions) ->
         content = points.encode()
     if options.decimal == ",":  # numbers that are no text have points here
         shown = replace(shown, decimal=None)
-    table = text.read(Raw(raw.name, None, content), shown)
+    table = text.read(RawFile(raw.name, None, content), shown)
     unseen = told.get(HIDDEN + name, b"").decode()
     says = f"hidden in sheet '{name}' and read: {unseen}"
     note = Caution(says) if unseen.startswith("row") else says

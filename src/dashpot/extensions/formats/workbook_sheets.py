@@ -12,7 +12,7 @@ from typing import Any, BinaryIO
 
 from dashpot.base.errors import ReadError
 from dashpot.extensions.formats.hidden_cells import hidden
-from dashpot.reading.raw_file import Raw, extra
+from dashpot.reading.raw_file import RawFile, extra
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import limits
 
@@ -31,7 +31,7 @@ _BLANK = 1 << 16
 """Cells that may be blank beyond all that could be filled: a lone cell far out makes millions."""
 
 
-def sheets(raw: Raw, options: ReadOptions) -> dict[str, bytes]:
+def sheets(raw: RawFile, options: ReadOptions) -> dict[str, bytes]:
     """Return the sheet named, or every sheet, as lines of cells between tabs.
 
     Under :data:`HIDDEN` and the name of a sheet stands what is hidden in it, if anything is.
@@ -43,19 +43,19 @@ def sheets(raw: Raw, options: ReadOptions) -> dict[str, bytes]:
     """
     calamine = extra("python_calamine", "python-calamine", "spreadsheets")
     with raw.open() as stream:
-        size = _unpacked(stream)
+        size = _get_unpacked_size(stream)
         unseen = hidden(stream)
         stream.seek(0)
         book = calamine.CalamineWorkbook.from_filelike(stream)
     names = book.sheet_names
     if options.sheet is not None and options.sheet not in names:
-        raise ReadError(f"--part sheet={options.sheet}: the sheets are {listed(names)}")
+        raise ReadError(f"--part sheet={options.sheet}: the sheets are {format_sheet_names(names)}")
     found, cells = {HIDDEN + name: told.encode() for name, told in unseen.items()}, 0
     for name in names if options.sheet is None else [options.sheet]:
         sheet = book.get_sheet_by_name(name)
         rows, columns = (1 + last for last in sheet.end or (-1, -1))
         cells += rows * columns
-        limits.within(cells, "the sheets hold")
+        limits.check_value_count(cells, "the sheets hold")
         if cells - size // _LEAST > _BLANK:
             raise ReadError(
                 f"sheet '{name}' reaches to row {rows} and column {columns}, and hardly any of its "
@@ -65,7 +65,7 @@ def sheets(raw: Raw, options: ReadOptions) -> dict[str, bytes]:
     return found
 
 
-def _unpacked(stream: BinaryIO) -> int:
+def _get_unpacked_size(stream: BinaryIO) -> int:
     """The bytes of a workbook, unpacked; refuse one that has more than any test needs."""
     if stream.read(2) == b"PK":
         with zipfile.ZipFile(stream) as packed:
@@ -152,10 +152,10 @@ def _clock(seconds: float) -> str:
     return f"{clock}.{part:06d}" if part else clock
 
 
-def listed(names: Iterable[str]) -> str:
+def format_sheet_names(names: Iterable[str]) -> str:
     """Name the first sheets.
 
-    >>> listed(["Data", "Info"])
+    >>> format_sheet_names(["Data", "Info"])
     "'Data', 'Info'"
     """
     return ", ".join(f"'{name}'" for name in islice(names, 8))

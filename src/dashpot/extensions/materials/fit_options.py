@@ -4,50 +4,92 @@ from __future__ import annotations
 
 import click
 
-from dashpot.cli._command import Opt, group, of, opt
+from dashpot.cli._command import CommandOption, build_options, group, opt
 from dashpot.cli._options import VIBRATION
-from dashpot.cli._param_types import DENSITY, File, LowHigh, OneOf, Range
+from dashpot.cli._param_types import DENSITY, ChoiceWithSuggestion, File, LowHigh, Range
 from dashpot.extensions.materials.hyperelastic.options import MODES, Measures
 from dashpot.extensions.materials.indentation.indenter import Indenter
-from dashpot.extensions.materials.slam.options import SlamAsked
+from dashpot.extensions.materials.slam.options import SlamOptions
 from dashpot.workflow.job import RodChoices
 
 _CLD, _STRAIN, _BALL, _SLAM = "cld", "stress-strain", "indentation", "slam"
 
 
-def list_groups() -> list[list[Opt]]:
+def list_groups() -> list[list[CommandOption]]:
     """Return the options of these tests, group by group."""
     return [
         group(
             "Load deflection",
-            opt("--between", type=Range("length"), metavar="RANGE", kinds=_CLD,
-                help="Tolerance of --compression, e.g. 4:8mm."),
-            opt("--force-limits", type=Range("force"), metavar="RANGE", kinds=_CLD,
-                help="Limits of the force there, e.g. 4.5:5.5N."),
-            opt("--memory", type=File(), multiple=True, metavar="FIT",
-                kinds=f"{_CLD} {_STRAIN} {_SLAM}", help="Fit whose relaxation is known."),
+            opt(
+                "--between",
+                type=Range("length"),
+                metavar="RANGE",
+                kinds=_CLD,
+                help="Tolerance of --compression, e.g. 4:8mm.",
+            ),
+            opt(
+                "--force-limits",
+                type=Range("force"),
+                metavar="RANGE",
+                kinds=_CLD,
+                help="Limits of the force there, e.g. 4.5:5.5N.",
+            ),
+            opt(
+                "--memory",
+                type=File(),
+                multiple=True,
+                metavar="FIT",
+                kinds=f"{_CLD} {_STRAIN} {_SLAM}",
+                help="Fit whose relaxation is known.",
+            ),
         ),
         group(
             "Stress over strain",
-            opt("--test", type=OneOf(tuple(MODES)), multiple=True, metavar="MODE", kinds=_STRAIN,
-                help="Test of each file: uniaxial, biaxial, planar, ..."),
-            opt("--poisson", type=float, metavar="NUMBER", kinds=f"{_STRAIN} {VIBRATION}",
-                help="Poisson's ratio of a foam; selects a foam law."),
-            opt("--stretches", type=LowHigh(), metavar="LOW:HIGH", kinds=_STRAIN,
-                help="Stretches of use, e.g. 0.7:1.5."),
-            opt("--terms", type=click.IntRange(1, 3), metavar="N", kinds=_STRAIN,
-                help="Number of terms of ogden and hyperfoam."),
-            of(Measures, into="measures", kinds=_STRAIN),
+            opt(
+                "--test",
+                type=ChoiceWithSuggestion(tuple(MODES)),
+                multiple=True,
+                metavar="MODE",
+                kinds=_STRAIN,
+                help="Test of each file: uniaxial, biaxial, planar, ...",
+            ),
+            opt(
+                "--poisson",
+                type=float,
+                metavar="NUMBER",
+                kinds=f"{_STRAIN} {VIBRATION}",
+                help="Poisson's ratio of a foam; selects a foam law.",
+            ),
+            opt(
+                "--stretches",
+                type=LowHigh(),
+                metavar="LOW:HIGH",
+                kinds=_STRAIN,
+                help="Stretches of use, e.g. 0.7:1.5.",
+            ),
+            opt(
+                "--terms",
+                type=click.IntRange(1, 3),
+                metavar="N",
+                kinds=_STRAIN,
+                help="Number of terms of ogden and hyperfoam.",
+            ),
+            build_options(Measures, into="measures", kinds=_STRAIN),
         ),
         group(
             "Indenter",
-            of(Indenter, into="indenter", leave=("mass",), kinds=_BALL),
+            build_options(Indenter, into="indenter", leave=("mass",), kinds=_BALL),
         ),
-        group("Slam", of(SlamAsked, kinds=_SLAM)),
+        group("Slam", build_options(SlamOptions, kinds=_SLAM)),
         group(
             "Rod",
-            of(RodChoices, into="rod", kinds=VIBRATION),
-            opt("--density", type=DENSITY, metavar="KG/M^3", kinds=VIBRATION,
-                help="Density of the rod."),
+            build_options(RodChoices, into="rod", kinds=VIBRATION),
+            opt(
+                "--density",
+                type=DENSITY,
+                metavar="KG/M^3",
+                kinds=VIBRATION,
+                help="Density of the rod.",
+            ),
         ),
-    ]  # fmt: skip
+    ]

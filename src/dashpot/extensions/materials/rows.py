@@ -15,7 +15,7 @@ EXTENSION = Extension(
                 pages={"dashpot.extensions.materials.cld.fit_files:Pieces": "dashpot.extensions.materials.cld.page:page"},
                 panel="dashpot.extensions.materials.cld.app_form",
                 checks="dashpot.extensions.materials.cld.checks",
-                row="dashpot.extensions.materials.cld.lot_row:row",
+                row="dashpot.extensions.materials.cld.lot_row:build_lot_row",
                 columns=(
                     "cld_at_m", "cld_force_N", "cld_force_se_N", "cld_per_100mm_N", "cld_slope_N_per_m",
                     "cld_hysteresis", "cld_softening", "cld_set_m",
@@ -32,7 +32,7 @@ EXTENSION = Extension(
                 pages={"dashpot.extensions.materials.indentation.datamodel:IndentationFit": "dashpot.extensions.materials.indentation.page:page"},
                 panel="dashpot.extensions.materials.indentation.app_form", alone=True,
                 checks="dashpot.extensions.materials.indentation.checks",
-                row="dashpot.extensions.materials.indentation.lot_row:row", needs="mass",
+                row="dashpot.extensions.materials.indentation.lot_row:build_lot_row", needs="mass",
                 says="give the indenter's mass (--mass, or the column 'mass' of --manifest)",
                 columns=(
                     "indent_modulus_Pa", "indent_modulus_low_Pa", "indent_modulus_high_Pa",
@@ -66,18 +66,18 @@ EXTENSION = Extension(
                 nouns={
                     "dashpot.extensions.materials.csr.datamodel:CounterforceTest": "",
                     "dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.figure:csr",
-                    "dashpot.extensions.materials.csr.lifetime_prediction:Aged": "dashpot.extensions.materials.csr.figure:aged",
+                    "dashpot.extensions.materials.csr.lifetime_prediction:Aged": "dashpot.extensions.materials.csr.figure:draw_aged_force",
                 },
                 pages={"dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.page:page"},
                 checks="dashpot.extensions.materials.csr.checks",
-                row="dashpot.extensions.materials.csr.lot_row:row",
+                row="dashpot.extensions.materials.csr.lot_row:build_lot_row",
                 columns=(
                     "csr_loss_per_decade", "csr_chemical_time_s", "csr_chemical_time_low_s",
                     "csr_activation_J_per_mol",
                 ),
                 examples="dashpot.extensions.materials.csr.examples:EXAMPLES",
                 fits="dashpot.extensions.materials.csr.fit:fit_aging", takes=("temperatures", "machine"),
-                predict="dashpot.extensions.materials.csr.lifetime_prediction:predict_aged", asked="dashpot.extensions.materials.csr.options:AgingAsked",
+                predict="dashpot.extensions.materials.csr.lifetime_prediction:predict_aged", asked="dashpot.extensions.materials.csr.options:AgingPredictionOptions",
                 follow="predict FILE --temperature 70degC --until 50%", order=15,
         ),
             KindOfTest(

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from dashpot.api.fit import kinds_of, set_of
-from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.api.fit import identify_record_kinds, merge_frf_set
+from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.extensions.modes.mass_series_files import ModesByMass
 from dashpot.extensions.modes.measured_modes import modes_of
 from dashpot.extensions.modes.read_frf_set import read_frfs
@@ -16,7 +16,7 @@ from dashpot.workflow.vibration.modes import Modes
 
 def fit_modes(records: list[Any], *, band: Range | None = None) -> Modes:
     """Fit modes to FRFs without a mass."""
-    return modes_of(set_of(records), band=si_range(band, "frequency"))[0]
+    return modes_of(merge_frf_set(records), band=si_range(band, "frequency"))[0]
 
 
 def fit_mass_series(
@@ -27,12 +27,12 @@ def fit_mass_series(
     band: Range | None = None,
 ) -> ModesByMass:
     """Fit modes to FRFs under several masses."""
-    from dashpot.extensions.modes.mass_series_files import modes_under
+    from dashpot.extensions.modes.mass_series_files import fit_modes_by_mass
 
-    return modes_under(
-        [set_of([one]) for one in records],
-        [si(one, "mass") for one in mass],
-        list(kinds_of(records)),
+    return fit_modes_by_mass(
+        [merge_frf_set([one]) for one in records],
+        [convert_to_si(one, "mass") for one in mass],
+        list(identify_record_kinds(records)),
         seals=seals,
         band=si_range(band, "frequency"),
     )

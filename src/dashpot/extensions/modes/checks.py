@@ -9,7 +9,7 @@ from statistics import NormalDist
 import numpy as np
 
 from dashpot.base.checks import Finding, Remedy, criterion
-from dashpot.base.units import in_unit, written
+from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.datamodel.frf_set import ModeShape
 from dashpot.extensions.modes.stabilisation import Stabilisation
 
@@ -86,20 +86,20 @@ def _overlap(one: ModeShape, other: ModeShape) -> float:
 @criterion("distance, standard errors", "<=", source="chance exceeds it once in a hundred")
 def one_solid(distance: float, masses: Sequence[float], worst: tuple[float, str]) -> Finding:
     """One linear solid has the poles that were measured under all of the masses."""
-    listed = ", ".join(f"{in_unit(mass, 'g'):.4g}" for mass in masses)
+    listed = ", ".join(f"{convert_to_unit(mass, 'g'):.4g}" for mass in masses)
     kilogram, by = worst
     return Finding(
         f"One linear model has the poles under {listed} g",
         distance,
         instead=f"No linear model has the poles under {listed} g. The closest misses "
-        f"{written(kilogram, 'g')} by {by}",
+        f"{format_quantity(kilogram, 'g')} by {by}",
         because="A larger mass compresses the seals more, or a mass or the temperature is wrong",
         remedy="Weigh the masses, and compress the seals alike.",
-        limit=_by_chance(2 * len(masses)),
+        limit=_chi_quantile(2 * len(masses)),
     )
 
 
-def _by_chance(count: int) -> float:
+def _chi_quantile(count: int) -> float:
     """What the root of so many squared standard errors exceeds once in a hundred tests."""
     z, share = NormalDist().inv_cdf(SURE), 2 / (9 * count)
     return float((count * (1 - share + z * share**0.5) ** 3) ** 0.5)  # Wilson and Hilferty 1931

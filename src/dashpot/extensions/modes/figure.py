@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dashpot.base.number_format import rounded, shown
+from dashpot.base.number_format import format_with_error, round_to_error
 from dashpot.base.reported_values import NORMAL
-from dashpot.base.units import in_unit
+from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.datamodel.frf_set import FRFSet
 from dashpot.extensions.modes.mass_series import SeveralMasses
@@ -26,8 +26,8 @@ from dashpot.plot.picture import (
     Rule,
     Scale,
     Tag,
-    around,
-    around_log,
+    compute_padded_limits,
+    compute_padded_log_limits,
 )
 from dashpot.plot.style import sequential
 
@@ -64,12 +64,15 @@ def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: st
     """
     x = Scale("frequency, Hz", (float(chart.lines[0]), float(chart.lines[-1])))
     rules = [Rule(mode.frequency, FOUND, "mode found") for mode in modes]
-    limits = around_log(chart.height, margin=2.0)
+    limits = compute_padded_log_limits(chart.height, margin=2.0)
     upper: list[Mark] = [*rules, Line(chart.lines, chart.height, MEASURED, "measured")]
     tallest = sorted(modes, key=lambda one: -abs(one.residue))[:NAMED]
     for mode in sorted(tallest, key=lambda one: one.frequency):
         top = float(np.interp(mode.frequency, chart.lines, chart.height))
-        text = f"{rounded(mode.frequency, digits=4)} Hz, {rounded(100 * mode.damping_ratio)} %"
+        text = (
+            f"{round_to_error(mode.frequency, digits=4)} Hz, "
+            f"{round_to_error(100 * mode.damping_ratio)} %"
+        )
         upper.append(Tag(mode.frequency, top, text, "fit"))
     what = "accelerance, 1/kg" if chart.points == 1 else "rms accelerance, 1/kg"
     level = np.log(chart.height / limits[0]) / np.log(limits[1] / limits[0])
@@ -119,20 +122,25 @@ def several_masses(found: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = ""
         near = (one.frequency >= low) & (one.frequency <= high)
         f, height = one.frequency[near], np.abs(one.value[near])
         heights.append(height)
-        curves.append(Line(f, height, Pen(colour, 1.6), shown(mass, "g", digits=4)))
+        curves.append(Line(f, height, Pen(colour, 1.6), format_with_error(mass, "g", digits=4)))
         top = float(np.interp(mode.frequency, f, height))
-        text = f"{rounded(mode.frequency, digits=4)} Hz, {rounded(100 * mode.damping_ratio)} %"
+        text = (
+            f"{round_to_error(mode.frequency, digits=4)} Hz, "
+            f"{round_to_error(100 * mode.damping_ratio)} %"
+        )
         curves.append(Tag(mode.frequency, top, text, colour, "filled"))
-    x = Scale("frequency, Hz", around_log(np.array([low, high]), margin=1.0), log=True)
-    limits = around_log(*heights, margin=2.0)
+    x = Scale(
+        "frequency, Hz", compute_padded_log_limits(np.array([low, high]), margin=1.0), log=True
+    )
+    limits = compute_padded_log_limits(*heights, margin=2.0)
     panels = [Panel(x, Scale("accelerance, 1/kg", limits, log=True), tuple(curves))]
     order = np.argsort(hertz)
     for i, name in enumerate(("storage stiffness, N/mm", "loss stiffness, N/mm")):
         measured, solid = (
-            in_unit((each.imag if i else each.real)[order], "N/mm")
+            convert_to_unit((each.imag if i else each.real)[order], "N/mm")
             for each in (found.stiffness, found.at_poles)
         )
-        error = NORMAL * in_unit(found.spread[order, i], "N/mm")
+        error = NORMAL * convert_to_unit(found.spread[order, i], "N/mm")
         marks = (
             Line(hertz[order], solid, FOUND),
             Dots(hertz[order], solid, "fit", "the linear solid nearest to all", hollow=True,
@@ -140,7 +148,11 @@ def several_masses(found: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = ""
             Dots(hertz[order], measured, "measured", "at each pole, 95 %", error=error),
         )  # fmt: skip
         panels.append(
-            Panel(x, Scale(name, around(measured - error, measured + error, solid)), marks)
+            Panel(
+                x,
+                Scale(name, compute_padded_limits(measured - error, measured + error, solid)),
+                marks,
+            )
         )
     caption = (
         "Modes under several masses, and the stiffness and loss of one seal that their poles have, "

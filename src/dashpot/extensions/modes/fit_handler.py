@@ -6,14 +6,14 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.number_format import counted
-from dashpot.cli._command_io import Outcome
-from dashpot.cli.fit_handlers._request import Given
+from dashpot.base.number_format import format_count
+from dashpot.cli._command_io import CommandResult
+from dashpot.cli.fit_handlers._request import FitRequest
 
 
-def run(given: Given) -> Outcome:
+def run(given: FitRequest) -> CommandResult:
     """Find the modes that the FRFs share."""
-    given.kept_as(".json", what="the modes of FRFs")
+    given.check_output_suffix(".json", what="the modes of FRFs")
     found, chart = workflow.modes_files(
         given.files,
         options=given.reading,
@@ -29,16 +29,17 @@ def run(given: Given) -> Outcome:
     )
 
 
-def under_masses(given: Given) -> Outcome:
+def under_masses(given: FitRequest) -> CommandResult:
     """Find the modes under each mass, and whether one solid carries them all."""
     masses, files = given["mass"], given.files
     if len(masses) != len(files):
         raise click.UsageError(
-            f"--mass was given {len(masses)} times for {counted(len(files), 'file')}. Give the "
+            f"--mass was given {len(masses)} times for {format_count(len(files), 'file')}. Give "
+            "the "
             "mass of each file, in their order."
         )
     given.refuse_polarity()
-    given.kept_as(".json", what="the modes under several masses")
+    given.check_output_suffix(".json", what="the modes under several masses")
     seals = given["seals"]
     found = workflow.modes_by_mass(
         files, masses, seals=seals, options=given.reading, band=given["band"]

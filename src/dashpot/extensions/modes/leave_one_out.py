@@ -22,7 +22,7 @@ from dashpot.fitting.identification.identify import identify
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.frf_prediction import predict_frf
 from dashpot.workflow.job import HammerChoices
-from dashpot.workflow.vibration.impact_tests import LeftOut
+from dashpot.workflow.vibration.impact_tests import LeaveOneOut
 from dashpot.workflow.vibration.measured_frf import average
 
 _FEWEST, _MOST = 3, 8
@@ -31,7 +31,7 @@ _ABOUT = 2.3
 """Times the resonance to either side."""
 
 
-def left_out(
+def cross_validate_hits(
     impact: ImpactTest,
     tests: Sequence[RampHold],
     fit: Fit,
@@ -41,7 +41,7 @@ def left_out(
     choices: HammerChoices,
     compression: float | None = None,
     band: tuple[float, float] | None = None,
-) -> LeftOut | None:
+) -> LeaveOneOut | None:
     """Leave each accepted hit out in turn; None of fewer than three.
 
     Parameters
@@ -85,7 +85,7 @@ def left_out(
         there, here = find_peak(one), find_peak(predicted)
         peaks.append((here.frequency - there.frequency, here.height / there.height - 1))
     hz, height = np.array(peaks).T
-    return LeftOut(
+    return LeaveOneOut(
         float(np.mean(errors)), len(errors), (float(hz.min()), float(hz.max())),
         (float(height.min()), float(height.max())),
     )  # fmt: skip

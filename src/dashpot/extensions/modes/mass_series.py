@@ -19,7 +19,7 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.datamodel.frf import Mode
-from dashpot.numerics.least_squares.nnls import linear
+from dashpot.numerics.least_squares.nnls import solve_linear
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 STORAGE, LOSS = 0.003, 0.03
@@ -111,7 +111,7 @@ def several_masses(
     columns = np.column_stack((np.ones_like(p), damper, p[:, None] * tau / (1 + p[:, None] * tau)))
     rows = np.concatenate((columns.real / counts[:, [0]], columns.imag / counts[:, [1]])) * size
     y = np.concatenate((stiffness.real / counts[:, 0], stiffness.imag / counts[:, 1]))
-    k = linear(rows, y, positive=True)[0]
+    k = solve_linear(rows, y, positive=True)[0]
     apart = (rows @ k - y).reshape(2, -1)
     far, k = np.hypot(apart[0], apart[1]), size * k
     arms = np.flatnonzero(k[2:] > 0)

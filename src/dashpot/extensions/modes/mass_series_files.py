@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dashpot.base.checks import Check, Checked
+from dashpot.base.checks import Check, HasChecks
 from dashpot.base.errors import DataError
-from dashpot.base.result_mixins import Judged, Series, columns
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import in_unit, written
+from dashpot.base.result_mixins import HasVerdict, Series, collect_columns
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.datamodel.frf_set import FRFSet
 from dashpot.extensions.modes.checks import one_solid
 from dashpot.extensions.modes.mass_series import SeveralMasses, several_masses
@@ -23,7 +23,7 @@ from dashpot.extensions.modes.read_frf_set import read_frfs
 from dashpot.reading.read_options import ReadOptions
 
 
-class UnderMass(NamedTuple):
+class MassModes(NamedTuple):
     """A mass, kg, where its modes were sought, Hz, and those modes."""
 
     mass: float
@@ -42,7 +42,7 @@ class StiffnessAtMode(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class ModesByMass(Checked, Judged, Documented):
+class ModesByMass(HasChecks, HasVerdict, Serialisable):
     """What ``dashpot fit`` found under several masses.
 
     Attributes
@@ -75,23 +75,27 @@ class ModesByMass(Checked, Judged, Documented):
         of = self.together
         return {
             "mass": (list(of.masses), "kg"),
-            **columns(
+            **collect_columns(
                 of.modes, frequency="Hz", frequency_se="Hz", damping_ratio="", damping_ratio_se=""
             ),
-            **columns(self.stiffness, storage="N/m", storage_se="N/m", loss="N/m", loss_se="N/m"),
+            **collect_columns(
+                self.stiffness, storage="N/m", storage_se="N/m", loss="N/m", loss_se="N/m"
+            ),
         }
 
     @property
-    def each(self) -> tuple[UnderMass, ...]:
+    def each(self) -> tuple[MassModes, ...]:
         """The modes under each mass."""
         masses = zip(self.together.masses, self.tests, strict=True)
-        return tuple(UnderMass(mass, one.band, one.modes) for mass, one in masses)
+        return tuple(MassModes(mass, one.band, one.modes) for mass, one in masses)
 
     @property
     def sound(self) -> str:
         """The resonance under each mass."""
         pairs = zip(self.together.masses, self.together.modes, strict=True)
-        each = [f"{mode.frequency:.4g} Hz under {written(mass, 'g')}" for mass, mode in pairs]
+        each = [
+            f"{mode.frequency:.4g} Hz under {format_quantity(mass, 'g')}" for mass, mode in pairs
+        ]
         return f"one solid has the resonance of every mass: {', '.join(each[:3])}"
 
     @property
@@ -138,10 +142,10 @@ def modes_by_mass(
     """
     tests = [read_frfs([file], options=options) for file in files]
     names = [Path(file).name for file in files]
-    return modes_under(tests, masses, names, seals=seals, band=band)
+    return fit_modes_by_mass(tests, masses, names, seals=seals, band=band)
 
 
-def modes_under(
+def fit_modes_by_mass(
     measured: Sequence[FRFSet],
     masses: Sequence[float],
     names: Sequence[str],
@@ -160,7 +164,8 @@ def modes_under(
     silent = [mass for mass, one in zip(masses, tests, strict=True) if not one.modes]
     if silent:
         raise DataError(
-            f"nothing rings under the mass of {written(silent[0], 'g')}; give the band of its "
+            f"nothing rings under the mass of {format_quantity(silent[0], 'g')}; give the band of "
+            "its "
             "resonance (--band), or leave its file out"
         )
     modes = [one.modes[0].mode for one in tests]
@@ -168,7 +173,7 @@ def modes_under(
     missed = found.missed
     by = f"{100 * missed.real:+.2g} % of stiffness and {100 * missed.imag:+.2g} % of damping"
     own = [
-        check.within(f"under {written(mass, 'g')}")
+        check.within(f"under {format_quantity(mass, 'g')}")
         for mass, one in zip(masses, tests, strict=True)
         for check in one.frf.checks
     ]
@@ -185,6 +190,6 @@ def _refuse_same(
         if np.array_equal(one.frf.value, two.frf.value):
             both = " and ".join(dict.fromkeys((name, other)))
             raise DataError(
-                f"{both}: the same FRF is given under {in_unit(mass, 'g'):.4g} and under "
-                f"{written(its, 'g')}; expected what was measured under each mass"
+                f"{both}: the same FRF is given under {convert_to_unit(mass, 'g'):.4g} and under "
+                f"{format_quantity(its, 'g')}; expected what was measured under each mass"
             )

@@ -25,9 +25,9 @@ from dashpot.vibration.impact.checks import (
     resonance,
 )
 from dashpot.vibration.modal.modal_assurance import mac
-from dashpot.vibration.modal.multi_point import shapes_of, within
+from dashpot.vibration.modal.multi_point import select_mode_band, shapes_of
 from dashpot.workflow.vibration.impact_tests import finite
-from dashpot.workflow.vibration.measured_frf import as_measured, judged, with_polarity
+from dashpot.workflow.vibration.measured_frf import add_frf_checks, as_measured, with_polarity
 from dashpot.workflow.vibration.modes import ImpactMode, Modes
 
 _UNIT = 1.0
@@ -188,15 +188,17 @@ def modes_of(
     damping ratios are those of any mass, residues those of 1 kg.
     """
     pushed = measured.per_force(mass=_UNIT)
-    near = within(pushed, band)
+    near = select_mode_band(pushed, band)
     lines = near.frfs[0].frequency
     sought = band or (float(lines[0]), float(lines[-1]))
     chart = stabilisation(pushed, band=sought)
     shapes = shapes_of(near)
     several = len(measured.points) > 1
     found = MeasuredModes(
-        _judged(measured, near, shapes, chart, sought),
-        tuple(_told(one, chart, measured.points if several else ()) for one in shapes),
+        _select_checked_frf(measured, near, shapes, chart, sought),
+        tuple(
+            _build_measured_mode(one, chart, measured.points if several else ()) for one in shapes
+        ),
         sought,
         measured.points if several else (),
         chart.highest,
@@ -210,10 +212,10 @@ def modes_of(
             "expected the same ones, in the same order"
         )
     others = against.per_force(mass=_UNIT).modes(band=sought)
-    return replace(found, against=_again(shapes, others, several)), chart
+    return replace(found, against=_match_modes(shapes, others, several)), chart
 
 
-def _judged(
+def _select_checked_frf(
     measured: FRFSet,
     near: FRFSet,
     shapes: Sequence[ModeShape],
@@ -229,14 +231,14 @@ def _judged(
     frf, mode = measured.frfs[at], None if main is None else main.mode
     mass = _UNIT if measured.over_base else None
     checks = (
-        *judged(frf, sought, mode, mass=mass, driven=single or bool(driven)).checks,
+        *add_frf_checks(frf, sought, mode, mass=mass, driven=single or bool(driven)).checks,
         resonance(near.frfs[at], mode),
-        *(() if main is None else _of_modes(frf, near, at, shapes, chart, sought=sought)),
+        *(() if main is None else _check_modes(frf, near, at, shapes, chart, sought=sought)),
     )
     return replace(frf, checks=checks)
 
 
-def _of_modes(
+def _check_modes(
     frf: FRF,
     near: FRFSet,
     at: int,
@@ -263,7 +265,9 @@ def _is_driven(name: str) -> bool:
     return bool(slash) and moves == struck
 
 
-def _told(one: ModeShape, chart: Stabilisation, points: Sequence[str]) -> MeasuredMode:
+def _build_measured_mode(
+    one: ModeShape, chart: Stabilisation, points: Sequence[str]
+) -> MeasuredMode:
     mode, shape = one.mode, one.normalised
     errors = one.residue_se / np.abs(one.residues).max()
     return MeasuredMode(
@@ -293,7 +297,7 @@ def _macs(one: Sequence[ModeShape], other: Sequence[ModeShape]) -> tuple[tuple[f
     return tuple(tuple(map(float, row)) for row in mac(*both))
 
 
-def _again(
+def _match_modes(
     shapes: Sequence[ModeShape], others: Sequence[ModeShape], several: bool
 ) -> tuple[SameMode, ...]:
     """The mode of another set that each is found in again: the most alike of those nearby."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dashpot.base.number_format import counted, shown
+from dashpot.base.number_format import format_count, format_with_error
 from dashpot.extensions.modes.mass_series_files import ModesByMass
 from dashpot.report.page_content import Group, KindPage, Topic, lights
 from dashpot.report.result_pages.frf_pages import mode_rows
@@ -12,12 +12,12 @@ def masses_page(found: ModesByMass) -> KindPage:
     """What the page of one solid under several masses holds."""
     of = found.together
     facts = tuple(
-        Group(shown(mass, "g", digits=4), tuple(mode_rows(mode)))
+        Group(format_with_error(mass, "g", digits=4), tuple(mode_rows(mode)))
         for mass, mode in zip(of.masses, of.modes, strict=True)
     )
     return KindPage(
-        about=f"one solid under {counted(len(of.masses), 'mass').replace('masss', 'masses')}",
-        strip=(("Masses", ", ".join(shown(one, "g", digits=4) for one in of.masses)),),
+        about=f"one solid under {format_count(len(of.masses), 'mass').replace('masss', 'masses')}",
+        strip=(("Masses", ", ".join(format_with_error(one, "g", digits=4) for one in of.masses)),),
         lights=lights(found.checks, Topic("FRFs"), Topic("One solid", {"one_solid"})),
         answers="The response under each mass",
         picture=found.plot(),

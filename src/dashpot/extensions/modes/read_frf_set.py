@@ -17,8 +17,8 @@ from dashpot.reading.columns.role_assignment import score
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.channels import Opened
-from dashpot.reading.readers.frf import PAIRS, built, read_frf, settled
+from dashpot.reading.readers.channels import OpenedFile
+from dashpot.reading.readers.frf import PAIRS, build_frf, determine_frf_columns, read_frf
 from dashpot.reading.table import Column
 
 _NAMED = 1.5
@@ -73,7 +73,7 @@ def _refuse_twice(paths: Sequence[str | Path]) -> None:
 
 def _points_in(path: str | Path, options: ReadOptions | None) -> Iterator[tuple[str, FRF]]:
     """Each FRF of a file with the name of its point, which is empty of a single one."""
-    with channels.opened(path, options, sure=False) as file:
+    with channels.open_file(path, options, sure=False) as file:
         groups = _groups(file)
         if len(groups) > 1:
             other = [one for one in file.table.doubts if one.option != SEGMENT]
@@ -83,26 +83,26 @@ def _points_in(path: str | Path, options: ReadOptions | None) -> Iterator[tuple[
             kinds: list[FileKind] = ["frf", "transmissibility"]
             channels.expect(file, kinds, "an FRF is", named=["real", "magnitude"])
             for name, columns in groups:
-                yield name, _one_of(file, columns)
+                yield name, _build_subset_frf(file, columns)
             return
     yield "", read_frf(path, options=options)
 
 
-def _groups(file: Opened) -> list[tuple[str, dict[int, str]]]:
+def _groups(file: OpenedFile) -> list[tuple[str, dict[int, str]]]:
     """The columns of each FRF by index, named as those of a single one; and its point's name."""
     options, columns = file.options, file.table.columns
     if options.segment or any(getattr(options, role) for role in chain(*PAIRS)):
         return []
     if two_signals(file.table, options):
         return []  # a motion and what moves it are of one
-    of = _by_role(columns, options)
+    of = _find_role_columns(columns, options)
     for pair in PAIRS:
         if len(of["frequency"]) == 1 and 2 <= len(of[pair[0]]) == len(of[pair[1]]):
-            return _repeated(columns, of, pair)
+            return _group_repeated_pairs(columns, of, pair)
     return []
 
 
-def _repeated(
+def _group_repeated_pairs(
     columns: Sequence[Column], of: Mapping[str, list[int]], pair: tuple[Role, Role]
 ) -> list[tuple[str, dict[int, str]]]:
     """The groups of a pair of parts that stands there several times."""
@@ -116,7 +116,7 @@ def _repeated(
     return [(name, ticks | group) for name, group in zip(names, named, strict=True)]
 
 
-def _by_role(columns: Sequence[Column], options: ReadOptions) -> dict[str, list[int]]:
+def _find_role_columns(columns: Sequence[Column], options: ReadOptions) -> dict[str, list[int]]:
     """The columns that name each role, and those of standard deviations."""
     found: dict[str, list[int]] = {
         role: [i for i, c in enumerate(columns) if score(c, role, options) >= _NAMED]
@@ -133,7 +133,7 @@ def _point(column: Column, role: Role) -> str:
     return " ".join(kept) if len(kept) < len(words) else ""
 
 
-def _one_of(file: Opened, chosen: dict[int, str]) -> FRF:
+def _build_subset_frf(file: OpenedFile, chosen: dict[int, str]) -> FRF:
     """The FRF in some of a table's columns, as if there were no others."""
     indexes = list(chosen)
     own = [replace(file.table.columns[i], name=chosen[i]) for i in indexes]
@@ -142,4 +142,4 @@ def _one_of(file: Opened, chosen: dict[int, str]) -> FRF:
         load=lambda asked: file.table.load([indexes[i] for i in asked]),
     )  # fmt: skip
     one = replace(file, table=table)
-    return built(one, settled(one))
+    return build_frf(one, determine_frf_columns(one))

@@ -9,7 +9,7 @@ EXTENSION = Extension(
             "frf": "dashpot.extensions.modes.measured_modes:modes_files",
         },
         "leave one out": {
-            "dashpot.datamodel.impact:ImpactTest": "dashpot.extensions.modes.leave_one_out:left_out",
+            "dashpot.datamodel.impact:ImpactTest": "dashpot.extensions.modes.leave_one_out:cross_validate_hits",
         },
         "read record": {
             "frf": "dashpot.extensions.modes.api:read_frf_record",

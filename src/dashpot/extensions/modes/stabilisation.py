@@ -23,7 +23,7 @@ from dashpot.datamodel.frf import Mode
 from dashpot.datamodel.frf_set import FRFSet
 from dashpot.vibration.modal.frf_lines import FRFLines
 from dashpot.vibration.modal.modal_assurance import mac
-from dashpot.vibration.modal.multi_point import lines_of, together, within
+from dashpot.vibration.modal.multi_point import compute_rms_accelerance, lines_of, select_mode_band
 from dashpot.vibration.modal.pole_trial import MOST_DAMPED
 
 HIGHEST = 30
@@ -92,8 +92,8 @@ def stabilisation(
     DataError
         If the band holds fewer than 8 lines.
     """
-    near = within(points, band)
-    seen = together(near)
+    near = select_mode_band(points, band)
+    seen = compute_rms_accelerance(near)
     lines = lines_of(near)
     highest = min(highest, len(seen.frequency) // 3)
     rows: list[tuple[int, float, float, int]] = []

@@ -6,7 +6,7 @@ import cmath
 import math
 from typing import TYPE_CHECKING
 
-from dashpot.base.units import in_unit
+from dashpot.base.units import convert_to_unit
 from dashpot.text_output.layout import Text, table
 from dashpot.text_output.results import hertz, with_error
 
@@ -43,7 +43,7 @@ def modes(found: MeasuredModes) -> Text:
     if found.points and found.modes:
         lines += ["", *_shapes(found), "", *_macs(found)]
     if found.against:
-        lines += ["", *_against(found)]
+        lines += ["", *_format_matched_modes(found)]
     return Text(lines)
 
 
@@ -67,7 +67,7 @@ def _macs(found: MeasuredModes) -> list[str]:
     return table(rows)
 
 
-def _against(found: MeasuredModes) -> list[str]:
+def _format_matched_modes(found: MeasuredModes) -> list[str]:
     """The modes that another test has too."""
     rows = [["mode", "there", "frequency there, Hz", "change, %", "damping there, %", "MAC"]]
     for one in found.against:
@@ -92,7 +92,7 @@ def modes_by_mass(found: ModesByMass) -> Text:
     at_poles = [["mass, g", "K', N/mm", "K'', N/mm", "model K', %", "model K'', %"]]
     each = zip(held.masses, held.modes, held.stiffness, held.spread, held.at_poles, strict=True)
     for mass, mode, k, se, solid in each:
-        name = f"{in_unit(mass, 'g'):.5g}"
+        name = f"{convert_to_unit(mass, 'g'):.5g}"
         modes.append([name, *(fact.cells.ascii.with_error for fact in mode.facts[:2])])
         at_poles.append(
             [

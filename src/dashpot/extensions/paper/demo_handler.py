@@ -6,10 +6,10 @@ import json
 from pathlib import Path
 
 import dashpot as dp
-from dashpot.cli._command_io import Outcome, claim, typed, write
+from dashpot.cli._command_io import CommandResult, claim, format_command, write
 from dashpot.extensions.paper.page import paper_page, paper_pictures
 from dashpot.extensions.paper.reproduction import paper_records, reproduce
-from dashpot.extensions.paper.text import reproduced
+from dashpot.extensions.paper.text import render_reproduction
 
 PAPER_FILES = (
     "paper.csv", "paper_steps.csv", "paper_rig.csv", "paper_rig.truth.json", "paper_hammer.csv",
@@ -19,7 +19,7 @@ PAPER_FILES = (
 """What is written of the paper."""
 
 
-def run(folder: Path, seed: int) -> Outcome:
+def run(folder: Path, seed: int) -> CommandResult:
     """Make the paper's equations, figures and table again, each beside its statement."""
     claim(folder / name for name in PAPER_FILES)
     found = reproduce(seed)
@@ -30,5 +30,7 @@ def run(folder: Path, seed: int) -> Outcome:
     write(folder / "paper.json", json.dumps(found.document, indent=2) + "\n")
     write(folder / "paper.html", paper_page(found))
     record = folder / "paper.csv"
-    follow = typed("fit", record, "--arms", 2, "--method", "hold", why="the paper's fit, by hand")
-    return Outcome(found, reproduced(found), follow=follow)
+    follow = format_command(
+        "fit", record, "--arms", 2, "--method", "hold", why="the paper's fit, by hand"
+    )
+    return CommandResult(found, render_reproduction(found), follow=follow)

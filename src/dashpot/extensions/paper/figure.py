@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.number_format import rounded
-from dashpot.base.units import in_unit
+from dashpot.base.number_format import round_to_error
+from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.relaxation import RelaxationTest
-from dashpot.plot.downsampling import extremes
+from dashpot.plot.downsampling import downsample_to_extremes
 from dashpot.plot.picture import (
     FIT,
     REF,
@@ -22,7 +22,7 @@ from dashpot.plot.picture import (
     Rule,
     Scale,
     Tag,
-    around,
+    compute_padded_limits,
 )
 
 DATA = Pen("measured", 2.4)
@@ -43,18 +43,33 @@ def figure_2(test: RelaxationTest, contact: float, *, stamp: str = "") -> Pictur
     """
     t = test.time - contact
     axis = Scale(CLOCK, (float(t[0]), float(t[-1])))
-    moved, force = in_unit(test.displacement, "mm"), test.force
+    moved, force = convert_to_unit(test.displacement, "mm"), test.force
     top = int(np.argmax(force))
-    highest = Tag(float(t[top]), float(force[top]), f"{rounded(float(force[top]), digits=4)} N at "
-                  f"{t[top]:.3g} s", "measured", "filled")  # fmt: skip
-    end = f"{rounded(float(force[-1]), digits=4)} N at {t[-1]:.3g} s"
+    highest = Tag(
+        float(t[top]),
+        float(force[top]),
+        f"{round_to_error(float(force[top]), digits=4)} N at {t[top]:.3g} s",
+        "measured",
+        "filled",
+    )
+    end = f"{round_to_error(float(force[-1]), digits=4)} N at {t[-1]:.3g} s"
     panels = (
-        Panel(axis, Scale("displacement, mm", around(moved)),
-              (Line(*extremes(t, moved, bins=BINS), DATA),), title="a: displacement", height=110),
-        Panel(axis, Scale("force, N", around(force, margin=0.12)),
-              (Line(*extremes(t, force, bins=BINS), DATA), highest),
-              title="b: force", note=end, height=210),
-    )  # fmt: skip
+        Panel(
+            axis,
+            Scale("displacement, mm", compute_padded_limits(moved)),
+            (Line(*downsample_to_extremes(t, moved, bins=BINS), DATA),),
+            title="a: displacement",
+            height=110,
+        ),
+        Panel(
+            axis,
+            Scale("force, N", compute_padded_limits(force, margin=0.12)),
+            (Line(*downsample_to_extremes(t, force, bins=BINS), DATA), highest),
+            title="b: force",
+            note=end,
+            height=210,
+        ),
+    )
     caption = "Stress relaxation of one seal, 8 mm in 1 s and held: displacement and force."
     return Picture("figure-2", caption, (panels,), 1, stamp)
 
@@ -85,21 +100,40 @@ def figure_4(
     pens = (*SIMPLER[: len(fits) - 1], FIT)
     drawn = test.force[held]
     # the fit over a broad record: both are seen where they agree
-    marks = [Line(*extremes(t[held], drawn, bins=BINS, log=True), Pen("measured", 6.0), "measured")]
+    marks = [
+        Line(
+            *downsample_to_extremes(t[held], drawn, bins=BINS, log=True),
+            Pen("measured", 6.0),
+            "measured",
+        )
+    ]
     left = []
     for (name, time, force), pen in zip(fits, pens, strict=True):
-        marks.append(Line(*extremes(time, force, bins=BINS, log=True), pen, name))
-        off = in_unit(np.interp(time, t, test.force) - force, "mN")
-        rms = rounded(float(np.sqrt(np.mean(off**2))), digits=3)
+        marks.append(Line(*downsample_to_extremes(time, force, bins=BINS, log=True), pen, name))
+        off = convert_to_unit(np.interp(time, t, test.force) - force, "mN")
+        rms = round_to_error(float(np.sqrt(np.mean(off**2))), digits=3)
         label = "left, mN"
         left.append(
-            Panel(x, Scale(label, around(off, np.array([-1.0, 1.0]))),
-                  (Rule(0.0, REF, across=True),
-                   Line(*extremes(time, off, bins=BINS, log=True), Pen(pen.colour, 1.4))),
-                  height=80, note=f"{name}: {rms} mN rms")
-        )  # fmt: skip
-    upper = Panel(x, Scale("force, N", around(drawn, *(one[2] for one in fits))), tuple(marks),
-                  height=230)  # fmt: skip
+            Panel(
+                x,
+                Scale(label, compute_padded_limits(off, np.array([-1.0, 1.0]))),
+                (
+                    Rule(0.0, REF, across=True),
+                    Line(
+                        *downsample_to_extremes(time, off, bins=BINS, log=True),
+                        Pen(pen.colour, 1.4),
+                    ),
+                ),
+                height=80,
+                note=f"{name}: {rms} mN rms",
+            )
+        )
+    upper = Panel(
+        x,
+        Scale("force, N", compute_padded_limits(drawn, *(one[2] for one in fits))),
+        tuple(marks),
+        height=230,
+    )
     caption = (
         "Force while the seal is held, with N = 1 and N = 2 fitted to it, and what each leaves."
     )

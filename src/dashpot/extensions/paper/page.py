@@ -7,14 +7,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from dashpot import plot
-from dashpot.base.number_format import rounded
-from dashpot.base.reported_values import Fact
-from dashpot.base.units import in_unit
+from dashpot.base.number_format import round_to_error
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.units import convert_to_unit
 from dashpot.extensions.paper.figure import figure_2, figure_4
-from dashpot.extensions.paper.reproduction import BEFORE, Coefficient, Reproduced, Statement
+from dashpot.extensions.paper.reproduction import BEFORE, Coefficient, Reproduction, Statement
 from dashpot.plot.picture import Picture
-from dashpot.report.figures import HALF, drawn
-from dashpot.report.page_frame import environment, frame, held
+from dashpot.report.figures import HALF, render_figure
+from dashpot.report.page_frame import encode_data_uri, environment, frame
 from dashpot.report.tables import TextTable
 
 TITLE = "The paper, reproduced"
@@ -28,7 +28,7 @@ PARTS = {
 """Headings of the tables of statements."""
 
 
-def paper_page(found: Reproduced) -> str:
+def paper_page(found: Reproduction) -> str:
     """Return the page as one self-contained HTML file.
 
     Parameters
@@ -43,15 +43,17 @@ def paper_page(found: Reproduced) -> str:
         "colour": "good" if found.reproduced else "bad",
         "word": "Reproduced" if found.reproduced else "Not reproduced",
         "says": found.says,
-        "figures": {name: drawn(one, width=HALF) for name, one in paper_pictures(found).items()},
+        "figures": {
+            name: render_figure(one, width=HALF) for name, one in paper_pictures(found).items()
+        },
         "table_1": table_1(found.table),
         "parts": {part: (PARTS[part], statements(found.rows, part)) for part in PARTS},
-        "link": held("application/json", json.dumps(found.document, indent=2)),
+        "link": encode_data_uri("application/json", json.dumps(found.document, indent=2)),
     }
     return str(environment("dashpot.extensions.paper").get_template("paper.html").render(contents))
 
 
-def paper_pictures(found: Reproduced) -> dict[str, Picture]:
+def paper_pictures(found: Reproduction) -> dict[str, Picture]:
     """The paper's figures by file name: 2, 4 and 6."""
     fits = [
         (f"N = {one.solid.arms}", one.time, one.force) for one in (found.one_arm, found.two_arms)
@@ -76,18 +78,18 @@ def table_1(table: Sequence[Coefficient]) -> TextTable:
     for one in table:
         unit = one.full.word
         printed, exact, coarse = (
-            in_unit(value, one.full.reading)
+            convert_to_unit(value, one.full.reading)
             for value in (one.printed, one.noise_free, one.quantised)
         )
         rows.append((
-            one.full.symbol, unit, f"{printed:.4f}", rounded(exact, digits=9),
-            rounded(coarse, digits=7), _told(one.full), _told(one.hold),
+            one.full.symbol, unit, f"{printed:.4f}", round_to_error(exact, digits=9),
+            round_to_error(coarse, digits=7), _format_fact(one.full), _format_fact(one.hold),
         ))  # fmt: skip
         marks.append("" if all(one.held) else "doubt")
     return TextTable(head, tuple(rows), tuple(marks))
 
 
-def _told(fact: Fact) -> str:
+def _format_fact(fact: ReportedValue) -> str:
     cells = fact.cells
     return f"{cells.value}, {cells.interval}" if cells.interval else cells.value
 

@@ -14,11 +14,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.number_format import rounded
-from dashpot.base.progress import doing
-from dashpot.base.reported_values import Fact
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import in_unit
+from dashpot.base.number_format import round_to_error
+from dashpot.base.progress import send_progress
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import convert_to_unit
 from dashpot.base.version import byline
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import Kind
@@ -61,7 +61,7 @@ PRINTED = Coefficients(PAPER.k_inf, (PAPER.k[0], PAPER.k[1]), (PAPER.arm_b[0], P
 
 
 @dataclass(frozen=True)
-class Statement(Documented):
+class Statement(Serialisable):
     """One statement of the paper beside what is found.
 
     Attributes
@@ -92,7 +92,7 @@ class Statement(Documented):
 
 
 @dataclass(frozen=True)
-class Coefficient(Documented):
+class Coefficient(Serialisable):
     """One number of Table 1, in SI, as printed and as each record gives it back.
 
     Attributes
@@ -112,17 +112,19 @@ class Coefficient(Documented):
     printed: float
     noise_free: float
     quantised: float
-    full: Fact
-    hold: Fact
+    full: ReportedValue
+    hold: ReportedValue
 
     @property
     def held(self) -> tuple[bool, bool]:
         """Whether the two intervals hold what is printed."""
-        return holds(self.full, self.printed), holds(self.hold, self.printed)
+        return is_within_interval(self.full, self.printed), is_within_interval(
+            self.hold, self.printed
+        )
 
 
 @dataclass(frozen=True, eq=False)
-class HoldFit(Documented):
+class HoldFit(Serialisable):
     """Eq. (5) fitted to the hold by least squares, as the paper does it.
 
     Attributes
@@ -144,7 +146,7 @@ class HoldFit(Documented):
 
 
 @dataclass(frozen=True, eq=False)
-class Reproduced(Documented):
+class Reproduction(Serialisable):
     """The paper, made again.
 
     Attributes
@@ -208,7 +210,7 @@ class Reproduced(Documented):
         )
 
 
-def reproduce(seed: int = 0) -> Reproduced:
+def reproduce(seed: int = 0) -> Reproduction:
     """Make the paper's equations, figures and table again.
 
     Parameters
@@ -216,28 +218,28 @@ def reproduce(seed: int = 0) -> Reproduced:
     seed : int
         Of the noise of the virtual rig and hammer.
     """
-    doing("eqs. (1) to (7)")
+    send_progress("eqs. (1) to (7)")
     ideal = ideal_test()
-    one, two = (fitted(ideal, arms) for arms in (1, 2))
-    coarse = fitted(in_steps(ideal), 2)
-    doing("the virtual rig and hammer")
+    one, two = (fit_hold_phase(ideal, arms) for arms in (1, 2))
+    coarse = fit_hold_phase(quantise_force(ideal), 2)
+    send_progress("the virtual rig and hammer")
     rig = simulate_relaxation(PAPER, depth=DEPTH, ramp_time=RAMP, hold_time=HOLD, seed=seed)
     hammer = simulate_impact(PAPER, mass=PAPER_MASS, seals=SEALS, seed=seed)
     study = characterise(
         rig.test, estimate_frf(hammer.test), impact=hammer.test, mass=PAPER_MASS, seals=SEALS,
         arms=2,
     )  # fmt: skip
-    doing("the resonance")
+    send_progress("the resonance")
     top, lower = peak_of(Kind.ACCELERANCE), peak_of(Kind.RECEPTANCE)
     (mode,) = model_modes(SEALS * PAPER, mass=PAPER_MASS)
     frf = predict_frf(SEALS * PAPER, mass=PAPER_MASS, frequency=LINES)
     phases = np.degrees(np.angle(frf.value))
-    return Reproduced(
+    return Reproduction(
         seed=seed,
         rows=(
             *_equations(),
-            *_of_the_test(ideal, one, two, coarse),
-            *_of_the_mass(top, study),
+            *_compare_test_figures(ideal, one, two, coarse),
+            *_compare_mass_figures(top, study),
             *_misprints(top[1]),
             *UNSAID,
         ),
@@ -270,18 +272,18 @@ def ideal_test() -> RelaxationTest:
     )
 
 
-def in_steps(test: RelaxationTest) -> RelaxationTest:
+def quantise_force(test: RelaxationTest) -> RelaxationTest:
     """The same as the paper's load cell resolves it."""
     return replace(test, force=QUANTUM * np.round(test.force / QUANTUM))
 
 
-def paper_records(found: Reproduced) -> dict[str, str]:
+def paper_records(found: Reproduction) -> dict[str, str]:
     """The records by file name, each with what it is, and the truths of the virtual ones."""
     what = (byline("simulated by eq. (1) of the paper, not a measurement"),)
     bench, hammer = found.rig, found.hammer
     return {
         "paper.csv": write_relaxation(found.ideal, comments=what),
-        "paper_steps.csv": write_relaxation(in_steps(found.ideal), comments=what),
+        "paper_steps.csv": write_relaxation(quantise_force(found.ideal), comments=what),
         "paper_rig.csv": write_relaxation(bench.test, comments=stamp(bench.truth)),
         "paper_rig.truth.json": truth_json(bench.truth),
         "paper_hammer.csv": write_impact(hammer.test, comments=stamp(hammer.truth)),
@@ -289,7 +291,7 @@ def paper_records(found: Reproduced) -> dict[str, str]:
     }
 
 
-def fitted(test: RelaxationTest, arms: int) -> HoldFit:
+def fit_hold_phase(test: RelaxationTest, arms: int) -> HoldFit:
     r"""Eq. (5) by least squares on every sample after the ramp, as the paper fits it.
 
     .. math:: F = A k_\infty c + \sum_j A b_j (e^{c/\tau_j} - 1) e^{-t/\tau_j}
@@ -328,7 +330,7 @@ def _ramp(t: FloatArray) -> FloatArray:
     return PAPER.ramp_hold_force(t, depth=DEPTH, ramp_time=RAMP)
 
 
-def _apart(one: FloatArray, other: FloatArray) -> float:
+def _compute_largest_deviation(one: FloatArray, other: FloatArray) -> float:
     """The largest difference, as a part of the value."""
     return float(np.max(np.abs(one - other) / np.abs(other)))
 
@@ -346,41 +348,47 @@ def _equations() -> Iterator[Statement]:
 
     yield row(
         "eq. (1)", "force of ramp and hold: A [z(t) - z(t - c) u(t - c)]",
-        f"{rounded(float(ours.max()), digits=8)} N at 1 s, where it is highest",
-        _apart(ours, PRINTED.eq_1(t, **how)), 1e-12,
+        f"{round_to_error(float(ours.max()), digits=8)} N at 1 s, where it is highest",
+        _compute_largest_deviation(ours, PRINTED.eq_1(t, **how)), 1e-12,
     )  # fmt: skip
     # a ramp that never ends, of 1 m/s
     ramp = PAPER.ramp_hold_force(t, depth=2 * t[-1], ramp_time=2 * t[-1])
     yield row(
         "eq. (2)", "z(t), the answer to a ramp of unit speed",
-        f"{rounded(in_unit(float(ramp[-1]), 'N*s/mm'), digits=8)} N s/mm at 41 s",
-        _apart(ramp, PRINTED.z(t)), 1e-12,
+        f"{round_to_error(convert_to_unit(float(ramp[-1]), 'N*s/mm'), digits=8)} N s/mm at 41 s",
+        _compute_largest_deviation(ramp, PRINTED.z(t)), 1e-12,
     )  # fmt: skip
     history = np.array([PRINTED.hereditary(float(at), **how) for at in late])
     yield row(
         "eq. (3)", "the hold: A [z(t) - z(t - c)]", "the hereditary integral",
-        _apart(PRINTED.eq_3(late, **how), history), 1e-13,
+        _compute_largest_deviation(PRINTED.eq_3(late, **how), history), 1e-13,
     )  # fmt: skip
     yield row(
-        "eqs. (4), (5)", "the hold, written out in stress and in force",
-        "the hereditary integral", _apart(PRINTED.eq_5(late, **how), history), 1e-13,
-    )  # fmt: skip
+        "eqs. (4), (5)",
+        "the hold, written out in stress and in force",
+        "the hereditary integral",
+        _compute_largest_deviation(PRINTED.eq_5(late, **how), history),
+        1e-13,
+    )
     two, s = PRINTED.times(SEALS), 2j * np.pi * np.array(LINES)
     apart = [_transfer(two, s + sigma) for sigma in SHIFTS]
     pole = max(two.poles(mass=PAPER_MASS), key=lambda one: one.imag)
     yield row(
         "eq. (6)", "displacement over force of a mass on the seal",
-        f"{rounded(abs(pole) / (2 * math.pi), digits=8)} Hz and a damping ratio of "
-        f"{rounded(-pole.real / abs(pole), digits=6)}, for two seals",
+        f"{round_to_error(abs(pole) / (2 * math.pi), digits=8)} Hz and a damping ratio of "
+        f"{round_to_error(-pole.real / abs(pole), digits=6)}, for two seals",
         max(apart), 1e-9,
     )  # fmt: skip
     accelerance = predict_frf(SEALS * PAPER, mass=PAPER_MASS, frequency=LINES)
     yield row(
-        "eq. (7)", "magnitude of acceleration over force",
-        f"{rounded(float(np.abs(accelerance.value).max()), digits=9)} 1/kg at 12.71 Hz",
-        _apart(np.abs(accelerance.value), two.eq_7(2 * np.pi * np.array(LINES), mass=PAPER_MASS)),
+        "eq. (7)",
+        "magnitude of acceleration over force",
+        f"{round_to_error(float(np.abs(accelerance.value).max()), digits=9)} 1/kg at 12.71 Hz",
+        _compute_largest_deviation(
+            np.abs(accelerance.value), two.eq_7(2 * np.pi * np.array(LINES), mass=PAPER_MASS)
+        ),
         1e-8,
-    )  # fmt: skip
+    )
 
 
 def _transfer(two: Coefficients, s: np.ndarray) -> float:
@@ -392,11 +400,13 @@ def _transfer(two: Coefficients, s: np.ndarray) -> float:
     return float(np.max(np.abs(two.eq_6(s, mass=PAPER_MASS) / ours.value - 1)))
 
 
-def _compared(name: str, paper: str, found: str, off: float, tolerance: float) -> Statement:
+def _build_figure_statement(
+    name: str, paper: str, found: str, off: float, tolerance: float
+) -> Statement:
     return Statement("figure", name, paper, found, off, tolerance)
 
 
-def _of_the_test(
+def _compare_test_figures(
     ideal: RelaxationTest, one: HoldFit, two: HoldFit, coarse: HoldFit
 ) -> Iterator[Statement]:
     """Figs. 1 to 4."""
@@ -404,40 +414,44 @@ def _of_the_test(
         "figure", "Fig. 1", "the robotic indenter", "dashpot simulate relaxation is one"
     )
     at = float(ideal.time[np.argmax(ideal.force)]) - BEFORE
-    yield _compared(
+    yield _build_figure_statement(
         "Fig. 2", "8 mm in 1 s, then held for 40 s",
         f"the force is highest where the hold begins, at {at:g} s", abs(at - RAMP), 0.5 / RATE,
     )  # fmt: skip
     yield Statement("figure", "Fig. 3", "the solid with N = 1 and N = 2", "dashpot.solids, any N")
-    yield _compared(
+    yield _build_figure_statement(
         "Fig. 4, N = 2", "fits much better than N = 1",
-        f"leaves {rounded(in_unit(two.rms, 'mN'), digits=2)} mN rms of an exact record, "
-        f"{rounded(in_unit(coarse.rms, 'mN'), digits=4)} mN of one in steps of 1/1280 N",
-        in_unit(two.rms, "mN"), 1e-9,
+        f"leaves {round_to_error(convert_to_unit(two.rms, 'mN'), digits=2)} mN rms of an exact "
+        "record, "
+        f"{round_to_error(convert_to_unit(coarse.rms, 'mN'), digits=4)} mN of one in steps of "
+        "1/1280 N",
+        convert_to_unit(two.rms, "mN"), 1e-9,
     )  # fmt: skip
-    yield _compared(
+    yield _build_figure_statement(
         "Fig. 4, N = 1", "does not follow the hold",
-        f"leaves {rounded(in_unit(one.rms, 'mN'), digits=8)} mN rms and "
-        f"{rounded(in_unit(one.worst, 'mN'), digits=6)} mN where the hold begins; "
-        f"k_inf {rounded(in_unit(one.solid.k_inf, 'N/mm'), digits=8)} N/mm. Off: N = 2 over it",
+        f"leaves {round_to_error(convert_to_unit(one.rms, 'mN'), digits=8)} mN rms and "
+        f"{round_to_error(convert_to_unit(one.worst, 'mN'), digits=6)} mN where the hold begins; "
+        f"k_inf {round_to_error(convert_to_unit(one.solid.k_inf, 'N/mm'), digits=8)} N/mm. Off: N "
+        "= 2 over it",
         coarse.rms / one.rms, 0.05,
     )  # fmt: skip
 
 
-def _of_the_mass(top: tuple[float, float], study: Study) -> Iterator[Statement]:
+def _compare_mass_figures(top: tuple[float, float], study: Study) -> Iterator[Statement]:
     """Figs. 5 and 6."""
     yield Statement("figure", "Fig. 5", "a mass on two seals", "dashpot simulate impact is one")
-    yield _compared(
+    yield _build_figure_statement(
         "Fig. 6, model", f"peaks at {PRINTED_HZ} Hz",
-        f"peaks at {rounded(top[0], digits=10)} Hz, {rounded(top[1], digits=9)} 1/kg",
+        f"peaks at {round_to_error(top[0], digits=10)} Hz, {round_to_error(top[1], digits=9)} 1/kg",
         abs(top[0] - PRINTED_HZ), 5e-3,
     )  # fmt: skip
     compared = study.comparison
     if compared is not None:
-        yield _compared(
+        yield _build_figure_statement(
             "Fig. 6, measured", f"natural frequency {PRINTED_HZ} Hz, good agreement",
-            f"the virtual hammer finds {rounded(compared.measured_hz, digits=5)} Hz, the model "
-            f"of the relaxation test {rounded(compared.predicted_hz, digits=5)} Hz",
+            f"the virtual hammer finds {round_to_error(compared.measured_hz, digits=5)} Hz, the "
+            "model "
+            f"of the relaxation test {round_to_error(compared.predicted_hz, digits=5)} Hz",
             abs(compared.measured_hz - PRINTED_HZ), 0.05,
         )  # fmt: skip
 
@@ -454,7 +468,7 @@ def _misprints(top: float) -> Iterator[Statement]:
     least = RAMP / math.log(np.finfo(float).max)
     yield row(
         "eq. (5)", "holds e^(c/tau)",
-        f"overflows for tau below {rounded(in_unit(least, 'ms'), digits=3)} ms; "
+        f"overflows for tau below {round_to_error(convert_to_unit(least, 'ms'), digits=3)} ms; "
         "b e^(-(t-c)/tau) (1 - e^(-c/tau)) does not",
     )  # fmt: skip
     yield row("eq. (5)", "K_inf", "the k_inf of the other equations")
@@ -465,11 +479,11 @@ def _misprints(top: float) -> Iterator[Statement]:
     single = predict_frf(PAPER, mass=PAPER_MASS, frequency=np.linspace(8.5, 9.5, 1001))
     yield row(
         "eq. (6)", "one seal under the mass",
-        f"two carry it: one peaks at {rounded(find_peak(single).frequency, digits=6)} Hz",
+        f"two carry it: one peaks at {round_to_error(find_peak(single).frequency, digits=6)} Hz",
     )  # fmt: skip
     heights = [_peak_with_damping(factor) for factor in FACTORS]
     told = ", ".join(
-        f"x {factor:g} {rounded(height, digits=5)}"
+        f"x {factor:g} {round_to_error(height, digits=5)}"
         for factor, height in zip(FACTORS, heights, strict=True)
     )
     yield row(
@@ -478,7 +492,8 @@ def _misprints(top: float) -> Iterator[Statement]:
         f"with every b_j {told}. No factor keeps the relaxation curve",
     )  # fmt: skip
     told = ", ".join(
-        f"{step:g} Hz {rounded(seen, digits=4)} ({rounded(100 * seen / top, digits=2)} %)"
+        f"{step:g} Hz {round_to_error(seen, digits=4)} "
+        f"({round_to_error(100 * seen / top, digits=2)} %)"
         for step, seen in ((step, peak_on_grid(step)) for step in GRIDS)
     )
     yield row(
@@ -504,7 +519,8 @@ def peak_on_grid(step: float) -> float:
 UNSAID = tuple(
     Statement("unsaid", name, "not given", found)
     for name, found in (
-        ("the block's mass", f"12.71 Hz takes {in_unit(PAPER_MASS, 'g'):.4f} g on two seals"),
+        ("the block's mass", f"12.71 Hz takes {convert_to_unit(PAPER_MASS, 'g'):.4f} g on two "
+                             "seals"),
         ("the length of seal under plate and block", "taken as equal"),
         ("the rate, the filter, the window of the fit", "1 kHz, none, the whole hold"),
         ("the length of the hammer's record", "the virtual hammer's"),
@@ -520,13 +536,13 @@ def _table(
     printed = [("k_inf", "N/m", PRINTED.k_inf)]
     for unit, letter, values in (("N/m", "k", PRINTED.k), ("N s/m", "b", PRINTED.b)):
         printed += [(f"{letter}_{j}", unit, value) for j, value in enumerate(values, 1)]
-    full, hold = (_known(one) for one in (study.fit, study.hold_fit))
+    full, hold = (_get_facts_by_name(one) for one in (study.fit, study.hold_fit))
     for name, unit, value in printed:
         mine, theirs = (_coefficient(solid, name) for solid in (exact, coarse))
         yield Coefficient(name, unit, value, mine, theirs, full[name], hold[name])
 
 
-def _known(one: Fit | None) -> dict[str, Fact]:
+def _get_facts_by_name(one: Fit | None) -> dict[str, ReportedValue]:
     return {} if one is None else {fact.name: fact for fact in one.known}
 
 
@@ -537,7 +553,7 @@ def _coefficient(solid: GeneralizedMaxwell, name: str) -> float:
     return float((solid.k if letter == "k" else solid.arm_b)[int(j) - 1])
 
 
-def holds(fact: Fact, value: float) -> bool:
+def is_within_interval(fact: ReportedValue, value: float) -> bool:
     """Whether the interval of a number holds a value."""
     low = -math.inf if math.isnan(fact.low) else fact.low
     return bool(low <= value <= fact.high)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dashpot.base.units import in_unit
+from dashpot.base.units import convert_to_unit
 from dashpot.text_output.layout import Text, table
 
 if TYPE_CHECKING:
-    from dashpot.extensions.paper.reproduction import Coefficient, Reproduced, Statement
+    from dashpot.extensions.paper.reproduction import Coefficient, Reproduction, Statement
 
 
-def reproduced(found: Reproduced) -> Text:
+def render_reproduction(found: Reproduction) -> Text:
     """Return what came out, Table 1 as printed and as found, and every statement."""
     head = ("Table 1", "printed", "virtual rig, 95 %", "by the hold alone, 95 %", "unit")
     rows = [head, *map(_row, found.table)]
@@ -22,7 +22,7 @@ def reproduced(found: Reproduced) -> Text:
 
 
 def _row(one: Coefficient) -> tuple[str, ...]:
-    printed = f"{in_unit(one.printed, one.full.reading):.4f}"
+    printed = f"{convert_to_unit(one.printed, one.full.reading):.4f}"
     intervals = (fact.cells.interval for fact in (one.full, one.hold))
     return (one.name, printed, *intervals, one.full.cells.unit)
 

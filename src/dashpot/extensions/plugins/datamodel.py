@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from dashpot.base.arrays import ByValue, FloatArray
+from dashpot.base.arrays import EqualByValue, FloatArray
 from dashpot.base.checks import Check
-from dashpot.base.provenance import Source, of_file
-from dashpot.base.reported_values import Fact, Numbered
-from dashpot.base.result_mixins import Described, Judged, Series
-from dashpot.base.serialisation import Documented
+from dashpot.base.provenance import Source, describe_record_source
+from dashpot.base.reported_values import HasReportedValues, ReportedValue
+from dashpot.base.result_mixins import HasSummary, HasVerdict, Series
+from dashpot.base.serialisation import Serialisable
 
 
 @dataclass(frozen=True, eq=False)
-class PluggedColumn(ByValue):
+class PluggedColumn(EqualByValue):
     """One column of a file.
 
     Attributes
@@ -32,7 +32,7 @@ class PluggedColumn(ByValue):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PluggedTest(ByValue, Described):
+class PluggedTest(EqualByValue, HasSummary):
     """The columns of a file, for a kind that a plug-in fits.
 
     Attributes
@@ -56,11 +56,13 @@ class PluggedTest(ByValue, Described):
     def described(self) -> tuple[str, ...]:
         """Which file it is, and its columns."""
         named = ", ".join(f"{one.role or one.name} [{one.unit or '?'}]" for one in self.columns)
-        return of_file(self.source, len(self.columns[0].values)), f"for '{self.kind}': {named}"
+        return describe_record_source(
+            self.source, len(self.columns[0].values)
+        ), f"for '{self.kind}': {named}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PluggedFit(ByValue, Numbered, Judged, Documented):
+class PluggedFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     """What a plug-in found: its numbers and its checks, under its own name.
 
     Attributes
@@ -78,7 +80,7 @@ class PluggedFit(ByValue, Numbered, Judged, Documented):
 
     kind: str
     by: str
-    found: tuple[Fact, ...]
+    found: tuple[ReportedValue, ...]
     checks: tuple[Check, ...] = ()
     notes: tuple[str, ...] = ()
     sources: tuple[Source, ...] = ()

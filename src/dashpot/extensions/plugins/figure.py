@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from dashpot.base.reported_values import Fact
+from dashpot.base.reported_values import ReportedValue
 from dashpot.extensions.plugins.datamodel import PluggedFit
 from dashpot.plot.picture import FIT, Dots, Line, Panel, Picture, Scale
 from dashpot.plot.provenance_stamp import stamp as stamped
@@ -14,7 +14,7 @@ from dashpot.plot.provenance_stamp import stamp as stamped
 _HEIGHT = 60.0
 
 
-def plugged(found: PluggedFit, *, stamp: str = "") -> Picture:
+def draw_plugin_result(found: PluggedFit, *, stamp: str = "") -> Picture:
     """Every number of a plug-in with its interval, one below the other.
 
     Parameters
@@ -29,7 +29,7 @@ def plugged(found: PluggedFit, *, stamp: str = "") -> Picture:
     return Picture("plugged", caption, panels, 1, stamp or origin)
 
 
-def _panel(fact: Fact) -> Panel:
+def _panel(fact: ReportedValue) -> Panel:
     value, low, high = (fact.shown(one) for one in (fact.value, fact.low, fact.high))
     ends = [one for one in (low, high) if math.isfinite(one)]
     reach = max([abs(one - value) for one in ends] + [0.1 * abs(value) or 1.0])

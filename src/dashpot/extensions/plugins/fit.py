@@ -11,7 +11,7 @@ from dashpot.base.checks import GRADES, Check, Remedy
 from dashpot.base.errors import FitError
 from dashpot.base.plugins import Plugin
 from dashpot.base.provenance import sources_of
-from dashpot.base.reported_values import NORMAL, Fact
+from dashpot.base.reported_values import NORMAL, ReportedValue
 from dashpot.datamodel.checks import caution_checks
 from dashpot.extensions.plugins.datamodel import PluggedFit, PluggedTest
 
@@ -37,7 +37,7 @@ def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
     if len(records) != 1:
         raise FitError(f"a plug-in fits one file at a time, and {len(records)} were given")
     (test,) = records
-    plugin = plugins.wanted("kinds", test.kind)
+    plugin = plugins.require_plugin("kinds", test.kind)
     module = plugin.load()
     columns = [
         {"name": one.name, "role": one.role, "unit": one.unit, "values": one.values.tolist()}
@@ -58,15 +58,17 @@ def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
     own = tuple(_check(plugin, one) for one in plugins.items(plugin, found, "checks"))
     checks = (*own, *caution_checks(sources_of(records)))
     notes = plugins.texts(plugin, found, "notes")
-    return PluggedFit(plugin.name, plugin.by, facts, checks, notes, sources_of(records))
+    return PluggedFit(
+        plugin.name, plugin.package_version, facts, checks, notes, sources_of(records)
+    )
 
 
-def _fact(plugin: Plugin, item: Mapping[str, Any]) -> Fact:
+def _fact(plugin: Plugin, item: Mapping[str, Any]) -> ReportedValue:
     name = plugins.word(plugin, item, "name")
     if not name.isidentifier():
         plugin.wrong(f"a number called '{name}'", "an identifier, such as peel_force")
     unit = plugins.word(plugin, item, "unit", "")
-    known = units.find(unit) if unit else None
+    known = units.find_unit(unit) if unit else None
     if unit and (known is None or known.factor != 1.0 or known.offset):
         plugin.wrong(f"'{name}' in '{unit}'", "a unit of SI that dashpot knows, or none")
     value = _number(plugin, item, "value", name)
@@ -75,14 +77,14 @@ def _fact(plugin: Plugin, item: Mapping[str, Any]) -> Fact:
         low, high = (_number(plugin, item, end, name) for end in ("low", "high"))
         if not low <= value <= high:
             plugin.wrong(f"'{name}' = {value:g} outside {low:g} to {high:g}", "a value within")
-        return Fact(name, value, low, high, unit, words=words)
+        return ReportedValue(name, value, low, high, unit, words=words)
     if "error" not in item:
-        return Fact(name, value, unit=unit, words=words)
+        return ReportedValue(name, value, unit=unit, words=words)
     error = _number(plugin, item, "error", name)
     if error < 0:
         plugin.wrong(f"'{name}' with the standard error {error:g}", "one of 0 or more")
     half = NORMAL * error  # an interval alone: that is what a document keeps
-    return Fact(name, value, value - half, value + half, unit, words=words)
+    return ReportedValue(name, value, value - half, value + half, unit, words=words)
 
 
 def _number(plugin: Plugin, item: Mapping[str, Any], key: str, name: str) -> float:

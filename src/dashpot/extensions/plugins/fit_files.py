@@ -8,7 +8,7 @@ from pathlib import Path
 from dashpot.extensions.plugins.datamodel import PluggedFit
 from dashpot.extensions.plugins.fit import fit_plugged
 from dashpot.extensions.plugins.read import read_plugged
-from dashpot.reading.raw_file import about
+from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
 
 
@@ -21,5 +21,5 @@ def plugged_files(files: Sequence[str | Path], *, options: ReadOptions | None = 
         If the file cannot be read, the plug-in fails, or there are several files.
     """
     tests = [read_plugged(path, options=options) for path in files]
-    with about(Path(files[0]).name):
+    with add_name_to_errors(Path(files[0]).name):
         return fit_plugged(tests)

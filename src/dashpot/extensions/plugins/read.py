@@ -12,7 +12,7 @@ from dashpot.reading.columns.role_assignment import assign
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.channels import Opened
+from dashpot.reading.readers.channels import OpenedFile
 from dashpot.reading.table import Question
 
 
@@ -24,7 +24,7 @@ def read_plugged(path: str | Path, *, options: ReadOptions | None = None) -> Plu
     ReadError
         If the file cannot be read, or holds no column of numbers.
     """
-    with channels.opened(path, options) as opened:
+    with channels.open_file(path, options) as opened:
         every = opened.table.columns
         numeric = [i for i, one in enumerate(every) if one.content in {"number", "clock"}]
         if not numeric:
@@ -36,7 +36,7 @@ def read_plugged(path: str | Path, *, options: ReadOptions | None = None) -> Plu
             role, name = roles.get(index), every[index].name.strip().casefold()
             told = opened.options.by_name().get(name, every[index].unit)
             word = opened.unit_word(index, role) if role else told
-            known = units.find(word) if word else None
+            known = units.find_unit(word) if word else None
             values = loaded.values[:, place].copy()
             columns.append(
                 PluggedColumn(
@@ -53,7 +53,7 @@ def read_plugged(path: str | Path, *, options: ReadOptions | None = None) -> Plu
         )
 
 
-def _roles(file: Opened) -> dict[int, Role]:
+def _roles(file: OpenedFile) -> dict[int, Role]:
     """The columns that surely play a role, by index; the likelier role comes first."""
     found: dict[int, Role] = {}
     for role in RECOGNISED["plug-in"].roles:

@@ -10,7 +10,7 @@ EXTENSION = Extension(
                 meant="plug-in",
                 nouns={
                     "dashpot.extensions.plugins.datamodel:PluggedTest": "",
-                    "dashpot.extensions.plugins.datamodel:PluggedFit": "dashpot.extensions.plugins.figure:plugged",
+                    "dashpot.extensions.plugins.datamodel:PluggedFit": "dashpot.extensions.plugins.figure:draw_plugin_result",
                 },
                 fits="dashpot.extensions.plugins.fit:fit_plugged", order=18,
         ),

@@ -9,21 +9,21 @@ from pathlib import Path
 import click
 
 from dashpot import workflow
-from dashpot.base.atomic import half_written
+from dashpot.base.atomic import find_partial_files
 from dashpot.base.checks import Check, verdict
 from dashpot.base.errors import ReadError
-from dashpot.base.number_format import counted
-from dashpot.base.sentences import lowered
-from dashpot.base.serialisation import Documented
+from dashpot.base.number_format import format_count
+from dashpot.base.sentences import decapitalise_sentence
+from dashpot.base.serialisation import Serialisable
 from dashpot.cli._command import group, opt, verb
-from dashpot.cli._command_io import Outcome
+from dashpot.cli._command_io import CommandResult
 from dashpot.cli._options import RESULT
 from dashpot.cli._param_types import Folder
 from dashpot.text_output.layout import Text
 
 
 @dataclass(frozen=True)
-class Verification(Documented):
+class Verification(Serialisable):
     """A project, the hash of its history, and what was found of every result."""
 
     schema = "dashpot/verification@1"
@@ -58,9 +58,9 @@ Half-written files of killed runs are listed, in any folder of results.
         opt("-v", "--verbose", help="Print everything."),
     ),
 )
-def command(*, project: str, expect: str | None) -> Outcome:
+def command(*, project: str, expect: str | None) -> CommandResult:
     """Recompute every result; leave with 1 if anything differs."""
-    left = half_written(project)
+    left = find_partial_files(project)
     if click.get_current_context().obj.replace:
         for one in left:
             one.unlink(missing_ok=True)
@@ -69,32 +69,32 @@ def command(*, project: str, expect: str | None) -> Outcome:
     except ReadError:
         if not left or expect is not None:
             raise
-        return _cleared(project, [one.relative_to(project).as_posix() for one in left])
+        return _make_cleanup_result(project, [one.relative_to(project).as_posix() for one in left])
     checks = workflow.verify(place, page=workflow.html, expect=expect)
     every = [
         f"  {'ok' if check.passed else '--'}  {check.says}" for check in checks if not check.failed
     ]
-    return Outcome(
+    return CommandResult(
         Verification(project, place.head, checks),
         Text([f"history {place.head}"], every),
         checks,
         must_pass=True,
-        verdict=verdict(checks, sound=_sound(checks)),
+        verdict=verdict(checks, sound=_format_headline(checks)),
     )
 
 
-def _cleared(folder: str, left: list[str]) -> Outcome:
+def _make_cleanup_result(folder: str, left: list[str]) -> CommandResult:
     """What is said of a folder that is no project."""
-    check = workflow.left_by_killed_runs(Path(folder))
+    check = workflow.check_half_written_files(Path(folder))
     found = Verification(folder, "", (check,))
     did = "left" if check.failed else "cleared"
-    gone = f"{counted(len(left), 'half-written file')} {did}"
+    gone = f"{format_count(len(left), 'half-written file')} {did}"
     text = Text([f"{did} {one}" for one in left], [])
-    return Outcome(found, text, (check,), verdict=verdict((check,), sound=gone))
+    return CommandResult(found, text, (check,), verdict=verdict((check,), sound=gone))
 
 
-def _sound(checks: Iterable[Check]) -> str:
+def _format_headline(checks: Iterable[Check]) -> str:
     """What to say where nothing failed: no more than was judged."""
     open_ = [check.says for check in checks if check.passed is None]
-    more = f". {len(open_)} not judged: {lowered(open_[0])}" if open_ else ""
+    more = f". {len(open_)} not judged: {decapitalise_sentence(open_[0])}" if open_ else ""
     return f"every result follows from its raw files again{more}"

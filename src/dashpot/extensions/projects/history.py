@@ -17,7 +17,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from dashpot.base.atomic import write_whole
+from dashpot.base.atomic import write_atomic
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.version import software
 
@@ -27,7 +27,7 @@ _HEAD = re.compile(rb"(0|[1-9]\d{0,17}) ([0-9a-f]{64})\n(?:[1-9]\d{0,17} ([0-9a-
 
 
 @dataclass(frozen=True)
-class Listed:
+class FileEntry:
     """A file of the project as a line names it: its place, and the SHA-256 of its bytes."""
 
     file: str
@@ -57,8 +57,8 @@ class HistoryLine:
     time: str
     user: str
     job: dict[str, Any]
-    inputs: tuple[Listed, ...]
-    outputs: tuple[Listed, ...]
+    inputs: tuple[FileEntry, ...]
+    outputs: tuple[FileEntry, ...]
     software: dict[str, str]
     previous: str
     hash: str
@@ -99,13 +99,13 @@ class History:
         return self.lines[-1].hash if self.lines else GENESIS
 
     @property
-    def shortened(self) -> bool:
+    def is_truncated(self) -> bool:
         """Whether lines were cut off its end."""
         kept = self.written <= len(self.lines)
         return not (kept and self.head in {"", *(line.hash for line in self.lines)})
 
     @property
-    def headed(self) -> bool:
+    def has_matching_head(self) -> bool:
         """Whether ``history.head`` is of its last line: not lost, not older, not another's."""
         last = (len(self.lines), self.last)
         told = (self.written, self.head)
@@ -154,7 +154,7 @@ def append(folder: Path, content: dict[str, Any]) -> str:
         If lines were cut off the end of the history.
     """
     history = read_history(folder)
-    if history.shortened:
+    if history.is_truncated:
         raise DataError(
             f"{file_of(folder)} has {len(history.lines)} lines where {history.written} were "
             "written; put the file back from a copy before anything is added to it"
@@ -163,7 +163,7 @@ def append(folder: Path, content: dict[str, Any]) -> str:
     whole = b"".join(line + b"\n" for line in history.raw)
     # an operation that was cut short never happened; its half line must not stay
     if file.exists() and file.read_bytes() != whole:
-        write_whole(file, whole)
+        write_atomic(file, whole)
     entry = {
         "line": len(history.lines) + 1,
         "time": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -172,19 +172,19 @@ def append(folder: Path, content: dict[str, Any]) -> str:
         "software": software(),
         "previous": history.last,
     }
-    text, mark = sealed(entry)
+    text, mark = format_hashed_line(entry)
     head = head_of(folder)
     told = f"{len(history.lines)} {history.last}\n"
-    write_whole(head, f"{told}{entry['line']} {mark}\n".encode())
+    write_atomic(head, f"{told}{entry['line']} {mark}\n".encode())
     with file.open("ab") as log:
         log.write(text + b"\n")
         log.flush()
         os.fsync(log.fileno())
-    write_whole(head, f"{entry['line']} {mark}\n".encode())
+    write_atomic(head, f"{entry['line']} {mark}\n".encode())
     return mark
 
 
-def sealed(entry: dict[str, Any]) -> tuple[bytes, str]:
+def format_hashed_line(entry: dict[str, Any]) -> tuple[bytes, str]:
     """Return a line as it is written, and its hash: that of its bytes before the hash."""
     body = json.dumps({key: value for key, value in entry.items() if key != "hash"}).encode()[:-1]
     mark = sha256(body)

@@ -25,16 +25,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from dashpot.base.atomic import PART, named, write_whole
+from dashpot.base.atomic import PART, validate_path, write_atomic
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.lock import alone
+from dashpot.base.lock import open_exclusive_lock
 from dashpot.base.parsing import parsed_toml
-from dashpot.base.serialisation import Documented, plain
-from dashpot.extensions.projects.history import Listed, append, file_of, read_history, sha256
+from dashpot.base.serialisation import Serialisable, to_plain_value
+from dashpot.extensions.projects.history import FileEntry, append, file_of, read_history, sha256
 from dashpot.reading.raw_file import missing, open_raw
 from dashpot.reading.read_options import ReadOptions, dump_profile
 from dashpot.workflow.job import Job, with_paths
-from dashpot.workflow.json_archive import document, to_json
+from dashpot.workflow.json_archive import to_document, to_json
 from dashpot.workflow.study import Study, run
 
 SCHEMA = "dashpot/project@1"
@@ -75,7 +75,7 @@ def create(folder: str | Path) -> Project:
     DataError
         If the folder holds files but is no project.
     """
-    path = named(folder)
+    path = validate_path(folder)
     if (path / "dashpot.toml").exists():
         return open_project(path)
     if path.exists() and any(not one.name.endswith(PART) for one in path.iterdir()):
@@ -84,7 +84,7 @@ def create(folder: str | Path) -> Project:
         )
     path.mkdir(parents=True, exist_ok=True)
     about = f'schema = "{SCHEMA}"\nname = {json.dumps(path.name)}\n'
-    write_whole(path / "dashpot.toml", about.encode())
+    write_atomic(path / "dashpot.toml", about.encode())
     return Project(path)
 
 
@@ -96,7 +96,7 @@ def open_project(folder: str | Path) -> Project:
     ReadError
         If there is none, or one of a version that this dashpot cannot read.
     """
-    path = named(folder)
+    path = validate_path(folder)
     try:
         about = parsed_toml((path / "dashpot.toml").read_bytes())
     except (FileNotFoundError, NotADirectoryError):
@@ -127,28 +127,28 @@ def record(project: Project, job: Job, *, page: Callable[[Study], str]) -> tuple
     DataError
         If another dashpot writes there, or a file of the project is not as it was recorded.
     """
-    with alone(project.folder / ".lock", str(project.folder)):
+    with open_exclusive_lock(project.folder / ".lock", str(project.folder)):
         for left in project.folder.rglob(f".*{PART}"):  # by a dashpot that was killed
             left.unlink(missing_ok=True)
         kept = with_paths(job, lambda path: _keep(project, path))
         inputs = {path: sha256((project.folder / path).read_bytes()) for path in paths_of(kept)}
-        study = run(inside(project, kept))
+        study = run(resolve_job_paths(project, kept))
         made = contents(study, page)
-        name = name_of(document(kept), made["records/.json"])
+        name = name_of(to_document(kept), made["records/.json"])
         outputs = {place.replace("/.", f"/{name}."): each for place, each in made.items()}
         stated = profiles(kept)
         for place, content in (stated | outputs).items():
             (project.folder / place).parent.mkdir(exist_ok=True)
-            write_whole(project.folder / place, content)
+            write_atomic(project.folder / place, content)
         inputs |= {place: sha256(content) for place, content in stated.items()}
         append(
             project.folder,
-            plain(
+            to_plain_value(
                 {
                     "operation": "report",
                     "job": kept,
-                    "inputs": [Listed(*one) for one in inputs.items()],
-                    "outputs": [Listed(f, sha256(c)) for f, c in outputs.items()],
+                    "inputs": [FileEntry(*one) for one in inputs.items()],
+                    "outputs": [FileEntry(f, sha256(c)) for f, c in outputs.items()],
                 }
             ),
         )
@@ -178,7 +178,7 @@ def contents(study: Study, page: Callable[[Study], str]) -> dict[str, bytes]:
 
 
 @dataclass(frozen=True)
-class ResultNumbers(Documented):
+class ResultNumbers(Serialisable):
     """The numbers of a study, which verification recomputes and compares."""
 
     schema = "dashpot/result@1"
@@ -227,12 +227,12 @@ def paths_of(job: Job) -> tuple[str, ...]:
     return tuple(paths)
 
 
-def inside(project: Project, job: Job) -> Job:
+def resolve_job_paths(project: Project, job: Job) -> Job:
     """Return the job with paths that can be opened, all of them inside the project."""
-    return with_paths(job, lambda path: str(within(project, path)))
+    return with_paths(job, lambda path: str(resolve_project_path(project, path)))
 
 
-def within(project: Project, path: str) -> Path:
+def resolve_project_path(project: Project, path: str) -> Path:
     """Return a place named in the project's own files, which must be inside the project.
 
     Raises
@@ -258,7 +258,7 @@ def _keep(project: Project, path: str) -> str:
     if place.exists() and place.read_bytes() != content:
         place = raw / f"{named.stem}-{sha256(content)[:NAME]}{named.suffix}"
     if not place.exists():
-        write_whole(place, content)
+        write_atomic(place, content)
     elif place.read_bytes() != content:
         raise DataError(
             f"{place} is no longer the copy of {path} that it was: put it back, or remove it "

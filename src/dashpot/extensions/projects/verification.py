@@ -10,28 +10,34 @@ from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
-from dashpot.base.atomic import half_written, is_half_written
+from dashpot.base.atomic import find_partial_files, is_partial_file
 from dashpot.base.checks import Check
 from dashpot.base.errors import ReadError
 from dashpot.base.serialisation import DIGEST
 from dashpot.base.version import software
-from dashpot.extensions.projects.history import History, HistoryLine, Listed, read_history, sha256
+from dashpot.extensions.projects.history import (
+    FileEntry,
+    History,
+    HistoryLine,
+    read_history,
+    sha256,
+)
 from dashpot.extensions.projects.project import (
     NAME,
     OWN,
     Project,
     contents,
-    inside,
     name_of,
     numbers,
     paths_of,
     profiles,
-    within,
+    resolve_job_paths,
+    resolve_project_path,
 )
 from dashpot.workflow import checks
 from dashpot.workflow.job import Job
 from dashpot.workflow.json_archive import from_json
-from dashpot.workflow.json_validation import once, parts_of
+from dashpot.workflow.json_validation import parts_of, require_unique_keys
 from dashpot.workflow.study import Study, run
 
 _ROUNDED = 1.000001
@@ -58,7 +64,7 @@ def verify(
         or one of the project's own files is a link to a file outside.
     """
     for own in OWN:
-        within(project, own)
+        resolve_project_path(project, own)
     history = read_history(project.folder)
     found = [
         checks.history_present(len(history.lines)),
@@ -66,54 +72,56 @@ def verify(
         checks.history_whole(
             len(history.lines),
             history.written,
-            shortened=history.shortened,
-            headed=history.headed,
+            shortened=history.is_truncated,
+            headed=history.has_matching_head,
         ),
     ]
     if expect is not None:
-        found.append(_expected(history, expect))
+        found.append(_check_expected_hash(history, expect))
     for line, intact in zip(history.lines, history.intact, strict=True):
         found.append(checks.history_unchanged(line.line, whole=intact))
         files = [_file(project, one, line.line) for one in (*line.inputs, *line.outputs)]
         found += files
         if not any(check.failed for check in files):
-            found += _again(project, line, page)
-    found.append(checks.files_listed(_added(project, history)))
-    return (*found, left_by_killed_runs(project.folder))
+            found += _compare_with_rerun(project, line, page)
+    found.append(checks.files_listed(_find_unlisted_files(project, history)))
+    return (*found, check_half_written_files(project.folder))
 
 
-def left_by_killed_runs(folder: Path) -> Check:
+def check_half_written_files(folder: Path) -> Check:
     """Whether a folder of results, of whatever kind, holds what killed runs left half written."""
-    left = half_written(folder)
+    left = find_partial_files(folder)
     return checks.nothing_half_written([one.relative_to(folder).as_posix() for one in left])
 
 
-def _expected(history: History, expect: str) -> Check:
+def _check_expected_hash(history: History, expect: str) -> Check:
     hashes = [line.hash for line in history.lines]
     place = hashes.index(expect) if expect in hashes else None
     return checks.history_expected(expect, place, len(hashes))
 
 
-def _file(project: Project, listed: Listed, number: int) -> Check:
-    path = within(project, listed.file)
+def _file(project: Project, listed: FileEntry, number: int) -> Check:
+    path = resolve_project_path(project, listed.file)
     if not path.is_file():
         return checks.file_present(listed.file, number)
     same = sha256(path.read_bytes()) == listed.sha256
     return checks.file_unchanged(listed.file, number, same=same)
 
 
-def _added(project: Project, history: History) -> list[str]:
+def _find_unlisted_files(project: Project, history: History) -> list[str]:
     """The files of the project's folder that no line lists."""
     known = {*OWN} | {one.file for line in history.lines for one in (*line.inputs, *line.outputs)}
     files = (path for path in project.folder.rglob("*") if path.is_file() or path.is_symlink())
-    whole = (path for path in files if not is_half_written(path.name))
+    whole = (path for path in files if not is_partial_file(path.name))
     return sorted({path.relative_to(project.folder).as_posix() for path in whole} - known)
 
 
 # -- the work, done again -------------------------------------------------------------------------
 
 
-def _again(project: Project, line: HistoryLine, page: Callable[[Study], str]) -> list[Check]:
+def _compare_with_rerun(
+    project: Project, line: HistoryLine, page: Callable[[Study], str]
+) -> list[Check]:
     job = from_json(json.dumps(line.job))
     if not isinstance(job, Job):
         raise ReadError(f"line {line.line} of history.jsonl holds no job: it was changed")
@@ -121,8 +129,11 @@ def _again(project: Project, line: HistoryLine, page: Callable[[Study], str]) ->
     unlisted = sorted(needed - {one.file for one in (*line.inputs, *line.outputs)})
     if unlisted:
         return [checks.inputs_listed(unlisted, line.line)]
-    made = contents(run(inside(project, job)), page)
-    kept = {_kind(one.file): within(project, one.file).read_bytes() for one in line.outputs}
+    made = contents(run(resolve_job_paths(project, job)), page)
+    kept = {
+        _kind(one.file): resolve_project_path(project, one.file).read_bytes()
+        for one in line.outputs
+    }
     # another version may word and draw the same numbers otherwise
     alike = line.software == software()
     names = {match[1] for one in line.outputs if (match := _NAMED.search(one.file))}
@@ -153,31 +164,31 @@ def _kind(place: str) -> str:
 
 def _json_difference(kept: bytes, again: bytes, place: str, *, words: bool) -> tuple[float, str]:
     try:
-        before, after = json.loads(kept, object_pairs_hook=once), json.loads(again)
+        before, after = json.loads(kept, object_pairs_hook=require_unique_keys), json.loads(again)
     except (ValueError, RecursionError):
         return float("inf"), f"{place} is no JSON"
     if not words and isinstance(before, dict):
         before, after = numbers(before), numbers(after)
-    return difference(before, after, place)
+    return find_largest_difference(before, after, place)
 
 
-def difference(kept: Any, again: Any, where: str = "") -> tuple[float, str]:
+def find_largest_difference(kept: Any, again: Any, where: str = "") -> tuple[float, str]:
     """Return the largest relative difference between two documents, and its place."""
     if not (isinstance(kept, dict | list) and isinstance(again, type(kept))):
-        return _apart(kept, again), f"{where} was {kept!r} and is {again!r}"
+        return _compute_relative_difference(kept, again), f"{where} was {kept!r} and is {again!r}"
     before, after = parts_of(kept, where), parts_of(again, where)
     if before.keys() != after.keys():
         otherwise = "other keys" if isinstance(kept, dict) else "another length"
         return float("inf"), f"{where or 'the document'} has {otherwise}"
     pairs = (
-        difference(before[place], after[place], place.lstrip("."))
+        find_largest_difference(before[place], after[place], place.lstrip("."))
         for place in before
         if place != f"{where}.{DIGEST}"
     )
     return max(pairs, default=(0.0, ""), key=lambda item: item[0])
 
 
-def _apart(kept: Any, again: Any) -> float:
+def _compute_relative_difference(kept: Any, again: Any) -> float:
     """Relative difference of two values; of texts that of the numbers in them, if any."""
     if repr(kept) == repr(again):  # as NaN equals nothing
         return 0.0
@@ -204,13 +215,13 @@ def same_page(kept: bytes, again: bytes) -> bool:
     if kept == again:
         return True
     try:
-        before, after = (_opened(text.decode()) for text in (kept, again))
+        before, after = (_decode_embedded_files(text.decode()) for text in (kept, again))
     except ValueError:
         return False
     return _same_words(before, after)
 
 
-def _opened(page: str) -> str:
+def _decode_embedded_files(page: str) -> str:
     """A page with the files that its links hold as text."""
     return re.sub(
         r"(?<=;base64,)[A-Za-z0-9+/=]+",

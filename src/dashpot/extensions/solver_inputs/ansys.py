@@ -85,7 +85,7 @@ def _table(
         verified=READ,
         remarks=[
             *row.remarks,
-            row.numbered(first_id),
+            row.format_node_numbering(first_id),
             "K and CV1 are tables of FREQ: for full harmonic analyses",
             "the nodes are rotated: UX, UY and UZ are normal to the line, across it and along it;",
             "tie them to nodes of your own at the same places (CP, CERIG): NROTAT on yours turns",
@@ -143,7 +143,7 @@ def _arms(deck: Deck) -> DeckText:
     cards = ["/PREP7", "ET,1,COMBIN14", "KEYOPT,1,2,1", *nodes, "TYPE,1"]
     for number, (k, c, i, j) in enumerate(elements, start=1):
         cards += [f"R,{number},{text(k)},{text(c)}", f"REAL,{number}", f"E,{i},{j}"]
-    cards += _beside(deck, 1 + len(elements))
+    cards += _format_nonlinear_cards(deck, 1 + len(elements))
     return deck.written(
         "!",
         "network of springs and dampers for Ansys Mechanical APDL",
@@ -158,7 +158,7 @@ def _arms(deck: Deck) -> DeckText:
     )
 
 
-def _beside(deck: Deck, number: int) -> list[str]:
+def _format_nonlinear_cards(deck: Deck, number: int) -> list[str]:
     """Sliders, and k_inf with the cubic spring: a curve of 20 points at most, from 0 up."""
     cards = []
     if deck.beside.sliders:

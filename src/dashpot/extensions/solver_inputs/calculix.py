@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.errors import ExportError
-from dashpot.base.units import Quantity, Range, si, si_range
-from dashpot.base.validators import positive
+from dashpot.base.units import Quantity, Range, convert_to_si, si_range
+from dashpot.base.validators import require_positive
 from dashpot.datamodel.seal_line import Shear, Stations
 from dashpot.export.deck import Deck, DeckText
 from dashpot.export.deck_validation import target
@@ -85,7 +85,7 @@ def calculix(
     line, shear, first_id
         As in :func:`dashpot.export.nastran`.
     """
-    mass, frequency_range = si(mass, "mass"), si_range(frequency_range, "frequency")
+    mass, frequency_range = convert_to_si(mass, "mass"), si_range(frequency_range, "frequency")
     low, high = frequency_range
     if not 0 < low < high:
         raise ExportError(f"frequency_range = {low:g}:{high:g} Hz; expected 0 < low < high")
@@ -97,8 +97,8 @@ def calculix(
             "out, and march the network with *DYNAMIC (Python: mass=)"
         )
     if deck.form == "springs":
-        at = si(nominal, "frequency")
-        positive("--", nominal=at, unit=" Hz", optional=True)
+        at = convert_to_si(nominal, "frequency")
+        require_positive("--", nominal=at, unit=" Hz", optional=True)
         return _springs(deck, row_of(deck, line, shear), at or float(np.sqrt(low * high)), first_id)
     title = "network of springs and dashpots for CalculiX"
     cards = [
@@ -148,7 +148,7 @@ def _springs(deck: Deck, row: SpringRow, nominal: float, first_id: int) -> DeckT
         nominal=nominal,
         remarks=[
             *row.remarks,
-            row.numbered(first_id),
+            row.format_node_numbering(first_id),
             f"stiffness of {nominal:.6g} Hz, for *FREQUENCY and *STATIC: ccx knows no loss factor",
             f"of a spring, and the seal's is {eta.imag / eta.real:.4g} there",
             "the nodes of SEAL_GROUND are held; tie those of SEAL_MOVING to the door, e.g. by",

@@ -6,12 +6,12 @@ import itertools
 from typing import TypeAlias
 
 from dashpot.base.errors import ExportError
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.seal_line import Shear, Stations
 from dashpot.export.deck import Deck, DeckText
 from dashpot.export.deck_validation import target
 from dashpot.export.seal_line_springs import SpringRow, row_of
-from dashpot.export.unit_systems import packed
+from dashpot.export.unit_systems import format_fixed_width
 
 FORMS = ("arms", "prony")
 SUFFIX = "k"
@@ -57,7 +57,7 @@ def lsdyna(
         As in :func:`dashpot.export.nastran`: at each station the elements stand between two
         coincident nodes, and act along vectors of their own.
     """
-    modulus, bulk_modulus = si(modulus, "stress"), si(bulk_modulus, "stress")
+    modulus, bulk_modulus = convert_to_si(modulus, "stress"), convert_to_si(bulk_modulus, "stress")
     if deck.form == "prony":
         return _prony(deck, modulus, bulk_modulus, density)
     if (modulus, bulk_modulus, density) != (None, None, None):
@@ -128,7 +128,7 @@ def _line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
     """The network of each way of each station, along a vector of its own."""
     cards = ["*KEYWORD", "*NODE"]
     for i, one in enumerate(row.stations):
-        place = "".join(f"{packed(value, 16):>16}" for value in one.place)
+        place = "".join(f"{format_fixed_width(value, 16):>16}" for value in one.place)
         cards += [f"{node:>8}{place}" for node in row.nodes(i, first_id)]
     vectors = {
         (frame, way): rank
@@ -160,7 +160,7 @@ def _line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
         verified=READ,
         remarks=[
             *row.remarks,
-            row.numbered(first_id),
+            row.format_node_numbering(first_id),
             "fields of nine columns hold five digits or more; discrete elements add no mass",
             "forces act normal to the line, across it and along it, wherever the nodes go",
             "(*DEFINE_SD_ORIENTATION); tie the nodes to their structures",
@@ -175,7 +175,10 @@ def _arms(deck: Deck) -> DeckText:
     curve = []
     if deck.beside.k3:
         materials.append(("*MAT_SPRING_NONLINEAR_ELASTIC", [1]))
-        rows = (f"{packed(x, 20):>20}{packed(F, 20):>20}" for x, F in deck.beside.both_ways())
+        rows = (
+            f"{format_fixed_width(x, 20):>20}{format_fixed_width(F, 20):>20}"
+            for x, F in deck.beside.both_ways()
+        )
         curve = ["*DEFINE_CURVE", fields(1), *rows]
     cards = [
         "*KEYWORD",
@@ -245,5 +248,7 @@ def _prony(
 
 def fields(*values: object) -> str:
     """A line of a card: fields of ten columns."""
-    words = (packed(value, 9) if isinstance(value, float) else str(value) for value in values)
+    words = (
+        format_fixed_width(value, 9) if isinstance(value, float) else str(value) for value in values
+    )
     return "".join(f"{word:>10}" for word in words)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, convert_to_si
 from dashpot.export.deck import Deck, DeckText
 from dashpot.export.deck_validation import target
 from dashpot.export.unit_systems import text
@@ -29,7 +29,7 @@ def radioss(
     modulus : float
         Instantaneous shear modulus G_0 of the rubber, Pa: a part's stiffness does not tell it.
     """
-    modulus = si(modulus, "stress")
+    modulus = convert_to_si(modulus, "stress")
     long_term, terms = deck.shear(modulus, "Radioss")
     return deck.written(
         "#",

@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, FloatArray, median, slow_periodogram
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.status import Status
-from dashpot.base.units import in_unit, written
+from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
@@ -61,7 +61,8 @@ def same_specimen(stiffnesses: Sequence[EndStiffness]) -> Finding:
     apart, i, j = max(pairs)
     first, second = stiffnesses[i], stiffnesses[j]
     each = ", ".join(
-        f"{in_unit(one.value, 'N/mm'):.4g} +- {in_unit(one.sd, 'N/mm'):.1g}" for one in stiffnesses
+        f"{convert_to_unit(one.value, 'N/mm'):.4g} +- {convert_to_unit(one.sd, 'N/mm'):.1g}"
+        for one in stiffnesses
     )
     return Finding(
         f"At the end of the hold the tests give {each} N/mm",
@@ -139,8 +140,8 @@ def hold_long_enough(end: EndOfHold | None) -> Finding:
 def k_inf_positive(model: GeneralizedMaxwell, se: float, end: EndOfHold | None = None) -> Finding:
     """There is an equilibrium stiffness left."""
     return Finding(
-        f"k_inf is {written(model.k_inf, 'N/mm')}; noise alone would hide "
-        f"{written(3.0 * se, 'N/mm', '.2g')}",
+        f"k_inf is {format_quantity(model.k_inf, 'N/mm')}; noise alone would hide "
+        f"{format_quantity(3.0 * se, 'N/mm', '.2g')}",
         model.k_inf,
         "It may be zero: the hold ended before the force levelled off, or the seal flows",
         "Hold longer.",
@@ -167,14 +168,14 @@ def k_inf_known(
     if end is not None:
         (low, high), most, what = end.k_end, max(left, 1e-300), "this stiffness"
         says = (
-            f"When the hold ends the stiffness is {in_unit(low, 'N/mm'):.3g} to "
-            f"{written(high, 'N/mm', '.3g')}"
+            f"When the hold ends the stiffness is {convert_to_unit(low, 'N/mm'):.3g} to "
+            f"{format_quantity(high, 'N/mm', '.3g')}"
         )
     else:
         low, high, most, what = max(model.k_inf - 2 * se, 0.0), model.k_inf + 2 * se, left, "k_inf"
         says = (
-            f"Noise leaves {written(high - low, 'N/mm', '.3g')} of k_inf open, of "
-            f"{written(left, 'N/mm', '.3g')} at the end of the hold"
+            f"Noise leaves {format_quantity(high - low, 'N/mm', '.3g')} of k_inf open, of "
+            f"{format_quantity(left, 'N/mm', '.3g')} at the end of the hold"
         )
     if not (np.isfinite(high) and most > 0):
         return Finding(
@@ -307,8 +308,8 @@ def force_followed(test: RampHold, residual: FloatArray) -> Finding:
     noise = max(of_samples, slow_noise(residual, peak))
     ratio = misfit / noise if noise > 0 else 1.0
     return Finding(
-        f"The model misses the force by {written(misfit, 'mN', '.3g')} rms {where}; "
-        f"{written(noise, 'mN', '.3g')} would be noise",
+        f"The model misses the force by {format_quantity(misfit, 'mN', '.3g')} rms {where}; "
+        f"{format_quantity(noise, 'mN', '.3g')} would be noise",
         ratio,
         "Stiffening, friction, slip, or a late force may cause this. The arms mean nothing then",
         "Check the motion and the clocks, and repeat the test.",

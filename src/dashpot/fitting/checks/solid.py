@@ -8,9 +8,14 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.sentences import sentence
 from dashpot.base.status import Status
-from dashpot.base.units import read_in, written
+from dashpot.base.units import format_quantity, get_display_unit
 from dashpot.datamodel.band_error import WELL_KNOWN, BandError
-from dashpot.numerics.inference.model_order import MAX_SE_LN_TAU, MIN_K_OVER_SE, Choice, Shortage
+from dashpot.numerics.inference.model_order import (
+    MAX_SE_LN_TAU,
+    MIN_K_OVER_SE,
+    OrderChoice,
+    Shortage,
+)
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 MIN_TAU_RATIO = 1.5
@@ -157,7 +162,7 @@ def residuals_random(kappa: float, rms: float, noise: float | None = None) -> Fi
     size = f"weighted residuals are {rms:.3g} rms"
     cause, advice = "The model misses part of the curve", "Look at the dense spectrum."
     if noise is not None:
-        size = f"residuals are {written(rms, 'mN', '.3g')} rms"
+        size = f"residuals are {format_quantity(rms, 'mN', '.3g')} rms"
         if rms > 1.3 * noise:
             advice = "Try another arm, or look at the residuals."
         else:
@@ -176,11 +181,11 @@ def residuals_random(kappa: float, rms: float, noise: float | None = None) -> Fi
     source="arms by significance, below the most that was tried",
     grade="note",
 )
-def order_agreed(choice: Choice) -> Finding:
+def order_agreed(choice: OrderChoice) -> Finding:
     """The two rules for the number of arms agree, on less than the most that was tried."""
     chosen = arms_said(choice.arms)
     says = f"Both rules choose {chosen}"
-    if not choice.agreed:
+    if not choice.has_agreement:
         says = (
             f"BIC supports {arms_said(choice.by_bic)}, the significance of k and tau "
             f"{arms_said(choice.by_significance)}; {chosen} taken"
@@ -239,7 +244,7 @@ def samples_independent(effective: float, parameters: int, kappa: float) -> Find
 def format_residual(rms: float, unit: str) -> str:
     """Return what a fit leaves in words."""
     if unit in {"N", "m"}:
-        return written(rms, {"N": "mN", "m": "um"}[unit], ".3g")
+        return format_quantity(rms, {"N": "mN", "m": "um"}[unit], ".3g")
     return f"{100 * rms:.3g} %" if unit == "1" else f"{rms:.3g} {unit}"
 
 
@@ -275,7 +280,7 @@ def loss_factor_known(known: BandError | None) -> Finding:
 
 def amount(value: float, unit: str) -> str:
     """Return a stiffness as people read it: N/mm of a part, MPa of a material."""
-    return written(value, read_in(unit), ".3g")
+    return format_quantity(value, get_display_unit(unit), ".3g")
 
 
 def arms_said(count: int) -> str:

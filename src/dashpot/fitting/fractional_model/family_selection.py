@@ -18,7 +18,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
-from dashpot.base.choices import FamilyAsked, refuse_other
+from dashpot.base.choices import FamilyAsked, require_choice
 from dashpot.base.errors import FitError
 from dashpot.base.sentences import sentence
 from dashpot.datamodel.alternative_model import Alternative
@@ -36,9 +36,9 @@ from dashpot.fitting.fractional_model.checks import (
     slope_known,
 )
 from dashpot.fitting.fractional_model.fractional_solver import ArmColumns, element_jacobian
-from dashpot.fitting.pipeline import Chosen
+from dashpot.fitting.pipeline import SelectedModel
 from dashpot.fitting.uncertainty.solution_covariance import estimated, rounding
-from dashpot.numerics.inference.model_order import bic, deviance, needed
+from dashpot.numerics.inference.model_order import bic, deviance, is_significant_fall
 from dashpot.numerics.least_squares.problem import Optimum
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
@@ -53,7 +53,7 @@ _LINES = 40
 
 
 @dataclass(frozen=True, eq=False)
-class ChosenElement(Chosen):
+class FractionalFit(SelectedModel):
     """The best fractional solid of some data, and its uncertainty.
 
     Attributes
@@ -133,7 +133,7 @@ def checked_family(family: str, arms: int | str = "auto") -> None:
     ------
     FitError
     """
-    refuse_other("family", family, FamilyAsked, FitError)
+    require_choice("family", family, FamilyAsked, FitError)
     if family == "fractional" and arms != "auto":
         raise FitError(
             f"arms = {arms}, but a fractional solid has no number of arms: leave out --arms, or "
@@ -155,7 +155,7 @@ def refuse_beside_shifts(family: str) -> None:
         )
 
 
-def element(data: FitData) -> ChosenElement:
+def element(data: FitData) -> FractionalFit:
     """Return the best fractional solid of some data, whose priors weigh as their noise does.
 
     Raises
@@ -179,13 +179,13 @@ def element(data: FitData) -> ChosenElement:
         encoders=data.encoders,
         whole=element_jacobian(data.every, columns, best),
     )
-    return ChosenElement(data, estimate, (), None, None, best)
+    return FractionalFit(data, estimate, (), None, None, best)
 
 
 # -- beside the arms ------------------------------------------------------------------------------
 
 
-class Other(NamedTuple):
+class AlternativeFamily(NamedTuple):
     """The family that was not taken.
 
     Attributes
@@ -207,7 +207,7 @@ class Other(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class FamilyChoice:
+class FamilySelection:
     """One family taken, and the other.
 
     Attributes
@@ -219,23 +219,25 @@ class FamilyChoice:
         None where arms alone were asked for.
     """
 
-    best: Chosen
-    arms: Chosen
-    other: Other | None = None
+    best: SelectedModel
+    arms: SelectedModel
+    other: AlternativeFamily | None = None
 
     def alternative(self, band: tuple[float, float], further: str = RAMPS) -> Alternative | None:
         """The other family, as a fit keeps it; `band` is what the data inform, Hz."""
         if self.other is None:
             return None
         solid, _, rise, explains = self.other
-        return beside(self.best.solid, solid, rise, band, explains=explains, further=further)
+        return alternative_of(
+            self.best.solid, solid, rise, band, explains=explains, further=further
+        )
 
     def checks(self, alternative: Alternative | None) -> tuple[Check, ...]:
         """What to ask of a solid that was taken beside another family."""
         if self.other is None:
             return ()
         told = families_told_apart(alternative)
-        if not isinstance(self.best, ChosenElement):
+        if not isinstance(self.best, FractionalFit):
             return (told,)
         error = float(self.best.error[ELEMENT.index("alpha")])
         return (
@@ -248,19 +250,21 @@ class FamilyChoice:
 class _Contender(NamedTuple):
     """One solid of a family: what it leaves, N^2, and how many parameters it has."""
 
-    family: Chosen
+    family: SelectedModel
     solid: Solid
     sse: float
     parameters: int
 
 
-def chosen_family(arms: Chosen, family: str, one: ChosenElement | None = None) -> FamilyChoice:
+def chosen_family(
+    arms: SelectedModel, family: str, one: FractionalFit | None = None
+) -> FamilySelection:
     """Return the family asked for, or with ``"auto"`` the one that BIC prefers, and the other.
 
     `one` is the fractional solid of the same data, where it is known already.
     """
     if family == "maxwell":
-        return FamilyChoice(arms, arms)
+        return FamilySelection(arms, arms)
     one = one or element(arms.data)
     fewest = min(arms, one, key=lambda found: found.solution.sse)
     effective = fewest.estimate.effective
@@ -271,7 +275,7 @@ def chosen_family(arms: Chosen, family: str, one: ChosenElement | None = None) -
 
     def explained(found: _Contender, best: _Contender) -> bool:
         own, least = (deviance(one.sse, effective=effective, floor=floor) for one in (found, best))
-        return not needed(own - least, max(best.parameters - found.parameters, 1))
+        return not is_significant_fall(own - least, max(best.parameters - found.parameters, 1))
 
     def spread(found: _Contender) -> float:
         # many arms leave less of few samples by chance alone
@@ -284,10 +288,10 @@ def chosen_family(arms: Chosen, family: str, one: ChosenElement | None = None) -
     least = criterion(best) + VERY_STRONG
     explain = [other for other in others if criterion(other) < least or explained(other, best)]
     other = (explain or others)[0]
-    return FamilyChoice(
+    return FamilySelection(
         best.family,
         arms,
-        Other(
+        AlternativeFamily(
             other.solid,
             residual=float(np.sqrt(spread(best) / spread(other))),
             bic=criterion(other) - criterion(best),
@@ -296,11 +300,11 @@ def chosen_family(arms: Chosen, family: str, one: ChosenElement | None = None) -
     )
 
 
-def _candidate(found: Chosen) -> _Contender:
+def _candidate(found: SelectedModel) -> _Contender:
     return _Contender(found, found.solid, found.solution.sse, len(found.estimate.names))
 
 
-def _of_orders(arms: Chosen) -> list[_Contender]:
+def _of_orders(arms: SelectedModel) -> list[_Contender]:
     """The number of arms that was taken, and the larger ones that were tried."""
     own = _candidate(arms)
     more = [score.solution for score in arms.scores if score.solution.order > arms.solution.order]
@@ -319,7 +323,7 @@ def _of_orders(arms: Chosen) -> list[_Contender]:
     ]
 
 
-def beside_bent(bent: Fit, left: Sequence[FloatArray], one: ChosenElement) -> Fit:
+def with_linear_fractional(bent: Fit, left: Sequence[FloatArray], one: FractionalFit) -> Fit:
     """Return a fit hold first that says what a linear fractional solid makes of the same tests.
 
     Parameters
@@ -341,21 +345,21 @@ def beside_bent(bent: Fit, left: Sequence[FloatArray], one: ChosenElement) -> Fi
     law = bent.elastic_law
     parameters = len(bent.parameters) + len(bent.nuisance) + (len(law.knots) if law else 0)
     rise = fall + (len(one.estimate.names) - parameters) * float(np.log(effective))
-    explains = rise < VERY_STRONG or not needed(fall, 1)
-    other = beside(bent.solid, one.solid, rise, bent.band, explains=explains, further=RAMPS)
+    explains = rise < VERY_STRONG or not is_significant_fall(fall, 1)
+    other = alternative_of(bent.solid, one.solid, rise, bent.band, explains=explains, further=RAMPS)
     checks = (*bent.checks, families_told_apart(other))
     return replace(bent, evidence=replace(bent.evidence, alternative=other, checks=checks))
 
 
-def named(found: Chosen) -> str:
+def describe_fit(found: SelectedModel) -> str:
     """Return what was fitted, in words."""
-    if isinstance(found, ChosenElement):
+    if isinstance(found, FractionalFit):
         return "a fractional Zener solid"
     arms = found.model.arms
     return f"a generalized Maxwell solid with {arms} arm{'s' * (arms != 1)}"
 
 
-def parts_from(one: Solid, other: Solid, band: tuple[float, float]) -> float | None:
+def divergence_frequency(one: Solid, other: Solid, band: tuple[float, float]) -> float | None:
     """Return the lowest frequency, Hz, at which two solids differ materially, if any.
 
     From the middle of `band`, what the data inform, Hz, to where parts vibrate.
@@ -377,7 +381,7 @@ def _apart(one: Solid, other: Solid, f: FloatArray) -> FloatArray:
     return np.asarray((np.abs(a.real / b.real - 1) > STIFFNESS_MATTERS) | (of_loss > LOSS_MATTERS))
 
 
-def beside(
+def alternative_of(
     mine: Solid,
     other: Solid,
     rise: float,
@@ -400,7 +404,7 @@ def beside(
     further : str
         What would tell the two apart.
     """
-    apart = parts_from(mine, other, band)
+    apart = divergence_frequency(mine, other, band)
     if isinstance(other, FractionalZener):
         name = f"a fractional model (alpha = {other.alpha:.3g})"
     else:

@@ -20,7 +20,13 @@ from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit.log_tau_descent import Stack
 from dashpot.numerics.exponential_fit.variable_projection import Jacobian, Solution
 from dashpot.numerics.least_squares.levenberg_marquardt import triangle
-from dashpot.numerics.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
+from dashpot.numerics.least_squares.problem import (
+    Optimum,
+    Parameter,
+    Problem,
+    Rows,
+    require_optimum,
+)
 from dashpot.solids.fractional import Weights, weights_at
 
 # step of ln tau of the columns, and how far beyond the window of a stack they stand: an arm that
@@ -50,7 +56,7 @@ class ArmColumns:
         factor = triangle(rows.columns)
         q = len(stack.names)
         self.fixed, self.arms, self.target = factor[:, :q], factor[:, q:-1], factor[:, -1]
-        self.restricted = stack.restricted(1, signed=False)
+        self.restricted = stack.get_nonnegative_mask(1, signed=False)
         self.bounds = (
             np.array([low - SOUGHT, ALPHA[0]]),
             np.array([high + SOUGHT, ALPHA[1]]),
@@ -74,7 +80,7 @@ class ArmColumns:
 
     def best(self) -> Optimum:
         """The element that leaves least, from the best of a grid of starts."""
-        return solved(self.problem, [one.theta for one in self.starts(_STARTS)])
+        return require_optimum(self.problem, [one.theta for one in self.starts(_STARTS)])
 
     def starts(self, count: int) -> list[Optimum]:
         """The best points of a grid, no two of nearly the same relaxation time."""

@@ -27,7 +27,7 @@ import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.base.number_format import with_error
-from dashpot.base.units import in_unit, written
+from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.datamodel.fit_diagnostics import Explanation
 from dashpot.fitting.identification import checks
 from dashpot.fitting.identification.likelihood import (
@@ -52,7 +52,7 @@ _OTHER = 2.0
 _LIKE_A_COUNT = 0.1
 
 
-class Cause(NamedTuple):
+class DiscrepancyCause(NamedTuple):
     """A quantity that may differ between two tests.
 
     Attributes
@@ -75,20 +75,26 @@ class Cause(NamedTuple):
 
 
 CAUSES = (
-    Cause("stiffness", "another stiffness of the seals", "factor"),
-    Cause("k_inf", "another stiffness of the seals at rest", "spring"),
-    Cause("mass", "another mass", "mass", "kg"),
-    Cause("gain", "another gain of the channels", "gain"),
+    DiscrepancyCause("stiffness", "another stiffness of the seals", "factor"),
+    DiscrepancyCause("k_inf", "another stiffness of the seals at rest", "spring"),
+    DiscrepancyCause("mass", "another mass", "mass", "kg"),
+    DiscrepancyCause("gain", "another gain of the channels", "gain"),
 )
 PAIRS = (
-    Cause("mass and stiffness", "another mass and stiffness of the seals", "mass", "kg", "factor"),
-    Cause("gain and stiffness", "another gain and stiffness of the seals", "gain", "1", "factor"),
-    Cause("mass and k_inf", "another mass and stiffness at rest", "mass", "kg", "spring"),
+    DiscrepancyCause(
+        "mass and stiffness", "another mass and stiffness of the seals", "mass", "kg", "factor"
+    ),
+    DiscrepancyCause(
+        "gain and stiffness", "another gain and stiffness of the seals", "gain", "1", "factor"
+    ),
+    DiscrepancyCause(
+        "mass and k_inf", "another mass and stiffness at rest", "mass", "kg", "spring"
+    ),
 )
 
 
 @dataclass(frozen=True, eq=False)
-class Disagreement:
+class Discrepancy:
     """Two tests that no seal explains under what is known of the rig.
 
     Attributes
@@ -109,13 +115,13 @@ class Disagreement:
     known: NuisancePriors
 
 
-def disagreement(
+def explain_discrepancy(
     plain: Candidate,
     refit: Callable[[IdentificationProblem], Candidate],
     *,
     law: ElasticLaw | None = None,
     compression: float | None = None,
-) -> Disagreement | None:
+) -> Discrepancy | None:
     """Look for what explains both tests; None if they agree.
 
     Parameters
@@ -131,7 +137,7 @@ def disagreement(
     """
     problem = plain.problem
     alone = not problem.relaxations and problem.constraints.before is None
-    if alone or not in_conflict(plain):
+    if alone or not is_contradicted(plain):
         return None
     before, alike, ranked = _ranked(plain, refit)
     told = [
@@ -147,29 +153,32 @@ def disagreement(
         if one.explains and candidate.criterion <= alike
     ]
     if not told[0].explains:
-        return Disagreement(
-            tuple(told), plain, freed(before, told[0].name).point.model, problem.priors
+        return Discrepancy(
+            tuple(told),
+            plain,
+            refit_with_free_cause(before, told[0].name).point.model,
+            problem.priors,
         )
     if rivals:
         says = f"{told[0].says}. It is as well explained by {', or by '.join(rivals)}"
         told[0] = replace(told[0], says=says)
     lead = ranked[0][1]
     held = replace(lead.problem, priors=problem.priors)
-    return Disagreement(tuple(told), lead, _to(held, lead).point.model, problem.priors)
+    return Discrepancy(tuple(told), lead, _to(held, lead).point.model, problem.priors)
 
 
 def _ranked(
     plain: Candidate, refit: Callable[[IdentificationProblem], Candidate]
-) -> tuple[Candidate, float, list[tuple[Cause, Candidate]]]:
+) -> tuple[Candidate, float, list[tuple[DiscrepancyCause, Candidate]]]:
     """The plain optimum, up to which criterion two causes are alike, and the causes by rank.
 
     All are by the line scale of the closest; two causes at once are tried where none alone does.
     """
     problem = plain.problem
-    free: list[Cause] = []
+    free: list[DiscrepancyCause] = []
     found: list[Candidate] = []
     for causes in (CAUSES, PAIRS):
-        if all(map(in_conflict, found)):
+        if all(map(is_contradicted, found)):
             new = [cause for cause in causes if problem.priors.each[cause.quantity] is not None]
             free += new
             found += [refit(_freed(problem, cause)) for cause in new]
@@ -181,12 +190,12 @@ def _ranked(
     alike = least + max(DECISIVE, LACKING * (before.criterion - least))
     by = sorted(
         zip(free, found, strict=True),
-        key=lambda pair: (in_conflict(pair[1]), max(pair[1].criterion, alike)),
+        key=lambda pair: (is_contradicted(pair[1]), max(pair[1].criterion, alike)),
     )
     return before, alike, by
 
 
-def freed(candidate: Candidate, name: str) -> Candidate:
+def refit_with_free_cause(candidate: Candidate, name: str) -> Candidate:
     """The optimum of the same arms, or of the element, where the cause of that name is free."""
     cause = next(cause for cause in (*CAUSES, *PAIRS) if cause.name == name)
     return _to(_freed(candidate.problem, cause), candidate)
@@ -197,7 +206,7 @@ def _to(problem: IdentificationProblem, candidate: Candidate) -> Candidate:
     return descend(problem, problem.pack(candidate.point), tolerance=TOLERANCE)
 
 
-def in_conflict(candidate: Candidate) -> bool:
+def is_contradicted(candidate: Candidate) -> bool:
     """Return True if lines, a relaxation test, mass, gain or stiffness are beyond belief."""
     return bool(_failed(candidate))
 
@@ -254,7 +263,7 @@ def _of_rig(point: Parameters, priors: NuisancePriors) -> list[Check]:
     return [judge(off, sd) for judge, off, sd in known if 0 < sd < np.inf]
 
 
-def _freed(problem: IdentificationProblem, cause: Cause) -> IdentificationProblem:
+def _freed(problem: IdentificationProblem, cause: DiscrepancyCause) -> IdentificationProblem:
     free = {
         name: (problem.priors.each[name] or UNCHANGED)._replace(sd=np.inf)
         for name in (cause.quantity, cause.beside)
@@ -269,7 +278,7 @@ def _again(candidate: Candidate, scale: float) -> Candidate:
 
 
 def _told(
-    cause: Cause,
+    cause: DiscrepancyCause,
     found: Candidate,
     before: Candidate,
     law: ElasticLaw | None,
@@ -277,13 +286,13 @@ def _told(
     *,
     leads: bool,
 ) -> Explanation:
-    explains = not in_conflict(found)
+    explains = not is_contradicted(found)
     value, error = _known(found, cause.quantity)
     supposed = float(getattr(before.problem.priors, cause.quantity).mean)
     says = cause.noun
     if explains and leads:
         says = _SENTENCES[cause.quantity](value, error)
-        says += f", not {written(supposed, 'g', '.5g')}" if cause.quantity == "mass" else ""
+        says += f", not {format_quantity(supposed, 'g', '.5g')}" if cause.quantity == "mass" else ""
         says += _beside(cause, found) + _elsewhere(cause, value, law, compression)
     return Explanation(
         name=cause.name,
@@ -304,7 +313,7 @@ def _known(found: Candidate, quantity: str) -> tuple[float, float]:
     return value, value * float(np.sqrt(found.covariance[place, place]))
 
 
-def _beside(cause: Cause, found: Candidate) -> str:
+def _beside(cause: DiscrepancyCause, found: Candidate) -> str:
     """The stiffness that goes with a mass or a gain, where it is another one at all."""
     if not cause.beside:
         return ""
@@ -334,7 +343,7 @@ _SENTENCES: dict[str, Callable[[float, float], str]] = {
     ),
     "spring": lambda value, error: f"k_inf alone is {_percent(value, error)} under the hammer",
     "mass": lambda value, error: (
-        f"the mass is {with_error(in_unit(value, 'g'), in_unit(error, 'g'))} g"
+        f"the mass is {with_error(convert_to_unit(value, 'g'), convert_to_unit(error, 'g'))} g"
     ),
     "gain": lambda value, error: (
         f"acceleration over force reads {with_error(value, error)} times what it is"
@@ -343,7 +352,7 @@ _SENTENCES: dict[str, Callable[[float, float], str]] = {
 
 
 def _elsewhere(
-    cause: Cause, value: float, law: ElasticLaw | None, compression: float | None
+    cause: DiscrepancyCause, value: float, law: ElasticLaw | None, compression: float | None
 ) -> str:
     """At which other compression the law has this stiffness, in words."""
     if cause.name != "stiffness" or law is None or law.kind == "linear":
@@ -353,5 +362,5 @@ def _elsewhere(
         return ". Their elastic law gives this at no compression tested"
     x = np.linspace(0.0, law.depth, 2001)
     at = float(x[np.argmin(np.abs(law.factor(x) - value))])
-    supposed = "" if compression is None else f", not {written(compression, 'mm', '.3g')}"
-    return f". Their elastic law gives this at {written(at, 'mm', '.3g')}{supposed}"
+    supposed = "" if compression is None else f", not {format_quantity(compression, 'mm', '.3g')}"
+    return f". Their elastic law gives this at {format_quantity(at, 'mm', '.3g')}{supposed}"

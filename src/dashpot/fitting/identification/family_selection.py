@@ -19,16 +19,16 @@ from dashpot.fitting.fractional_model.checks import (
     families_told_apart,
     slope_known,
 )
-from dashpot.fitting.fractional_model.family_selection import VERY_STRONG, beside
+from dashpot.fitting.fractional_model.family_selection import VERY_STRONG, alternative_of
 from dashpot.fitting.identification.likelihood import Candidate
-from dashpot.fitting.identification.parametrisation import Element, at_edge
-from dashpot.numerics.inference.model_order import needed
+from dashpot.fitting.identification.parametrisation import FractionalElement, at_edge
+from dashpot.numerics.inference.model_order import is_significant_fall
 
 # what would tell families apart that explain a hammer alone, and with relaxation tests
 _ALONE, _JOINT = "a relaxation test of the seal", "a colder test or a hammer on another mass"
 
 
-class Rival(NamedTuple):
+class AlternativeCandidate(NamedTuple):
     """The best candidate of the other family.
 
     Attributes
@@ -52,13 +52,15 @@ class Rival(NamedTuple):
         """The other family as a fit keeps it; `band` is what the tests inform, Hz."""
         problem, rise = self.best.problem, self.other.bic - self.best.bic
         alone = not problem.relaxations and problem.constraints.before is None
-        return beside(
+        return alternative_of(
             self.best.point.model, self.other.point.model, rise, band,
             explains=self.explains, further=_ALONE if alone else _JOINT,
         )  # fmt: skip
 
 
-def chosen_rival(arms: Candidate, tried: Sequence[Candidate], one: Candidate, family: str) -> Rival:
+def chosen_rival(
+    arms: Candidate, tried: Sequence[Candidate], one: Candidate, family: str
+) -> AlternativeCandidate:
     """Return the family asked for, or with ``"auto"`` the one that BIC prefers, and the other.
 
     Parameters
@@ -72,30 +74,34 @@ def chosen_rival(arms: Candidate, tried: Sequence[Candidate], one: Candidate, fa
     family : "fractional" or "auto"
     """
     several = [arms, *(other for other in tried if other.arms > arms.arms)]
-    better = one.bic + VERY_STRONG < arms.bic and not edged(one)
+    better = one.bic + VERY_STRONG < arms.bic and not at_bound(one)
     best, others = (one, several) if family == "fractional" or better else (arms, [one])
     explain = [other for other in others if _explains(other, best)]
-    return Rival(best, (explain or others)[0], bool(explain))
+    return AlternativeCandidate(best, (explain or others)[0], bool(explain))
 
 
-def judged_again(rival: Rival, free: Callable[[Candidate], Candidate]) -> Rival:
+def reselected_family(
+    rival: AlternativeCandidate, free: Callable[[Candidate], Candidate]
+) -> AlternativeCandidate:
     """The same two where what the tests contradict is free: else a wrong mass chooses the solid."""
     best, other = free(rival.best), free(rival.other)
-    return Rival(best, other, _explains(other, best))
+    return AlternativeCandidate(best, other, _explains(other, best))
 
 
-def edged(candidate: Candidate) -> bool:
+def at_bound(candidate: Candidate) -> bool:
     """True if a relaxation time or a slope stands at an end of what is sought."""
     problem = candidate.problem
     numbers = candidate.theta[: problem.sought.size]
     return at_edge(problem.sought, numbers, problem.log_tau_range)
 
 
-def family_checks(best: Candidate, rival: Rival | None, other: Alternative | None) -> list[Check]:
+def family_checks(
+    best: Candidate, rival: AlternativeCandidate | None, other: Alternative | None
+) -> list[Check]:
     """Ask of an element whether it is known and explains the tests, of either for the other."""
     answers = []
-    if isinstance(best.problem.sought, Element):
-        answers.append(slope_known(float(np.sqrt(best.covariance[3, 3])), edge=edged(best)))
+    if isinstance(best.problem.sought, FractionalElement):
+        answers.append(slope_known(float(np.sqrt(best.covariance[3, 3])), edge=at_bound(best)))
         if rival is not None:
             answers.append(element_explains(rival.worst, rival.other.arms))
     return answers if rival is None else [*answers, families_told_apart(other)]
@@ -110,4 +116,4 @@ def _explains(other: Candidate, best: Candidate) -> bool:
     more = len(best.theta) - len(other.theta)
     rise = other.bic - best.bic
     fall = rise + more * float(np.log(best.samples))
-    return rise < VERY_STRONG or not needed(fall, max(more, 1))
+    return rise < VERY_STRONG or not is_significant_fall(fall, max(more, 1))

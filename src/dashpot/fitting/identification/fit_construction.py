@@ -14,7 +14,7 @@ from dashpot.base.reported_values import NORMAL
 from dashpot.datamodel.band_error import WELL_KNOWN, BandError
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.fit import LINES_IN_BAND, Fit
-from dashpot.datamodel.fit_diagnostics import Evidence, Moved, OrderScore, Provenance
+from dashpot.datamodel.fit_diagnostics import Evidence, OrderScore, ParameterChange, Provenance
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.parameter_estimate import (
     Nuisance,
@@ -26,10 +26,14 @@ from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
 from dashpot.fitting.checks.solid import optimum_found
-from dashpot.fitting.fit_construction import FoundSolid, assembled
+from dashpot.fitting.fit_construction import SolidEstimate, build_fit
 from dashpot.fitting.identification import checks
-from dashpot.fitting.identification.discrepancy_causes import Disagreement, agreement
-from dashpot.fitting.identification.family_selection import Rival, edged, family_checks
+from dashpot.fitting.identification.discrepancy_causes import Discrepancy, agreement
+from dashpot.fitting.identification.family_selection import (
+    AlternativeCandidate,
+    at_bound,
+    family_checks,
+)
 from dashpot.fitting.identification.likelihood import DELAY_UNIT, UNCHANGED, Candidate
 from dashpot.fitting.identification.parametrisation import Arms
 from dashpot.fitting.identification.prior_knowledge import HammerRig
@@ -43,7 +47,7 @@ from dashpot.solids.maxwell import Solid
 SAME = 1.0
 
 
-def identified(
+def build_identified_fit(
     best: Candidate,
     orders: Sequence[Candidate],
     *,
@@ -54,8 +58,8 @@ def identified(
     doubtful: Sequence[RelaxationData],
     asked: int | str,
     most: int,
-    apart: Disagreement | None,
-    rival: Rival | None,
+    apart: Discrepancy | None,
+    rival: AlternativeCandidate | None,
     dashpot: tuple[Check, ...],
     rig: HammerRig,
 ) -> Fit:
@@ -94,12 +98,12 @@ def identified(
     answers = (*answers, checks.cables_described(known_there, best.problem.frf_data.peak_hz))
     end = end_of_data(best, before, estimate)
     law = None if before is None else before.elastic_law
-    return assembled(
-        FoundSolid(
+    return build_fit(
+        SolidEstimate(
             point.model,
             estimate,
             fewer=asked != "auto" and most > point.model.maxwell.arms,
-            at_bound=edged(best),
+            at_bound=at_bound(best),
         ),
         Evidence(
             band,
@@ -176,7 +180,7 @@ def _physical(
         return np.append(sought.physical(theta[: sought.size])[1], b)
 
     names = sought.physical(best.theta[: sought.size])[0] + ("b",) * problem.dashpot
-    told = best.estimate.derived(physical)
+    told = best.estimate.derive_quantity(physical)
     if model is None:
         return names, told.values, told.covariance
     b = [model.maxwell.b] if problem.dashpot else []
@@ -331,7 +335,7 @@ def _moved(
     names: tuple[str, ...],
     covariance: FloatArray,
     end: EndOfHold | None,
-) -> tuple[Moved, ...]:
+) -> tuple[ParameterChange, ...]:
     """Each parameter before and after; arms are matched by their relaxation times."""
     # as the fit of both weighed it
     of_noise = before.estimate.noise_alone.covariance
@@ -369,11 +373,13 @@ def _moved(
         if title == "k_inf":
             most = None if end is None else end.k_inf[1]
             found.append(
-                Moved(title, was, None, now, None, unit, before.intervals()["k_inf"][1], most)
+                ParameterChange(
+                    title, was, None, now, None, unit, before.intervals()["k_inf"][1], most
+                )
             )
             continue
         known = None if was is None or there not in old else error(old, there, was)
-        found.append(Moved(title, was, known, now, error(new, here, now), unit))
+        found.append(ParameterChange(title, was, known, now, error(new, here, now), unit))
     return tuple(found)
 
 
@@ -391,7 +397,7 @@ def _checks(
     best: Candidate,
     covariance: FloatArray,
     before: Fit | None,
-    apart: Disagreement | None,
+    apart: Discrepancy | None,
     in_band: tuple[float, float],
 ) -> tuple[Check, ...]:
     lead = None if apart is None else apart.explanations[0]

@@ -10,7 +10,7 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.numerics.design_matrices.block import DataBlock, design_block
-from dashpot.numerics.least_squares.problem import stacked
+from dashpot.numerics.least_squares.problem import stack_real_rows
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.modal.frf_lines import FLOOR
 from dashpot.vibration.modal.peaks import find_peak
@@ -104,7 +104,7 @@ class FRFData:
 
     def misfit(self, predicted: ComplexArray) -> FloatArray:
         """Weighted differences, real then imaginary, shape (2n,)."""
-        return stacked((predicted - self.lines.value) / self.sd)
+        return stack_real_rows((predicted - self.lines.value) / self.sd)
 
     def stiffness_block(self, mass: float | None, *, dashpot: bool) -> DataBlock:
         r"""The same lines as a linear problem in the stiffnesses of one seal, for starts.
@@ -128,14 +128,14 @@ class FRFData:
 
         def arms(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
             x = s[:, None] * tau
-            design = weights * stacked(self.seals * x / (1 + x))
+            design = weights * stack_real_rows(self.seals * x / (1 + x))
             if not derivative:
                 return design, design
-            return design, weights * stacked(self.seals * x / (1 + x) ** 2)
+            return design, weights * stack_real_rows(self.seals * x / (1 + x) ** 2)
 
         return design_block(
-            target=weights[:, 0] * stacked(stiffness),
-            fixed=weights * stacked(np.column_stack(list(columns.values()))),
+            target=weights[:, 0] * stack_real_rows(stiffness),
+            fixed=weights * stack_real_rows(np.column_stack(list(columns.values()))),
             fixed_names=tuple(columns),
             columns=arms,
             window=(

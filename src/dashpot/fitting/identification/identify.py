@@ -12,16 +12,23 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import FitError
-from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
 from dashpot.fitting.checks.solid import arms_enough
 from dashpot.fitting.fractional_model.family_selection import checked_family
 from dashpot.fitting.fractional_model.fractional_solver import ArmColumns
 from dashpot.fitting.identification.checks import dashpot_not_missed
-from dashpot.fitting.identification.discrepancy_causes import disagreement, freed
-from dashpot.fitting.identification.family_selection import Rival, chosen_rival, judged_again
-from dashpot.fitting.identification.fit_construction import identified
+from dashpot.fitting.identification.discrepancy_causes import (
+    explain_discrepancy,
+    refit_with_free_cause,
+)
+from dashpot.fitting.identification.family_selection import (
+    AlternativeCandidate,
+    chosen_rival,
+    reselected_family,
+)
+from dashpot.fitting.identification.fit_construction import build_identified_fit
 from dashpot.fitting.identification.frf_data import FARTHEST, frf_data_of
 from dashpot.fitting.identification.likelihood import (
     Candidate,
@@ -29,10 +36,15 @@ from dashpot.fitting.identification.likelihood import (
     Parameters,
     descend,
 )
-from dashpot.fitting.identification.parametrisation import GONE, Arms, Element, with_dashpot
+from dashpot.fitting.identification.parametrisation import (
+    GONE,
+    Arms,
+    FractionalElement,
+    with_dashpot,
+)
 from dashpot.fitting.identification.prior_knowledge import BenchFit, HammerRig, KnownSolid
 from dashpot.fitting.identification.problem_inputs import (
-    Before,
+    PriorTests,
     before_hammer,
     constraints_of,
     numbers_of,
@@ -44,7 +56,7 @@ from dashpot.fitting.pipeline import FURTHER
 from dashpot.fitting.replicates import refuse_copies
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit.variable_projection import solve_orders
-from dashpot.numerics.inference.model_order import DECISIVE, Shortage, choose
+from dashpot.numerics.inference.model_order import DECISIVE, Shortage, select_model_order
 from dashpot.preprocessing.prepare_tests import Tests, ramp_holds
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
@@ -136,11 +148,11 @@ def identify(
         If there are fewer arms than the earlier fit has, or the family cannot be fitted.
     """
     checked_family(family, arms)
-    mass, compression = si(mass, "mass"), si(compression, "length")
+    mass, compression = convert_to_si(mass, "mass"), convert_to_si(compression, "length")
     records = ramp_holds(tests)
     refuse_copies(records)
     frf_data = frf_data_of(frf, seals=seals_of(seals), band=si_range(band, "frequency"), mass=mass)
-    before = before_hammer(records, fit, si(temperature, "temperature"), family, bench)
+    before = before_hammer(records, fit, convert_to_si(temperature, "temperature"), family, bench)
     point = point_of(before.known, mass, seals, compression)
     priors, constraints = priors_of(mass, rig, point), constraints_of(known, before)
     whole = IdentificationProblem(before.relaxations, frf_data, priors, constraints)
@@ -153,20 +165,22 @@ def identify(
     scale = best.line_scale
     final = _last_descent(replace(best.problem, scale=scale), best.theta)
     earlier = before.known
-    own = before.element if isinstance(best.problem.sought, Element) else before.arms
-    apart = disagreement(
+    own = before.element if isinstance(best.problem.sought, FractionalElement) else before.arms
+    apart = explain_discrepancy(
         final,
         lambda problem: _again(problem, final.point, numbers, own),
         law=None if earlier is None else earlier.elastic_law,
         compression=None if point is None else point.compression,
     )
     if apart is not None and rival is not None:
-        rival = judged_again(rival, lambda one: freed(one, apart.explanations[0].name))
+        rival = reselected_family(
+            rival, lambda one: refit_with_free_cause(one, apart.explanations[0].name)
+        )
     orders = [candidate.scaled(scale) for candidate in found]
     if apart is not None and apart.found is not final:
         # what explains both tests chose its arms anew
         final, orders = apart.found, [apart.found]
-    solid = identified(
+    solid = build_identified_fit(
         final,
         orders,
         frf=frf,
@@ -213,8 +227,11 @@ def _last_descent(problem: IdentificationProblem, theta: FloatArray) -> Candidat
 
 
 def _best(
-    problems: Sequence[IdentificationProblem], numbers: Sequence[int], before: Before, family: str
-) -> tuple[Candidate, list[Candidate], Rival | None]:
+    problems: Sequence[IdentificationProblem],
+    numbers: Sequence[int],
+    before: PriorTests,
+    family: str,
+) -> tuple[Candidate, list[Candidate], AlternativeCandidate | None]:
     """The candidate to take, every number of arms tried beside it, and the other family's."""
     one = None if family == "maxwell" else _element(problems, before)
     if one is not None and before.known is not before.arms:
@@ -228,9 +245,9 @@ def _best(
     return rival.best, found if rival.best is best else [], rival
 
 
-def _element(problems: Sequence[IdentificationProblem], before: Before) -> Candidate:
+def _element(problems: Sequence[IdentificationProblem], before: PriorTests) -> Candidate:
     """The best fractional element, from the linear start of dynamic stiffness."""
-    sought, tries = Element.of(before.relaxations), []
+    sought, tries = FractionalElement.of(before.relaxations), []
     for problem in (replace(one, sought=sought) for one in problems):
         starts = []
         columns = ArmColumns(_stiffness_blocks(problem))
@@ -314,7 +331,7 @@ def _again(
     problem: IdentificationProblem, start: Parameters, numbers: Sequence[int], before: Fit | None
 ) -> Candidate:
     """The best of a problem with no more arms than a start has, from there."""
-    if isinstance(problem.sought, Element):
+    if isinstance(problem.sought, FractionalElement):
         return descend(problem, problem.pack(start), tolerance=LOOSE)
     most = start.model.maxwell.arms
     fewer = [number for number in numbers if number < most]
@@ -341,7 +358,7 @@ def _chosen(found: Sequence[Candidate]) -> Candidate:
         if ladder:
             sure = [one.scaled(scale).significant for one in ladder.values()]
             bics = [one.bic for one in ladder.values()]
-            best.append(ladder[choose([*ladder], bics, sure, decisive=DECISIVE).arms])
+            best.append(ladder[select_model_order([*ladder], bics, sure, decisive=DECISIVE).arms])
     return min(best, key=lambda candidate: candidate.bic)
 
 
@@ -358,7 +375,7 @@ def _arms_enough(
     scale = min(found, key=lambda one: one.bic).line_scale
     sure = [one.scaled(scale).significant for one in found]
     numbers, bics = [one.arms for one in found], [one.bic for one in found]
-    more = choose(numbers, bics, sure, decisive=DECISIVE).arms
+    more = select_model_order(numbers, bics, sure, decisive=DECISIVE).arms
     if more > few:
         lines = best.problem.frf_data.lines.s
         samples = 2 * len(lines) + sum(one.samples for one in best.problem.relaxations)

@@ -41,7 +41,13 @@ from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.numerics.inference.covariance_estimate import Estimate, estimate, white_noise
 from dashpot.numerics.inference.model_order import bic_of_deviance, deviance
 from dashpot.numerics.least_squares import problem as least_squares
-from dashpot.numerics.least_squares.problem import Optimum, Parameter, Rows, solved, stacked
+from dashpot.numerics.least_squares.problem import (
+    Optimum,
+    Parameter,
+    Rows,
+    require_optimum,
+    stack_real_rows,
+)
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.frf_prediction import Lost, Response, residues, ringing_pole
@@ -251,14 +257,14 @@ class IdentificationProblem:
         if "delay" in self.at:
             low[self.at["delay"]], high[self.at["delay"]] = -1e3, 1e3
         return least_squares.Problem(
-            lambda theta: Modelled(self, theta).rows,
+            lambda theta: ModelPrediction(self, theta).rows,
             [Parameter(*ends) for ends in zip(low.tolist(), high.tolist(), strict=True)],
-            priors=len(Modelled(self, start).known[0]),
+            priors=len(ModelPrediction(self, start).known[0]),
         )
 
 
 @dataclass(frozen=True, eq=False)
-class Modelled:
+class ModelPrediction:
     """What the solid and the rig of one vector make of every test, with the slope by the vector."""
 
     problem: IdentificationProblem
@@ -356,7 +362,7 @@ class Modelled:
         for (name, unit), column in zip(units.items(), rest, strict=True):
             if name in problem.at:
                 by[:, problem.at[name]] += unit * column
-        return stacked(by / data.sd[:, None]) / problem.scale
+        return stack_real_rows(by / data.sd[:, None]) / problem.scale
 
     def _by_impedance(
         self, s: ComplexArray, own: ComplexArray, felt: npt.ArrayLike, *, order: int = 0
@@ -428,9 +434,9 @@ class Candidate:
         return self.optimum.cost
 
     @cached_property
-    def modelled(self) -> Modelled:
+    def modelled(self) -> ModelPrediction:
         """What it makes of every test."""
-        return Modelled(self.problem, self.theta)
+        return ModelPrediction(self.problem, self.theta)
 
     @property
     def point(self) -> Parameters:
@@ -537,4 +543,6 @@ def descend(
     Until a step promises to lower chi-square by less than that part of it.
     """
     whole = problem.about(start)
-    return Candidate(problem, solved(whole, [start], most=most, finished=SHORT, flat=tolerance))
+    return Candidate(
+        problem, require_optimum(whole, [start], most=most, finished=SHORT, flat=tolerance)
+    )

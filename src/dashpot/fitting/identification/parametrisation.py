@@ -21,7 +21,7 @@ from dashpot.datamodel.parameter_estimate import ELEMENT, parameter_names
 from dashpot.fitting.fractional_model.checks import slope_known
 from dashpot.fitting.fractional_model.fractional_solver import ALPHA, BEYOND, SOUGHT, STEP
 from dashpot.fitting.relaxation_data import RelaxationData, RelaxationRows
-from dashpot.numerics.inference.model_order import arms_known
+from dashpot.numerics.inference.model_order import is_well_determined
 from dashpot.solids.fractional import FractionalZener, weights_at
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
@@ -120,7 +120,7 @@ class Arms:
     def known(self, error: FloatArray) -> BoolArray:
         """Which arms those leave known, in the order of the numbers."""
         N = self.count
-        return arms_known(np.ones(N), error[1 : 1 + N], error[1 + N : 1 + 2 * N])
+        return is_well_determined(np.ones(N), error[1 : 1 + N], error[1 + N : 1 + 2 * N])
 
     def log_tau(self, numbers: FloatArray) -> FloatArray:
         """Logarithms of the relaxation times, s, in that order."""
@@ -136,7 +136,7 @@ class Arms:
 
 
 @dataclass(frozen=True, eq=False)
-class Element:
+class FractionalElement:
     """A fractional element: ln k_inf, ln of its own k, ln tau, alpha.
 
     At fixed relaxation times its column is a weighted sum of columns of arms, so each relaxation
@@ -154,7 +154,7 @@ class Element:
     )
 
     @classmethod
-    def of(cls, relaxations: Sequence[RelaxationData]) -> Element:
+    def of(cls, relaxations: Sequence[RelaxationData]) -> FractionalElement:
         """An element beside these tests."""
         grids = {}
         for relaxation in relaxations:
@@ -228,7 +228,7 @@ class Element:
         return "a fractional element"
 
 
-Parametrisation: TypeAlias = Arms | Element
+Parametrisation: TypeAlias = Arms | FractionalElement
 """How a solid is written as `size` free numbers."""
 
 

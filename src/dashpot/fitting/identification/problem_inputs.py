@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.choices import Method, words
+from dashpot.base.choices import Method, get_choice_values
 from dashpot.base.errors import DataError, FitError
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
@@ -30,7 +30,7 @@ USUAL_MASS_SD = 0.001
 MOST_ARMS = 3
 
 
-class Before(NamedTuple):
+class PriorTests(NamedTuple):
     """What was known before the hammer.
 
     Attributes
@@ -60,7 +60,7 @@ def before_hammer(
     temperature: float | None,
     family: str,
     bench: BenchFit,
-) -> Before:
+) -> PriorTests:
     """The earlier fits, at the temperature of the hammer, and the tests that they are of.
 
     Tests that no earlier fit is of are fitted as `bench` says.
@@ -78,7 +78,7 @@ def before_hammer(
     before = _of_family("maxwell", fit) or fit_tests(list(records), **bench.choices)
     if temperature is not None:
         before = before.at_temperature(temperature)
-    same = len(records) == 1 and before.method in words(Method)
+    same = len(records) == 1 and before.method in get_choice_values(Method)
     each = bench.of_one_test.choices
     alone = [before] if same else [fit_tests(record, **each) for record in records]
     found, doubtful = (
@@ -90,20 +90,20 @@ def before_hammer(
     )
     bent = before.elastic_law is not None and before.elastic_law.kind != "linear"
     if family == "maxwell" or bent:
-        return Before(before, None, found, doubtful)
+        return PriorTests(before, None, found, doubtful)
     element = _of_family("fractional", fit) or fit_tests(
         list(records), family="fractional", **bench.choices
     )
-    return Before(before, element, found, doubtful)
+    return PriorTests(before, element, found, doubtful)
 
 
 def _of_family(family: str, fit: Fit | None) -> Fit | None:
     return fit if fit is not None and fit.family == family else None
 
 
-def _without_tests(fit: Fit | None, temperature: float | None, family: str) -> Before:
+def _without_tests(fit: Fit | None, temperature: float | None, family: str) -> PriorTests:
     if fit is None:
-        return Before(None, None, ())
+        return PriorTests(None, None, ())
     if fit.family != family:
         raise FitError(
             f"the earlier fit is of family {fit.family}, and without its relaxation tests no "
@@ -112,7 +112,7 @@ def _without_tests(fit: Fit | None, temperature: float | None, family: str) -> B
         )
     if temperature is not None:
         fit = fit.at_temperature(temperature)
-    return Before(None, fit, ()) if family == "fractional" else Before(fit, None, ())
+    return PriorTests(None, fit, ()) if family == "fractional" else PriorTests(fit, None, ())
 
 
 def point_of(
@@ -159,7 +159,7 @@ def priors_of(mass: float | None, rig: HammerRig, point: OperatingPoint | None) 
     )
 
 
-def constraints_of(known: KnownSolid, before: Before) -> Constraints:
+def constraints_of(known: KnownSolid, before: PriorTests) -> Constraints:
     """What the solid must obey: what is known of it, and an earlier fit that has no tests here."""
 
     def prior(name: str) -> Prior | None:

@@ -23,7 +23,7 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.datamodel.machine import USUAL
 from dashpot.fitting.identification.likelihood import Candidate
 from dashpot.fitting.identification.prior_knowledge import HammerRig
-from dashpot.numerics.least_squares.problem import stacked
+from dashpot.numerics.least_squares.problem import stack_real_rows
 
 # of the decay of a window, over which the response is differenced
 _STEP = 1e-3
@@ -40,7 +40,7 @@ def moved_by_hammer_rig(best: Candidate, rig: HammerRig) -> FloatArray:
         With what its user says of the cables.
     """
     problem = best.problem
-    columns = stacked(_doubts(best, rig) / problem.frf_data.sd[:, None]) / problem.scale
+    columns = stack_real_rows(_doubts(best, rig) / problem.frf_data.sd[:, None]) / problem.scale
     first = sum(len(rows) for rows in best.modelled.tests)
     slope = best.modelled.slope[first : first + len(columns)]
     covariance = np.where(np.isfinite(best.covariance), best.covariance, 0.0)

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.base.checks import Finding, Remedy, criterion
-from dashpot.base.units import in_unit, written
-from dashpot.fitting.nonlinear_ramp.goodness_of_fit import Soundness
+from dashpot.base.units import convert_to_unit, format_quantity
+from dashpot.fitting.nonlinear_ramp.goodness_of_fit import LinearFitQuality
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -58,7 +58,7 @@ def ramp_followed(missed: float, noise: float, discrepancy: float, kind: str) ->
     1.2,
     "simulation: of 11 that no law explained better, 8 missed; more where few samples ramp",
 )
-def ramp_explained(found: Soundness | None) -> Finding:
+def ramp_explained(found: LinearFitQuality | None) -> Finding:
     """A linear solid explains ramp and hold to their noise."""
     if found is None:
         return Finding("No one ramp before one hold is there, so it is not judged")
@@ -134,8 +134,8 @@ def k_inf_believable(model: GeneralizedMaxwell, se: float, end: float, hold: flo
     wrong = share > _BEYOND_BELIEF and model.k_inf > 3.0 * se
     return Finding(
         f"k_inf and the rest of the arms miss the stiffness at the end of the hold by "
-        f"{100 * share:.2g} %. They are {written(model.k_inf, 'N/mm')} and "
-        f"{in_unit(left, 'N/mm'):.2g}, and {written(end, 'N/mm')} was measured",
+        f"{100 * share:.2g} %. They are {format_quantity(model.k_inf, 'N/mm')} and "
+        f"{convert_to_unit(left, 'N/mm'):.2g}, and {format_quantity(end, 'N/mm')} was measured",
         share,
         "Offset or drift of the load cell took what is stiffness, or the other way round",
         Remedy("Record a baseline before contact, or give the drift.", "machine", "drift=..."),
@@ -189,7 +189,7 @@ def baseline_agrees(slopes: Sequence[tuple[float, float]]) -> Finding:
     """
     slope, value = max(slopes, key=lambda pair: pair[1], default=(0.0, 0.0))
     return Finding(
-        f"The baseline drifts by {written(slope, 'mN/s', '.2g')}, "
+        f"The baseline drifts by {format_quantity(slope, 'mN/s', '.2g')}, "
         f"{3 * value:.2g} standard deviations of what is known of the load cell",
         value,
         "The seal still moved before its ramp, or the cell drifts otherwise. Neither is taken off",
@@ -219,8 +219,8 @@ def clocks_agree(found: Sequence[tuple[float, float, float]]) -> Finding:
     value, error, prior = found[worst]
     of, far = (f" of test {worst + 1}", TOO_LATE_TOGETHER) if len(found) > 1 else ("", TOO_LATE)
     return Finding(
-        f"The force{of} lags the displacement by {in_unit(value, 'ms'):.3g} ± "
-        f"{written(error, 'ms', '.2g')}",
+        f"The force{of} lags the displacement by {convert_to_unit(value, 'ms'):.3g} ± "
+        f"{format_quantity(error, 'ms', '.2g')}",
         late[worst],
         "The fit corrects for this, but a late force looks like less damping",
         Remedy(

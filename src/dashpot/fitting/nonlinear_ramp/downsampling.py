@@ -18,8 +18,8 @@ import numpy.typing as npt
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, distinct, median
 from dashpot.base.errors import FitError
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.nuisance_priors import Priors, priors
-from dashpot.preprocessing.denoising import true_motion
+from dashpot.fitting.nuisance_priors import LoadCellPriors, priors
+from dashpot.preprocessing.denoising import denoise_displacement
 
 # blocks per e-fold of the time since a corner
 _IN_RAMP, _IN_HOLD = 64, 26
@@ -33,7 +33,7 @@ _SOON, _CLEAR, _RISEN = 0.1, 6.0, 0.005
 
 
 @dataclass(frozen=True, eq=False)
-class ThinnedRows:
+class DownsampledRows:
     """Several records as rows on top of each other.
 
     Attributes
@@ -70,7 +70,7 @@ class ThinnedRows:
     ends: tuple[float, ...]
     depths: tuple[float, ...]
     noise: tuple[float, ...]
-    known: tuple[Priors, ...]
+    known: tuple[LoadCellPriors, ...]
 
     @property
     def depth(self) -> float:
@@ -91,7 +91,7 @@ class ThinnedRows:
         return np.asarray((self.record == record) & ~self.ramp)
 
 
-def thinned(tests: Sequence[RampHold]) -> ThinnedRows:
+def downsample(tests: Sequence[RampHold]) -> DownsampledRows:
     """Return the rows of prepared tests, from contact to the end of the hold.
 
     Raises
@@ -105,7 +105,7 @@ def thinned(tests: Sequence[RampHold]) -> ThinnedRows:
         parts.append(_rows(test, number, known[-1].first))
     columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
     time, step, x, force, count, record, ramp = columns
-    return ThinnedRows(
+    return DownsampledRows(
         time,
         step,
         x,
@@ -143,7 +143,7 @@ def _rows(test: RampHold, number: int, first: int) -> tuple[npt.NDArray[Any], ..
     obstacle = ramp_obstacle(test)
     if obstacle is not None:
         raise FitError(obstacle)
-    x = true_motion(test)[0]
+    x = denoise_displacement(test)[0]
     time, force = test.time[: len(x)] - test.time[0], test.force[: len(x)]
     corner = relaxes_from(test)
     on = median(np.diff(time[first:corner]))

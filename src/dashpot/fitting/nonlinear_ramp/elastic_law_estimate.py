@@ -12,12 +12,12 @@ from dashpot.base.arrays import FloatArray
 from dashpot.datamodel.parameter_estimate import ParameterEstimate, parameter_names
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.fit_construction import nuisances
-from dashpot.fitting.nonlinear_ramp.goodness_of_fit import Soundness
-from dashpot.fitting.nonlinear_ramp.hold_then_ramp import Followed, Hold, independent
-from dashpot.fitting.uncertainty.solution_covariance import Known
+from dashpot.fitting.nonlinear_ramp.goodness_of_fit import LinearFitQuality
+from dashpot.fitting.nonlinear_ramp.hold_then_ramp import HoldEstimate, RampHoldOptimum, independent
+from dashpot.fitting.uncertainty.solution_covariance import ParameterCovariance
 from dashpot.numerics.design_matrices.recorded_motion import arm_columns
 from dashpot.numerics.inference.covariance import noise_of
-from dashpot.preprocessing.denoising import true_motion
+from dashpot.preprocessing.denoising import denoise_displacement
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -92,9 +92,9 @@ class RampLaw:
     model: GeneralizedMaxwell
     estimate: ParameterEstimate
     law_covariance: FloatArray
-    hold: Hold
-    soundness: tuple[Soundness, ...]
-    followed: Followed
+    hold: HoldEstimate
+    soundness: tuple[LinearFitQuality, ...]
+    followed: RampHoldOptimum
     scores: tuple[ElasticLawScore, ...]
     residuals: tuple[FloatArray, ...]
 
@@ -125,9 +125,9 @@ class RampLaw:
 
 def described(
     tests: Sequence[RampHold],
-    hold: Hold,
-    soundness: tuple[Soundness, ...],
-    found: Followed,
+    hold: HoldEstimate,
+    soundness: tuple[LinearFitQuality, ...],
+    found: RampHoldOptimum,
     scores: tuple[ElasticLawScore, ...],
 ) -> RampLaw:
     """Return the value of an optimum, with its covariance and its residuals."""
@@ -151,12 +151,12 @@ def described(
     doubt = float(np.sqrt(np.mean([test.depth_doubt**2 for test in tests]) / len(tests)))
     scaled = np.zeros(len(found.optimum.values))
     scaled[first : first + len(k)] = doubt * k
-    known = found.estimate(hold).widened(scaled)
-    covariance, names = known.derived(seal).covariance, parameter_names(len(there))
+    known = found.estimate(hold).add_parameter_error(scaled)
+    covariance, names = known.derive_quantity(seal).covariance, parameter_names(len(there))
     own = found.nuisance
     errors = dict(zip(own, known.standard_error[-len(own) :].tolist(), strict=True))
     residuals = tuple(_residual(test, i, model, found) for i, test in enumerate(tests))
-    left = Known((), covariance, residuals, tuple(map(noise_of, residuals)))
+    left = ParameterCovariance((), covariance, residuals, tuple(map(noise_of, residuals)))
     return RampLaw(
         law=elastic_law_of(found),
         model=model,
@@ -176,10 +176,12 @@ def described(
     )
 
 
-def _residual(test: RampHold, i: int, model: GeneralizedMaxwell, found: Followed) -> FloatArray:
+def _residual(
+    test: RampHold, i: int, model: GeneralizedMaxwell, found: RampHoldOptimum
+) -> FloatArray:
     """Every sample less the model and the load cell."""
     known = found.weighted.solid.rows.known[i]
-    path = elastic_law_of(found).path(true_motion(test)[0])
+    path = elastic_law_of(found).path(denoise_displacement(test)[0])
     time = test.time[: len(path)] - test.time[0]
     arms = arm_columns(time, path, np.asarray(model.tau), derivative=False)[0]
     values = found.nuisance
@@ -190,7 +192,7 @@ def _residual(test: RampHold, i: int, model: GeneralizedMaxwell, found: Followed
     return np.asarray((test.force[: len(path)] - force)[known.first :])
 
 
-def elastic_law_of(found: Followed) -> ElasticLaw:
+def elastic_law_of(found: RampHoldOptimum) -> ElasticLaw:
     """Return the law of an optimum."""
     knots, shape, k_inf = found.weighted.solid.knots, found.shape, float(found.k[0, 0])
     if len(knots) == 2:

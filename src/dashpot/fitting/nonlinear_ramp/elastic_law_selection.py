@@ -13,10 +13,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.choices import RampLawAsked, refuse_other
+from dashpot.base.choices import RampLawAsked, require_choice
 from dashpot.base.errors import FitError
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.nonlinear_ramp.downsampling import ThinnedRows, thinned
+from dashpot.fitting.nonlinear_ramp.downsampling import DownsampledRows, downsample
 from dashpot.fitting.nonlinear_ramp.elastic_law_estimate import (
     LEAST_GAIN,
     ElasticLawScore,
@@ -25,19 +25,19 @@ from dashpot.fitting.nonlinear_ramp.elastic_law_estimate import (
     described,
     elastic_law_of,
 )
-from dashpot.fitting.nonlinear_ramp.goodness_of_fit import Soundness, sample_noise, soundness
+from dashpot.fitting.nonlinear_ramp.goodness_of_fit import LinearFitQuality, sample_noise, soundness
 from dashpot.fitting.nonlinear_ramp.hold_then_ramp import (
     MAX_ARMS,
-    Followed,
-    Hold,
-    follow,
+    HoldEstimate,
+    RampHoldOptimum,
+    delay_derivative,
+    fit_ramp_and_hold,
     hold_alone,
     independent,
-    lag,
-    measured,
     nuisances,
     recorded_hold,
     spread,
+    with_residual_statistics,
 )
 from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear
 from dashpot.fitting.nonlinear_ramp.weighted_least_squares import Weighted, tau_bounds
@@ -58,7 +58,7 @@ LADDER = (KnotSpacing(3), KnotSpacing(5), KnotSpacing(9), KnotSpacing(7, 2), Kno
 DEPTHS_LADDER = (KnotSpacing(17), KnotSpacing(17, 2))
 
 
-def ramp_law(
+def select_elastic_law(
     tests: Sequence[RampHold],
     *,
     law: RampLawAsked = "auto",
@@ -86,11 +86,11 @@ def ramp_law(
     FitError
         If a record has no samples on its ramp or in its hold to speak of.
     """
-    refuse_other("law", law, RampLawAsked, FitError)
-    rows = thinned(tests)
+    require_choice("law", law, RampLawAsked, FitError)
+    rows = downsample(tests)
     hold = hold_alone(rows, arms, max_arms)
     noise = [sample_noise(*pair) for pair in zip(rows.noise, hold.rms, strict=True)]
-    soundness, sound = gate(rows, hold, noise, arms)
+    soundness, sound = linear_fit_quality(rows, hold, noise, arms)
     if law != "nonlinear" and all(one.sound for one in soundness):
         score = ElasticLawScore(LINEAR, elastic_law_of(sound), 0.0, sound.ramp, sound.hold)
         return described(tests, hold, soundness, sound, (score,))
@@ -108,7 +108,7 @@ def ramp_law(
     return described(tests, hold, soundness, found, scores)
 
 
-def supported_by_holds(tests: Sequence[RampHold], hold: Hold) -> Shortage | None:
+def supported_by_holds(tests: Sequence[RampHold], hold: HoldEstimate) -> Shortage | None:
     """Return the arms that the holds of some tests support, where a fit to them has fewer.
 
     Parameters
@@ -118,23 +118,27 @@ def supported_by_holds(tests: Sequence[RampHold], hold: Hold) -> Shortage | None
         The holds by the number of arms that was asked for.
     """
     arms = len(hold.log_tau)
-    more = hold_alone(thinned(tests))
+    more = hold_alone(downsample(tests))
     supported = len(more.log_tau)
     if supported <= arms:
         return None
     return Shortage(arms, supported, _rms(hold), _rms(more))
 
 
-def _rms(hold: Hold) -> float:
+def _rms(hold: HoldEstimate) -> float:
     return float(np.sqrt(np.mean(np.square(hold.rms))))
 
 
-def _followed(rows: ThinnedRows, spacing: KnotSpacing, hold: Hold, start: Followed) -> Followed:
+def _followed(
+    rows: DownsampledRows, spacing: KnotSpacing, hold: HoldEstimate, start: RampHoldOptimum
+) -> RampHoldOptimum:
     solid = QuasiLinear(rows, spacing.at(rows.depth))
-    return follow(solid, hold, start, solid.theta(start.log_tau, np.ones(spacing.knots)))
+    return fit_ramp_and_hold(solid, hold, start, solid.theta(start.log_tau, np.ones(spacing.knots)))
 
 
-def _scores(tried: dict[KnotSpacing, Followed], hold: Hold) -> tuple[ElasticLawScore, ...]:
+def _scores(
+    tried: dict[KnotSpacing, RampHoldOptimum], hold: HoldEstimate
+) -> tuple[ElasticLawScore, ...]:
     """Return BIC of each law; ramp rows count as the closest of them leaves them correlated."""
     best = min(tried.values(), key=lambda found: float(np.sum(np.log(found.ramp))))
     return tuple(
@@ -149,7 +153,7 @@ def _scores(tried: dict[KnotSpacing, Followed], hold: Hold) -> tuple[ElasticLawS
     )
 
 
-def _bic(found: Followed, hold: Hold, correlation: Sequence[float]) -> float:
+def _bic(found: RampHoldOptimum, hold: HoldEstimate, correlation: Sequence[float]) -> float:
     r"""Return :math:`\sum m_r \ln r_r^2 + m_h \ln r_h^2 + p \ln \sum m_r`, m = rows / kappa."""
     rows = found.weighted.solid.rows
     total, effective = 0.0, 0.0
@@ -175,16 +179,16 @@ def _taken(scores: Sequence[ElasticLawScore]) -> ElasticLawScore:
     return best if worth else linear
 
 
-def _with_delay(found: Followed, hold: Hold) -> Followed:
+def _with_delay(found: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOptimum:
     """Return the fit with a delay of each force if the ramps show one."""
     solid, best = found.weighted.solid, found.optimum
-    known = nuisances(solid.rows, lag(found.weighted, best))
-    late = follow(solid, hold, found, best.theta, known=known)
+    known = nuisances(solid.rows, delay_derivative(found.weighted, best))
+    late = fit_ramp_and_hold(solid, hold, found, best.theta, known=known)
     gain = _bic(found, hold, late.ramp_correlation) - _bic(late, hold, late.ramp_correlation)
     return late if gain > LEAST_GAIN else found
 
 
-def _with_faster_arm(found: Followed, hold: Hold) -> Followed:
+def _with_faster_arm(found: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOptimum:
     """Return the fit with one more arm if the ramps show one that the holds hardly do."""
     solid, n = found.weighted.solid, len(hold.log_tau)
     rows = solid.rows
@@ -197,15 +201,15 @@ def _with_faster_arm(found: Followed, hold: Hold) -> Followed:
     fall = found.optimum.cost - tried.cost
     if solid.parted(tried.theta)[0].min() > fastest - np.log(2.0) or fall < LEAST_GAIN:
         return found
-    more = follow(solid, hold, found, tried.theta, known=found.weighted.nuisances)
+    more = fit_ramp_and_hold(solid, hold, found, tried.theta, known=found.weighted.nuisances)
     faster = float(more.log_tau.min()) < fastest - np.log(2.0)
     gain = _bic(found, hold, more.ramp_correlation) - _bic(more, hold, more.ramp_correlation)
     return more if faster and bool((more.k[0, 1:] > 0).all()) and gain > LEAST_GAIN else found
 
 
-def gate(
-    rows: ThinnedRows, hold: Hold, noise: Sequence[float], arms: int | None
-) -> tuple[tuple[Soundness, ...], Followed]:
+def linear_fit_quality(
+    rows: DownsampledRows, hold: HoldEstimate, noise: Sequence[float], arms: int | None
+) -> tuple[tuple[LinearFitQuality, ...], RampHoldOptimum]:
     """Return how sound the linear law is, the best of the numbers of arms tried."""
     count = len(hold.log_tau)
     tried = []
@@ -231,12 +235,14 @@ def gate(
     return (sound or tried)[0]
 
 
-def _joint(rows: ThinnedRows, hold: Hold, log_tau: FloatArray, noise: Sequence[float]) -> Followed:
+def _joint(
+    rows: DownsampledRows, hold: HoldEstimate, log_tau: FloatArray, noise: Sequence[float]
+) -> RampHoldOptimum:
     """Fit the linear law to ramp and hold at equal weight, first without, then with a delay."""
     even = np.array(noise) * np.sqrt(hold.correlation)
     solid = QuasiLinear(rows, np.array([0.0, rows.depth]))
     sd = spread(rows, even, even)
     first = Weighted(solid, sd, nuisances(rows))
     best = first.descend(log_tau)
-    late = Weighted(solid, sd, nuisances(rows, lag(first, best)))
-    return measured(late, late.descend(best.theta), independent(hold))
+    late = Weighted(solid, sd, nuisances(rows, delay_derivative(first, best)))
+    return with_residual_statistics(late, late.descend(best.theta), independent(hold))

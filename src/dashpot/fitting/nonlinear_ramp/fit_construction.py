@@ -12,21 +12,21 @@ from dashpot.base.checks import Check
 from dashpot.base.provenance import Step
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.fit import Fit
-from dashpot.datamodel.fit_diagnostics import AtDepth, Evidence
+from dashpot.datamodel.fit_diagnostics import DepthStiffness, Evidence
 from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.check_suite import Residuals, solid_checks
+from dashpot.fitting.check_suite import Residuals, run_relaxation_checks
 from dashpot.fitting.checks.solid import frequencies_informed, loss_factor_known
-from dashpot.fitting.design_matrix import Design, compressed
-from dashpot.fitting.fit_construction import FoundSolid, assembled, provenance_of
+from dashpot.fitting.design_matrix import FitSetup, compressed
+from dashpot.fitting.fit_construction import SolidEstimate, build_fit, provenance_of
 from dashpot.fitting.nonlinear_ramp import checks
 from dashpot.fitting.nonlinear_ramp.elastic_law_estimate import RampLaw
-from dashpot.fitting.nuisance_priors import delay_prior, last_of_hold, material
+from dashpot.fitting.nuisance_priors import delay_prior, last_of_hold, significant_drift
 from dashpot.fitting.relaxation_data import RelaxationData
-from dashpot.fitting.relaxation_likelihood import held_data
+from dashpot.fitting.relaxation_likelihood import hold_only_data
 from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra
 from dashpot.fitting.uncertainty.band_limits import band_of_hold
-from dashpot.fitting.uncertainty.rig_sensitivity import moved_by_clocks
+from dashpot.fitting.uncertainty.rig_sensitivity import clock_sensitivity
 from dashpot.fitting.uncertainty.valid_band import informed_band
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -36,7 +36,7 @@ def ramp_fit(
     found: RampLaw,
     *,
     asked: int | None = None,
-    by_depth: tuple[AtDepth, ...] = (),
+    by_depth: tuple[DepthStiffness, ...] = (),
     further: Sequence[Check] = (),
     end: EndOfHold | None = None,
     unseen: FloatArray | None = None,
@@ -65,7 +65,7 @@ def ramp_fit(
     residual = estimate.residual
     band = informed_band(
         tests,
-        compressed(tests, Design("full")),
+        compressed(tests, FitSetup("full")),
         stiffness=max(model.k_0, 1e-300),
         noise=max(residual.rms * np.sqrt(residual.kappa), 1e-300),
     )
@@ -79,8 +79,8 @@ def ramp_fit(
         frequencies_informed(band),
         loss_factor_known(known),
     )
-    return assembled(
-        FoundSolid(
+    return build_fit(
+        SolidEstimate(
             model,
             estimate if unseen is None else estimate.with_rig(unseen),
             fewer=asked is not None and model.arms < asked,
@@ -96,7 +96,7 @@ def ramp_fit(
 def held_ramps(tests: Sequence[RampHold], found: RampLaw) -> list[RelaxationData]:
     """The holds of tests that share an elastic law, with what their rigs may have done unseen."""
     return [
-        held_data(
+        hold_only_data(
             test,
             found.model,
             residual[test.settled.start - test.hold.stop :],
@@ -122,7 +122,7 @@ def _doubted(
     depth = [depth_error(test) for test in tests]
     scaled = np.concatenate(([model.k_inf], model.k, np.zeros(model.arms)))
     off = float(np.sqrt(np.mean(np.square(depth)) / len(tests)))
-    by = np.column_stack((off * scaled, moved_by_clocks(tests, model)))
+    by = np.column_stack((off * scaled, clock_sensitivity(tests, model)))
     return replace(estimate, covariance=estimate.covariance + by @ by.T)
 
 
@@ -146,7 +146,10 @@ def law_checks(
         for one, test in zip(found.residuals, tests, strict=True)
     ]
     left = Residuals(held, residual.rms, residual.kappa)
-    return (*solid_checks(tests, found.model, error, left, end), *ramp_checks(tests, found, end))
+    return (
+        *run_relaxation_checks(tests, found.model, error, left, end),
+        *ramp_checks(tests, found, end),
+    )
 
 
 def ramp_checks(
@@ -178,13 +181,13 @@ def ramp_checks(
         ),
         checks.offset_believable(
             [
-                (values[f"offset@{i}"], *known.offset, material(tests[i]).offset)
+                (values[f"offset@{i}"], *known.offset, significant_drift(tests[i]).offset)
                 for i, known in enumerate(rows.known)
             ]
         ),
         checks.drift_believable(
             [
-                (values[f"drift@{i}"], *known.drift, material(tests[i]).drift)
+                (values[f"drift@{i}"], *known.drift, significant_drift(tests[i]).drift)
                 for i, known in enumerate(rows.known)
             ],
             np.inf if end is None else end.beyond,

@@ -11,7 +11,7 @@ from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.checks.relaxation import slow_noise
 from dashpot.fitting.nonlinear_ramp.downsampling import relaxes_from
 from dashpot.numerics.inference.covariance import noise_of
-from dashpot.preprocessing.denoising import true_motion
+from dashpot.preprocessing.denoising import denoise_displacement
 
 # a linear law is wrong if it leaves so much more than the noise on the ramp, in one sample or in
 # one independent residual, and than the hold alone in the hold
@@ -22,7 +22,7 @@ NEGLIGIBLE = 1e-4
 UNREAD = 1e-3
 
 
-class Soundness(NamedTuple):
+class LinearFitQuality(NamedTuple):
     """What a linear fit leaves of a record, against its noise.
 
     Attributes
@@ -49,7 +49,7 @@ def soundness(
     samples: float,
     peak: float,
     unread: float = 0.0,
-) -> Soundness:
+) -> LinearFitQuality:
     r"""Judge a linear fit by its residuals.
 
     Parameters
@@ -77,10 +77,10 @@ def soundness(
     unread = min(SOUND_SHAPE * unread, UNREAD * peak)
     followed = (quiet and straight) or ramp <= max(floor, unread)
     sound = bool(followed and (hold <= SOUND_HOLD * alone or hold <= floor))
-    return Soundness(ramp / max(noise, 1e-300), hold / max(alone, 1e-300), sound)
+    return LinearFitQuality(ramp / max(noise, 1e-300), hold / max(alone, 1e-300), sound)
 
 
-def linear_soundness(test: RampHold, whole: FloatArray, alone: FloatArray) -> Soundness:
+def linear_soundness(test: RampHold, whole: FloatArray, alone: FloatArray) -> LinearFitQuality:
     """Judge a linear fit that was made elsewhere, by the residuals of every sample.
 
     Parameters
@@ -112,7 +112,7 @@ def linear_soundness(test: RampHold, whole: FloatArray, alone: FloatArray) -> So
 
 def _left_of_motion(test: RampHold, ramp: slice) -> float:
     """Standard deviation of what the encoder leaves of the motion on the ramp, m."""
-    _, left = true_motion(test)
+    _, left = denoise_displacement(test)
     return float(np.sqrt(np.mean(left[ramp] ** 2)))
 
 

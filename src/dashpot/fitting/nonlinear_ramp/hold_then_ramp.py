@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
-from dashpot.fitting.nonlinear_ramp.downsampling import ThinnedRows
+from dashpot.fitting.nonlinear_ramp.downsampling import DownsampledRows
 from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear
 from dashpot.fitting.nonlinear_ramp.weighted_least_squares import (
     Bounds,
@@ -50,7 +50,7 @@ ROUNDING = 3e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Hold:
+class HoldEstimate:
     """The holds of the records by themselves, their relaxation times shared.
 
     Attributes
@@ -75,7 +75,7 @@ class Hold:
 
 
 @dataclass(frozen=True, eq=False)
-class Followed:
+class RampHoldOptimum:
     """The optimum of one law.
 
     Attributes
@@ -117,7 +117,7 @@ class Followed:
         names = self.weighted.nuisances.names
         return dict(zip(names, self.optimum.beta[-len(names) :].tolist(), strict=True))
 
-    def estimate(self, hold: Hold) -> Estimate:
+    def estimate(self, hold: HoldEstimate) -> Estimate:
         """What is known of the optimum; noise as much more as it leaves in a hold than that alone.
 
         Arms without stiffness have no error, nor has a shape that rests at 0; every k_inf has.
@@ -138,7 +138,9 @@ class Followed:
 # -- the hold alone -------------------------------------------------------------------------------
 
 
-def hold_alone(rows: ThinnedRows, arms: int | None = None, max_arms: int = MAX_ARMS) -> Hold:
+def hold_alone(
+    rows: DownsampledRows, arms: int | None = None, max_arms: int = MAX_ARMS
+) -> HoldEstimate:
     """Fit the holds without their ramps: as many arms as BIC supports, or `arms`."""
     bounds = tau_bounds(rows)
     blocks = [_hold_block(rows, i, bounds) for i in range(len(rows.depths))]
@@ -150,7 +152,7 @@ def hold_alone(rows: ThinnedRows, arms: int | None = None, max_arms: int = MAX_A
     return _described(rows, blocks, chosen)
 
 
-def _hold_block(rows: ThinnedRows, i: int, bounds: Bounds) -> DataBlock:
+def _hold_block(rows: DownsampledRows, i: int, bounds: Bounds) -> DataBlock:
     r"""What relaxes, and what answers at once to a plate that has not settled.
 
     .. math:: F - F_0 = k_\infty + \sum_j A_j e^{-t/\tau_j} + k_g\,(x - x_h)
@@ -179,7 +181,7 @@ def _hold_block(rows: ThinnedRows, i: int, bounds: Bounds) -> DataBlock:
 
 
 def _supported(
-    rows: ThinnedRows, blocks: Sequence[DataBlock], solutions: Sequence[Solution]
+    rows: DownsampledRows, blocks: Sequence[DataBlock], solutions: Sequence[Solution]
 ) -> Solution:
     """Return the number of arms with the least BIC: rows that say something new, all samples."""
     sizes = [block.samples for block in blocks]
@@ -194,7 +196,9 @@ def _supported(
     )
 
 
-def _described(rows: ThinnedRows, blocks: Sequence[DataBlock], solution: Solution) -> Hold:
+def _described(
+    rows: DownsampledRows, blocks: Sequence[DataBlock], solution: Solution
+) -> HoldEstimate:
     found = full_jacobian(blocks, solution)
     cuts = np.cumsum([block.samples for block in blocks])[:-1]
     scatter, correlation, rms, plateau, error = [], [], [], [], []
@@ -211,7 +215,7 @@ def _described(rows: ThinnedRows, blocks: Sequence[DataBlock], solution: Solutio
         doubt = float(covariance[row, row]) + rows.known[i].offset.sd ** 2
         plateau.append(solution.coefficient(f"k_inf@{i}") / depth)
         error.append(float(np.sqrt(doubt)) / depth)
-    return Hold(
+    return HoldEstimate(
         solution.log_tau,
         tuple(plateau),
         tuple(error),
@@ -221,7 +225,7 @@ def _described(rows: ThinnedRows, blocks: Sequence[DataBlock], solution: Solutio
     )
 
 
-def rounding(rows: ThinnedRows, i: int) -> float:
+def rounding(rows: DownsampledRows, i: int) -> float:
     """Return the residual that block means and rounding leave of record i, N."""
     return ROUNDING * rows.peak(i)
 
@@ -229,7 +233,7 @@ def rounding(rows: ThinnedRows, i: int) -> float:
 # -- and its ramp ---------------------------------------------------------------------------------
 
 
-def nuisances(rows: ThinnedRows, delay: FloatArray | None = None) -> Nuisances:
+def nuisances(rows: DownsampledRows, delay: FloatArray | None = None) -> Nuisances:
     r"""Return offset and drift of each record; with :math:`-dF/dt` given, its delay too."""
     names, columns, known = [], [], []
     for i, prior in enumerate(rows.known):
@@ -250,7 +254,7 @@ def nuisances(rows: ThinnedRows, delay: FloatArray | None = None) -> Nuisances:
     )
 
 
-def lag(weighted: Weighted, best: Optimum) -> FloatArray:
+def delay_derivative(weighted: Weighted, best: Optimum) -> FloatArray:
     r"""Return what a delay of one second would do, :math:`-\dot F` of the solid, N/s."""
     rows, force = weighted.solid.rows, weighted.force(best)
     found = np.empty(len(force))
@@ -260,32 +264,32 @@ def lag(weighted: Weighted, best: Optimum) -> FloatArray:
     return found
 
 
-def spread(rows: ThinnedRows, ramp: npt.ArrayLike, hold: npt.ArrayLike) -> FloatArray:
+def spread(rows: DownsampledRows, ramp: npt.ArrayLike, hold: npt.ArrayLike) -> FloatArray:
     """Return the standard deviation of each row's samples, N, from those of ramps and holds."""
     return np.where(rows.ramp, np.asarray(ramp)[rows.record], np.asarray(hold)[rows.record])
 
 
-def independent(hold: Hold) -> FloatArray:
+def independent(hold: HoldEstimate) -> FloatArray:
     """Return the standard deviation of one independent sample of each hold, N."""
     return np.asarray(hold.scatter * np.sqrt(hold.correlation))
 
 
-def recorded_hold(rows: ThinnedRows, hold: Hold) -> Followed:
+def recorded_hold(rows: DownsampledRows, hold: HoldEstimate) -> RampHoldOptimum:
     """Fit the hold rows alone as what follows the recorded history of a linear seal."""
     unseen = spread(rows, np.full(len(rows.depths), np.inf), independent(hold))
     weighted = Weighted(QuasiLinear(rows, np.array([0.0, rows.depth])), unseen, nuisances(rows))
-    return measured(weighted, weighted.descend(hold.log_tau), independent(hold))
+    return with_residual_statistics(weighted, weighted.descend(hold.log_tau), independent(hold))
 
 
-def follow(
+def fit_ramp_and_hold(
     solid: QuasiLinear,
-    hold: Hold,
-    found: Followed,
+    hold: HoldEstimate,
+    found: RampHoldOptimum,
     theta: FloatArray,
     *,
     known: Nuisances | None = None,
     apart: bool = False,
-) -> Followed:
+) -> RampHoldOptimum:
     """Fit one law to every row, the ramps weighted by what they miss, first that of `found`.
 
     The nuisances are offset and drift unless others are `known`; `apart` gives each record its
@@ -296,7 +300,7 @@ def follow(
     by_hold = independent(hold)
     for _ in range(_ROUNDS):
         weighted = Weighted(solid, spread(rows, found.ramp_scatter, by_hold), known, apart=apart)
-        before, found = found, measured(weighted, weighted.descend(theta), by_hold)
+        before, found = found, with_residual_statistics(weighted, weighted.descend(theta), by_hold)
         theta = found.optimum.theta
         change = np.array(found.ramp_scatter) / np.array(before.ramp_scatter) - 1
         if float(np.abs(change).max()) < _SETTLED:
@@ -304,7 +308,9 @@ def follow(
     return found
 
 
-def measured(weighted: Weighted, best: Optimum, by_hold: FloatArray) -> Followed:
+def with_residual_statistics(
+    weighted: Weighted, best: Optimum, by_hold: FloatArray
+) -> RampHoldOptimum:
     """Return an optimum with what its residuals say of each ramp."""
     rows, nuisance = weighted.solid.rows, best.beta[-len(weighted.nuisances.names) :]
     residual = rows.force - weighted.force(best) - weighted.nuisances.columns @ nuisance
@@ -322,6 +328,6 @@ def measured(weighted: Weighted, best: Optimum, by_hold: FloatArray) -> Followed
         scatters.append(
             max(float(np.sqrt(kappa * (scaled[ramp] @ scaled[ramp]) / left)), float(by_hold[i]))
         )
-    return Followed(
+    return RampHoldOptimum(
         weighted, best, tuple(ramps), tuple(holds), tuple(scatters), tuple(correlations)
     )

@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.fitting.nonlinear_ramp.downsampling import ThinnedRows
+from dashpot.fitting.nonlinear_ramp.downsampling import DownsampledRows
 from dashpot.numerics.design_matrices.recorded_motion import recursion
 
 
@@ -31,7 +31,7 @@ class QuasiLinear:
         Of each hat in the mean of the tangent: :math:`w \cdot s = 1`.
     """
 
-    def __init__(self, rows: ThinnedRows, knots: FloatArray) -> None:
+    def __init__(self, rows: DownsampledRows, knots: FloatArray) -> None:
         self.rows, self.knots = rows, knots
         self.hats = hat_integrals(rows.displacement, knots)
         width = np.diff(knots)

@@ -14,10 +14,16 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.fitting.nonlinear_ramp.downsampling import ThinnedRows
+from dashpot.fitting.nonlinear_ramp.downsampling import DownsampledRows
 from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear
 from dashpot.fitting.nuisance_priors import Prior
-from dashpot.numerics.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
+from dashpot.numerics.least_squares.problem import (
+    Optimum,
+    Parameter,
+    Problem,
+    Rows,
+    require_optimum,
+)
 
 _STEPS = 40
 # a fall of the cost, in units of noise variance, that is not worth a further step
@@ -39,7 +45,7 @@ class Bounds(NamedTuple):
     high: float
 
 
-def tau_bounds(rows: ThinnedRows) -> Bounds:
+def tau_bounds(rows: DownsampledRows) -> Bounds:
     """Return the relaxation times that ramp and hold could show, ln s."""
     shortest = min(float(rows.step[rows.record == i].min()) for i in range(len(rows.depths)))
     holds = [rows.time[rows.record == i][-1] - end for i, end in enumerate(rows.ends)]
@@ -133,4 +139,4 @@ class Weighted:
     def descend(self, theta: FloatArray) -> Optimum:
         """Return the nearest optimum, ln tau in the window of the rows, shape >= 0 of mean 1."""
         problem = self.problem(len(self.solid.parted(theta)[0]))
-        return solved(problem, [theta], most=_STEPS, flat=_FINISHED / len(self.root))
+        return require_optimum(problem, [theta], most=_STEPS, flat=_FINISHED / len(self.root))

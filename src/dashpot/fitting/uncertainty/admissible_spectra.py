@@ -30,7 +30,7 @@ from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.base.errors import FitError
 from dashpot.base.student_t import t_quantile
 from dashpot.fitting.relaxation_data import RelaxationRows
-from dashpot.numerics.least_squares.nonnegative_confidence_region import NonnegativeBall
+from dashpot.numerics.least_squares.nonnegative_confidence_region import NonnegativeConfidenceRegion
 
 #: the best of all spectra leaves no more than so many times what the fit does
 FAR = 2.0
@@ -154,7 +154,7 @@ class AdmissibleSpectra:
         # a column is asked for as a row: laid out so, none is copied for it
         self.columns = np.asfortranarray(columns[told][:, self.shown])
         self.best = np.zeros(len(norm))
-        self._ball = NonnegativeBall(self.columns, self.target)
+        self._ball = NonnegativeConfidenceRegion(self.columns, self.target)
         self.best[self.shown] = self._ball.least((start * self.scale)[self.shown])
         self.least = self.left(self.best)
         self.total = self.least + aside
@@ -177,7 +177,7 @@ class AdmissibleSpectra:
         found.tau, found.scale = self.tau[keep[2:]], self.scale[keep]
         found.columns = np.asfortranarray(self.columns[:, keep[self.shown]])
         found.shown, found.best = self.shown[keep], self.best[keep]
-        found._ball = NonnegativeBall(found.columns, self.target, ROUGH)
+        found._ball = NonnegativeConfidenceRegion(found.columns, self.target, ROUGH)
         found.met = deque((one[keep] for one in self.met), maxlen=REMEMBERED)
         return found
 
@@ -255,7 +255,7 @@ class AdmissibleSpectra:
         aim, on = v / self.scale, self.shown
         start = self.met[int((np.array(self.met) @ aim).argmax())]
         found = np.zeros(len(aim))
-        found[on] = self._ball.farthest(aim[on], self.least + self.limit, start[on])
+        found[on] = self._ball.find_farthest_point(aim[on], self.least + self.limit, start[on])
         self.met.append(found)
         stiffness = found / self.scale
         return stiffness if on.all() else np.where(~on & (aim > 0), np.inf, stiffness)

@@ -18,12 +18,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.fitting.nuisance_priors import Terms
+from dashpot.fitting.nuisance_priors import NuisanceTerms
 from dashpot.fitting.relaxation_data import RelaxationRows
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.inference.covariance import Columns, Series, noise_of
+from dashpot.numerics.inference.covariance import JacobianColumns, ResidualSeries, noise_of
 from dashpot.numerics.inference.whitening import marginal
-from dashpot.numerics.least_squares.nnls import linear
+from dashpot.numerics.least_squares.nnls import solve_linear
 
 #: what neighbours have in common, one standard deviation relative to their size
 COMMON = 2e-3
@@ -60,7 +60,7 @@ class CurveData:
     window: tuple[float, float]
     dof: float
     common: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
-    terms: Terms = field(default_factory=lambda: Terms({}))
+    terms: NuisanceTerms = field(default_factory=lambda: NuisanceTerms({}))
 
     def rows(self, log_tau: FloatArray, *, slopes: bool = True) -> RelaxationRows:
         """Everything that depends on the solid, whitened for all that is doubted."""
@@ -103,7 +103,7 @@ def curve_data(
     grid = np.linspace(low, high, int(np.ceil((high - low) / np.log(10) * PER_DECADE)) + 1)
     rows = block.evaluate(grid, False)
     columns = np.concatenate((rows.fixed, rows.arms), axis=1)
-    best, _ = linear(columns, rows.target, positive=True)
+    best, _ = solve_linear(columns, rows.target, positive=True)
     nearest = columns @ best
     active = np.linalg.qr(columns[:, best > 0])[0]
     weight, worth = np.empty(len(nearest)), 0.0
@@ -112,13 +112,13 @@ def curve_data(
         # a spring has no loss
         size = nearest[part] if nearest[part].any() else nearest
         least = DIGITS * float(np.sqrt(np.mean(size**2)))
-        left = Series(rows.target[part] - nearest[part])
-        noise = noise_of(left, Columns(active[part], shared=True), rounding=least)
+        left = ResidualSeries(rows.target[part] - nearest[part])
+        noise = noise_of(left, JacobianColumns(active[part], shared=True), rounding=least)
         weight[part] = 1 / np.sqrt(max(noise.power, least**2))
         worth += noise.effective
     hats = common * np.kron(np.eye(len(nearest) // n), _hats(np.log10(at)))
     return CurveData(
-        block.changed(lambda part: (weight * part.T).T),
+        block.transform_rows(lambda part: (weight * part.T).T),
         window,
         worth - np.count_nonzero(best),
         hats * (weight * nearest)[:, None],

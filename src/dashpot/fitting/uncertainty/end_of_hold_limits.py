@@ -40,7 +40,7 @@ def spectra_of_holds(
     dof: float,
     level: float = 0.95,
 ) -> AdmissibleSpectra:
-    """Return the spectra that some holds do not reject; the parameters of :func:`end_of_hold`."""
+    """Return the spectra that some holds do not reject; the parameters of :func:`end_of_hold_limits`."""
     spectra = AdmissibleSpectra(
         relaxations, fastest=1 / time, limit=deviance_limit(level, dof), further=own.tau
     )
@@ -48,7 +48,7 @@ def spectra_of_holds(
     return spectra
 
 
-def end_of_hold(
+def end_of_hold_limits(
     relaxations: Sequence[RelaxationData],
     *,
     time: float,

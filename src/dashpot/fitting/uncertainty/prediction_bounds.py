@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray, samples
-from dashpot.base.choices import Method, words
+from dashpot.base.choices import Method, get_choice_values
 from dashpot.base.errors import DataError
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.bounds import FRFBounds, StiffnessBounds
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import Kind
@@ -147,7 +147,7 @@ def frf_band(
         Of mounts that weigh something, the mass that couples both ends, kg
         (:mod:`dashpot.vibration.systems.mount_mass`); of a transmissibility alone.
     """
-    mass, kind = si(mass, "mass"), Kind(kind)
+    mass, kind = convert_to_si(mass, "mass"), Kind(kind)
     if kind is not Kind.ACCELERANCE and not kind.over_base:
         raise DataError(
             f"limits of a {kind} are not known; expected accelerance or transmissibility, "
@@ -298,7 +298,7 @@ def _spectra(fit: Fit, tests: Tests, *, fastest: float, level: float) -> Admissi
     records = ramp_holds(tests)
     if not records:
         raise DataError("no relaxation test: the unseen arms are those that such a test misses")
-    if fit.method not in words(Method):
+    if fit.method not in get_choice_values(Method):
         raise DataError(
             f"the fit's method is {fit.method!r}: the unseen arms are bounded by the noise of the "
             "relaxation test alone; give the fit of that test"

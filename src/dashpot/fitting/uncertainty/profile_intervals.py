@@ -17,7 +17,7 @@ from dashpot.numerics.exponential_fit.log_tau_descent import Stack
 from dashpot.numerics.inference.covariance import nearly_white, noise_gain_differs
 from dashpot.numerics.inference.profile_likelihood import BEYOND
 from dashpot.numerics.inference.profile_likelihood import profiles as walked
-from dashpot.numerics.inference.profile_tracing import Coordinate, Profiled
+from dashpot.numerics.inference.profile_tracing import Coordinate, ProfileTarget
 
 if TYPE_CHECKING:
     from dashpot.numerics.inference.whitening import NoiseGain
@@ -97,15 +97,15 @@ class _Scaling:
         self.estimate = estimate
         self.noise_gain = noise_gain
 
-    def linear(self, row: str) -> Profiled:
+    def linear(self, row: str) -> ProfileTarget:
         index = self.estimate.names.index(row)
         return self._along(Coordinate.LINEAR, index, self._unit(index))
 
-    def log_tau(self, arm: int) -> Profiled:
+    def log_tau(self, arm: int) -> ProfileTarget:
         index = self.estimate.names.index(f"ln_tau_{arm + 1}")
         return self._along(Coordinate.LOG_TAU, arm, self._unit(index))
 
-    def log_b(self, arm: int, row: str, k: float, *, fixed: int) -> Profiled:
+    def log_b(self, arm: int, row: str, k: float, *, fixed: int) -> ProfileTarget:
         gradient = self._unit(self.estimate.names.index(f"ln_tau_{arm + 1}"))
         index = self.estimate.names.index(row)
         gradient[index] = 1.0 / k
@@ -117,7 +117,7 @@ class _Scaling:
         unit[index] = 1.0
         return unit
 
-    def _along(self, coordinate: Coordinate, index: int, gradient: FloatArray) -> Profiled:
+    def _along(self, coordinate: Coordinate, index: int, gradient: FloatArray) -> ProfileTarget:
         used = gradient != 0.0
         block = self.estimate.covariance[np.ix_(used, used)]
         known = self.estimate.directions
@@ -132,7 +132,7 @@ class _Scaling:
         step = 0.7 * error
         if coordinate is not Coordinate.LINEAR:
             step = min(step, 0.5)
-        return Profiled(
+        return ProfileTarget(
             coordinate,
             index,
             step=max(step, 1e-9),
@@ -144,5 +144,5 @@ class _Scaling:
         noise_gain = self.noise_gain
         if noise_gain is None:
             return None
-        at_optimum = noise_gain.towards(first)
+        at_optimum = noise_gain.compute_step_gain(first)
         return lambda beta, log_tau: noise_gain.at(beta, log_tau) / at_optimum

@@ -40,7 +40,7 @@ class _TestColumns(NamedTuple):
     unseen: FloatArray
 
 
-def moved_by_rig(
+def rig_sensitivity(
     relaxations: Sequence[RelaxationData], solid: Solid, *, apart: bool = False
 ) -> FloatArray:
     """Return what each doubt of each test adds to the parameters of a solid fitted to them.
@@ -121,7 +121,7 @@ def _rows(data: RelaxationData, solid: Solid) -> _TestColumns:
     )
 
 
-def moved_by_clocks(tests: Sequence[RampHold], model: GeneralizedMaxwell) -> FloatArray:
+def clock_sensitivity(tests: Sequence[RampHold], model: GeneralizedMaxwell) -> FloatArray:
     r"""Return what late forces add to the parameters of a solid fitted to holds, shape (p, 1).
 
     A hold that begins :math:`\delta` late has arms of :math:`k\,e^{\delta/\tau}`. The end of a ramp

@@ -16,9 +16,9 @@ from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit.log_tau_descent import Stack
 from dashpot.numerics.exponential_fit.variable_projection import Jacobian, Solution, full_jacobian
 from dashpot.numerics.inference.covariance import (
-    Columns,
+    JacobianColumns,
     Noise,
-    Series,
+    ResidualSeries,
     directions,
     noise_gain_ratio,
     noise_of,
@@ -30,7 +30,7 @@ _ROUNDING = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class Known:
+class ParameterCovariance:
     """Parameters with their covariance, and the residuals that it comes from.
 
     Attributes
@@ -91,7 +91,7 @@ class Known:
 
 
 @dataclass(frozen=True, eq=False)
-class SolutionEstimate(Known):
+class SolutionEstimate(ParameterCovariance):
     """A solution with its uncertainty.
 
     Attributes
@@ -144,7 +144,7 @@ def estimated(
     encoders: Sequence[Encoder] | None = None,
     further: Sequence[Callable[[FloatArray], FloatArray]] = (),
     whole: Jacobian | None = None,
-    left: Sequence[Series] = (),
+    left: Sequence[ResidualSeries] = (),
 ) -> SolutionEstimate:
     """Return the solution's uncertainty from one block per record with a row per sample.
 
@@ -170,14 +170,17 @@ def estimated(
     whole = whole or full_jacobian([*every_sample, *priors], solution)
     every_residual, every_jacobian = by_record(whole, [*every_sample, *priors])
     count = len(every_sample)
-    left, known_by = left or [*map(Series, every_residual[:count])], directions(every_jacobian)
+    left, known_by = (
+        left or [*map(ResidualSeries, every_residual[:count])],
+        directions(every_jacobian),
+    )
     noises = noises_of(left, known_by.columns[:count], peak=peak)
     further = further or [
         partial(encoder_rows, encoder=encoder, kernel=_kernel(solution, block))
         for encoder, block in zip(encoders or (), every_sample, strict=False)
     ]
     known = [Noise(block.samples, np.array([block.variance]), 1.0, 2.0) for block in priors]
-    met = [*map(known_by.met, range(len(every_jacobian)), [*noises, *known])]
+    met = [*map(known_by.compute_record_gain, range(len(every_jacobian)), [*noises, *known])]
     covariance = known_by.covariance(np.sum(met, axis=0), further=further)
     residuals = tuple(one.values for one in left)
     return SolutionEstimate(
@@ -195,8 +198,8 @@ def by_record(
 
 
 def noises_of(
-    residuals: Sequence[FloatArray | Series],
-    jacobians: Sequence[FloatArray | Columns],
+    residuals: Sequence[FloatArray | ResidualSeries],
+    jacobians: Sequence[FloatArray | JacobianColumns],
     *,
     peak: float,
 ) -> tuple[Noise, ...]:

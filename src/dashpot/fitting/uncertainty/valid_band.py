@@ -20,7 +20,7 @@ from typing import Protocol
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, runs
+from dashpot.base.arrays import FloatArray, find_true_runs
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit.log_tau_descent import Stack
 
@@ -115,7 +115,7 @@ def _widest(
     best = float(
         np.clip(frequency[int(np.argmin(left))], min(slowest, fastest), max(slowest, fastest))
     )
-    ends = frequency[runs(left <= _LEARNED)].tolist()
+    ends = frequency[find_true_runs(left <= _LEARNED)].tolist()
     clipped = [(max(low, slowest), min(high, fastest)) for low, high in ends]
     wide = [(low, high) for low, high in clipped if high > low]
     return max(wide, key=lambda run: run[1] / run[0], default=(best, best))

@@ -23,7 +23,7 @@ from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 STRETCH = 32
 
 
-def even_arms(
+def compute_arm_elongations(
     x: FloatArray, z: FloatArray, *, derivative: bool = True
 ) -> tuple[FloatArray, FloatArray]:
     """Elongations q of unit arms and p = dq / d ln tau, both (M, N), from q_0 = x_0.
@@ -49,14 +49,16 @@ def even_arms(
     for j, one in enumerate(z):
         power = np.exp(-one * index)
         mean = -np.expm1(-one) / one
-        ends = piled(given[:, :STRETCH] @ power[STRETCH - 1 :: -1], one * STRETCH)
+        ends = compute_exponential_cumsum(
+            given[:, :STRETCH] @ power[STRETCH - 1 :: -1], one * STRETCH
+        )
         given[1:, STRETCH] = ends[:-1]
         np.matmul(given[:, :-1], _answers(mean * power), out=both[0, j])
         if derivative:
             late = index * power
             late_ends = given[:, :STRETCH] @ late[STRETCH - 1 :: -1]
             late_ends[1:] += late[STRETCH] * ends[:-1]
-            given[1:, STRETCH + 1] = piled(late_ends, one * STRETCH)[:-1]
+            given[1:, STRETCH + 1] = compute_exponential_cumsum(late_ends, one * STRETCH)[:-1]
             made = _answers((mean - power[1]) * power + mean * one * late)
             np.matmul(given, np.concatenate((made, mean * one * power[None, 1:])), out=both[1, j])
     q, p = (one.reshape(len(z), count * STRETCH) for one in (both[0], both[-1]))
@@ -74,7 +76,7 @@ def _answers(kernel: FloatArray) -> FloatArray:
     return np.concatenate((_triangle(kernel[:STRETCH]), kernel[None, 1:]))
 
 
-def piled(values: FloatArray, z: float) -> FloatArray:
+def compute_exponential_cumsum(values: FloatArray, z: float) -> FloatArray:
     r"""Return the sums :math:`\sum_{j \le i} e^{-z (i - j)} v_j`, shape (n,)."""
     size = len(values)
     if size <= STRETCH:
@@ -83,7 +85,7 @@ def piled(values: FloatArray, z: float) -> FloatArray:
     given = np.zeros((-(-size // STRETCH), STRETCH))
     given.ravel()[:size] = values
     found = given @ _triangle(power[:STRETCH])
-    found[1:] += piled(found[:, -1], z * STRETCH)[:-1, None] * power[1:]
+    found[1:] += compute_exponential_cumsum(found[:, -1], z * STRETCH)[:-1, None] * power[1:]
     return np.asarray(found.ravel()[:size])
 
 

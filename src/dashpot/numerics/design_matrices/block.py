@@ -11,7 +11,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.numerics.design_matrices.delayed_force import Late
+from dashpot.numerics.design_matrices.delayed_force import DelayedForce
 
 _NEVER_NEGATIVE = {"k_inf", "b", "glass", "flow"}
 
@@ -44,7 +44,7 @@ class Evaluation(NamedTuple):
     arms: FloatArray
     d_arms: FloatArray
 
-    def each(self, change: Callable[[FloatArray], FloatArray]) -> Evaluation:
+    def map_parts(self, change: Callable[[FloatArray], FloatArray]) -> Evaluation:
         """The same change made to every part."""
         target, fixed, arms = change(self.target), change(self.fixed), change(self.arms)
         return Evaluation(
@@ -109,7 +109,7 @@ class DataBlock:
     sampling: Hashable = None
     full: Callable[[], DataBlock] | None = None
     widen: Callable[[str, FloatArray], DataBlock] | None = None
-    delayed: Callable[[str, Late], DataBlock] | None = None
+    delayed: Callable[[str, DelayedForce], DataBlock] | None = None
     variance: float | None = None
 
     def evaluate(self, log_tau: FloatArray, derivative: bool = True) -> Evaluation:
@@ -123,13 +123,13 @@ class DataBlock:
 
     def with_column(self, name: str, column: FloatArray) -> DataBlock:
         """The block with one more fixed column, given at every sample."""
-        return self.widen(name, column) if self.widen else self.beside(name, column)
+        return self.widen(name, column) if self.widen else self.append_column(name, column)
 
-    def with_delay(self, name: str, late: Late) -> DataBlock:
+    def with_delay(self, name: str, late: DelayedForce) -> DataBlock:
         """The block with the column of a force that comes late."""
         return self.delayed(name, late) if self.delayed else self.with_column(name, late.column)
 
-    def beside(
+    def append_column(
         self, name: str, column: FloatArray, *, full: Callable[[], DataBlock] | None = None
     ) -> DataBlock:
         """The block with one more fixed column in its own coordinates, which are steady."""
@@ -164,15 +164,15 @@ class DataBlock:
         low, high = np.log(self.window)
         return float(low), float(high)
 
-    def changed(self, change: Callable[[FloatArray], FloatArray], **facts: Any) -> DataBlock:
+    def transform_rows(self, change: Callable[[FloatArray], FloatArray], **facts: Any) -> DataBlock:
         """The block with the same linear change made to target and columns; `facts` as new."""
 
         def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
-            return self.rows(log_tau, derivative).each(change)
+            return self.rows(log_tau, derivative).map_parts(change)
 
         return replace(self, rows=rows, **{**_LOST, **facts})
 
-    def elsewhere(
+    def map_relaxation_times(
         self,
         log_tau: Callable[[FloatArray], FloatArray],
         factor: float,
@@ -195,15 +195,15 @@ class DataBlock:
 
         return replace(self, rows=rows, window=window, sampling=None, full=None, widen=None)
 
-    def weighted(self, factor: float, fixed_names: tuple[str, ...] | None = None) -> DataBlock:
+    def scale_rows(self, factor: float, fixed_names: tuple[str, ...] | None = None) -> DataBlock:
         """Every row times one factor, 1/sd; with other names, if they are given."""
         full, names = self.full, fixed_names or self.fixed_names
-        return self.changed(
+        return self.transform_rows(
             lambda part: factor * part,
             fixed_names=names,
             floor=factor**2 * self.floor,
             variance=None if self.variance is None else factor**2 * self.variance,
-            full=None if full is None else lambda: full().weighted(factor, names),
+            full=None if full is None else lambda: full().scale_rows(factor, names),
         )
 
 
@@ -300,11 +300,13 @@ def prior_block(
     fixed, target = rows * scale[:, None], mean * scale
     none = np.zeros((len(mean), 0))
 
-    def at(log_tau: FloatArray, _derivative: bool) -> Evaluation:
+    def evaluate_prior(log_tau: FloatArray, _derivative: bool) -> Evaluation:
         arms = np.zeros((len(mean), len(log_tau))) if len(log_tau) else none
         return Evaluation(target, fixed, arms, arms)
 
-    return DataBlock(at, names, like.window, len(mean), like.arm_group, variance=unit**2)
+    return DataBlock(
+        evaluate_prior, names, like.window, len(mean), like.arm_group, variance=unit**2
+    )
 
 
 def stiffnesses(names: Sequence[str]) -> BoolArray:

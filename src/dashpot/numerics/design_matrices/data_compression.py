@@ -40,7 +40,7 @@ ACCURACY = 1e-11
 PLAIN = 1e-5
 
 
-class _Stretch(NamedTuple):
+class _Section(NamedTuple):
     """Samples start:stop, cut into equal pieces, each projected on the same orthonormal basis."""
 
     start: int
@@ -49,7 +49,7 @@ class _Stretch(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Compression:
+class DataCompression:
     """What a sampling needs to be compressed: made once, used for every record on it.
 
     Attributes
@@ -66,7 +66,7 @@ class Compression:
 
     nodes: FloatArray
     root_weight: FloatArray
-    stages: tuple[tuple[_Stretch, ...], ...]
+    stages: tuple[tuple[_Section, ...], ...]
     step: float | None = None
     weighted: bool = False
 
@@ -82,7 +82,7 @@ class Compression:
         # a constant is its own compression; without it the differences below are of small numbers
         last = values[..., -1:]
         rest = values - last
-        z = _through(rest, self.stages)
+        z = _apply_stages(rest, self.stages)
         energy = _squares(rest)
         floor = energy - _squares(z)
         if (floor < PLAIN * energy).any():
@@ -91,12 +91,12 @@ class Compression:
 
     def nodes_of(self, values: FloatArray) -> FloatArray:
         """Compress and forget the floor: all that inner products with smooth functions need."""
-        return _through(values, self.stages)
+        return _apply_stages(values, self.stages)
 
-    def nodes_of_each(self, sequences: Sequence[FloatArray]) -> FloatArray:
+    def compute_stacked_nodes(self, sequences: Sequence[FloatArray]) -> FloatArray:
         """As `nodes_of`, for sequences of shape (M,), as rows: one by one while they are long."""
-        first = np.stack([_through(each, self.stages[:1]) for each in sequences])
-        return _through(first, self.stages[1:])
+        first = np.stack([_apply_stages(each, self.stages[:1]) for each in sequences])
+        return _apply_stages(first, self.stages[1:])
 
     def _explicit(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         """As `project`, the floor summed from what every basis leaves."""
@@ -112,8 +112,8 @@ class Compression:
         return values, floor
 
 
-def projected(
-    plans: Sequence[Compression], values: FloatArray
+def project_values(
+    plans: Sequence[DataCompression], values: FloatArray
 ) -> tuple[FloatArray, FloatArray | float]:
     """Compress values, shape (..., M), that stand one plan after the other."""
     parts, first = [], 0
@@ -126,7 +126,7 @@ def projected(
     return np.concatenate(parts, axis=-1), floor
 
 
-def _through(values: FloatArray, stages: Sequence[tuple[_Stretch, ...]]) -> FloatArray:
+def _apply_stages(values: FloatArray, stages: Sequence[tuple[_Section, ...]]) -> FloatArray:
     for sections in stages:
         values = np.concatenate([_cut(values, section)[1] for section in sections], axis=-1)
     return values
@@ -136,7 +136,7 @@ def _squares(values: FloatArray) -> FloatArray:
     return np.asarray(np.vecdot(values, values))
 
 
-def _cut(values: FloatArray, section: _Stretch) -> tuple[FloatArray, FloatArray]:
+def _cut(values: FloatArray, section: _Section) -> tuple[FloatArray, FloatArray]:
     """A section's pieces, (..., pieces, length), and their projections, (..., points)."""
     part = values[..., section.start : section.stop]
     length = len(section.basis)
@@ -162,7 +162,7 @@ def _aside(shaped: FloatArray, z: FloatArray, basis: FloatArray) -> FloatArray:
 
 def compression(
     position: FloatArray, weights: FloatArray | None = None, *, step: float | None = None
-) -> Compression:
+) -> DataCompression:
     """Plan the compression of a sampling, positions ascending from where the decay starts.
 
     Parameters
@@ -176,22 +176,22 @@ def compression(
     """
     step = step or uniform_step(position)
     if len(position) <= SMALL:
-        return uncompressed(position, weights, step=step)
+        return make_identity_plan(position, weights, step=step)
     if weights is None and step is not None:
-        plan = counted(len(position))
+        plan = make_sample_plan(len(position))
         nodes = position[0] + step * plan.nodes
-        return Compression(nodes, plan.root_weight, plan.stages, step)
+        return DataCompression(nodes, plan.root_weight, plan.stages, step)
     root = np.ones(len(position)) if weights is None else weights
     nodes, root, sections = _blocks(position - position[0], root)
-    return Compression(position[0] + nodes, root, (sections,), step, weights is not None)
+    return DataCompression(position[0] + nodes, root, (sections,), step, weights is not None)
 
 
-def uncompressed(
+def make_identity_plan(
     position: FloatArray, weights: FloatArray | None = None, *, step: float | None = None
-) -> Compression:
+) -> DataCompression:
     """Every sample its own node."""
     root = np.ones(len(position)) if weights is None else weights
-    return Compression(position, root, (), step or uniform_step(position), weights is not None)
+    return DataCompression(position, root, (), step or uniform_step(position), weights is not None)
 
 
 def uniform_step(position: FloatArray) -> float | None:
@@ -214,13 +214,13 @@ def uniform_step(position: FloatArray) -> float | None:
 
 
 @lru_cache(maxsize=32)
-def counted(count: int) -> Compression:
+def make_sample_plan(count: int) -> DataCompression:
     """Plan for samples 0, 1, 2, ... in two stages: short equal pieces, then doubling blocks."""
     if count <= SMALL:
-        return uncompressed(np.arange(float(count)))
+        return make_identity_plan(np.arange(float(count)))
     position: list[FloatArray] = []
     weight: list[FloatArray] = []
-    sections: list[_Stretch] = []
+    sections: list[_Section] = []
     start = 0
     # ever longer pieces while they are short beside their distance from the start, then the rest
     until = [*(min(count, NODES * longer) for longer in PIECES[1:]), count]
@@ -232,12 +232,12 @@ def counted(count: int) -> Compression:
             first = start + length * np.arange(pieces)
             position.append((first[:, None] + nodes).ravel())
             weight.append(np.tile(root, pieces))
-            sections.append(_Stretch(start, start + pieces * length, basis))
+            sections.append(_Section(start, start + pieces * length, basis))
             start += pieces * length
     at, root = np.concatenate(position), np.concatenate(weight)
     edges = np.array(_doubling(count)[1:-1]) - 0.5
     nodes, root, second = _blocks(at, root, np.searchsorted(at, edges))
-    return Compression(nodes, root, (tuple(sections), second))
+    return DataCompression(nodes, root, (tuple(sections), second))
 
 
 @lru_cache(maxsize=32)
@@ -260,7 +260,7 @@ def _doubling(count: int) -> list[int]:
 
 def _blocks(
     position: FloatArray, root_weight: FloatArray, cuts: IndexArray | None = None
-) -> tuple[FloatArray, FloatArray, tuple[_Stretch, ...]]:
+) -> tuple[FloatArray, FloatArray, tuple[_Section, ...]]:
     """Gauss nodes of every block; cuts are the indices where a new block starts."""
     if cuts is None:
         first = position[NODES]
@@ -273,12 +273,12 @@ def _blocks(
         if here.stop - here.start <= NODES:
             nodes.append(position[here])
             roots.append(root_weight[here])
-            sections.append(_Stretch(here.start, here.stop, np.ones((1, 1))))
+            sections.append(_Section(here.start, here.stop, np.ones((1, 1))))
             continue
         node, root, basis = gauss(position[here], root_weight[here], NODES)
         nodes.append(node)
         roots.append(root)
-        sections.append(_Stretch(here.start, here.stop, basis))
+        sections.append(_Section(here.start, here.stop, basis))
     return np.concatenate(nodes), np.concatenate(roots), tuple(sections)
 
 

@@ -18,10 +18,10 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.numerics.design_matrices.arm_recursion import piled
+from dashpot.numerics.design_matrices.arm_recursion import compute_exponential_cumsum
 
 
-class Late(NamedTuple):
+class DelayedForce(NamedTuple):
     """A force that comes late, sample by sample.
 
     Attributes
@@ -42,14 +42,14 @@ class Late(NamedTuple):
     k_g: float
 
     @classmethod
-    def of(
+    def from_arms(
         cls, arms: FloatArray, k: FloatArray, tau: FloatArray, k_g: float, speed: FloatArray
-    ) -> Late:
+    ) -> DelayedForce:
         """From the arms' elongations and the speed of the motion over the window."""
         return cls(arms @ (k / tau) - k_g * speed, arms, k, tau, k_g)
 
 
-class Steps(NamedTuple):
+class MotionSteps(NamedTuple):
     """The steps of a motion from its first sample to the end of a window, and the one after.
 
     Attributes
@@ -67,10 +67,10 @@ class Steps(NamedTuple):
     own: FloatArray
 
 
-def late_lags(steps: Steps, late: Late, *, start: int, interval: float) -> FloatArray:
+def late_lags(steps: MotionSteps, late: DelayedForce, *, start: int, interval: float) -> FloatArray:
     """Correlation of the column with the steps at every lag, shape (stop,)."""
     d, own = steps.each, steps.own
-    first = turned_back(d, start + 1)
+    first = reverse_before_start(d, start + 1)
     after_last = np.concatenate(([0.0], d[:0:-1]))
     total = np.zeros(len(d))
     for q, k, tau in zip(late.arms.T, late.k, late.tau, strict=True):
@@ -78,13 +78,13 @@ def late_lags(steps: Steps, late: Late, *, start: int, interval: float) -> Float
         mean = -np.expm1(-z) / z
         given = mean * own + (q[0] - mean * d[start]) * first - np.exp(-z) * q[-1] * after_last
         given[0] = q @ d[start:]
-        total += k / tau * piled(given, z)
-    moved = own + steps.after * d[::-1] - d[start] * turned_back(d, start)
+        total += k / tau * compute_exponential_cumsum(given, z)
+    moved = own + steps.after * d[::-1] - d[start] * reverse_before_start(d, start)
     moved[:-1] += own[1:]
     return np.asarray(total - late.k_g / (2.0 * interval) * moved)
 
 
-def turned_back(values: FloatArray, start: int) -> FloatArray:
+def reverse_before_start(values: FloatArray, start: int) -> FloatArray:
     """Return the values before `start`, the last first, then zeros."""
     out = np.zeros(len(values))
     out[:start] = values[:start][::-1]

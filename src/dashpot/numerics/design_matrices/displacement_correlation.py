@@ -24,11 +24,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, ComplexArray, FloatArray, fast_length
+from dashpot.base.arrays import ComplexArray, EqualByValue, FloatArray, find_fast_length
 from dashpot.base.errors import FitError
 from dashpot.numerics.design_matrices.block import DataBlock, Evaluation, Rows
-from dashpot.numerics.design_matrices.data_compression import Compression, counted, uniform_step
-from dashpot.numerics.design_matrices.delayed_force import Late, Steps, late_lags, turned_back
+from dashpot.numerics.design_matrices.data_compression import (
+    DataCompression,
+    make_sample_plan,
+    uniform_step,
+)
+from dashpot.numerics.design_matrices.delayed_force import (
+    DelayedForce,
+    MotionSteps,
+    late_lags,
+    reverse_before_start,
+)
 
 #: relative sum of squares below which a Gram matrix holds rounding only
 ROUNDING = 1e-14
@@ -44,7 +53,7 @@ MANY = 24
 
 
 @dataclass(frozen=True, eq=False)
-class ConvolvedMotion(ByValue):
+class ConvolvedMotion(EqualByValue):
     """A displacement convolved with decays: all it says of its arms, whatever force goes with it.
 
     Attributes
@@ -71,7 +80,7 @@ class ConvolvedMotion(ByValue):
     fixed: FloatArray
     fixed_gram: FloatArray
     sequences: FloatArray
-    lags: Compression
+    lags: DataCompression
     lagged: ComplexArray
     size: int
     energy: float
@@ -79,7 +88,7 @@ class ConvolvedMotion(ByValue):
     start: int
     count: int
     step: float
-    steps: Steps | None = None
+    steps: MotionSteps | None = None
 
     def with_fixed(self, column: FloatArray, own: FloatArray | None = None) -> ConvolvedMotion:
         """The same with one more fixed column, shape (n,), `own` its correlation if known."""
@@ -168,13 +177,13 @@ class ConvolvedMotion(ByValue):
         )
 
 
-def _own_lag(bare: ConvolvedMotion, d: FloatArray, moving: int) -> FloatArray:
+def _correlate_window_steps(bare: ConvolvedMotion, d: FloatArray, moving: int) -> FloatArray:
     """Correlation of the steps of the window with all steps, the last of which is at `moving`."""
     if d[: bare.start].any():
         # never the difference of two correlations: the last creep of a motion is lost in it
         return bare.lag(d[bare.start :])
     found = np.zeros(len(d))
-    size = fast_length(2 * moving)
+    size = find_fast_length(2 * moving)
     spectrum = np.fft.rfft(d[:moving], size)
     power = spectrum.real**2 + spectrum.imag**2
     found[:moving] = np.fft.irfft(power, size)[:moving]
@@ -189,7 +198,7 @@ class Force(NamedTuple):
     energy: FloatArray  # (...) y'y
 
     @classmethod
-    def of(cls, motion: ConvolvedMotion, values: FloatArray) -> Force:
+    def from_motion(cls, motion: ConvolvedMotion, values: FloatArray) -> Force:
         """Correlate window values of shape (..., n)."""
         energy = np.asarray(np.vecdot(values, values))
         return cls(motion.correlate(values), values @ motion.fixed, energy)
@@ -249,28 +258,28 @@ def _products(arm: _ArmSums, energy: float) -> _Products:
     d_ends = da * arm.sums[..., -2:, :] + a * arm.slopes[..., -2:, :]
     # before the window less its last sample: values and derivatives at once
     both = np.concatenate((ends, d_ends), axis=-1)
-    gained = _turned(both * _SIGNS) @ both
+    gained = _swap_axes(both * _SIGNS) @ both
     den, num = _quotient(arm, energy, gained[..., :arms, :arms])
     u = num / den
     num_k = ds[..., None, :] + gained[..., :arms, arms:]
-    den_k = -_turned(a) * da
+    den_k = -_swap_axes(a) * da
     u_k = (num_k - u * den_k) / den
-    crossed = _turned(u_k) * den_k
-    u_jk = gained[..., arms:, arms:] - crossed - _turned(crossed) + u * (_turned(da) * da)
+    crossed = _swap_axes(u_k) * den_k
+    u_jk = gained[..., arms:, arms:] - crossed - _swap_axes(crossed) + u * (_swap_axes(da) * da)
     g, dg = arm.g[..., None, :], arm.dg[..., None, :]
-    gg, g_dg = _turned(g) * g, _turned(g) * dg
-    cross = _turned(g_dg) * u_k
+    gg, g_dg = _swap_axes(g) * g, _swap_axes(g) * dg
+    cross = _swap_axes(g_dg) * u_k
     return _Products(
         qq=gg * u,
         qp=g_dg * u + gg * u_k,
-        pp=_turned(dg) * dg * u + cross + _turned(cross) + gg * u_jk / den,
+        pp=_swap_axes(dg) * dg * u + cross + _swap_axes(cross) + gg * u_jk / den,
     )
 
 
 def _values(arm: _ArmSums, energy: float) -> FloatArray:
     """Inner products of arms alone."""
     ends = arm.a[..., None, :] * arm.sums[..., -2:, :]
-    den, num = _quotient(arm, energy, _turned(ends * _SIGNS) @ ends)
+    den, num = _quotient(arm, energy, _swap_axes(ends * _SIGNS) @ ends)
     return np.asarray(arm.g[..., :, None] * arm.g[..., None, :] * num / den)
 
 
@@ -280,13 +289,13 @@ def _quotient(arm: _ArmSums, energy: float, gained: FloatArray) -> tuple[FloatAr
     return den, s[..., :, None] + s[..., None, :] - energy + gained
 
 
-def _turned(a: FloatArray) -> FloatArray:
+def _swap_axes(a: FloatArray) -> FloatArray:
     return a.swapaxes(-1, -2)
 
 
 def _mirror(gram: FloatArray, row: slice | int, column: slice, values: FloatArray) -> None:
     gram[..., row, column] = values
-    gram[..., column, row] = values if isinstance(row, int) else _turned(values)
+    gram[..., column, row] = values if isinstance(row, int) else _swap_axes(values)
 
 
 def upper_factor(gram: FloatArray) -> FloatArray:
@@ -331,7 +340,7 @@ def upper_factor(gram: FloatArray) -> FloatArray:
             return np.asarray(np.swapaxes(lower, -1, -2) * scale[..., None, :])
 
 
-def convolved(
+def correlate_displacement(
     time: FloatArray, x: FloatArray, fixed: FloatArray, *, start: int, stop: int
 ) -> ConvolvedMotion:
     """Correlate a displacement on a uniform grid, at rest at zero before its first sample.
@@ -346,11 +355,11 @@ def convolved(
     """
     d, moving = _steps(x[:stop])
     # the lags may wrap around where nothing moves any more
-    size = fast_length(stop + moving)
-    lags = counted(stop)
+    size = find_fast_length(stop + moving)
+    lags = make_sample_plan(stop)
     before = np.zeros(len(lags.nodes))
     if start:
-        before = lags.nodes_of(turned_back(d, start))
+        before = lags.nodes_of(reverse_before_start(d, start))
     lagged = np.fft.rfft(d, size)
     bare = ConvolvedMotion(
         fixed=fixed,
@@ -365,12 +374,12 @@ def convolved(
         count=stop,
         step=float(time[-1] - time[0]) / (len(time) - 1),
     )
-    own = _own_lag(bare, d, moving)
-    rows = [_lagged(bare, column, x, d, own) for column in fixed.T]
-    nodes = lags.nodes_of_each([*rows, own, d[::-1]])
+    own = _correlate_window_steps(bare, d, moving)
+    rows = [_correlate_column(bare, column, x, d, own) for column in fixed.T]
+    nodes = lags.compute_stacked_nodes([*rows, own, d[::-1]])
     sequences = np.concatenate((nodes[:-1], before[None], nodes[-1:]))
     after = float(x[stop] - x[stop - 1] if stop < len(x) else d[-1])
-    return replace(bare, sequences=sequences, steps=Steps(d, after, own))
+    return replace(bare, sequences=sequences, steps=MotionSteps(d, after, own))
 
 
 def _steps(x: FloatArray) -> tuple[FloatArray, int]:
@@ -384,7 +393,7 @@ def _steps(x: FloatArray) -> tuple[FloatArray, int]:
     return d, min(moving, len(x))
 
 
-def _lagged(
+def _correlate_column(
     bare: ConvolvedMotion, column: FloatArray, x: FloatArray, d: FloatArray, own: FloatArray
 ) -> FloatArray:
     r"""Correlation of a fixed column with the steps, in closed form where there is one.
@@ -397,21 +406,21 @@ def _lagged(
     """
     start, stop = bare.start, bare.count
     if column[0] == column[-1] and (column == column[0]).all():
-        return np.asarray(column[0] * (x[:stop][::-1] - turned_back(x[:stop], start)))
+        return np.asarray(column[0] * (x[:stop][::-1] - reverse_before_start(x[:stop], start)))
     slope = uniform_step(column)
     if slope is not None:
         rest = x[stop - 1]  # a sum of what is left of it in the hold loses nothing to rounding
         total = np.cumsum(x[:stop] - rest) + rest * np.arange(1.0, stop + 1.0)
-        line = column[-1] * x[:stop][::-1] - slope * turned_back(total, stop - 1)
+        line = column[-1] * x[:stop][::-1] - slope * reverse_before_start(total, stop - 1)
         if start:
-            line -= turned_back(column[0] * x[:stop] - slope * total, start)
+            line -= reverse_before_start(column[0] * x[:stop] - slope * total, start)
         return np.asarray(line)
     if not np.array_equal(column, x[start:stop]):
         return bare.lag(column)
     # from the last lag to the first
     falls = x[stop - 1] * d
     if start:
-        falls -= x[start - 1] * turned_back(d, start)[::-1]
+        falls -= x[start - 1] * reverse_before_start(d, start)[::-1]
     falls[1:] -= own[:0:-1]
     return np.cumsum(falls)[::-1]
 
@@ -424,14 +433,14 @@ def correlation_block(
     Its Gram matrix resolves an SSE to 1e-14 of the data's own sum of squares.
     """
     target, fixed, *_ = exact.evaluate(np.zeros(0), False)
-    shared = convolved(time, x, fixed, start=start, stop=stop)
-    return _of_force(exact, shared, Force.of(shared, target), target)
+    shared = correlate_displacement(time, x, fixed, start=start, stop=stop)
+    return _make_force_block(exact, shared, Force.from_motion(shared, target), target)
 
 
-def _of_force(
+def _make_force_block(
     exact: DataBlock, shared: ConvolvedMotion, force: Force, target: FloatArray
 ) -> DataBlock:
-    def delayed(name: str, late: Late) -> DataBlock:
+    def append_delayed_force(name: str, late: DelayedForce) -> DataBlock:
         lags = None
         if shared.steps is not None:
             lags = late_lags(shared.steps, late, start=shared.start, interval=shared.step)
@@ -440,7 +449,7 @@ def _of_force(
     def widen(name: str, column: FloatArray, lags: FloatArray | None = None) -> DataBlock:
         wider = shared.with_fixed(column, lags)
         more = force._replace(fixed=np.append(force.fixed, target @ column))
-        return _of_force(exact.with_column(name, column), wider, more, target)
+        return _make_force_block(exact.with_column(name, column), wider, more, target)
 
     return replace(
         exact,
@@ -449,5 +458,5 @@ def _of_force(
         rotated_basis=True,
         full=lambda: exact,
         widen=widen,
-        delayed=delayed,
+        delayed=append_delayed_force,
     )

@@ -13,10 +13,10 @@ from dashpot.base.errors import DataError
 from dashpot.numerics.design_matrices.block import Columns, DataBlock, design_rows
 from dashpot.numerics.design_matrices.data_compression import (
     ACCURACY,
-    Compression,
+    DataCompression,
     compression,
-    projected,
-    uncompressed,
+    make_identity_plan,
+    project_values,
     uniform_step,
 )
 
@@ -75,7 +75,7 @@ def hold_block(
         False keeps every sample as a row.
     """
     ideal = _Ideal(depth, ramp_time, ramp, k_inf, offset, drift)
-    time, step = _checked(time, force, weights)
+    time, step = _validate_samples(time, force, weights)
     plans = _plans(time, weights, ideal, step, compress=compress)
     starts = (0.0, ideal.ramp_time)
     at = np.concatenate([plan.nodes + start for plan, start in zip(plans, starts, strict=False)])
@@ -89,7 +89,7 @@ def hold_block(
     for i, column in enumerate(fixed.values()):
         matrix[:, i] = root * column
     names = tuple(filter(None, fixed))
-    target, floor = projected(plans, force if weights is None else force * weights)
+    target, floor = project_values(plans, force if weights is None else force * weights)
     rows = design_rows(target, matrix, _columns(plans, ideal))
     window = window_of(time, plans[-1].step)
     if len(target) == len(time):
@@ -125,13 +125,13 @@ def window_of(time: FloatArray, step: float | None = None) -> tuple[float, float
     return 2 * fine, 10 * float(time[-1] - time[0])
 
 
-def _widening(block: DataBlock, plans: tuple[Compression, ...]) -> DataBlock:
+def _widening(block: DataBlock, plans: tuple[DataCompression, ...]) -> DataBlock:
     """The block, able to take a fixed column that is smooth as its arms are."""
 
     def widen(name: str, column: FloatArray) -> DataBlock:
-        at_nodes, _ = projected(plans, column)
+        at_nodes, _ = project_values(plans, column)
         whole = partial(block.exact.with_column, name, column)
-        return _widening(block.beside(name, at_nodes, full=whole), plans)
+        return _widening(block.append_column(name, at_nodes, full=whole), plans)
 
     return replace(block, widen=widen)
 
@@ -143,9 +143,9 @@ def _plans(
     step: float | None,
     *,
     compress: bool,
-) -> tuple[Compression, ...]:
+) -> tuple[DataCompression, ...]:
     """The hold's compression, after the ramp's if the record has it."""
-    plan = compression if compress else uncompressed
+    plan = compression if compress else make_identity_plan
     if not ideal.ramp:
         return (plan(time, weights, step=step),)
     first = int(np.searchsorted(time, ideal.ramp_time))
@@ -161,7 +161,7 @@ def _plans(
     )
 
 
-def _columns(plans: tuple[Compression, ...], ideal: _Ideal) -> Columns:
+def _columns(plans: tuple[DataCompression, ...], ideal: _Ideal) -> Columns:
     *ramps, hold = plans
 
     def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
@@ -182,7 +182,7 @@ def _columns(plans: tuple[Compression, ...], ideal: _Ideal) -> Columns:
 
 
 def _hold(
-    plan: Compression, tau: FloatArray, ideal: _Ideal, *, derivative: bool
+    plan: DataCompression, tau: FloatArray, ideal: _Ideal, *, derivative: bool
 ) -> tuple[FloatArray, FloatArray]:
     # a column is a row until the end: long rows are fast
     s = plan.nodes / -tau[:, None]
@@ -206,7 +206,7 @@ def _hold(
     return arms.T, decay.T
 
 
-def _checked(
+def _validate_samples(
     time: FloatArray, values: FloatArray, weights: FloatArray | None
 ) -> tuple[FloatArray, float | None]:
     """The times and, if they are uniform, their interval."""

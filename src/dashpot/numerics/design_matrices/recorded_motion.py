@@ -22,7 +22,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.numerics.design_matrices.arm_recursion import even_arms
+from dashpot.numerics.design_matrices.arm_recursion import compute_arm_elongations
 from dashpot.numerics.design_matrices.block import DataBlock, Evaluation, design_block
 from dashpot.numerics.design_matrices.data_compression import SMALL, uniform_step
 from dashpot.numerics.design_matrices.displacement_correlation import correlation_block
@@ -114,13 +114,13 @@ def recorded_block(
         return correlation_block(whole, time, x, start=start, stop=stop)
     before = replace(exact(start, even, weights), window=limits)
     after = replace(exact(even, stop), window=limits)
-    return _stacked(
+    return _stack_blocks(
         reduced_block(before, reach=reach),
         correlation_block(after, time, x, start=even, stop=stop),
     )
 
 
-def _stacked(one: DataBlock, two: DataBlock) -> DataBlock:
+def _stack_blocks(one: DataBlock, two: DataBlock) -> DataBlock:
     """Two stretches of one record as one block."""
     cut = one.samples
 
@@ -134,8 +134,8 @@ def _stacked(one: DataBlock, two: DataBlock) -> DataBlock:
         samples=one.samples + two.samples,
         floor=one.floor + two.floor,
         sampling=None,
-        full=lambda: _stacked(one.exact, two.exact),
-        widen=lambda name, column: _stacked(
+        full=lambda: _stack_blocks(one.exact, two.exact),
+        widen=lambda name, column: _stack_blocks(
             one.with_column(name, column[:cut]), two.with_column(name, column[cut:])
         ),
         delayed=None,
@@ -183,7 +183,7 @@ def arm_columns(
     """
     step = uniform_step(time)
     if step is not None:
-        return even_arms(x, step / tau, derivative=derivative)
+        return compute_arm_elongations(x, step / tau, derivative=derivative)
     moved = np.diff(x)[:, None]
     z = np.diff(time)[:, None] / tau
     lost = np.expm1(-z)
@@ -205,14 +205,14 @@ def recursion(decay: FloatArray, increments: FloatArray, first: FloatArray) -> F
     length = int(np.ceil(np.sqrt(total)))
     stretches = -(-total // length)
 
-    def by_step(values: FloatArray) -> FloatArray:
+    def reshape_by_step(values: FloatArray) -> FloatArray:
         padded = np.zeros((stretches * length, *values.shape[1:]))
         padded[total - len(values) : total] = values
         parts = padded.reshape(stretches, length, *values.shape[1:])
         return np.ascontiguousarray(parts.swapaxes(0, 1))
 
-    out = by_step(np.concatenate((first[None], increments)))
-    u, since = np.zeros(out.shape[1:]), by_step(decay)
+    out = reshape_by_step(np.concatenate((first[None], increments)))
+    u, since = np.zeros(out.shape[1:]), reshape_by_step(decay)
     for i in range(length):
         u = u * since[i] + out[i]
         out[i] = u

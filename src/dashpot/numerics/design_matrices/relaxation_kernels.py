@@ -58,7 +58,7 @@ class Kernels(NamedTuple):
     left: FloatArray
 
     @classmethod
-    def over(cls, window: tuple[float, float], *, per_fold: float, rank: float) -> Kernels:
+    def from_window(cls, window: tuple[float, float], *, per_fold: float, rank: float) -> Kernels:
         """For relaxation times in `window`, s.
 
         `per_fold` fixed times per factor e; directions weaker than `rank` of the strongest are
@@ -67,7 +67,7 @@ class Kernels(NamedTuple):
         shortest, longest = window
         # kernels scale with the clock: they are made for a window that starts at one
         folds = round(float(np.log(longest / shortest)) + 0.05, 1)
-        tau, lags, right, left = _from_one(folds, per_fold, rank)
+        tau, lags, right, left = _make_unit_kernels(folds, per_fold, rank)
         return cls(tau * shortest, lags * shortest, right, left)
 
     def space(
@@ -104,7 +104,7 @@ class Kernels(NamedTuple):
 
 
 @lru_cache(maxsize=8)
-def _from_one(folds: float, per_fold: float, rank: float) -> Kernels:
+def _make_unit_kernels(folds: float, per_fold: float, rank: float) -> Kernels:
     tau = np.exp(np.linspace(-0.3, folds + 0.3, round(per_fold * folds)))
     lags = np.concatenate(([0.0], np.exp(np.linspace(np.log(0.25), folds, LAGS))))
     u, s, vt = np.linalg.svd(np.exp(-lags[:, None] / tau), full_matrices=False)
@@ -125,7 +125,7 @@ def reduced_block(exact: DataBlock, *, reach: tuple[float, float] | None = None)
     reach : (float, float), optional
         Relaxation times to be evaluated, s; those of the window, if left out.
     """
-    kernels = Kernels.over(reach or exact.window, per_fold=TIMES_PER_FOLD, rank=RANK)
+    kernels = Kernels.from_window(reach or exact.window, per_fold=TIMES_PER_FOLD, rank=RANK)
     target, fixed, *_ = exact.evaluate(np.zeros(0), False)
     every = np.concatenate((kernels.space(exact), fixed, target[:, None]), axis=1)
     factor = every[:0]
@@ -163,7 +163,7 @@ def compact_block(block: DataBlock, *, beyond: float) -> DataBlock:
         Relaxation times up to this factor outside the window are to be evaluated.
     """
     shortest, longest = block.window
-    kernels = Kernels.over(
+    kernels = Kernels.from_window(
         (shortest / beyond, longest * beyond), per_fold=FEW_TIMES_PER_FOLD, rank=FEW_RANK
     )
     found = block.evaluate(np.log(kernels.tau), False)

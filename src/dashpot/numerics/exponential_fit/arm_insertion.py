@@ -13,21 +13,21 @@ from dashpot.base.errors import FitError
 from dashpot.numerics.exponential_fit.log_tau_descent import (
     Stack,
     StackTrial,
-    between,
     descend,
+    is_inside_window,
     point_at,
 )
 from dashpot.numerics.exponential_fit.starting_points import (
     Grid,
-    inserted,
-    paired,
-    partitioned,
+    draw_quasirandom_starts,
+    find_best_pair,
+    find_best_triple,
+    make_insertion_starts,
+    make_partition_starts,
     peaks_of,
-    scattered,
     single,
-    tripled,
 )
-from dashpot.numerics.least_squares.levenberg_marquardt import FINISHED, Local
+from dashpot.numerics.least_squares.levenberg_marquardt import FINISHED, LocalOptimum
 
 #: where descents that are yet to be compared end: steps, and falls of the SSE
 LOOSE = 1e-4
@@ -37,14 +37,14 @@ DOUBT = 0.1
 #: numbers of arms for which every set of points of a grid is tried, and the points of that grid
 LOOK: dict[int, tuple[Callable[[Grid], FloatArray | None], int]] = {
     1: (single, 48),
-    2: (paired, 48),
-    3: (tripled, 94),
+    2: (find_best_pair, 48),
+    3: (find_best_triple, 94),
 }
 #: in units of the noise variance
 FAR = 20.0
 
 
-class Chain:
+class ArmInsertion:
     """What a stack's orders have in common: grid, spectrum, and the optima found so far.
 
     `best[n]` is the optimum with n arms, except after a `leap`, when the only one is its own.
@@ -52,12 +52,12 @@ class Chain:
 
     def __init__(self, stack: Stack, *, thorough: bool, signed: bool, seed: int) -> None:
         self.stack, self.signed, self.thorough, self.seed = stack, signed, thorough, seed
-        self.best: list[Local[StackTrial]] = []
-        self._attempts: dict[int, Local[StackTrial] | None] = {}
+        self.best: list[LocalOptimum[StackTrial]] = []
+        self._attempts: dict[int, LocalOptimum[StackTrial] | None] = {}
         self._starts_found: dict[int, FloatArray | None] = {}
 
     @property
-    def reached(self) -> int:
+    def largest_order(self) -> int:
         """The largest number of arms so far."""
         return len(self.best) - 1
 
@@ -73,7 +73,9 @@ class Chain:
 
     def leap(self, arms: int) -> bool:
         """Go straight to `arms` if that leaves no doubt, as two that start as neighbours would."""
-        found = self._undoubted(arms) if arms and self._starts_apart(arms) else None
+        found = (
+            self._find_certain_optimum(arms) if arms and self._has_separated_start(arms) else None
+        )
         if found is not None:
             self.best.append(found)
         return found is not None
@@ -81,7 +83,7 @@ class Chain:
     def as_good_near(self, log_tau: FloatArray, *, negligible: float) -> bool:
         """Go to the optimum next to `log_tau` if no spectrum gains `negligible` noise variances."""
         local = descend(self.stack, log_tau)
-        wanted = self._wanted(len(log_tau))
+        wanted = self._get_nonnegative_mask(len(log_tau))
         if local is None or (local.point.beta[wanted] <= 0).any():
             return False
         self.best.append(local)
@@ -89,7 +91,7 @@ class Chain:
             self.best.pop()
         return bool(self.best)
 
-    def _undoubted(self, arms: int) -> Local[StackTrial] | None:
+    def _find_certain_optimum(self, arms: int) -> LocalOptimum[StackTrial] | None:
         """The optimum next to the best of the whole grid, if nothing about it is in doubt.
 
         Doubt is a relaxation time that is not known to 10 %, or that sits at the edge of the
@@ -106,8 +108,8 @@ class Chain:
             not local.converged
             or point.sse <= 100 * self.stack.nothing
             or spare < 10
-            or (point.beta[self.stack.restricted(arms, signed=False)] <= 0).any()
-            or not between(point.log_tau, self.stack.bounds)
+            or (point.beta[self.stack.get_nonnegative_mask(arms, signed=False)] <= 0).any()
+            or not is_inside_window(point.log_tau, self.stack.bounds)
         ):
             return None
         noise = (self.stack.floor + point.sse) / spare
@@ -117,22 +119,24 @@ class Chain:
             return None
         if not (spread < DOUBT**2).all():
             return None
-        if arms not in LOOK and point.sse - self.grid.left > FAR * noise:
+        if arms not in LOOK and point.sse - self.grid.residual_sse > FAR * noise:
             return None
         return local
 
-    def _attempt(self, arms: int) -> Local[StackTrial] | None:
+    def _attempt(self, arms: int) -> LocalOptimum[StackTrial] | None:
         """The optimum next to the best set of grid points, or next to the spectrum's peaks."""
         if arms not in self._attempts:
             start = self._first_start(arms)
             self._attempts[arms] = (
                 None
                 if start is None
-                else descend(self.stack, start, damping=1e-6, wanted=self._wanted(arms))
+                else descend(
+                    self.stack, start, damping=1e-6, wanted=self._get_nonnegative_mask(arms)
+                )
             )
         return self._attempts[arms]
 
-    def _starts_apart(self, arms: int) -> bool:
+    def _has_separated_start(self, arms: int) -> bool:
         """True if the best set of grid points has no two that are neighbours."""
         start, (low, high) = self._first_start(arms), self.stack.bounds
         if start is None or arms not in LOOK:
@@ -148,7 +152,9 @@ class Chain:
                 best_set, size = LOOK[arms]
                 start = best_set(Grid(self.stack, size))
             else:
-                start = next(iter(partitioned(self.grid, *self.peaks, arms, count=1)), None)
+                start = next(
+                    iter(make_partition_starts(self.grid, *self.peaks, arms, count=1)), None
+                )
             self._starts_found[arms] = start
         return self._starts_found[arms]
 
@@ -160,16 +166,16 @@ class Chain:
         such order is the last.
         """
         if not self.best:
-            self.best.append(Local(_without_arms(self.stack, signed=self.signed), 1, True))
-        while self.reached < arms:
-            last, count = self.best[-1].point, self.reached + 1
+            self.best.append(LocalOptimum(_without_arms(self.stack, signed=self.signed), 1, True))
+        while self.largest_order < arms:
+            last, count = self.best[-1].point, self.largest_order + 1
             if last.sse <= self.stack.nothing:
                 return
             enough = self._leaves_less_than(negligible)
             if enough:
-                found = self._best_with(count, starts=self._inserted(count=1))
+                found = self._best_with(count, starts=self._insert_arm(count=1))
             else:
-                found = self._undoubted(count) or self._best_with(count)
+                found = self._find_certain_optimum(count) or self._best_with(count)
             worth = last.sse - 1e-10 * (self.stack.floor + last.sse) - self.stack.nothing
             if found is None or found.point.sse >= worth:
                 return
@@ -184,7 +190,7 @@ class Chain:
         last = self.best[-1].point
         spare = max(self.stack.samples - len(last.beta) - len(last.log_tau), 1)
         least = negligible * (self.stack.floor + last.sse) / spare
-        return bool(last.sse - self.grid.left < least and last.sse - self._any() < least)
+        return bool(last.sse - self.grid.residual_sse < least and last.sse - self._any() < least)
 
     def _any(self) -> float:
         """The SSE of the best positive spectrum on the grid and beside the last arms."""
@@ -192,18 +198,18 @@ class Chain:
         together = np.concatenate((point.log_tau, self.grid.log_tau))
         near = np.arange(len(together)) < len(point.log_tau)
         fixed = point.beta[: len(self.stack.names)]
-        loose = ~(self.stack.restricted(0, signed=False) & (fixed == 0))
-        return Grid(self.stack, log_tau=together, loose=loose, near=near).left
+        loose = ~(self.stack.get_nonnegative_mask(0, signed=False) & (fixed == 0))
+        return Grid(self.stack, log_tau=together, loose=loose, near=near).residual_sse
 
     def _best_with(
         self, arms: int, *, starts: list[FloatArray] | None = None
-    ) -> Local[StackTrial] | None:
+    ) -> LocalOptimum[StackTrial] | None:
         """The best of the optima next to all starts, finished; None if no arms carry as many."""
-        restricted = self._wanted(arms)
+        restricted = self._get_nonnegative_mask(arms)
         if starts is None:
             allowed = self._optima(self._starts(arms), self._attempt(arms), restricted)
         else:
-            allowed = self._pushed(starts, restricted)
+            allowed = self._descend_restricted(starts, restricted)
         full = [local for local in allowed if _carries(local.point, self.stack)]
         if not full:
             return None
@@ -219,24 +225,29 @@ class Chain:
             return winner
         return polished
 
-    def _wanted(self, arms: int) -> BoolArray:
+    def _get_nonnegative_mask(self, arms: int) -> BoolArray:
         """The coefficients that must not be negative."""
-        return self.stack.restricted(arms, signed=self.signed)
+        return self.stack.get_nonnegative_mask(arms, signed=self.signed)
 
     def _starts(self, arms: int) -> list[FloatArray]:
-        starts = self._inserted(count=2)
+        starts = self._insert_arm(count=2)
         if not self.signed:
-            starts = partitioned(self.grid, *self.peaks, arms) + starts
+            starts = make_partition_starts(self.grid, *self.peaks, arms) + starts
         if self.thorough:
-            starts += scattered(self.stack, arms, EXTRA_STARTS, self.seed)
+            starts += draw_quasirandom_starts(self.stack, arms, EXTRA_STARTS, self.seed)
         return starts
 
-    def _inserted(self, *, count: int) -> list[FloatArray]:
-        return inserted(self.grid, self.best[-1].point, signed=self.signed, count=count)
+    def _insert_arm(self, *, count: int) -> list[FloatArray]:
+        return make_insertion_starts(
+            self.grid, self.best[-1].point, signed=self.signed, count=count
+        )
 
     def _optima(
-        self, starts: Sequence[FloatArray], first: Local[StackTrial] | None, restricted: BoolArray
-    ) -> list[Local[StackTrial]]:
+        self,
+        starts: Sequence[FloatArray],
+        first: LocalOptimum[StackTrial] | None,
+        restricted: BoolArray,
+    ) -> list[LocalOptimum[StackTrial]]:
         """The optima without a coefficient below zero that the starts lead to."""
         found = [] if first is None else [first]
         for start in starts:
@@ -251,11 +262,13 @@ class Chain:
         # what is better but not allowed is pushed back to where it is
         better = ~feasible & (sse < sse[feasible].min(initial=np.inf))
         pushed = [local.point.log_tau for local in compress(found, better)]
-        return allowed + self._pushed([*pushed, *([] if allowed else starts[-2:])], restricted)
+        return allowed + self._descend_restricted(
+            [*pushed, *([] if allowed else starts[-2:])], restricted
+        )
 
-    def _pushed(
+    def _descend_restricted(
         self, starts: Sequence[FloatArray], restricted: BoolArray
-    ) -> list[Local[StackTrial]]:
+    ) -> list[LocalOptimum[StackTrial]]:
         """The optima next to the starts with no restricted coefficient below zero."""
         found = [self._descend(start, (), restricted=restricted) for start in starts]
         return [one for one in found if one and one.point.beta[-len(one.point.log_tau) :].any()]
@@ -268,7 +281,7 @@ class Chain:
         restricted: BoolArray | None = None,
         wanted: BoolArray | None = None,
         finished: float = LOOSE,
-    ) -> Local[StackTrial] | None:
+    ) -> LocalOptimum[StackTrial] | None:
         return descend(
             self.stack,
             start,
@@ -293,7 +306,7 @@ def _without_arms(stack: Stack, *, signed: bool) -> StackTrial:
         target = stack.evaluate(nothing, derivative=False).target
         none = np.zeros((0, 0))
         return StackTrial(nothing, nothing, float(target @ target), nothing, none, none)
-    restricted = None if signed else stack.restricted(0, signed=False)
+    restricted = None if signed else stack.get_nonnegative_mask(0, signed=False)
     point = point_at(stack, nothing, restricted=restricted)
     if point.sse == np.inf:
         raise FitError(

@@ -20,7 +20,7 @@ CERTAIN = 1e-6
 
 
 @dataclass(frozen=True)
-class Optimality:
+class OptimalityCertificate:
     r"""What one more arm, or any number of arms, could still gain.
 
     Attributes
@@ -42,7 +42,7 @@ class Optimality:
     tau: float | None
 
 
-def certificate(blocks: Sequence[DataBlock], solution: Solution) -> Optimality:
+def certificate(blocks: Sequence[DataBlock], solution: Solution) -> OptimalityCertificate:
     r"""Compare a solution with the best spectrum of non-negative arms of any number.
 
     If :math:`D(\tau) = \hat\varphi(\tau)' r \le 0` for all tau, the residual r satisfies the
@@ -54,7 +54,7 @@ def certificate(blocks: Sequence[DataBlock], solution: Solution) -> Optimality:
     stack = Stack(blocks)
     groups = len(stack.groups)
     # k_inf resting at zero is no free direction: its column then is not swept out
-    loose = ~(stack.restricted(0, signed=False) & (solution.fixed == 0))
+    loose = ~(stack.get_nonnegative_mask(0, signed=False) & (solution.fixed == 0))
     grid, support = np.linspace(*stack.bounds, GRID), solution.log_tau
     best, left, dual_gradient, place = np.inf, 0.0, -np.inf, 0.0
     for round_ in range(ROUNDS):
@@ -69,17 +69,17 @@ def certificate(blocks: Sequence[DataBlock], solution: Solution) -> Optimality:
             left = float(residual @ residual)
             towards = (offered.columns.T @ residual).reshape(groups, -1).max(axis=0)
             dual_gradient, place = float(towards.max()), float(together[np.argmax(towards)])
-        best = min(best, offered.left)
+        best = min(best, offered.residual_sse)
         weight = offered.spectrum.sum(axis=0)
         support = together[weight > 0]
-        grid = _refined(support, round_, stack.bounds)
+        grid = _make_refined_grid(support, round_, stack.bounds)
     sse = stack.floor + left
     # of a gap that is seen a few digits will do
     flat = 1e-3 * max(CERTAIN, (left - best) / sse if sse > 0 else 0.0)
-    best = min(best, _polished(stack, together, weight, flat))
+    best = min(best, _compute_merged_sse(stack, together, weight, flat))
     gap = 0.0 if left <= stack.nothing else max(0.0, left - best) / sse
     optimal = gap <= CERTAIN
-    return Optimality(
+    return OptimalityCertificate(
         optimal=optimal,
         gap=float(gap),
         dual_gradient=float(dual_gradient / np.sqrt(sse)) if sse > 0 else 0.0,
@@ -87,14 +87,14 @@ def certificate(blocks: Sequence[DataBlock], solution: Solution) -> Optimality:
     )
 
 
-def _refined(support: FloatArray, round_: int, bounds: tuple[float, float]) -> FloatArray:
+def _make_refined_grid(support: FloatArray, round_: int, bounds: tuple[float, float]) -> FloatArray:
     """The support of a spectrum, and a finer grid around each of its points."""
     step = (bounds[1] - bounds[0]) / GRID / 8.0**round_
     near = support[:, None] + step * np.arange(-8, 9) / 8
     return np.array(sorted({*np.clip(near, *bounds).flat, *bounds}))
 
 
-def _polished(stack: Stack, grid: FloatArray, weight: FloatArray, flat: float) -> float:
+def _compute_merged_sse(stack: Stack, grid: FloatArray, weight: FloatArray, flat: float) -> float:
     """SSE after the spectrum's arms, neighbours merged, have moved off the grid together.
 
     To `flat`, a part of it.
@@ -105,6 +105,6 @@ def _polished(stack: Stack, grid: FloatArray, weight: FloatArray, flat: float) -
         return np.inf
     runs = np.split(order, np.flatnonzero(np.diff(grid[order]) > ONE_ARM) + 1)
     start = np.array([weight[run] @ grid[run] / weight[run].sum() for run in runs])
-    restricted = stack.restricted(len(start), signed=False)
+    restricted = stack.get_nonnegative_mask(len(start), signed=False)
     local = descend(stack, start, restricted=restricted, flat=flat)
     return np.inf if local is None else local.point.sse

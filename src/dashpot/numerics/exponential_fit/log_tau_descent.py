@@ -12,7 +12,7 @@ from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.numerics.design_matrices.block import DataBlock, stiffnesses
 from dashpot.numerics.least_squares.levenberg_marquardt import (
     FINISHED,
-    Local,
+    LocalOptimum,
     Objective,
     triangle,
 )
@@ -93,7 +93,7 @@ class Stack:
         """Sum of squares that a finished descent leaves of exact data."""
         return max(self.rounding_floor, FINISHED**2 * self.energy)
 
-    def restricted(self, arms: int, *, signed: bool) -> BoolArray:
+    def get_nonnegative_mask(self, arms: int, *, signed: bool) -> BoolArray:
         """Which linear parameters must not be negative, shape (p,)."""
         every = np.ones(len(self.names) + arms * len(self.groups), dtype=bool)
         every[: len(self.names)] = stiffnesses(self.names)
@@ -148,7 +148,7 @@ class StackTrial(NamedTuple):
         return self.log_tau
 
     @classmethod
-    def of(
+    def from_factor(
         cls, log_tau: FloatArray, factor: FloatArray, fixed: int, active: BoolArray | None = None
     ) -> StackTrial:
         r"""From the triangular factor of the `active` columns, the slopes and the target.
@@ -239,7 +239,7 @@ def _point(log_tau: FloatArray, rows: StackRows, active: BoolArray | None = None
     pivot = r.diagonal()
     if len(factor) < p or (pivot * pivot <= 1e-26 * np.vecdot(r.T, r.T)).any():
         return _nowhere(log_tau, rows.width)
-    return StackTrial.of(log_tau, factor, fixed, active)
+    return StackTrial.from_factor(log_tau, factor, fixed, active)
 
 
 def _nowhere(log_tau: FloatArray, p: int) -> StackTrial:
@@ -264,7 +264,7 @@ def descend(
     finished: float = FINISHED,
     flat: float = 0.0,
     damping: float = 1e-3,
-) -> Local[StackTrial] | None:
+) -> LocalOptimum[StackTrial] | None:
     """As :func:`dashpot.numerics.least_squares.levenberg_marquardt.descend`, in ln tau, inside the
     window.
 
@@ -280,20 +280,20 @@ def descend(
         objective,
         np.sort(start),
         wanted=wanted,
-        met=(lambda log_tau: _met(log_tau, rivals)) if rivals else None,
+        met=(lambda log_tau: _is_near_rival(log_tau, rivals)) if rivals else None,
         finished=finished,
         flat=flat,
         damping=damping,
     )
 
 
-def between(log_tau: FloatArray, bounds: tuple[float, float]) -> bool:
+def is_inside_window(log_tau: FloatArray, bounds: tuple[float, float]) -> bool:
     """True if no relaxation time sits at an end of the window."""
     low, high = bounds
     return all(low < value < high for value in log_tau.tolist())
 
 
-def _met(log_tau: FloatArray, rivals: Sequence[FloatArray]) -> bool:
+def _is_near_rival(log_tau: FloatArray, rivals: Sequence[FloatArray]) -> bool:
     return bool(np.abs(np.sort(log_tau) - rivals).max(axis=1).min() < 1e-2)
 
 

@@ -22,7 +22,7 @@ MOST_PEAKS = 9
 KEPT = 8
 
 
-class Lattice(NamedTuple):
+class ColumnGrid(NamedTuple):
     """A stack's columns on a grid of ln tau, free of the fixed columns, of unit length.
 
     Attributes
@@ -44,9 +44,9 @@ class Lattice(NamedTuple):
     basis: FloatArray
 
     @classmethod
-    def of(
+    def from_stack(
         cls, stack: Stack, log_tau: FloatArray, loose: BoolArray | None = None
-    ) -> tuple[Lattice, FloatArray]:
+    ) -> tuple[ColumnGrid, FloatArray]:
         """The lattice, and the target in its coordinates.
 
         `loose` says which fixed columns have a coefficient that is not held at zero; all, by
@@ -66,14 +66,14 @@ class Lattice(NamedTuple):
         return cls(log_tau, rows, length, rows @ rows.T, basis), target
 
 
-class _KeptLattices(OrderedDict[Hashable, Lattice]):
+class _GridCache(OrderedDict[Hashable, ColumnGrid]):
     """The lattices of the last few samplings."""
 
-    def of(self, stack: Stack, size: int) -> tuple[Lattice, FloatArray]:
+    def get_grid(self, stack: Stack, size: int) -> tuple[ColumnGrid, FloatArray]:
         key = (stack.sampling, size)
         if key in self:
             return self[key], stack.blocks[0].target
-        found, target = Lattice.of(stack, np.linspace(*stack.bounds, size))
+        found, target = ColumnGrid.from_stack(stack, np.linspace(*stack.bounds, size))
         if stack.sampling is None:
             return found, target
         self[key] = found
@@ -82,7 +82,7 @@ class _KeptLattices(OrderedDict[Hashable, Lattice]):
         return found, target
 
 
-_KEPT_LATTICES = _KeptLattices()
+_KEPT_LATTICES = _GridCache()
 
 
 class Grid:
@@ -91,7 +91,7 @@ class Grid:
     Attributes
     ----------
     log_tau, columns, length, gram
-        Of the :class:`Lattice`; columns of shape (n, G m).
+        Of the :class:`ColumnGrid`; columns of shape (n, G m).
     moment : array, shape (G m,)
         Inner products of columns with the target.
     near : array, shape (m,), or None
@@ -108,9 +108,9 @@ class Grid:
         near: BoolArray | None = None,
     ) -> None:
         if log_tau is None:
-            lattice, target = _KEPT_LATTICES.of(stack, size)
+            lattice, target = _KEPT_LATTICES.get_grid(stack, size)
         else:
-            lattice, target = Lattice.of(stack, log_tau, loose)
+            lattice, target = ColumnGrid.from_stack(stack, log_tau, loose)
         self.stack, self.near = stack, near
         self.groups = len(stack.groups)
         self.log_tau, self.length, self.gram = lattice.log_tau, lattice.length, lattice.gram
@@ -131,7 +131,7 @@ class Grid:
         return np.asarray(found.reshape(self.groups, -1))
 
     @cached_property
-    def left(self) -> float:
+    def residual_sse(self) -> float:
         """Sum of squares that the best spectrum leaves."""
         rest = self.aim - self.columns @ self.spectrum.ravel()
         return float(rest @ rest)
@@ -143,7 +143,7 @@ class Grid:
         phi; negative where only a negative coefficient would help. Groups add as squares.
         """
         if len(point.log_tau):
-            columns, residual, phi = self._beside(point)
+            columns, residual, phi = self._compute_shared_rows(point)
             basis = np.linalg.qr(phi)[0]
             along = basis.T @ columns
             left = np.sqrt(np.maximum(1.0 - (along * along).sum(axis=0), 0.0))
@@ -162,7 +162,7 @@ class Grid:
             )
         )
 
-    def _beside(self, point: StackTrial) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _compute_shared_rows(self, point: StackTrial) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Grid columns, the point's residual and its columns, in common coordinates."""
         if not self.stack.rotated_basis:
             rows = self.stack.evaluate(point.log_tau, derivative=False)
@@ -185,7 +185,7 @@ def single(grid: Grid) -> FloatArray | None:
     return grid.log_tau[best : best + 1] if grid.moment[best] > 0 else None
 
 
-def paired(grid: Grid) -> FloatArray | None:
+def find_best_pair(grid: Grid) -> FloatArray | None:
     r"""Next to the two grid points whose columns, both with positive coefficients, fit best.
 
     All pairs at once: unit columns with cosine c and moments m_1, m_2 explain
@@ -225,7 +225,7 @@ def _vertex(gain: FloatArray, i: int, j: int) -> FloatArray:
     return np.array([max(-1.0, min(1.0, row)), max(-1.0, min(1.0, column))])
 
 
-def tripled(grid: Grid) -> FloatArray | None:
+def find_best_triple(grid: Grid) -> FloatArray | None:
     """The three grid points whose columns, with positive coefficients, fit best.
 
     Of every third point, all triples; then around the best of them, the points between.
@@ -267,7 +267,9 @@ def _triples(size: int) -> IndexArray:
     return COARSE * np.array(np.nonzero((i[:, None, None] < i[:, None]) & (i[:, None] < i)))
 
 
-def inserted(grid: Grid, point: StackTrial, *, signed: bool, count: int) -> list[FloatArray]:
+def make_insertion_starts(
+    grid: Grid, point: StackTrial, *, signed: bool, count: int
+) -> list[FloatArray]:
     """Starts with one arm more than the point, at the highest maxima of its dual gradient."""
     dual_gradient = grid.dual_gradient(point, signed=signed)
     padded = np.concatenate(([-np.inf], dual_gradient, [-np.inf]))
@@ -291,7 +293,7 @@ def peaks_of(grid: Grid) -> tuple[FloatArray, FloatArray]:
     return place[keep], mass[keep]
 
 
-def partitioned(
+def make_partition_starts(
     grid: Grid, place: FloatArray, mass: FloatArray, arms: int, count: int = 2
 ) -> list[FloatArray]:
     """Starts from the peaks: contiguous groups merged, or some peaks alone; best by one LSQ."""
@@ -325,7 +327,7 @@ def partitioned(
     return [candidates[distinct[int(i)]] for i in order]
 
 
-def scattered(stack: Stack, arms: int, count: int, seed: int) -> list[FloatArray]:
+def draw_quasirandom_starts(stack: Stack, arms: int, count: int, seed: int) -> list[FloatArray]:
     """Quasi-random starts that fill the window: a Kronecker sequence, shifted by the seed."""
     # the generalized golden ratio: the real root of x^(d+1) = x + 1
     ratio = 2.0

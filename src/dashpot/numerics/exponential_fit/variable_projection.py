@@ -7,23 +7,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, ByValue, FloatArray, Frozen
+from dashpot.base.arrays import BoolArray, EqualByValue, FloatArray, FrozenArrays
 from dashpot.base.errors import FitError
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.exponential_fit.arm_insertion import Chain
+from dashpot.numerics.exponential_fit.arm_insertion import ArmInsertion
 from dashpot.numerics.exponential_fit.log_tau_descent import (
     Stack,
     StackTrial,
     descend,
     relative_offset,
 )
-from dashpot.numerics.least_squares.levenberg_marquardt import Local
+from dashpot.numerics.least_squares.levenberg_marquardt import LocalOptimum
 
 RESOLVED = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Solution(Frozen):
+class Solution(FrozenArrays):
     """The optimum of a stack for one number of arms.
 
     Attributes
@@ -93,7 +93,7 @@ class Solution(Frozen):
 
 
 @dataclass(frozen=True, eq=False)
-class Jacobian(ByValue):
+class Jacobian(EqualByValue):
     """The residual of a solution and its derivative by every parameter, in the blocks' rows.
 
     Attributes
@@ -155,16 +155,16 @@ def solve(
     FitError
         If the data have fewer samples than parameters, or `arms` is negative.
     """
-    stack = _checked(blocks, arms)
+    stack = _validate_blocks(blocks, arms)
     if log_tau_start is not None:
         return _from_start(stack, np.asarray(log_tau_start, dtype=float), arms, signed=signed)
-    chain = Chain(stack, thorough=thorough, signed=signed, seed=seed)
+    chain = ArmInsertion(stack, thorough=thorough, signed=signed, seed=seed)
     if near is not None and arms and chain.as_good_near(near, negligible=negligible):
-        return _of(chain, -1, requested=arms)
+        return _make_solution(chain, -1, requested=arms)
     if chain.leap(arms):
-        return _of(chain, -1, requested=arms)
+        return _make_solution(chain, -1, requested=arms)
     chain.extend(arms, negligible=negligible)
-    return _of(chain, chain.reached, requested=arms)
+    return _make_solution(chain, chain.largest_order, requested=arms)
 
 
 def solve_orders(
@@ -182,10 +182,10 @@ def solve_orders(
     positive spectrum with any number of arms, so that no order left out could gain more; unless
     `every` one is wanted, which is then found from a single start.
     """
-    stack = _checked(blocks, max_arms)
-    chain = Chain(stack, thorough=thorough, signed=False, seed=0)
+    stack = _validate_blocks(blocks, max_arms)
+    chain = ArmInsertion(stack, thorough=thorough, signed=False, seed=0)
     chain.extend(max_arms, negligible=negligible, every=every)
-    return tuple(_of(chain, n, requested=n) for n in range(chain.reached + 1))
+    return tuple(_make_solution(chain, n, requested=n) for n in range(chain.largest_order + 1))
 
 
 def full_jacobian(blocks: Sequence[DataBlock], solution: Solution) -> Jacobian:
@@ -215,7 +215,7 @@ def full_jacobian(blocks: Sequence[DataBlock], solution: Solution) -> Jacobian:
     return Jacobian(tuple(names), matrix.T, target - solution.beta @ matrix[:by_tau])
 
 
-def _checked(blocks: Sequence[DataBlock], arms: int) -> Stack:
+def _validate_blocks(blocks: Sequence[DataBlock], arms: int) -> Stack:
     if arms < 0:
         raise FitError(f"arms = {arms}; expected a number >= 0")
     if not blocks:
@@ -230,7 +230,7 @@ def _checked(blocks: Sequence[DataBlock], arms: int) -> Stack:
     return stack
 
 
-def _of(chain: Chain, order: int, *, requested: int) -> Solution:
+def _make_solution(chain: ArmInsertion, order: int, *, requested: int) -> Solution:
     return _solution(
         chain.stack,
         chain.best[order],
@@ -245,7 +245,7 @@ def _from_start(stack: Stack, start: FloatArray, arms: int, *, signed: bool) -> 
         raise FitError(f"{arms} arms need {arms} starting values of ln tau, found {len(start)}")
     local = descend(stack, start)
     if local is not None and not signed:
-        restricted = stack.restricted(arms, signed=False)
+        restricted = stack.get_nonnegative_mask(arms, signed=False)
         if (local.point.beta[restricted] < 0).any():
             local = descend(stack, start, restricted=restricted)
     if local is None:
@@ -255,7 +255,9 @@ def _from_start(stack: Stack, start: FloatArray, arms: int, *, signed: bool) -> 
     return _solution(stack, local, requested=arms, evaluations=stack.trials, signed=signed)
 
 
-def _resolved(stack: Stack, local: Local[StackTrial]) -> tuple[Stack, Local[StackTrial]]:
+def _resolve_exactly(
+    stack: Stack, local: LocalOptimum[StackTrial]
+) -> tuple[Stack, LocalOptimum[StackTrial]]:
     """Finish on every sample if the residual is too small for the compressed form to hold it."""
     if stack.floor + local.point.sse > RESOLVED * (stack.floor + stack.energy):
         return stack, local
@@ -268,9 +270,9 @@ def _resolved(stack: Stack, local: Local[StackTrial]) -> tuple[Stack, Local[Stac
 
 
 def _solution(
-    stack: Stack, local: Local[StackTrial], *, requested: int, evaluations: int, signed: bool
+    stack: Stack, local: LocalOptimum[StackTrial], *, requested: int, evaluations: int, signed: bool
 ) -> Solution:
-    stack, local = _resolved(stack, local)
+    stack, local = _resolve_exactly(stack, local)
     point = local.point
     order = np.argsort(point.log_tau, kind="stable")
     log_tau = point.log_tau[order]

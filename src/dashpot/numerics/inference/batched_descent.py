@@ -25,7 +25,7 @@ _BENT = -0.9, 4.0
 _FORETOLD = 50.0
 
 
-class Solved(NamedTuple):
+class SolvedTrials(NamedTuple):
     """Trials of ln tau with everything linear solved.
 
     SSE (A,), linear parameters (A, p), gradient J'r (A, N) and curvature J'J (A, N, N) of the
@@ -39,7 +39,7 @@ class Solved(NamedTuple):
     bent: FloatArray
 
 
-class Descents:
+class BatchedDescent:
     """Where each of A descents stands, and where it goes next.
 
     Parameters
@@ -55,7 +55,7 @@ class Descents:
     def __init__(self, start: FloatArray, linear: int, tolerance: FloatArray) -> None:
         count, arms = start.shape
         self.here, self.tolerance = start.copy(), tolerance
-        self.known = Solved(
+        self.known = SolvedTrials(
             np.full(count, np.inf),
             np.zeros((count, linear)),
             np.zeros((count, arms)),
@@ -78,7 +78,7 @@ class Descents:
             return sse - promised, self.here[i] + self.move[i]
         return sse, self.here[i]
 
-    def take(self, trial: FloatArray, found: Solved, on: IndexArray) -> BoolArray:
+    def take(self, trial: FloatArray, found: SolvedTrials, on: IndexArray) -> BoolArray:
         """Learn from one trial each of the descents `on`; True where that is enough."""
         known = self.known
         gain = known.sse[on] - found.sse

@@ -25,7 +25,7 @@ from dashpot.base.arrays import (
     FloatArray,
     IndexArray,
     block_means,
-    fast_length,
+    find_fast_length,
 )
 
 # a direction whose share of the information is below this is a rounding error, not knowledge
@@ -81,7 +81,7 @@ class Noise:
         return float(self.autocovariance[0] * self.kappa)
 
 
-class Series:
+class ResidualSeries:
     """What a fit leaves of one record, in order of time, and its correlations, found once.
 
     Attributes
@@ -104,12 +104,12 @@ class Series:
         return float(steps @ steps / (self.values @ self.values))
 
     @cached_property
-    def means(self) -> Series:
+    def means(self) -> ResidualSeries:
         """Its means over a few samples."""
-        return Series(block_means(self.values, len(self.values) // _MEANS))
+        return ResidualSeries(block_means(self.values, len(self.values) // _MEANS))
 
 
-class Columns:
+class JacobianColumns:
     """What a model can change in one record, column by column, and its Fourier transforms.
 
     Attributes
@@ -135,27 +135,27 @@ class Columns:
         return np.eye(self.matrix.shape[1]) if self.shared else _turn(self.gram)[0]
 
     @property
-    def taken(self) -> float:
+    def absorbed_count(self) -> float:
         """How many residuals of white noise the columns take out of this record."""
         return float(np.trace(self.gram)) if self.shared else float(self.matrix.shape[1])
 
-    def means(self, few: int) -> Columns:
+    def means(self, few: int) -> JacobianColumns:
         """Of means over a few samples."""
         short = block_means(self.matrix.T, few).T
-        return Columns(np.sqrt(few) * short if self.shared else short, shared=self.shared)
+        return JacobianColumns(np.sqrt(few) * short if self.shared else short, shared=self.shared)
 
     def spectra(self, least: int) -> tuple[int, ComplexArray]:
         """The transforms, a row each, padded to `least` samples or more, and to how many."""
         if self._size < least:
-            self._size = fast_length(least)
+            self._size = find_fast_length(least)
             rows = np.ascontiguousarray(self.matrix.T)
             self._spectra = np.asarray(np.fft.rfft(rows, self._size))
         return self._size, self._spectra
 
 
 def noise_of(
-    residual: FloatArray | Series,
-    jacobian: FloatArray | Columns | None = None,
+    residual: FloatArray | ResidualSeries,
+    jacobian: FloatArray | JacobianColumns | None = None,
     *,
     rounding: float = 0.0,
 ) -> Noise:
@@ -175,22 +175,22 @@ def noise_of(
 
     Residuals of rms below `rounding` are rounding errors, not noise: their pattern says nothing.
     """
-    series = Series(residual) if isinstance(residual, np.ndarray) else residual
-    columns = Columns(jacobian) if isinstance(jacobian, np.ndarray) else jacobian
-    fine = _seen(series, columns, rounding=rounding)
+    series = ResidualSeries(residual) if isinstance(residual, np.ndarray) else residual
+    columns = JacobianColumns(jacobian) if isinstance(jacobian, np.ndarray) else jacobian
+    fine = _estimate_noise(series, columns, rounding=rounding)
     few = len(series.values) // _MEANS
     if few < _FEWEST or fine.autocovariance[0] <= rounding**2:
         return fine
     slow = None if columns is None else columns.means(few)
-    coarse = _seen(series.means, slow)
+    coarse = _estimate_noise(series.means, slow)
     # a sum over so many lags of white means scatters by that
     chance = np.sqrt(len(coarse.autocovariance) / _MEANS)
     if few * coarse.power <= (1 + _BY_CHANCE * chance) * fine.power:
         return fine
-    return _joined(fine, coarse.autocovariance, few)
+    return _join_noise_scales(fine, coarse.autocovariance, few)
 
 
-def _joined(fine: Noise, slow: FloatArray, few: int) -> Noise:
+def _join_noise_scales(fine: Noise, slow: FloatArray, few: int) -> Noise:
     """The noise whose autocovariance beyond what every sample shows is that of means over a few."""
     gamma, cut = fine.autocovariance, len(fine.autocovariance)
     lag = np.arange(cut, max(few * len(slow), cut))
@@ -200,11 +200,13 @@ def _joined(fine: Noise, slow: FloatArray, few: int) -> Noise:
     return Noise(fine.samples, kept, _kappa(kept), fine.durbin_watson)
 
 
-def _seen(series: Series, columns: Columns | None, *, rounding: float = 0.0) -> Noise:
+def _estimate_noise(
+    series: ResidualSeries, columns: JacobianColumns | None, *, rounding: float = 0.0
+) -> Noise:
     """What the correlations of neighbours say, up to the lag at which chance takes over."""
     n = len(series.values)
     kept, gamma = series.sequence
-    parameters = 0.0 if columns is None else columns.taken
+    parameters = 0.0 if columns is None else columns.absorbed_count
     whitened = n / max(n - parameters, 1.0)
     if kept[0] <= rounding**2:
         return Noise(n, kept[:1] * whitened, 1.0, 2.0)
@@ -212,9 +214,9 @@ def _seen(series: Series, columns: Columns | None, *, rounding: float = 0.0) -> 
     if columns is not None and parameters * kappa > _WORTH_GIVING_BACK * n:
         if gamma is None:
             gamma = autocovariance(series.values, max(int(_MOST_END * n), 1))
-        kept = _given_back(gamma, kappa, columns)
+        kept = _restore_autocovariance(gamma, kappa, columns)
         if len(kept) == len(gamma) < n:
-            kept = _given_back(autocovariance(series.values), kappa, columns)
+            kept = _restore_autocovariance(autocovariance(series.values), kappa, columns)
         kappa = _kappa(kept)
     else:
         kept = kept * whitened
@@ -225,10 +227,12 @@ def _kappa(gamma: FloatArray) -> float:
     return max(1.0, float(2.0 * gamma.sum() / gamma[0] - 1.0))
 
 
-def _given_back(gamma: FloatArray, kappa: float, columns: Columns) -> FloatArray:
+def _restore_autocovariance(
+    gamma: FloatArray, kappa: float, columns: JacobianColumns
+) -> FloatArray:
     """The autocovariance with what the fit took out of it, cut; uncut if all lags are too few."""
-    n, parameters = len(columns.matrix), max(columns.taken, 1e-9)
-    taken, kept = _taken(columns, len(gamma)), gamma
+    n, parameters = len(columns.matrix), max(columns.absorbed_count, 1e-9)
+    taken, kept = _compute_absorbed_autocovariance(columns, len(gamma)), gamma
     for _ in range(_ROUNDS):
         given = gamma + gamma[0] * min(kappa, n / (2.0 * parameters)) * taken / n
         kept = given[: geyer_cut(given)]
@@ -238,7 +242,7 @@ def _given_back(gamma: FloatArray, kappa: float, columns: Columns) -> FloatArray
     return kept
 
 
-def _taken(columns: Columns, lags: int) -> FloatArray:
+def _compute_absorbed_autocovariance(columns: JacobianColumns, lags: int) -> FloatArray:
     r"""Return :math:`\sum_k \sum_i Q_{ik} Q_{i+l,k}` at l = 0 .. `lags` - 1."""
     even = columns.even
     size, spectra = columns.spectra(len(columns.matrix) + lags)
@@ -257,7 +261,7 @@ def autocovariance(residual: FloatArray, lags: int | None = None) -> FloatArray:
     """
     n = residual.shape[-1]
     lags = n if lags is None else lags
-    size = fast_length(n + lags)
+    size = find_fast_length(n + lags)
     spectrum = np.fft.rfft(residual, size)
     power = spectrum.real**2 + spectrum.imag**2
     return np.asarray(np.fft.irfft(power, size)[..., :lags] / n)
@@ -311,7 +315,7 @@ def sandwich(
     infinite variance and no correlation.
     """
     known = jacobians if isinstance(jacobians, Directions) else directions(jacobians)
-    return known.covariance(known.gained(noises), further=further)
+    return known.covariance(known.sum_noise_gain(noises), further=further)
 
 
 def noise_gain_ratio(known: Directions, met: Sequence[FloatArray]) -> float:
@@ -351,7 +355,7 @@ def white(jacobian: FloatArray, variance: float) -> FloatArray:
     return known.covariance(variance * known.gram)
 
 
-def toeplitz_form(columns: Columns, gamma: FloatArray) -> FloatArray:
+def toeplitz_form(columns: JacobianColumns, gamma: FloatArray) -> FloatArray:
     """Return J' Gamma J: a term a lag, or by Parseval's sum over the circulant around Gamma."""
     jacobian, lags = columns.matrix, len(gamma)
     n, _ = jacobian.shape
@@ -404,15 +408,17 @@ class Directions(NamedTuple):
     """
 
     turn: FloatArray
-    columns: tuple[Columns, ...]
+    columns: tuple[JacobianColumns, ...]
     gram: FloatArray
     lost: BoolArray
 
-    def gained(self, noises: Sequence[Noise]) -> FloatArray:
+    def sum_noise_gain(self, noises: Sequence[Noise]) -> FloatArray:
         """The noise along the directions, shape (r, r)."""
-        return np.asarray(np.sum([*map(self.met, range(len(noises)), noises)], axis=0))
+        return np.asarray(
+            np.sum([*map(self.compute_record_gain, range(len(noises)), noises)], axis=0)
+        )
 
-    def met(self, record: int, noise: Noise) -> FloatArray:
+    def compute_record_gain(self, record: int, noise: Noise) -> FloatArray:
         """That of one record."""
         return toeplitz_form(self.columns[record], noise.autocovariance)
 
@@ -447,7 +453,9 @@ def directions(
     if finely and lost.any():
         turn, lost = _turn_finely(np.concatenate(jacobians))
     # a row for each direction, as they are transformed
-    columns = tuple(Columns((turn.T @ jacobian.T).T, shared=shared) for jacobian in jacobians)
+    columns = tuple(
+        JacobianColumns((turn.T @ jacobian.T).T, shared=shared) for jacobian in jacobians
+    )
     gram = np.sum([column.gram for column in columns], axis=0)
     return Directions(turn, columns, gram, lost)
 

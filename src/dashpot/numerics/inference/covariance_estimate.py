@@ -29,7 +29,7 @@ from dashpot.numerics.least_squares.problem import Optimum
 _SLICES, _TRIALS, _CLOSE = 3, 40, 1e-2
 
 
-class Derived(NamedTuple):
+class DerivedQuantity(NamedTuple):
     """What follows from an estimate.
 
     Attributes
@@ -94,7 +94,7 @@ class Estimate:
         """Standard errors in half a two-sided interval: Student's t."""
         return t_quantile(level, self.dof)
 
-    def derived(self, what: Callable[[FloatArray], FloatArray]) -> Derived:
+    def derive_quantity(self, what: Callable[[FloatArray], FloatArray]) -> DerivedQuantity:
         """What follows from theta and beta, by its gradient (delta method)."""
         here, steps = self.optimum.values, self.optimum.steps
         values = np.asarray(what(here))
@@ -103,9 +103,9 @@ class Estimate:
             down, up = here.copy(), here.copy()
             down[i], up[i] = here[i] + np.array(steps[i])
             G[:, i] = (what(up) - what(down)) / (up[i] - down[i])
-        return Derived(values, propagated(self.covariance, G), G)
+        return DerivedQuantity(values, propagate_covariance(self.covariance, G), G)
 
-    def moved(self, change: FloatArray) -> FloatArray:
+    def estimate_parameter_shift(self, change: FloatArray) -> FloatArray:
         """By how much theta and beta follow a change of the model's rows, to first order."""
         free, by = self.optimum.free, np.zeros(len(self.covariance))
         J = self.optimum.jacobian[:, free]
@@ -113,11 +113,11 @@ class Estimate:
         by[free] = -np.linalg.lstsq(J / size, change, rcond=1e-12)[0] / size
         return by
 
-    def widened(self, by: FloatArray) -> Estimate:
+    def add_parameter_error(self, by: FloatArray) -> Estimate:
         """With one more error, that moves theta and beta by so much."""
         return replace(self, covariance=self.covariance + np.outer(by, by))
 
-    def profile(self, index: int, *, level: float = 0.95) -> list[Slice]:
+    def profile(self, index: int, *, level: float = 0.95) -> list[ProfileSlice]:
         r"""Return the problem with one theta held, all others at their best, across its interval.
 
         .. math:: S(\theta_i) - S_{\min} \le t^2\, \gamma
@@ -137,7 +137,7 @@ class Estimate:
         tangent = np.delete(along, index) / width**2 if sized else np.zeros(len(rest))
         first = reach * width / _SLICES if sized else one.scale
 
-        def held(value: float, start: FloatArray) -> Slice | None:
+        def solve_slice(value: float, start: FloatArray) -> ProfileSlice | None:
             """What is held has no error; None where the model says nothing."""
             try:
                 found = best.problem.held(index, value).solve([start], flat=_CLOSE / sum(count))
@@ -145,17 +145,17 @@ class Estimate:
             except DataError:
                 return None
 
-        def slice_of(value: float, found: Optimum) -> Slice:
+        def slice_of(value: float, found: Optimum) -> ProfileSlice:
             known = estimate(
                 found, parts=count, noises=self.noises, prior_variance=self.prior_variance
             ).covariance
             known = np.insert(np.insert(known, index, 0.0, axis=0), index, 0.0, axis=1)
             optimum = best.problem.at(np.insert(found.theta, index, value))
             root = float(np.sqrt(max(found.cost - best.cost, 0.0) / power))
-            return Slice(root, replace(self, optimum=optimum, covariance=known))
+            return ProfileSlice(root, replace(self, optimum=optimum, covariance=known))
 
-        def side(way: float, limit: float) -> list[Slice]:
-            inside: list[Slice] = []
+        def side(way: float, limit: float) -> list[ProfileSlice]:
+            inside: list[ProfileSlice] = []
             last, (here, near, root) = (middle - first, rest - first * tangent), (middle, rest, 0.0)
             step, beyond, worse = first, np.nan, np.inf
             for _ in range(_TRIALS):
@@ -169,7 +169,7 @@ class Estimate:
                 value = here + way * far
                 # the others begin where the last two lead
                 start = near + (near - last[1]) * ((value - here) / (here - last[0]))
-                new = held(value, start)
+                new = solve_slice(value, start)
                 if new is None or new.root > reach * (1 + _CLOSE):
                     beyond, worse = value, np.inf if new is None else new.root
                     continue
@@ -185,7 +185,7 @@ class Estimate:
         return [*side(-1.0, one.low)[::-1], centre, *side(1.0, one.high)]
 
 
-def propagated(covariance: FloatArray, gradient: FloatArray) -> FloatArray:
+def propagate_covariance(covariance: FloatArray, gradient: FloatArray) -> FloatArray:
     """Return the covariance of what moves with parameters by this gradient, shape (m, m).
 
     What depends on anything that the data do not determine is none of theirs either.
@@ -198,7 +198,7 @@ def propagated(covariance: FloatArray, gradient: FloatArray) -> FloatArray:
     return np.asarray(found)
 
 
-class Slice(NamedTuple):
+class ProfileSlice(NamedTuple):
     """An estimate with one theta held at a value other than its best.
 
     Attributes
@@ -251,7 +251,7 @@ def estimate(
     split = np.split(optimum.jacobian[:, free], cuts)
     known = directions(split, shared=len(cuts) > 0, finely=finely)
     # rows of priors are no record
-    records = list(zip(np.split(optimum.every, cuts), known.columns, strict=True))
+    records = list(zip(np.split(optimum.all_residuals, cuts), known.columns, strict=True))
     noises = tuple(noises) or tuple(
         noise_of(residual, columns, rounding=rounding)
         for residual, columns in (records[:-1] if count else records)

@@ -46,7 +46,7 @@ MAX_CHANCE = erfc(MIN_K_OVER_SE / sqrt(2.0))
 DECISIVE = 50.0
 
 
-class Choice(NamedTuple):
+class OrderChoice(NamedTuple):
     """The chosen number of arms, and what each rule would have chosen.
 
     Attributes
@@ -66,7 +66,7 @@ class Choice(NamedTuple):
     in_noise_metric: bool = False
 
     @property
-    def agreed(self) -> bool:
+    def has_agreement(self) -> bool:
         """True if both rules chose the same number."""
         return self.by_bic == self.by_significance
 
@@ -121,20 +121,20 @@ def bic_of_deviance(deviance: float, *, effective: float, parameters: int) -> fl
 
 def significant(k: FloatArray, se_k: FloatArray, se_ln_tau: FloatArray) -> bool:
     """Return True if every arm has k > 3 SE and SE(ln tau) < 0.5; True without arms."""
-    return bool(arms_known(k, se_k, se_ln_tau).all())
+    return bool(is_well_determined(k, se_k, se_ln_tau).all())
 
 
-def arms_known(k: FloatArray, se_k: FloatArray, se_ln_tau: FloatArray) -> BoolArray:
+def is_well_determined(k: FloatArray, se_k: FloatArray, se_ln_tau: FloatArray) -> BoolArray:
     """Return for each arm whether k > 3 SE and SE(ln tau) < 0.5."""
     return np.asarray((k > MIN_K_OVER_SE * se_k) & (se_ln_tau < MAX_SE_LN_TAU))
 
 
-def needed(fall: float, parameters: int) -> bool:
+def is_significant_fall(fall: float, parameters: int) -> bool:
     """Return True if chance alone would not lower a deviance by `fall` with so many parameters."""
-    return chance_beyond(fall, parameters) < MAX_CHANCE
+    return chi2_sf(fall, parameters) < MAX_CHANCE
 
 
-def chance_beyond(value: float, dof: int) -> float:
+def chi2_sf(value: float, dof: int) -> float:
     r"""Return :math:`P(\chi^2_\nu > x)` for whole degrees of freedom.
 
     .. math:: Q_{\nu+2} = Q_\nu + \frac{(x/2)^{\nu/2} e^{-x/2}}{\Gamma(\nu/2 + 1)}, \qquad
@@ -142,7 +142,7 @@ def chance_beyond(value: float, dof: int) -> float:
 
     Every term is the exponential of its logarithm: power and gamma function alone overflow.
 
-    >>> round(chance_beyond(11.829, 2), 5)
+    >>> round(chi2_sf(11.829, 2), 5)
     0.0027
     """
     half = max(value, 0.0) / 2.0
@@ -154,7 +154,7 @@ def chance_beyond(value: float, dof: int) -> float:
     return min(chance, 1.0)
 
 
-def choose(
+def select_model_order(
     arms: Sequence[int],
     bics: Sequence[float],
     significances: Sequence[bool],
@@ -162,7 +162,7 @@ def choose(
     exhausted: bool = True,
     in_noise_metric: bool = False,
     decisive: float = np.inf,
-) -> Choice:
+) -> OrderChoice:
     """Return the number of arms that both rules support.
 
     Parameters
@@ -182,7 +182,7 @@ def choose(
     by_significance = max((n for n, yes in zip(arms, significances, strict=True) if yes), default=0)
     allowed = (n for n, score in zip(arms, bics, strict=True) if score <= min(bics) + decisive)
     chosen = min(n for n in allowed if n >= min(by_bic, by_significance))
-    return Choice(
+    return OrderChoice(
         chosen,
         by_bic,
         by_significance,

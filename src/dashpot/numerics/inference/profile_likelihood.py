@@ -35,8 +35,8 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.numerics.exponential_fit.log_tau_descent import Stack
 from dashpot.numerics.exponential_fit.variable_projection import Solution
-from dashpot.numerics.inference.batched_descent import RIDGE, Descents, Solved
-from dashpot.numerics.inference.profile_tracing import Coordinate, Profiled, Walk
+from dashpot.numerics.inference.batched_descent import RIDGE, BatchedDescent, SolvedTrials
+from dashpot.numerics.inference.profile_tracing import Coordinate, ProfileTarget, ProfileTrace
 
 #: a relaxation time is walked so far, as a factor, out of the window
 BEYOND = 20.0
@@ -52,7 +52,7 @@ _DERIVED = np.array([np.eye(4), np.diag(_POWERS[1:], 1), np.diag([2.0, 6.0], 2)]
 
 
 def profiles(
-    stack: Stack, optimum: Solution, asked: Sequence[Profiled], *, limit: float
+    stack: Stack, optimum: Solution, asked: Sequence[ProfileTarget], *, limit: float
 ) -> list[tuple[FloatArray, FloatArray]]:
     """Return of each profile the trial values, ascending, the optimum among them, and deviances.
 
@@ -68,7 +68,7 @@ def profiles(
     """
     together = _Together(stack, optimum)
     walks = [
-        Walk(one, together.value(one), sign, limit, together.range(one))
+        ProfileTrace(one, together.value(one), sign, limit, together.range(one))
         for one in asked
         for sign in (-1.0, 1.0)
     ]
@@ -90,18 +90,21 @@ class _Together:
         outside = float(np.log(BEYOND))
         self.plateaus = [i for i, name in enumerate(stack.names) if name.startswith("k_inf")]
         self.window = stack.bounds
-        self.restricted = stack.restricted(self.arms, signed=False)
+        self.restricted = stack.get_nonnegative_mask(self.arms, signed=False)
         self.reach = stack.bounds[0] - outside, stack.bounds[1] + outside
         count = int(np.ceil((self.reach[1] - self.reach[0]) / _NODES_APART)) + 1
         nodes, apart = np.linspace(*self.reach, count, retstep=True)
         rows = stack.evaluate(nodes)
         self.target, self.still = rows.target, rows.phi[:, : self.fixed].T
 
-        def by_node(columns: FloatArray) -> FloatArray:
+        def reshape_by_node(columns: FloatArray) -> FloatArray:
             shape = (len(self.target), self.groups, count)
             return np.ascontiguousarray(columns.reshape(shape).transpose(2, 1, 0))
 
-        columns, slopes = by_node(rows.phi[:, self.fixed :]), apart * by_node(rows.slope)
+        columns, slopes = (
+            reshape_by_node(rows.phi[:, self.fixed :]),
+            apart * reshape_by_node(rows.slope),
+        )
         change, rise, fall = np.diff(columns, axis=0), slopes[:-1], slopes[1:]
         # node, group, power of the part of the way to the next node, row
         self.cubics = np.stack(
@@ -112,7 +115,7 @@ class _Together:
         start = self._phi(optimum.log_tau[None])[0][0]
         self.best = float(np.square(self.target - optimum.beta @ start).sum())
 
-    def value(self, asked: Profiled) -> float:
+    def value(self, asked: ProfileTarget) -> float:
         """The held coordinate at the optimum."""
         beta, log_tau = self.optimum.beta, self.optimum.log_tau
         if asked.coordinate is Coordinate.LINEAR:
@@ -122,7 +125,7 @@ class _Together:
             return float(log_tau[arm])
         return float(log_tau[arm] + np.log(beta[self.fixed + asked.index]))
 
-    def range(self, asked: Profiled) -> tuple[float, float]:
+    def range(self, asked: ProfileTarget) -> tuple[float, float]:
         """How far the held coordinate goes."""
         if asked.coordinate is Coordinate.LOG_TAU:
             return self.window
@@ -131,7 +134,7 @@ class _Together:
         start = self.value(asked)
         return start - _OPEN_FOLDS, start + _OPEN_FOLDS
 
-    def walk(self, walks: Sequence[Walk]) -> None:
+    def walk(self, walks: Sequence[ProfileTrace]) -> None:
         """Walk every side to its end."""
         held = _Sides([walk.asked for walk in walks], self.fixed, self.arms)
         self._spare(walks, held)
@@ -140,17 +143,17 @@ class _Together:
         descents = self._descents(left, walks)
         known = descents.known
         while on := [i for i, walk in enumerate(walks) if not walk.ended]:
-            for i in self._tried(descents, goal, held, np.array(on)):
+            for i in self._run_trials(descents, goal, held, np.array(on)):
                 walk, at, foretold = walks[i], walks[i].at, np.zeros(self.arms)
                 sse, there = descents.best(i)
-                if walk.arrived(self._deviance(walk, known.beta[i], there, sse)):
+                if walk.update_walk(self._deviance(walk, known.beta[i], there, sse)):
                     foretold = (there - left[i]) * (walk.goal - walk.at) / (walk.at - at)
                     left[i] = there
                 far = max(map(abs, foretold.tolist()), default=0.0)
                 descents.start(i, left[i] + min(1.0, _FORETOLD / max(far, _FORETOLD)) * foretold)
                 goal[i] = walk.goal
 
-    def _spare(self, walks: Sequence[Walk], held: _Sides) -> None:
+    def _spare(self, walks: Sequence[ProfileTrace], held: _Sides) -> None:
         """Let each arm's walks know what it costs to do without the arm."""
         if self.groups > 1:  # without its part in one group an arm is still there
             return
@@ -159,7 +162,7 @@ class _Together:
             return
         first = [walks[i] for i in of_arm.values()]
         none = _Sides(
-            [Profiled(Coordinate.LINEAR, self.fixed + arm, 0.0, 0.0) for arm in of_arm],
+            [ProfileTarget(Coordinate.LINEAR, self.fixed + arm, 0.0, 0.0) for arm in of_arm],
             self.fixed,
             self.arms,
         )
@@ -172,7 +175,7 @@ class _Together:
         on = np.arange(len(first))
         while on.size:
             within = low[on], high[on]
-            ended = self._tried(descents, np.zeros(len(first)), none, on, within)
+            ended = self._run_trials(descents, np.zeros(len(first)), none, on, within)
             on = on[~np.isin(on, ended)]  # `numpy.setdiff1d` imports masked arrays
         place = {arm: [i] for i, arm in enumerate(of_arm)}
         for walk, arm, column in zip(walks, held.owner.tolist(), held.column, strict=True):
@@ -180,15 +183,15 @@ class _Together:
             falls = walk.sign < 0 and column in self.plateaus
             for i in place[arm] if arm >= 0 else range(len(first) * falls):
                 sse, log_tau = descents.best(i)
-                walk.spared(self._deviance(walk, descents.known.beta[i], log_tau, sse))
+                walk.update_without_arm(self._deviance(walk, descents.known.beta[i], log_tau, sse))
 
-    def _descents(self, start: FloatArray, walks: Sequence[Walk]) -> Descents:
+    def _descents(self, start: FloatArray, walks: Sequence[ProfileTrace]) -> BatchedDescent:
         tolerance = np.array([1e-3 * walk.asked.scale for walk in walks])
-        return Descents(start, len(self.optimum.beta), tolerance)
+        return BatchedDescent(start, len(self.optimum.beta), tolerance)
 
-    def _tried(
+    def _run_trials(
         self,
-        descents: Descents,
+        descents: BatchedDescent,
         goal: FloatArray,
         held: _Sides,
         on: IndexArray,
@@ -198,10 +201,12 @@ class _Together:
         low, high = within or self.reach
         # `numpy.clip` takes as long as all of this
         trial = np.minimum(np.maximum(descents.here[on] + descents.move[on], low), high)
-        trial = held.placed(trial, goal, on)
-        return on[descents.take(trial, self._solved(trial, goal[on], held, on), on)]
+        trial = held.set_fixed_times(trial, goal, on)
+        return on[descents.take(trial, self._solve_trials(trial, goal[on], held, on), on)]
 
-    def _deviance(self, walk: Walk, beta: FloatArray, log_tau: FloatArray, sse: float) -> float:
+    def _deviance(
+        self, walk: ProfileTrace, beta: FloatArray, log_tau: FloatArray, sse: float
+    ) -> float:
         gain = walk.asked.relative_gain
         times = 1.0 if gain is None else gain(beta, log_tau)
         return max(float(sse) - self.best, 0.0) / (walk.asked.scale * times)
@@ -219,9 +224,9 @@ class _Together:
         phi[:, self.fixed :] = found[..., 0, :].reshape(trials, -1, rows)
         return phi, found
 
-    def _solved(
+    def _solve_trials(
         self, log_tau: FloatArray, goal: FloatArray, held: _Sides, on: IndexArray
-    ) -> Solved:
+    ) -> SolvedTrials:
         phi, found = self._phi(log_tau)
         each, arm, column = np.arange(len(on)), held.arm[on], held.column[on]
         amount, own = held.amount(log_tau, goal, on), phi[each, column]
@@ -231,12 +236,12 @@ class _Together:
         normal = _Normal(phi)
         normal.leave_out(each[linear], column[linear])
         aim = phi @ target[:, :, None]
-        beta = normal.solved(aim)[..., 0]
+        beta = normal.solve_moments(aim)[..., 0]
         # what must not be negative rests at zero, the worst first
         while (signed := np.where(self.restricted, beta, 0.0)).min() < 0:
             worst, negative = signed.argmin(axis=1), signed.min(axis=1) < 0
             normal.leave_out(each[negative], worst[negative])
-            beta = normal.solved(aim)[..., 0]
+            beta = normal.solve_moments(aim)[..., 0]
         residual = target - (beta[:, None, :] @ phi)[:, 0]
         beta[each, column] += amount
         stiffness = beta[:, self.fixed :].reshape(len(on), self.groups, self.arms)
@@ -254,7 +259,7 @@ class _Together:
         place = np.arange(self.groups * self.arms)
         meets[:, self.fixed + place, place % self.arms] = met[..., 1].reshape(len(on), -1)
         moment = phi @ turned.swapaxes(1, 2)
-        both = normal.solved(np.concatenate((moment, meets), axis=2))
+        both = normal.solve_moments(np.concatenate((moment, meets), axis=2))
         along, across = both[..., : self.arms], both[..., self.arms :]
         outside = turned - along.swapaxes(1, 2) @ phi
         crossed = meets.swapaxes(1, 2) @ (along - 0.5 * across)
@@ -264,7 +269,7 @@ class _Together:
         moves = np.ones(log_tau.shape)
         moves[each, arm] = linear
         pairs = moves[:, :, None] * moves[:, None, :]
-        return Solved(
+        return SolvedTrials(
             np.vecdot(residual, residual),
             beta,
             np.vecdot(outside, residual[:, None, :]) * moves,
@@ -291,7 +296,7 @@ class _Normal:
         self.gram[each, column, :] = self.gram[each, :, column] = 0.0
         self.gram[each, column, column] = 1.0 + RIDGE
 
-    def solved(self, moment: FloatArray) -> FloatArray:
+    def solve_moments(self, moment: FloatArray) -> FloatArray:
         """Coefficients (A, p, r) that answer moments of that shape; zero of what is left out."""
         scaled = self.free * moment / self.length
         return np.asarray(np.linalg.solve(self.gram, scaled) / self.length)
@@ -300,7 +305,7 @@ class _Normal:
 class _Sides:
     """The sides of the profiles: which coordinate each holds."""
 
-    def __init__(self, asked: Sequence[Profiled], fixed: int, arms: int) -> None:
+    def __init__(self, asked: Sequence[ProfileTarget], fixed: int, arms: int) -> None:
         kinds = [one.coordinate for one in asked]
         index = np.array([one.index for one in asked])
         self.log_tau = np.array([kind is Coordinate.LOG_TAU for kind in kinds])
@@ -311,7 +316,7 @@ class _Sides:
         #: the arm that each belongs to; -1 of a fixed column
         self.owner: IndexArray = np.where(self.column >= fixed, self.arm, -1)
 
-    def placed(self, log_tau: FloatArray, goal: FloatArray, on: IndexArray) -> FloatArray:
+    def set_fixed_times(self, log_tau: FloatArray, goal: FloatArray, on: IndexArray) -> FloatArray:
         """The trials with a held relaxation time at its goal."""
         there = np.flatnonzero(self.log_tau[on])
         log_tau[there, self.arm[on][there]] = goal[on][there]

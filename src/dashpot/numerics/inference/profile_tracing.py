@@ -27,7 +27,7 @@ class Coordinate(Enum):
 
 
 @dataclass(frozen=True)
-class Profiled:
+class ProfileTarget:
     """A parameter whose profile is asked for.
 
     Attributes
@@ -51,11 +51,16 @@ class Profiled:
     relative_gain: Callable[[FloatArray, FloatArray], float] | None = None
 
 
-class Walk:
+class ProfileTrace:
     """One side of one profile: where it stands and where it goes next."""
 
     def __init__(
-        self, asked: Profiled, start: float, sign: float, limit: float, ends: tuple[float, float]
+        self,
+        asked: ProfileTarget,
+        start: float,
+        sign: float,
+        limit: float,
+        ends: tuple[float, float],
     ) -> None:
         self.asked, self.start, self.limit, self.ends = asked, start, limit, ends
         self.sign = sign
@@ -83,13 +88,13 @@ class Walk:
         there = far in (self.start, met[-1][0] if met else self.start)
         return least if there else [*least, (far, self.without)]
 
-    def spared(self, without: float) -> None:
+    def update_without_arm(self, without: float) -> None:
         """Take note of the deviance without its arm, which no value of the arm's exceeds."""
         if without < self.limit:
             self.without = self.limit = without
             self.ended = self.ended or without < _SPARE
 
-    def arrived(self, deviance: float) -> bool:
+    def update_walk(self, deviance: float) -> bool:
         """Take note of the deviance at the goal; True if the walk goes on from there."""
         rise = float(np.sqrt(deviance)) - self.root
         self.step *= min(max(self.rise / max(rise, 1e-3), 0.1), 3.0)

@@ -27,7 +27,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, block_means, kept
+from dashpot.base.arrays import FloatArray, block_means, cache_on_record
 from dashpot.numerics.design_matrices.block import DataBlock, design_rows
 from dashpot.numerics.design_matrices.relaxation_kernels import (
     FEW_DIGITS,
@@ -37,7 +37,7 @@ from dashpot.numerics.design_matrices.relaxation_kernels import (
 )
 from dashpot.numerics.exponential_fit.log_tau_descent import Stack
 from dashpot.numerics.exponential_fit.variable_projection import Solution, full_jacobian
-from dashpot.numerics.inference.covariance import Columns, Noise, toeplitz_form
+from dashpot.numerics.inference.covariance import JacobianColumns, Noise, toeplitz_form
 
 # rows of a tall matrix that a cache holds
 AT_ONCE = 1024
@@ -53,10 +53,10 @@ def whitened_block(exact: DataBlock, noise: Noise) -> DataBlock:
     noise : Noise
         Of its residuals, with a positive variance.
     """
-    basis = reduced_basis(exact, as_one(noise))
+    basis = reduced_basis(exact, compute_averaging_length(noise))
     variance, axes = _principal(basis, noise)
     whiten = (axes / np.sqrt(variance)).T
-    return basis.block.changed(lambda part: whiten @ part)
+    return basis.block.transform_rows(lambda part: whiten @ part)
 
 
 def marginal(free: FloatArray, doubts: FloatArray) -> Callable[[FloatArray], FloatArray]:
@@ -92,7 +92,7 @@ class ReducedBasis(NamedTuple):
         Q'y, Q'G and Q' phi, r rows.
     """
 
-    basis: Columns
+    basis: JacobianColumns
     block: DataBlock
 
 
@@ -103,31 +103,31 @@ def reduced_basis(exact: DataBlock, few: int) -> ReducedBasis:
     """
     known = _bases(exact)
     if few not in known:
-        known[few] = _reduced(exact, few)
+        known[few] = _make_reduced_basis(exact, few)
     return known[few]
 
 
-@kept
+@cache_on_record
 def _bases(_: DataBlock) -> dict[int, ReducedBasis]:
     """Those that were found of a block, by how many neighbours are one."""
     return {}
 
 
-def _reduced(exact: DataBlock, few: int) -> ReducedBasis:
-    kernels = Kernels.over(exact.window, per_fold=FEW_TIMES_PER_FOLD, rank=FEW_RANK)
+def _make_reduced_basis(exact: DataBlock, few: int) -> ReducedBasis:
+    kernels = Kernels.from_window(exact.window, per_fold=FEW_TIMES_PER_FOLD, rank=FEW_RANK)
     target, fixed, *_ = exact.evaluate(np.zeros(0), False)
 
     def means(columns: FloatArray) -> FloatArray:
         return np.sqrt(few) * block_means(columns.T, few).T if few > 1 else columns
 
     space = kernels.space(exact, means)
-    basis, factor = in_pieces(np.concatenate((space, means(fixed)), axis=1))
+    basis, factor = compute_blockwise_qr(np.concatenate((space, means(fixed)), axis=1))
     rank = kernels.right.shape[1]
     rows = design_rows(basis.T @ means(target), factor[:, rank:], kernels.columns(factor[:, :rank]))
-    return ReducedBasis(Columns(basis), replace(exact, rows=rows, accuracy=FEW_DIGITS))
+    return ReducedBasis(JacobianColumns(basis), replace(exact, rows=rows, accuracy=FEW_DIGITS))
 
 
-def in_pieces(tall: FloatArray) -> tuple[FloatArray, FloatArray]:
+def compute_blockwise_qr(tall: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Q and R of a tall matrix, by pieces that a cache holds."""
     pieces = [np.linalg.qr(tall[i : i + AT_ONCE]) for i in range(0, len(tall), AT_ONCE)]
     turn, factor = np.linalg.qr(np.concatenate([piece.R for piece in pieces]))
@@ -154,26 +154,26 @@ class NoiseGain:
         self, every_sample: Sequence[DataBlock], noises: Sequence[Noise], solution: Solution
     ) -> None:
         pairs = zip(every_sample, noises, strict=True)
-        spans = [reduced_basis(block, as_one(noise)) for block, noise in pairs]
+        spans = [reduced_basis(block, compute_averaging_length(noise)) for block, noise in pairs]
         blocks = [basis.block for basis in spans]
         self._stack = Stack(blocks)
         self._cuts = np.cumsum([len(block.target) for block in blocks])[:-1]
         self._principal = [_principal(*pair) for pair in zip(spans, noises, strict=True)]
         self._jacobian = full_jacobian(blocks, solution).matrix
-        self._model = self._at(solution.beta, solution.log_tau)
+        self._model = self._evaluate_model(solution.beta, solution.log_tau)
 
-    def towards(self, step: FloatArray) -> float:
+    def compute_step_gain(self, step: FloatArray) -> float:
         """Return it for a small step of the parameters, in the order of the Jacobian."""
-        return self._of(self._jacobian @ step)
+        return self._compute_gain(self._jacobian @ step)
 
     def at(self, beta: FloatArray, log_tau: FloatArray) -> float:
         """Return it for the way to other linear parameters and relaxation times."""
-        return self._of(self._at(beta, log_tau) - self._model)
+        return self._compute_gain(self._evaluate_model(beta, log_tau) - self._model)
 
-    def _at(self, beta: FloatArray, log_tau: FloatArray) -> FloatArray:
+    def _evaluate_model(self, beta: FloatArray, log_tau: FloatArray) -> FloatArray:
         return np.asarray(self._stack.evaluate(log_tau, derivative=False).phi @ beta)
 
-    def _of(self, change: FloatArray) -> float:
+    def _compute_gain(self, change: FloatArray) -> float:
         change = change / max(float(np.abs(change).max()), 1e-150)  # a walk may go very far
         parts = np.split(change, self._cuts)
         met = sum(
@@ -183,7 +183,7 @@ class NoiseGain:
         return met / max(float(change @ change), 1e-300)
 
 
-def as_one(noise: Noise) -> int:
+def compute_averaging_length(noise: Noise) -> int:
     r"""How many neighbours may count as one, a power of two.
 
     Noise of correlation :math:`\kappa` falls to the power of white noise of its variance at some
@@ -195,13 +195,13 @@ def as_one(noise: Noise) -> int:
 
 def _principal(basis: ReducedBasis, noise: Noise) -> tuple[FloatArray, FloatArray]:
     """Return the variances of the noise along its principal axes, and these as columns."""
-    gamma, few = noise.autocovariance, as_one(noise)
-    met = toeplitz_form(basis.basis, gamma if few == 1 else _of_means(gamma, few))
+    gamma, few = noise.autocovariance, compute_averaging_length(noise)
+    met = toeplitz_form(basis.basis, gamma if few == 1 else _average_autocovariance(gamma, few))
     variance, axes = np.linalg.eigh(met)
     return np.maximum(variance, gamma[0]), axes
 
 
-def _of_means(gamma: FloatArray, few: int) -> FloatArray:
+def _average_autocovariance(gamma: FloatArray, few: int) -> FloatArray:
     """The autocovariance, of `few` lags at least, of means over neighbours, times their number."""
     share = 1 - np.abs(np.arange(1 - few, few)) / few
     # from the lag -(few - 1) on, and as far as any is left

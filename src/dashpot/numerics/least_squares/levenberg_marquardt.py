@@ -87,7 +87,7 @@ class Objective(NamedTuple, Generic[T]):
     rounding: float = 0.0
 
 
-class Local(NamedTuple, Generic[T]):
+class LocalOptimum(NamedTuple, Generic[T]):
     """Where a descent ended."""
 
     point: T
@@ -95,12 +95,12 @@ class Local(NamedTuple, Generic[T]):
     converged: bool
 
 
-def accepted(new: Any, old: Any, moved: Any, rounding: Any) -> Any:
+def is_step_acceptable(new: Any, old: Any, moved: Any, rounding: Any) -> Any:
     """Far away a step must lower the SSE; near the end, where it is flat, not raise it."""
     return (new < old) | ((moved < TAIL) & (new <= old * (1 + 1e-8) + rounding))
 
 
-def settled(moved: Any, last: Any, fall: Any, sse: Any) -> Any:
+def has_converged(moved: Any, last: Any, fall: Any, sse: Any) -> Any:
     """At the rate of the last undamped steps next to nothing is left, of theta and of the SSE."""
     return (moved <= LINEAR) & (moved * moved <= REST * last) & (fall <= UNCHANGED * sse)
 
@@ -115,7 +115,7 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
     flat: float = 0.0,
     damping: float = 1e-3,
     limit: int = 60,
-) -> Local[T] | None:
+) -> LocalOptimum[T] | None:
     r"""Levenberg-Marquardt with steps of at most 1.5 in every parameter, inside the bounds.
 
     Far away a step must lower the SSE; within 1e-5 the SSE is flat to its last digits, so the
@@ -156,9 +156,9 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
         refused = np.inf
         fall, sse = abs(float(here.gradient @ step)), floor + here.sse
         if moved <= finished or (fall < flat * sse and damping <= DAMPED):
-            return Local(here, count, True)
-        if damping < LINEAR and settled(moved, last, fall, sse):
-            return Local(here.ahead(step), count, True)
+            return LocalOptimum(here, count, True)
+        if damping < LINEAR and has_converged(moved, last, fall, sse):
+            return LocalOptimum(here.ahead(step), count, True)
         new = at(trial, here)
         if here.sse < new.sse < np.inf and moved >= TAIL:
             # along a valley that bends the step ends on its side: from there to its floor
@@ -166,23 +166,23 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
             if floored.sse < here.sse:
                 new, step = floored, floored.theta - here.theta
                 moved = max(map(abs, step.tolist()))
-        if accepted(new.sse, here.sse, moved, rounding):
+        if is_step_acceptable(new.sse, here.sse, moved, rounding):
             promised = -float(step @ (2 * here.gradient + here.curvature @ step))
             short = wary and here.sse - new.sse < GAINED * promised
             sure = moved < TAIL or _foretold(lacking, here, new, step)
-            lacking = _learned(lacking, here, new, moved, last) if sure else None
+            lacking = _update_hessian_correction(lacking, here, new, moved, last) if sure else None
             last, here = moved, new
             wrong = wrong + 1 if wanted is not None and (here.beta[wanted] < 0).any() else 0
             damping *= (1.0 if short else EASED if wary else 0.1) * (moved >= TAIL)
         elif (moved < TAIL and damping == 0.0) or fall <= UNCHANGED * sse:
-            return Local(here, count, True)
+            return LocalOptimum(here, count, True)
         else:
             damping, refused, wary = 10 * max(damping, 1e-6), moved, True
         if here.sse <= rounding or damping > 1e9 or wrong > PATIENCE:
-            return Local(here, count, here.sse <= rounding)
+            return LocalOptimum(here, count, here.sse <= rounding)
         if met is not None and met(here.theta):
             return None
-    return Local(here, limit, False)
+    return LocalOptimum(here, limit, False)
 
 
 def _foretold(lacking: FloatArray | None, old: Trial, new: Trial, step: FloatArray) -> bool:
@@ -193,7 +193,7 @@ def _foretold(lacking: FloatArray | None, old: Trial, new: Trial, step: FloatArr
     return bool(abs(old.sse - new.sse - fall) <= MISTAKEN * fall)
 
 
-def _learned(
+def _update_hessian_correction(
     lacking: FloatArray | None, old: Trial, new: Trial, length: float, last: float
 ) -> FloatArray | None:
     """What the Hessian holds beyond J'J, corrected so that it explains a step that creeps."""
@@ -225,22 +225,24 @@ def _trial(
         if np.linalg.eigvalsh(hessian)[0] > 1e-3 * scale.min():
             curvature = hessian
     ridge = max(damping, 1e-15) * np.maximum(scale, FADED * scale.max(initial=0.0))
-    if _between(at, bounds, least=False) and all(scale.tolist()):
-        step = _solved(curvature, gradient, ridge)
+    if _is_within_bounds(at, bounds, least=False) and all(scale.tolist()):
+        step = _solve_damped_step(curvature, gradient, ridge)
     else:
         low, high = map(np.array, bounds)
         held = ((at <= low) & (gradient > 0)) | ((at >= high) & (gradient < 0))
         index = np.flatnonzero((scale > 0) & ~held)
         step = np.zeros(len(gradient))
         part = curvature[index[:, None], index]
-        step[index] = _solved(part, gradient[index], ridge[index])
+        step[index] = _solve_damped_step(part, gradient[index], ridge[index])
     longest = max(map(abs, step.tolist()), default=0.0)
     step = step if longest <= LONGEST_STEP else np.clip(step, -LONGEST_STEP, LONGEST_STEP)
     trial = at + step
-    return trial if _between(trial, bounds, least=True) else np.clip(trial, *bounds)
+    return trial if _is_within_bounds(trial, bounds, least=True) else np.clip(trial, *bounds)
 
 
-def _between(at: FloatArray, bounds: tuple[list[float], list[float]], *, least: bool) -> bool:
+def _is_within_bounds(
+    at: FloatArray, bounds: tuple[list[float], list[float]], *, least: bool
+) -> bool:
     """True if no parameter sits at an end of its range or, at `least`, beyond one."""
     each = zip(bounds[0], at.tolist(), bounds[1], strict=True)
     if least:
@@ -248,7 +250,9 @@ def _between(at: FloatArray, bounds: tuple[list[float], list[float]], *, least: 
     return all(low < value < high for low, value, high in each)
 
 
-def _solved(curvature: FloatArray, gradient: FloatArray, ridge: FloatArray) -> FloatArray:
+def _solve_damped_step(
+    curvature: FloatArray, gradient: FloatArray, ridge: FloatArray
+) -> FloatArray:
     try:
         return np.asarray(-np.linalg.solve(curvature + ridge * _unit(len(ridge)), gradient))
     except np.linalg.LinAlgError:

@@ -23,7 +23,7 @@ NOTHING = 1e-11
 DEPENDENT, MANY = 1e-13, 8
 
 
-def linear(
+def solve_linear(
     A: FloatArray,
     y: FloatArray,
     positive: bool | BoolArray = False,
@@ -56,13 +56,13 @@ def linear(
     size[size == 0] = 1.0
     unit, must = A / size, np.zeros(A.shape[1], dtype=bool) | positive
     if int(must.sum()) > MANY:
-        beta = _sought(unit, y, must, near)
+        beta = _solve_mixed_sign(unit, y, must, near)
         carries = (beta > 0) | ~must
-        return beta / size, lambda: _solved(unit[:, carries], y)[1]
+        return beta / size, lambda: _solve_unit_columns(unit[:, carries], y)[1]
     used, beta, sought = np.ones(len(must), dtype=bool), np.zeros(len(must)), False
     while True:
         beta[:] = 0.0
-        beta[used], basis = _solved(unit[:, used], y)
+        beta[used], basis = _solve_unit_columns(unit[:, used], y)
         wrong = (beta < 0) & must
         if not wrong.any():
             break
@@ -71,7 +71,9 @@ def linear(
     return beta / size, lambda: basis
 
 
-def _sought(unit: FloatArray, y: FloatArray, must: BoolArray, near: BoolArray | None) -> FloatArray:
+def _solve_mixed_sign(
+    unit: FloatArray, y: FloatArray, must: BoolArray, near: BoolArray | None
+) -> FloatArray:
     """The beta of many columns that must not be negative, the free ones taken off."""
     if must.all():
         return nonnegative(unit.T @ unit, unit.T @ y, near)
@@ -84,7 +86,7 @@ def _sought(unit: FloatArray, y: FloatArray, must: BoolArray, near: BoolArray | 
     return beta
 
 
-def _solved(A: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _solve_unit_columns(A: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Least squares by columns of unit length, and a basis of those that carry weight."""
     basis, factor = np.linalg.qr(A)
     lost = np.ones(A.shape[1], dtype=bool)
@@ -93,7 +95,7 @@ def _solved(A: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
         along = basis.T @ y
         return np.linalg.solve(factor, along) if len(along) else along, basis
     beta = np.zeros(A.shape[1])
-    beta[~lost], basis = _solved(A[:, ~lost], y)
+    beta[~lost], basis = _solve_unit_columns(A[:, ~lost], y)
     return beta, basis
 
 
@@ -115,7 +117,7 @@ def nonnegative(gram: FloatArray, moment: FloatArray, near: BoolArray | None = N
     ridged = gram + 1e-14 * float(np.trace(gram)) / max(count, 1) * np.eye(count)
     nothing = NOTHING * float(np.abs(moment).max(initial=0.0))
 
-    def solved(free: BoolArray) -> FloatArray:
+    def solve_free_coefficients(free: BoolArray) -> FloatArray:
         """The minimum over the free coefficients, of either sign, the others zero."""
         index = np.flatnonzero(free)
         x = np.zeros(count)
@@ -124,22 +126,22 @@ def nonnegative(gram: FloatArray, moment: FloatArray, near: BoolArray | None = N
 
     free: BoolArray = moment > 0 if near is None else near.copy()
     for _ in range(ROUNDS if near is None else 0):
-        x = solved(free)
+        x = solve_free_coefficients(free)
         wrong = np.where(free, x < 0, moment - gram @ x > nothing)
         if not wrong.any():
             return x
         free = free ^ wrong
-    x = solved(free)
+    x = solve_free_coefficients(free)
     while (x[free] <= 0).any():
         free = free & (x > 0)
-        x = solved(free)
+        x = solve_free_coefficients(free)
     for _ in range(3 * count):
         slope = np.where(free, -np.inf, moment - gram @ x)
         enter = int(np.argmax(slope))
         if slope[enter] <= nothing:
             break
         free[enter] = True
-        trial = solved(free)
+        trial = solve_free_coefficients(free)
         while (fall := free & (trial <= 0)).any():
             # walk towards the trial until the first coefficient reaches zero
             share = float((x[fall] / np.maximum(x[fall] - trial[fall], 1e-300)).min())
@@ -147,7 +149,7 @@ def nonnegative(gram: FloatArray, moment: FloatArray, near: BoolArray | None = N
             leaving = fall & (x <= 1e-14 * np.abs(x).max(initial=0.0))
             x[leaving] = 0.0
             free &= ~leaving
-            trial = solved(free)
+            trial = solve_free_coefficients(free)
         x = trial
     return x
 

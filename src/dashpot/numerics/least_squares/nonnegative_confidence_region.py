@@ -73,7 +73,7 @@ class ActiveSet(NamedTuple):
     rest: FloatArray
     least: float
 
-    def farthest(
+    def find_farthest_point(
         self, aim: FloatArray | None, squared: float
     ) -> tuple[FloatArray, float, FloatArray]:
         """Return its farthest point, the multiplier (inf without an aim), and what is left of y."""
@@ -89,7 +89,7 @@ class ActiveSet(NamedTuple):
         return self.inverse @ (self.along + step), multiplier, self.rest - step @ self.basis
 
 
-class NonnegativeBall:
+class NonnegativeConfidenceRegion:
     """Columns A of unit length and data y, of which non-negative s are asked.
 
     Parameters
@@ -116,9 +116,11 @@ class NonnegativeBall:
         start : array, shape (m,), optional
             Non-negative; the columns where it is not zero are tried first.
         """
-        return self._walked(None, 0.0, np.zeros(len(self._rows)) if start is None else start)
+        return self._search_active_sets(
+            None, 0.0, np.zeros(len(self._rows)) if start is None else start
+        )
 
-    def farthest(self, aim: FloatArray, squared: float, start: FloatArray) -> FloatArray:
+    def find_farthest_point(self, aim: FloatArray, squared: float, start: FloatArray) -> FloatArray:
         """Return the s >= 0 with |A s - y|^2 <= `squared` that maximises c's, shape (m,).
 
         Parameters
@@ -139,20 +141,24 @@ class NonnegativeBall:
         if length == 0.0:
             return start
         with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is refused
-            return self._walked(aim / length, squared, start)
+            return self._search_active_sets(aim / length, squared, start)
 
-    def _walked(self, aim: FloatArray | None, squared: float, start: FloatArray) -> FloatArray:
+    def _search_active_sets(
+        self, aim: FloatArray | None, squared: float, start: FloatArray
+    ) -> FloatArray:
         s, barred = start.copy(), list[int]()
-        face, entered = self._of(np.flatnonzero(s > 0)), -1
+        face, entered = self._get_face(np.flatnonzero(s > 0)), -1
         for _ in range(PATIENCE * len(self._rows)):
             active = face.active
-            goal, multiplier, left = face.farthest(aim, squared)
+            goal, multiplier, left = face.find_farthest_point(aim, squared)
             if len(active) and goal.min() <= 0:
                 s[active], kept = _as_far_as_allowed(s[active], goal)
                 # rounding let it enter: it would leave at once for ever
                 if entered >= 0 and s[entered] == 0.0:
                     barred.append(entered)
-                face = self._known(active[kept], partial(self._among, face, kept))
+                face = self._get_cached_face(
+                    active[kept], partial(self._remove_columns, face, kept)
+                )
                 continue
             s[active] = goal
             gain = self._gain(left, aim, multiplier)
@@ -165,7 +171,7 @@ class NonnegativeBall:
                     "the record has too few samples to say what it leaves open; record more"
                 )
             more = np.concatenate((active, [entered]))
-            face = self._known(more, partial(self._beside, face, more))
+            face = self._get_cached_face(more, partial(self._append_column, face, more))
         if not isfinite(s.sum()):
             raise FitError(
                 "the data bound nothing: they do not follow the motion that they are fitted "
@@ -180,7 +186,7 @@ class NonnegativeBall:
         gain = np.asarray(self._rows @ residual)
         return gain if aim is None else gain + multiplier * aim
 
-    def _known(self, active: IndexArray, factored: Callable[[], ActiveSet]) -> ActiveSet:
+    def _get_cached_face(self, active: IndexArray, factored: Callable[[], ActiveSet]) -> ActiveSet:
         """Return the face of these columns, factored where it was not met before."""
         key = np.sort(active).tobytes()
         face = self._met.get(key)
@@ -192,10 +198,10 @@ class NonnegativeBall:
             self._met.popitem(last=False)
         return face
 
-    def _of(self, active: IndexArray) -> ActiveSet:
-        return self._known(active, partial(self._factored, active))
+    def _get_face(self, active: IndexArray) -> ActiveSet:
+        return self._get_cached_face(active, partial(self._build_face, active))
 
-    def _factored(self, active: IndexArray) -> ActiveSet:
+    def _build_face(self, active: IndexArray) -> ActiveSet:
         basis, factor = np.linalg.qr(self._rows[active].T)
         return self._face(active, np.ascontiguousarray(basis.T), factor)
 
@@ -205,7 +211,7 @@ class NonnegativeBall:
         inverse = np.asarray(np.linalg.inv(factor))
         return ActiveSet(active, basis, factor, inverse, along, rest, float(rest @ rest))
 
-    def _among(self, face: ActiveSet, kept: BoolArray) -> ActiveSet:
+    def _remove_columns(self, face: ActiveSet, kept: BoolArray) -> ActiveSet:
         """Return a face with fewer columns."""
         active, factor = face.active[kept], face.factor[:, kept]
         if len(active) == len(kept) - 1:
@@ -221,7 +227,7 @@ class NonnegativeBall:
         turn, factor = np.linalg.qr(factor)
         return self._face(active, turn.T @ face.basis, factor)
 
-    def _beside(self, face: ActiveSet, active: IndexArray) -> ActiveSet:
+    def _append_column(self, face: ActiveSet, active: IndexArray) -> ActiveSet:
         """Return a face with one column more, the last."""
         column, count = self._rows[active[-1]], len(face.active)
         once = face.basis @ column
@@ -230,7 +236,7 @@ class NonnegativeBall:
         new -= again @ face.basis
         length = sqrt(new @ new)
         if not length > DEPENDENT:
-            return self._factored(active)
+            return self._build_face(active)
         new /= length
         basis = np.empty((count + 1, len(new)))
         basis[:-1], basis[-1] = face.basis, new

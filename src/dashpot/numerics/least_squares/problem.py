@@ -20,8 +20,13 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.errors import DataError, FitError
-from dashpot.numerics.least_squares.levenberg_marquardt import FINISHED, Local, Objective, descend
-from dashpot.numerics.least_squares.nnls import linear
+from dashpot.numerics.least_squares.levenberg_marquardt import (
+    FINISHED,
+    LocalOptimum,
+    Objective,
+    descend,
+)
+from dashpot.numerics.least_squares.nnls import solve_linear
 
 #: part of the data, in squares, that rounding leaves
 _NOTHING = 1e-22
@@ -94,7 +99,7 @@ class Problem:
     def at(self, theta: FloatArray, near: BoolArray | None = None) -> Optimum:
         """The best beta at a theta; `near` it only these coefficients are likely above zero."""
         rows = self.model(theta)
-        beta, span = linear(rows.A, rows.y, self.positive, near)
+        beta, span = solve_linear(rows.A, rows.y, self.positive, near)
         return Optimum(self, np.asarray(theta, dtype=float), beta, rows, span)
 
     def solve(
@@ -146,11 +151,13 @@ class Problem:
         found: list[Optimum] = []
         scale = self.bounds[2]
 
-        def met(theta: FloatArray) -> bool:
+        def is_repeat_optimum(theta: FloatArray) -> bool:
             return any(np.abs(theta - one.theta / scale).max() < same for one in found)
 
         for start in starts:
-            if (ended := self._descended(start, met, most, finished, flat)) is not None:
+            if (
+                ended := self._run_descent(start, is_repeat_optimum, most, finished, flat)
+            ) is not None:
                 found.append(replace(ended.point.optimum, stationary=ended.converged))
         return found
 
@@ -166,25 +173,25 @@ class Problem:
 
         return replace(self, model=model, parameters=rest, gauge=None)
 
-    def _descended(
+    def _run_descent(
         self,
         start: FloatArray,
         met: Callable[[FloatArray], bool],
         most: int,
         finished: float,
         flat: float,
-    ) -> Local[_AtTheta] | None:
+    ) -> LocalOptimum[_AtTheta] | None:
         """Where a descent from one start ends, in sizes of the parameters; None if met before."""
         low, high, scale = self.bounds
         low, high = low / scale, high / scale
-        first = self._tried(np.clip(np.asarray(start) / scale, low, high), None)
+        first = self._evaluate_trial(np.clip(np.asarray(start) / scale, low, high), None)
         objective = Objective(
-            lambda theta, last: first if last is None else self._tried(theta, last),
+            lambda theta, last: first if last is None else self._evaluate_trial(theta, last),
             low, high, rounding=first.rounding,
         )  # fmt: skip
         return descend(objective, first.theta, met=met, limit=most, finished=finished, flat=flat)
 
-    def _tried(self, theta: FloatArray, last: _AtTheta | None) -> _AtTheta:
+    def _evaluate_trial(self, theta: FloatArray, last: _AtTheta | None) -> _AtTheta:
         """The best beta at a theta in sizes; where the model says nothing it is infinitely bad."""
         scale = self.bounds[2]
         near = None if last is None else last.beta > 0
@@ -225,7 +232,7 @@ class _AtTheta:
 
     def ahead(self, step: FloatArray) -> _AtTheta:
         """The trial a short step away."""
-        beside = self.optimum.problem._tried(self.theta + step, self)
+        beside = self.optimum.problem._evaluate_trial(self.theta + step, self)
         return beside if beside.sse <= self.sse * (1 + 1e-8) + self.rounding else self
 
 
@@ -253,19 +260,19 @@ class Optimum:
     stationary: bool = True
 
     @cached_property
-    def every(self) -> FloatArray:
+    def all_residuals(self) -> FloatArray:
         """What is left of every row, priors too: y less the model."""
         return np.asarray(self.rows.y - self.rows.A @ self.beta)
 
     @property
     def residual(self) -> FloatArray:
         """What is left of the data, shape (n,)."""
-        return self.every[: len(self.every) - self.problem.priors]
+        return self.all_residuals[: len(self.all_residuals) - self.problem.priors]
 
     @cached_property
     def cost(self) -> float:
         """Sum of squares of every row: what is minimised."""
-        return float(self.every @ self.every)
+        return float(self.all_residuals @ self.all_residuals)
 
     @property
     def sse(self) -> float:
@@ -284,7 +291,7 @@ class Optimum:
         return np.concatenate((np.ones(len(self.theta), dtype=bool), ~still))
 
     @property
-    def at_edge(self) -> bool:
+    def is_on_bound(self) -> bool:
         """Whether a theta rests at an end of its range."""
         low, high, _ = self.problem.bounds
         return bool(((self.theta <= low) | (self.theta >= high)).any())
@@ -294,7 +301,7 @@ class Optimum:
         """Theta, then beta."""
         return np.concatenate((self.theta, self.beta))
 
-    def modelled(self, values: FloatArray) -> FloatArray:
+    def evaluate_model(self, values: FloatArray) -> FloatArray:
         """A beta less y at other values of theta and beta: what moves with them."""
         rows = self.problem.model(values[: len(self.theta)])
         return np.asarray(rows.A @ values[len(self.theta) :] - rows.y)
@@ -310,7 +317,7 @@ class Optimum:
         return self.span()
 
     @cached_property
-    def projected(self) -> FloatArray:
+    def projected_jacobian(self) -> FloatArray:
         """Derivative of the residual by theta, less what beta takes over, shape (n, p)."""
         J = self._slopes(central=False)
         return np.asarray(self.basis @ (self.basis.T @ J) - J)
@@ -318,12 +325,12 @@ class Optimum:
     @cached_property
     def gradient(self) -> FloatArray:
         """Half the slope of the cost by theta."""
-        return np.asarray(self.projected.T @ self.every)
+        return np.asarray(self.projected_jacobian.T @ self.all_residuals)
 
     @cached_property
     def curvature(self) -> FloatArray:
         """Of Gauss and Newton, shape (p, p)."""
-        return np.asarray(self.projected.T @ self.projected)
+        return np.asarray(self.projected_jacobian.T @ self.projected_jacobian)
 
     @property
     def steps(self) -> list[tuple[float, float]]:
@@ -338,22 +345,24 @@ class Optimum:
     def _slopes(self, *, central: bool) -> FloatArray:
         if self.rows.slope is not None and len(self.theta):
             return np.asarray(self.rows.slope(self.beta))
-        slopes = np.empty((len(self.every), len(self.theta)))
+        slopes = np.empty((len(self.all_residuals), len(self.theta)))
         for i, (down, up) in enumerate(self.steps[: len(self.theta)]):
             if central:
-                slopes[:, i] = (self._moved(i, up) - self._moved(i, down)) / (up - down)
+                slopes[:, i] = (self._evaluate_shifted(i, up) - self._evaluate_shifted(i, down)) / (
+                    up - down
+                )
             else:
                 far = up if up > -down else down
-                slopes[:, i] = (self._moved(i, far) + self.every) / far
+                slopes[:, i] = (self._evaluate_shifted(i, far) + self.all_residuals) / far
         return slopes
 
-    def _moved(self, i: int, far: float) -> FloatArray:
+    def _evaluate_shifted(self, i: int, far: float) -> FloatArray:
         values = self.values
         values[i] += far
-        return self.modelled(values)
+        return self.evaluate_model(values)
 
 
-def solved(
+def require_optimum(
     problem: Problem,
     starts: Sequence[FloatArray] = (),
     *,
@@ -375,11 +384,11 @@ def solved(
     return found
 
 
-def ordinary(y: FloatArray, A: FloatArray, *, positive: bool = False) -> Optimum:
+def solve_ordinary(y: FloatArray, A: FloatArray, *, positive: bool = False) -> Optimum:
     """Return ordinary least squares: the optimum of a model that is linear throughout."""
-    return solved(Problem(lambda _: Rows(y, A), positive=positive))
+    return require_optimum(Problem(lambda _: Rows(y, A), positive=positive))
 
 
-def stacked(values: FloatArray | ComplexArray) -> FloatArray:
+def stack_real_rows(values: FloatArray | ComplexArray) -> FloatArray:
     """Complex rows as real ones: real parts, then imaginary."""
     return np.concatenate((values.real, values.imag))

@@ -18,7 +18,7 @@ _FEWEST, _MOST = 5, 64
 """Columns of a controller's table."""
 
 
-class Swung(NamedTuple):
+class AmplitudePhaseColumns(NamedTuple):
     """A signal by the columns of its amplitude and its phase; whether it is a force."""
 
     size: int
@@ -26,7 +26,9 @@ class Swung(NamedTuple):
     pushes: bool
 
 
-def two_signals(table: FileTable, options: ReadOptions) -> tuple[Swung, Swung] | None:
+def two_signals(
+    table: FileTable, options: ReadOptions
+) -> tuple[AmplitudePhaseColumns, AmplitudePhaseColumns] | None:
     """Return the two signals of a table that holds two amplitudes with two phases over frequency.
 
     None of any other, and where a column is a response already.
@@ -44,18 +46,18 @@ def two_signals(table: FileTable, options: ReadOptions) -> tuple[Swung, Swung] |
             lines += 1
         elif score(column, "phase", options) >= _NAMED:
             phases.append(i)
-        elif units.find(word, "force") or any(units.find(word, one) for one in _MOTIONS):
+        elif units.find_unit(word, "force") or any(units.find_unit(word, one) for one in _MOTIONS):
             sizes.append(i)
-    pushes = [bool(units.find(table.columns[i].unit or "", "force")) for i in sizes]
+    pushes = [bool(units.find_unit(table.columns[i].unit or "", "force")) for i in sizes]
     if not lines or len(sizes) != 2 or len(phases) != 2 or all(pushes):
         return None
-    if _crossed(table, sizes, phases):
+    if _has_reversed_phases(table, sizes, phases):
         phases.reverse()
-    first, second = (Swung(*one) for one in zip(sizes, phases, pushes, strict=True))
+    first, second = (AmplitudePhaseColumns(*one) for one in zip(sizes, phases, pushes, strict=True))
     return first, second
 
 
-def _crossed(table: FileTable, sizes: list[int], phases: list[int]) -> bool:
+def _has_reversed_phases(table: FileTable, sizes: list[int], phases: list[int]) -> bool:
     """Whether the names say that the first phase is that of the second amplitude."""
     words = {i: set(vocabulary.tokens(table.columns[i].name)) for i in (*sizes, *phases)}
     own = {i: words[i] - words[j] for i, j in (sizes, sizes[::-1])}

@@ -23,25 +23,25 @@ _SIGNS = re.compile(r"\s*[,/:]\s*|\s+in\s+|[\s_.\-]+")
 _PLAIN_TAIL = re.compile(r"\A(.*\S)(?:\s+in\s+|\s*,\s+|\s+/\s+)([^\s,:_]+)\Z")
 
 
-def unquoted(text: str) -> str:
+def remove_quotes(text: str) -> str:
     """Return a cell without the quotes around it, or lost at one end.
 
-    >>> unquoted('"Force"'), unquoted('G"')
+    >>> remove_quotes('"Force"'), remove_quotes('G"')
     ('Force', 'G"')
     """
     text = text.strip()
     return text if _PRIMED.fullmatch(text) else text.strip("\"'").strip()
 
 
-def part_unit(name: str) -> tuple[str, str | None]:
+def split_unit(name: str) -> tuple[str, str | None]:
     """Return a header cell as its name and its unit, None if it has none.
 
-    >>> part_unit("Force (N)"), part_unit("Load__kN_"), part_unit("Kraft_N"), part_unit("time")
+    >>> split_unit("Force (N)"), split_unit("Load__kN_"), split_unit("Kraft_N"), split_unit("time")
     (('Force', 'N'), ('Load', 'kN'), ('Kraft', 'N'), ('time', None))
     """
     raised = name[:_LONGEST].replace("⁻", "^-").replace("^-²", "^-2").replace("²", "^2")
     text = unicodedata.normalize("NFKC", raised)
-    text = unquoted(text.replace("\u2032", "'"))  # a prime: G″ is two of them by now
+    text = remove_quotes(text.replace("\u2032", "'"))  # a prime: G″ is two of them by now
     if _OF_WHAT.match(text):
         return text, None
     for shape in _SHAPES:
@@ -51,28 +51,28 @@ def part_unit(name: str) -> tuple[str, str | None]:
     return text, None
 
 
-def scaled(name: str, unit: str | None) -> str | None:
+def add_factor_to_unit(name: str, unit: str | None) -> str | None:
     """Return the unit with the factor of a name such as ``Load x 10^3``: no unit that is known."""
     factor = off_the_name(name[:_LONGEST].strip()) if unit else None
     return f"{factor[1]} {unit}" if factor else unit
 
 
-def _factored(text: str) -> tuple[str, str] | None:
+def _split_factored_unit(text: str) -> tuple[str, str] | None:
     """``Load [N] x 1000``, whose unit then holds the factor, too."""
     found = off_the_name(text)
     if found is None or found[0][-1] not in "])":
         return None
-    name, unit = part_unit(found[0])
+    name, unit = split_unit(found[0])
     return (name, f"{found[1]} {unit}") if unit else None
 
 
 def _unit_before(text: str) -> tuple[str, str] | None:
     match = _UNIT_FIRST.match(text)
-    known = match is not None and units.find(match[1])
+    known = match is not None and units.find_unit(match[1])
     return (match[2].strip(), match[1].strip()) if match and known else None
 
 
-def _bracketed(text: str) -> tuple[str, str | None] | None:
+def _split_bracketed_unit(text: str) -> tuple[str, str | None] | None:
     match = _IN_BRACKETS.search(text)
     if match is None:
         return None
@@ -80,7 +80,7 @@ def _bracketed(text: str) -> tuple[str, str | None] | None:
     return (name or text, word) if word else (name, None)
 
 
-def _mangled(text: str) -> tuple[str, str] | None:
+def _split_mangled_unit(text: str) -> tuple[str, str] | None:
     """``Load__kN_`` and ``Speed_mm_s_``, in which every other sign became an underscore."""
     parts = text.rstrip("_").split("_") if text.endswith("_") else []
     for count in (2, 1):
@@ -92,7 +92,7 @@ def _mangled(text: str) -> tuple[str, str] | None:
 
 def _after_sign(text: str) -> tuple[str, str] | None:
     match = _PLAIN_TAIL.match(text)
-    if match and match[2] != "1" and units.find(match[2]):
+    if match and match[2] != "1" and units.find_unit(match[2]):
         return match[1].strip(), match[2]
     for sign in list(_SIGNS.finditer(text))[:-4:-1]:  # the last few places to cut, last first
         stem, word = text[: sign.start()], text[sign.end() :]
@@ -102,7 +102,7 @@ def _after_sign(text: str) -> tuple[str, str] | None:
 
 
 _SHAPES: tuple[Callable[[str], tuple[str, str | None] | None], ...] = (
-    _factored, _unit_before, _bracketed, _mangled, _after_sign,
+    _split_factored_unit, _unit_before, _split_bracketed_unit, _split_mangled_unit, _after_sign,
 )  # fmt: skip
 """The ways to write a unit into a name, the surest first."""
 
@@ -114,7 +114,7 @@ def is_unit_of(stem: str, word: str) -> bool:
     for role in vocabulary.matches(stem):
         dimension = vocabulary.DIMENSION.get(role)
         if dimension is not None:
-            unit = units.find(word, dimension)
+            unit = units.find_unit(word, dimension)
             if unit is not None and unit.word != "1":
                 return True
     return False

@@ -19,7 +19,12 @@ from dashpot.base.errors import ReadError
 from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.amplitude_phase_pairs import two_signals
 from dashpot.reading.columns.response_units import ratio
-from dashpot.reading.columns.role_assignment import accelerations, find_column, option_of, suited
+from dashpot.reading.columns.role_assignment import (
+    accelerations,
+    find_column,
+    option_of,
+    score_columns,
+)
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions, flag
 from dashpot.reading.table import FileTable
@@ -128,14 +133,16 @@ class _NamedColumns:
     known: dict[Role, float] = field(default_factory=dict)
 
     @cached_property
-    def spoken(self) -> tuple[str, ...]:
+    def unique_names(self) -> tuple[str, ...]:
         """The names, once where they differ by a number alone: there may be thousands of them."""
-        return tuple(dict.fromkeys(vocabulary.unnumbered(c.name) for c in self.table.columns))
+        return tuple(
+            dict.fromkeys(vocabulary.replace_channel_number(c.name) for c in self.table.columns)
+        )
 
     def _best(self, role: Role) -> float:
         """How well the likeliest column suits a role."""
         if role not in self.known:
-            scores = suited(self.table, role, self.options).values()
+            scores = score_columns(self.table, role, self.options).values()
             self.known[role] = max(scores, default=0.0)
         return self.known[role]
 
@@ -145,49 +152,53 @@ class _NamedColumns:
 
     def names(self, *fields: str) -> bool:
         """Whether the user names a column that is here in one of these fields of the options."""
-        return any(self._here(getattr(self.options, one, None)) for one in fields)
+        return any(self._has_column(getattr(self.options, one, None)) for one in fields)
 
-    def _here(self, named: str | None) -> bool:
+    def _has_column(self, named: str | None) -> bool:
         try:
             return bool(named) and find_column(self.table.columns, str(named), "") >= 0
         except ReadError:  # it is of another file, or its reader says so
             return False
 
-    def timed(self, least: float = 1.5) -> bool:
+    def has_time(self, least: float = 1.5) -> bool:
         return self.has("time", least=least) or self.options.rate is not None
 
-    def ramped(self) -> bool:
+    def has_ramp_columns(self) -> bool:
         """Whether there are the columns of a ramp and hold, be it by their units alone."""
-        return self.timed(least=1.0) and self.has("force", "displacement", least=1.0)
+        return self.has_time(least=1.0) and self.has("force", "displacement", least=1.0)
 
-    def accelerated(self) -> bool:
+    def has_acceleration(self) -> bool:
         return bool(accelerations(self.table, (), self.options))
 
     def response(self) -> bool:
         if self.has("frequency", least=1.0) and self.has("real", "imaginary"):
             return True  # over what is called the linear axis, in Hz
         sized = self.has("magnitude", least=1.0)  # by its unit alone, such as a2/a1 [g/g]
-        return sized and self.has("frequency", "phase") and not self.moved()
+        return sized and self.has("frequency", "phase") and not self.has_motion_as_magnitude()
 
-    def halved(self) -> bool:
+    def has_partial_response(self) -> bool:
         """Whether there is one part of a complex value over frequency, and no time."""
         parts: tuple[Role, ...] = ("magnitude", "phase", "real")
-        return not self.timed() and self.has("frequency") and any(self.has(one) for one in parts)
+        return not self.has_time() and self.has("frequency") and any(self.has(one) for one in parts)
 
-    def moved(self) -> bool:
+    def has_motion_as_magnitude(self) -> bool:
         """Whether a dynamic stiffness is named, and what looks like a magnitude is the motion."""
         columns, named = self.table.columns, self.options.magnitude
-        sizes = [columns[i] for i in self._likely("complex_modulus", 2.5)]
+        sizes = [columns[i] for i in self._find_likely_columns("complex_modulus", 2.5)]
         if named is not None:
             return columns[find_column(columns, named, flag("magnitude"))] in sizes
-        words = [columns[i].unit for i in self._likely("magnitude", 1.5)]
+        words = [columns[i].unit for i in self._find_likely_columns("magnitude", 1.5)]
         return bool(sizes) and all(
-            word and any(units.find(word, one) for one in ("length", "strain", "force"))
+            word and any(units.find_unit(word, one) for one in ("length", "strain", "force"))
             for word in words
         )
 
-    def _likely(self, role: Role, least: float) -> list[int]:
-        return [i for i, value in suited(self.table, role, self.options).items() if value >= least]
+    def _find_likely_columns(self, role: Role, least: float) -> list[int]:
+        return [
+            i
+            for i, value in score_columns(self.table, role, self.options).items()
+            if value >= least
+        ]
 
     def swept(self) -> bool:
         """Whether there is frequency, and a complex modulus in parts or by its size and angle.
@@ -197,7 +208,7 @@ class _NamedColumns:
         """
         if not self._named_sweep():
             return False
-        if self.names("storage", "loss", "loss_factor") or not self.ramped():
+        if self.names("storage", "loss", "loss_factor") or not self.has_ramp_columns():
             return True
         return not self.names("time", "force") and all(
             bool(np.any(_numbers(self.table, role, self.options) > 0))
@@ -214,48 +225,48 @@ class _NamedColumns:
         parts = self.has("storage") and (ratio or self.has("loss"))
         return parts or (ratio and self.has("complex_modulus") and not self.has("coherence"))
 
-    def paired(self, *, pushed: bool) -> bool:
+    def has_signal_pair(self, *, pushed: bool) -> bool:
         """Whether there are two amplitudes with two phases, one of them a force or none."""
         pair = two_signals(self.table, self.options)
         return pair is not None and pushed == any(one.pushes for one in pair)
 
-    def of_motions(self) -> bool:
-        return of_motions(self.table)
+    def has_motion_ratio(self) -> bool:
+        return is_motion_ratio(self.table)
 
     def crept(self) -> bool:
         header = " ".join(self.table.header).casefold()
-        names = map(str.casefold, self.spoken)
+        names = map(str.casefold, self.unique_names)
         named = any("compliance" in name and "machine" not in name for name in names)
         named = named or self.has("creep_compliance", least=2.5)  # J(t), in 1/Pa
         said = "creep" in header and "relax" not in header
         # what moves of columns that the user names is asked of the record
         return named or (said and not self.names("displacement", "force"))
 
-    def indented(self) -> bool:
+    def has_indenter_motion(self) -> bool:
         """Whether an indenter is named beside its motion, or a velocity stands alone."""
-        if not self.timed():
+        if not self.has_time():
             return False
-        names = " ".join((*self.table.header, *self.spoken)).casefold()
+        names = " ".join((*self.table.header, *self.unique_names)).casefold()
         fast = self.has("velocity", least=2.5)
-        if "indent" in names and (fast or self.accelerated()):
+        if "indent" in names and (fast or self.has_acceleration()):
             return True
         return fast and not (
-            self.accelerated() or any(self.has(one) for one in ("displacement", "force"))
+            self.has_acceleration() or any(self.has(one) for one in ("displacement", "force"))
         )
 
-    def slammed(self) -> bool:
+    def has_slam(self) -> bool:
         """Whether a slam is named beside a force or the motion of its mass."""
-        said = " ".join((*self.table.header, *self.spoken))
+        said = " ".join((*self.table.header, *self.unique_names))
         named = not _SLAM.isdisjoint(vocabulary.tokens(said))
-        return named and self.timed() and (self.has("force") or self.accelerated())
+        return named and self.has_time() and (self.has("force") or self.has_acceleration())
 
-    def placed(self, *more: str) -> bool:
+    def has_coordinates(self, *more: str) -> bool:
         """Whether the columns are named x, y and z, and so."""
-        return {"x", "y", "z", *more} <= self._folded
+        return {"x", "y", "z", *more} <= self._plain_names
 
     @cached_property
-    def _folded(self) -> frozenset[str]:
-        return frozenset(map(vocabulary.plain, self.spoken))
+    def _plain_names(self) -> frozenset[str]:
+        return frozenset(map(vocabulary.normalise_name, self.unique_names))
 
     def ruled(self, kind: FileKind) -> bool:
         """Whether the rule of a kind finds its columns."""
@@ -265,7 +276,7 @@ class _NamedColumns:
     def spectral(self) -> bool:
         return any(
             "spectral density" in name or ("psd" in name and "psd" in vocabulary.tokens(name))
-            for name in map(str.casefold, self.spoken)
+            for name in map(str.casefold, self.unique_names)
         )
 
 
@@ -273,27 +284,27 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
     (
         "free-modes",
         "it has mode, frequency, and x, y and z of points",
-        lambda s: s.placed("mode", "frequency"),
+        lambda s: s.has_coordinates("mode", "frequency"),
     ),
     (
         "seal-line",
         "it has x, y and z of points, and no clock",
-        lambda s: s.placed() and not s.timed(),
+        lambda s: s.has_coordinates() and not s.has_time(),
     ),
     (
         "transmissibility",
         "it has frequency, and a motion over a motion",
-        lambda s: s.response() and s.of_motions(),
+        lambda s: s.response() and s.has_motion_ratio(),
     ),
     (
         "transmissibility",
         "it has frequency, and two motions, each with its phase",
-        lambda s: s.paired(pushed=False),
+        lambda s: s.has_signal_pair(pushed=False),
     ),
     (
         "frf",
         "it has frequency, and a force and a motion, each with its phase",
-        lambda s: s.paired(pushed=True),
+        lambda s: s.has_signal_pair(pushed=True),
     ),
     ("frf", "it has frequency, and a complex value", _NamedColumns.response),
     (
@@ -305,32 +316,32 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
     (
         "indentation",
         "it has time and the acceleration or velocity of an indenter",
-        _NamedColumns.indented,
+        _NamedColumns.has_indenter_motion,
     ),
     (
         "slam",
         "it has time and a force or an acceleration, and says slam",
-        _NamedColumns.slammed,
+        _NamedColumns.has_slam,
     ),
     (
         "impact",
         "it has time, and an acceleration is said to be that of the base",
-        lambda s: s.timed() and s.options.base_acceleration is not None,
+        lambda s: s.has_time() and s.options.base_acceleration is not None,
     ),
     (
         "impact",
         "it has time and an acceleration",
-        lambda s: s.timed() and s.accelerated() and not s.has("displacement", least=2.5),
+        lambda s: s.has_time() and s.has_acceleration() and not s.has("displacement", least=2.5),
     ),
     (
         "creep",
         "it has a creep compliance, or its header says creep",
-        lambda s: s.timed() and s.crept(),
+        lambda s: s.has_time() and s.crept(),
     ),
     (
         "relaxation",
         "it has time, displacement and force",
-        _NamedColumns.ramped,
+        _NamedColumns.has_ramp_columns,
     ),
     (
         "csr",
@@ -340,12 +351,12 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
     (
         "modulus",
         "it has time and a modulus, a curve derived from a test",
-        lambda s: s.has("modulus") and s.timed(),
+        lambda s: s.has("modulus") and s.has_time(),
     ),
     (
         "not-a-test",
         "it is a flow curve of a rheometer (viscosity, shear rate)",
-        lambda s: s.has("viscosity") or (s.has("shear_rate") and not s.timed()),
+        lambda s: s.has("viscosity") or (s.has("shear_rate") and not s.has_time()),
     ),
     (
         "stress-strain",
@@ -355,13 +366,13 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
     (
         "cld",
         "it has displacement and force, and no clock",
-        lambda s: not s.timed() and s.has("force", "displacement", least=2.5),
+        lambda s: not s.has_time() and s.has("force", "displacement", least=2.5),
     ),
-    ("frf", "it has frequency, and a part of a complex value", _NamedColumns.halved),
+    ("frf", "it has frequency, and a part of a complex value", _NamedColumns.has_partial_response),
     (
         "not-a-test",
         "it has storage and loss, and no frequency. Write a column 'frequency [Hz]' beside them",
-        lambda s: not s.timed() and s.dynamic(),
+        lambda s: not s.has_time() and s.dynamic(),
     ),
     ("unclear", "no set of columns that makes a test was recognised", lambda _: True),
 )
@@ -387,7 +398,7 @@ def kind_of(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
     What only a record's motion tells, `dashpot.reading.readers.detect_kind` adds.
     """
     if options.kind is not None:
-        return known_kind(options.kind)
+        return parse_file_kind(options.kind)
     named = _NamedColumns(table, options)
     swept = named.swept()
     meant = named.names("force", "displacement", "acceleration")
@@ -401,7 +412,7 @@ def kind_of(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
     kind, reason = next((kind, reason) for kind, reason, holds in rules if holds(named))
     if kind == "dma":
         kind, reason = _swept(table, options, reason)
-        if kind == "dma" and named.names("displacement") and named.ramped():
+        if kind == "dma" and named.names("displacement") and named.has_ramp_columns():
             return "relaxation", "it has time, displacement and force, as named"
     if kind == "modulus":
         decades = _decades(table, "time", options)
@@ -409,7 +420,7 @@ def kind_of(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
     return kind, reason
 
 
-def known_kind(word: str) -> tuple[FileKind, str]:
+def parse_file_kind(word: str) -> tuple[FileKind, str]:
     """Return the kind that a user says a file is, by its word or by that of a plug-in, and why.
 
     Raises
@@ -421,20 +432,20 @@ def known_kind(word: str) -> tuple[FileKind, str]:
         return cast("FileKind", word), "as was said"
     from difflib import get_close_matches  # few need them, and they cost time to import
 
-    from dashpot.base.plugins import named, offered_too
+    from dashpot.base.plugins import find_plugin, format_plugin_names
 
-    plugged = named("kinds", word)
+    plugged = find_plugin("kinds", word)
     if plugged is not None:
         return "plug-in", f"for {plugged.says}, as was said"
     near = get_close_matches(word, RECOGNISED, 1)
     raise ReadError(
         f"'{word}' is no kind of file. "
         + (f"Did you mean '{near[0]}'?" if near else f"Kinds are {', '.join(RECOGNISED)}.")
-        + offered_too("kinds")
+        + format_plugin_names("kinds")
     )
 
 
-def of_motions(table: FileTable) -> bool:
+def is_motion_ratio(table: FileTable) -> bool:
     """Whether a response is of a motion to another, as under base excitation."""
     said = any("transmissib" in line.casefold() for line in table.header)
     return said or any(
@@ -443,7 +454,7 @@ def of_motions(table: FileTable) -> bool:
     )
 
 
-def said_relative(table: FileTable) -> bool:
+def is_relative_transmissibility(table: FileTable) -> bool:
     """Whether a name or the header says a relative transmissibility."""
     said = (*table.header, *(column.name for column in table.columns))
     return any("relative transmissib" in one.casefold().replace("_", " ") for one in said)
@@ -476,7 +487,7 @@ def _columns(table: FileTable, roles: Sequence[Role], options: ReadOptions) -> l
         if named is not None:
             found.append(find_column(table.columns, named, flag(role)))
             continue
-        scores = suited(table, role, options)
+        scores = score_columns(table, role, options)
         best = max(scores, key=lambda i: scores[i], default=None)
         found += [best] if best is not None and scores[best] >= 1.0 else []
     return found
@@ -500,7 +511,7 @@ def _swept(table: FileTable, options: ReadOptions, reason: str) -> tuple[FileKin
     if decades >= MASTER:
         return "master-curve", f"{reason}, over {decades:.0f} decades"
     if not decades <= ONE_FREQUENCY:
-        if _crossed(table, amplitude_named(table, options)):
+        if _has_amplitude_sweep(table, amplitude_named(table, options)):
             return "strain-sweep", reason + ", and each frequency recurs at several amplitudes"
         return "dma", reason
     reason += ", and the frequency never changes"
@@ -521,12 +532,13 @@ _SAME_WARMTH = 3.0
 def amplitude_named(table: FileTable, options: ReadOptions) -> ReadOptions:
     """The options, with a length that is called an amplitude and nothing else as displacement."""
     if any(
-        getattr(options, role) or max(suited(table, role, options).values(), default=0.0) >= 1.0
+        getattr(options, role)
+        or max(score_columns(table, role, options).values(), default=0.0) >= 1.0
         for role in ("strain", "displacement")
     ):
         return options
     for number, column in enumerate(table.columns, 1):
-        long = column.unit and units.find(column.unit, "length")
+        long = column.unit and units.find_unit(column.unit, "length")
         if long and "amplitude" in vocabulary.tokens(column.name):
             return replace(options, displacement=str(number))
     return options
@@ -543,7 +555,7 @@ def groups(values: FloatArray, width: float) -> npt.NDArray[np.intp]:
     return found
 
 
-def _crossed(table: FileTable, options: ReadOptions) -> bool:
+def _has_amplitude_sweep(table: FileTable, options: ReadOptions) -> bool:
     """Whether most frequencies were met at several amplitudes at one temperature."""
     amplitudes = _columns(table, ("strain", "displacement"), options)
     if not amplitudes:

@@ -55,10 +55,10 @@ def ratio(word: str) -> Ratio | None:
         return _SPECIAL[text]
     swapped = re.fullmatch(r"\(?1/(\w+)\)?\s*[*·]\s*(.+)", text)  # (1/N)*(m/s^2)
     if swapped:
-        return _of_two(swapped[2], swapped[1])
+        return _parse_unit_ratio(swapped[2], swapped[1])
     # each / may be the one between them: (m/s^2)/m/s^2
     cuts = [i for i, letter in enumerate(text[:_LONGEST]) if letter == "/"]
-    return next(filter(None, (_of_two(text[:i], text[i + 1 :]) for i in cuts)), None)
+    return next(filter(None, (_parse_unit_ratio(text[:i], text[i + 1 :]) for i in cuts)), None)
 
 
 def bare_ratio(word: str) -> Ratio | None:
@@ -82,11 +82,11 @@ def undecibel(word: str) -> str | None:
     return rest or "dB"
 
 
-def _of_two(top: str, bottom: str) -> Ratio | None:
+def _parse_unit_ratio(top: str, bottom: str) -> Ratio | None:
     """What the unit `top` over the unit `bottom` says."""
     top, bottom = top.strip("() "), bottom.strip("() ")
     for upper, lower, kind in _KINDS:
-        a, b = units.find(top, upper), units.find(bottom, lower)
+        a, b = units.find_unit(top, upper), units.find_unit(bottom, lower)
         if a is not None and b is not None:
             return Ratio(kind, a.factor / b.factor)
     over, under = _motion(top), _motion(bottom)
@@ -98,7 +98,7 @@ def _of_two(top: str, bottom: str) -> Ratio | None:
 def _motion(word: str) -> tuple[int, float] | None:
     """How often the displacement was differentiated in a motion of this unit, and its factor."""
     for order, dimension in enumerate(_MOTIONS):
-        unit = units.find(word, dimension)
+        unit = units.find_unit(word, dimension)
         if unit is not None:
             return order, unit.factor
     return None

@@ -13,12 +13,12 @@ from typing import get_args
 import numpy as np
 
 from dashpot.base import units
-from dashpot.base.arrays import kept
+from dashpot.base.arrays import cache_on_record
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.units import Dimension, Unit
 from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.response_units import ratio
-from dashpot.reading.columns.unit_factors import of_multiple, parted, times
+from dashpot.reading.columns.unit_factors import parse_unit_multiple, split_factor, times
 from dashpot.reading.columns.vocabulary import DIMENSION, OF_A_PART, Role
 from dashpot.reading.read_options import ReadOptions, flag
 from dashpot.reading.table import Column, Content, FileTable, Question
@@ -61,7 +61,7 @@ _ROUNDED = 1e-3
 
 
 @dataclass(frozen=True)
-class Assigned:
+class RoleAssignment:
     """A column in a role, and the reason why."""
 
     role: Role
@@ -75,7 +75,7 @@ def option_of(role: Role) -> str:
     return {"complex_modulus": "magnitude", "loss_angle": "phase"}.get(role, role)
 
 
-def assign(table: FileTable, role: Role, options: ReadOptions) -> Assigned | Question:
+def assign(table: FileTable, role: Role, options: ReadOptions) -> RoleAssignment | Question:
     """Return the column that plays a role, or the question to ask.
 
     Raises
@@ -87,8 +87,8 @@ def assign(table: FileTable, role: Role, options: ReadOptions) -> Assigned | Que
     named = getattr(options, asked, None)
     if named:
         index = find_column(table.columns, str(named), flag(asked))
-        return Assigned(role, index, f"named by {flag(asked)}")
-    suited = _suited(table, role, options)
+        return RoleAssignment(role, index, f"named by {flag(asked)}")
+    suited = _rank_columns(table, role, options)
     if not suited:
         return _nothing(table, role)
     top, index = suited[0]
@@ -96,9 +96,9 @@ def assign(table: FileTable, role: Role, options: ReadOptions) -> Assigned | Que
     reason = _reason(table.columns[index], role)
     if len(equals) > 1:
         names = _names(table)
-        named = [quoted(table.columns, i, names) for i in sorted(equals)[:_LISTED]]
+        named = [format_column(table.columns, i, names) for i in sorted(equals)[:_LISTED]]
         more = len(equals) - len(named)
-        alike = listed([*named, f"{more} more"] if more else named)
+        alike = join_words([*named, f"{more} more"] if more else named)
         if len(equals) > _COPIES or not _same_numbers(table, equals, role, options):
             says = (
                 f"{alike} could each be the {_word(role)}; say which, for example "
@@ -107,10 +107,10 @@ def assign(table: FileTable, role: Role, options: ReadOptions) -> Assigned | Que
             return Question(says, f"{flag(asked)}=NAME", choices=len(equals))
         reason = f"{alike} hold the same numbers"
     rivals = tuple(i for _, i in suited[len(equals) :])
-    return Assigned(role, index, reason, rivals)
+    return RoleAssignment(role, index, reason, rivals)
 
 
-def listed(words: Sequence[str], last: str = "and") -> str:
+def join_words(words: Sequence[str], last: str = "and") -> str:
     """Return words as a sentence lists them: "a, b and c"."""
     return f" {last} ".join(filter(None, [", ".join(words[:-1]), words[-1]]))
 
@@ -126,8 +126,8 @@ def _same_numbers(
     """Whether columns hold one signal, in SI: written twice, or in two units."""
     dimension = DIMENSION.get(role)
     columns = [table.columns[i] for i in indexes]
-    words = [unit_said(column, role, options) for column in columns]
-    found = [units.find(word, dimension) if word and dimension else None for word in words]
+    words = [get_unit_word(column, role, options) for column in columns]
+    found = [units.find_unit(word, dimension) if word and dimension else None for word in words]
     if any((unit is None) != (found[0] is None) for unit in found):
         return False
     values = table.load(indexes).values
@@ -141,9 +141,11 @@ def _same_numbers(
     return bool((apart <= _ROUNDED * np.ptp(whole[:, 0])).all())
 
 
-def _suited(table: FileTable, role: Role, options: ReadOptions) -> list[tuple[float, int]]:
+def _rank_columns(table: FileTable, role: Role, options: ReadOptions) -> list[tuple[float, int]]:
     """The columns that could play a role with their scores, the best first."""
-    scored = ((value, -i) for i, value in suited(table, role, options).items() if value >= 1.0)
+    scored = (
+        (value, -i) for i, value in score_columns(table, role, options).items() if value >= 1.0
+    )
     return [(value, -i) for value, i in sorted(scored, reverse=True)]
 
 
@@ -162,7 +164,7 @@ def accelerations(table: FileTable, taken: Sequence[int], options: ReadOptions) 
 def _likely_accelerations(
     table: FileTable, options: ReadOptions, free: Callable[[int], bool] = lambda _: True
 ) -> tuple[int, ...]:
-    every = suited(table, "acceleration", options).items()
+    every = score_columns(table, "acceleration", options).items()
     likely = {i: value for i, value in every if free(i)}
     best = max(likely.values(), default=0.0)
     if best < 1.0:  # named so, but in volts or the like: the question is the unit
@@ -187,7 +189,7 @@ def _is_named_acceleration(column: Column) -> bool:
     return column.content == "number" and says >= 2.5
 
 
-def suited(table: FileTable, role: Role, options: ReadOptions) -> Mapping[int, float]:
+def score_columns(table: FileTable, role: Role, options: ReadOptions) -> Mapping[int, float]:
     """How well the name and unit of each column suit a role, by index; none of what cannot play it.
 
     A table keeps what was found, for there may be thousands of columns.
@@ -210,17 +212,17 @@ def scores(column: Column, options: ReadOptions) -> Mapping[Role, float]:
     """How well a column's name and unit suit each of the roles that it can play."""
     if options.units:
         return _scores(column, options)
-    return _own_scores(vocabulary.telling(column.name), column.unit, column.content)
+    return _compute_file_scores(vocabulary.telling(column.name), column.unit, column.content)
 
 
 @lru_cache(maxsize=1 << 16)
-def _own_scores(name: str, unit: str | None, content: Content) -> Mapping[Role, float]:
+def _compute_file_scores(name: str, unit: str | None, content: Content) -> Mapping[Role, float]:
     """What the file alone says of columns that differ by a number, or whose names say nothing."""
     return _scores(Column(name, unit, content), _NOTHING_SAID)
 
 
 def _scores(column: Column, options: ReadOptions) -> Mapping[Role, float]:
-    words = {column.unit, _given(column, "time", options, by_role=False)} - {None, ""}
+    words = {column.unit, _get_stated_unit(column, "time", options, by_role=False)} - {None, ""}
     possible = {*vocabulary.matches(column.name), *chain(*map(_measured_by, words))}
     found = {role: _score(column, role, options) for role in possible}
     return {role: value for role, value in found.items() if value}
@@ -252,7 +254,7 @@ def _named_score(column: Column, role: Role, options: ReadOptions) -> float:
     """How well the name says a role, one more where the unit fits; 0 if the unit forbids it."""
     says = vocabulary.matches(column.name)
     value = says.get(role, 0.0)
-    word = _given(column, role, options, by_role=value >= 1.5) or column.unit
+    word = _get_stated_unit(column, role, options, by_role=value >= 1.5) or column.unit
     fits = word is not None and _fits(word, role)
     if fits is None:
         return 0.0
@@ -272,17 +274,19 @@ def _fits(word: str, role: Role) -> bool | None:
         return ratio(word) is not None
     if dimension is None:
         return False
-    if units.find(word, dimension) or _of_a_part(word, role):
+    if units.find_unit(word, dimension) or _find_part_unit(word, role):
         return True
-    return False if units.find(word) is None or _SENSITIVITY.match(word) else None
+    return False if units.find_unit(word) is None or _SENSITIVITY.match(word) else None
 
 
-def _of_a_part(word: str, role: Role) -> Unit | None:
+def _find_part_unit(word: str, role: Role) -> Unit | None:
     """The unit of a part's stiffness or compliance, where the role may be one of a part."""
-    return units.find(word, OF_A_PART[role]) if role in OF_A_PART else None
+    return units.find_unit(word, OF_A_PART[role]) if role in OF_A_PART else None
 
 
-def _given(column: Column, role: Role, options: ReadOptions, *, by_role: bool) -> str | None:
+def _get_stated_unit(
+    column: Column, role: Role, options: ReadOptions, *, by_role: bool
+) -> str | None:
     if by_role:
         return options.unit_of(role, column.name)
     return options.by_name().get(column.name.strip().casefold()) if column.name else None
@@ -291,7 +295,7 @@ def _given(column: Column, role: Role, options: ReadOptions, *, by_role: bool) -
 def _reason(column: Column, role: Role) -> str:
     says = vocabulary.matches(column.name).get(role, 0.0)
     dimension = DIMENSION.get(role)
-    fits = column.unit is not None and units.find(column.unit, dimension) is not None
+    fits = column.unit is not None and units.find_unit(column.unit, dimension) is not None
     if role == "magnitude" and not says:
         return f"the only column in a unit of a ratio ({column.unit})"
     if says and fits:
@@ -327,9 +331,9 @@ def _nothing(table: FileTable, role: Role) -> Question:
     answer = f"{option}=NAME"
     for column in _unlike(table):
         if _is_mislabelled(column, role):
-            return Question(mislabelled(column, role), answer)
+            return Question(format_wrong_unit(column, role), answer)
         worded = column.content == "text" and column.unit
-        fits = worded and units.find(column.unit or "", DIMENSION.get(role))
+        fits = worded and units.find_unit(column.unit or "", DIMENSION.get(role))
         if fits and role in vocabulary.matches(column.name):
             says = (
                 f"column '{column.name}' ({_word(role)}) holds words where numbers are expected. "
@@ -365,7 +369,7 @@ def ask(table: FileTable, questions: Sequence[Question]) -> str:
     examples = " ".join(one.example for one in reversed(lacking))
     says = (
         f"none of its columns ({_all_columns(table)}) looks like "
-        f"{listed([one.role for one in lacking], 'or')}. Name each by its name or number: "
+        f"{join_words([one.role for one in lacking], 'or')}. Name each by its name or number: "
         f"{examples}"
     )
     return ". ".join([says, *(one.says for one in questions if not one.role)])
@@ -379,8 +383,8 @@ def _is_mislabelled(column: Column, role: Role) -> bool:
     says = vocabulary.matches(column.name)
     if says.get(role, 0.0) < max([1.5, *says.values()]):
         return False
-    fits = any(units.find(word, DIMENSION[r]) for r in says if r in DIMENSION)
-    return not fits and units.find(word) is not None
+    fits = any(units.find_unit(word, DIMENSION[r]) for r in says if r in DIMENSION)
+    return not fits and units.find_unit(word) is not None
 
 
 def _all_say_something(table: FileTable) -> bool:
@@ -398,7 +402,7 @@ def _example(table: FileTable, role: Role) -> str:
     return handle(table.columns, next(free, at), _names(table))
 
 
-def mislabelled(column: Column, role: Role) -> str:
+def format_wrong_unit(column: Column, role: Role) -> str:
     """The sentence for a column whose label is no unit of its role."""
     dimension = DIMENSION[role]
     example = EXAMPLE.get(role, "")
@@ -406,7 +410,7 @@ def mislabelled(column: Column, role: Role) -> str:
     word = column.unit or ""
     found = units.dimensions(word)
     kind = f"a unit of {' or '.join(found)}" if found else "no unit known"
-    mass = units.find(word, "mass")
+    mass = units.find_unit(word, "mass")
     weight = _WEIGHTS.get(mass.word, "") if mass is not None and role == "force" else ""
     weighed = f'; if they are a weight, add --units "force={weight}"' if weight else ""
     return (
@@ -426,7 +430,7 @@ def find_column(columns: Sequence[Column], named: str, option: str) -> int:
         If there is no such column, or the name stands twice.
     """
     wanted = named.strip().casefold()
-    for spell in (str.casefold, vocabulary.plain):
+    for spell in (str.casefold, vocabulary.normalise_name):
         key = spell(named.strip())
         hits = [i for i, c in enumerate(columns) if c.name and spell(c.name.strip()) == key]
         if len(hits) == 1:
@@ -452,7 +456,7 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
         If no unit is given, or the one given is unknown or measures something else.
     """
     dimension = DIMENSION[role]
-    stated, word = options.unit_of(role, column.name), unit_said(column, role, options)
+    stated, word = options.unit_of(role, column.name), get_unit_word(column, role, options)
     label, header = _label(column, number, role), _with_unit(column, role)
     advice = f'add --units "{role}={_unit_like(column, role)}"'
     if column.content == "clock" and role == "time":
@@ -466,13 +470,13 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
     if stated is None:
         _refuse_stated_factor(column, word, role, label)
         _refuse_factor(word, dimension, role, label)
-        word = _of_an_angle(word, column, label) if role == "frequency" else word
+        word = _determine_frequency_unit(word, column, label) if role == "frequency" else word
     try:
-        sensed = sensitivity(word, dimension, column.unit) or of_multiple(word, dimension)
-        return sensed or _of_a_part(word, role) or units.parse_unit(word, dimension)
+        sensed = sensitivity(word, dimension, column.unit) or parse_unit_multiple(word, dimension)
+        return sensed or _find_part_unit(word, role) or units.parse_unit(word, dimension)
     except DataError as error:
-        wrong = stated is None and units.find(word) is not None
-        text = mislabelled(column, role) if wrong else f"{label}: {error}; {advice}"
+        wrong = stated is None and units.find_unit(word) is not None
+        text = format_wrong_unit(column, role) if wrong else f"{label}: {error}; {advice}"
         if " or " in word:
             text = f"{label} stands under two units, {word}: say which is right: {advice}"
         raise ReadError(text) from None
@@ -482,9 +486,9 @@ def _angular(column: Column) -> bool:
     return vocabulary.has_word(column.name, _ANGULAR)
 
 
-def _of_an_angle(word: str, column: Column, label: str) -> str:
+def _determine_frequency_unit(word: str, column: Column, label: str) -> str:
     """The unit of a frequency: 1/s of what is called angular is rad/s, and Hz a contradiction."""
-    found = units.find(word, "frequency")
+    found = units.find_unit(word, "frequency")
     if found is None or found.word == "rad/s" or not _angular(column):
         return word
     if found.word == "Hz" and "z" not in word.casefold():
@@ -497,8 +501,8 @@ def _of_an_angle(word: str, column: Column, label: str) -> str:
 
 def _refuse_factor(word: str, dimension: Dimension, role: Role, label: str) -> None:
     """Ask what a factor beside a unit does: nobody knows if it is applied to the numbers."""
-    found = parted(word)
-    unit = found and (units.find(found[1], dimension) or _of_a_part(found[1], role))
+    found = split_factor(word)
+    unit = found and (units.find_unit(found[1], dimension) or _find_part_unit(found[1], role))
     if not found or not unit or sensitivity(word, dimension, None):
         return
     factor, plain = found[0], unit.word
@@ -522,7 +526,7 @@ def _refuse_stated_factor(column: Column, word: str, role: Role, label: str) -> 
     )
 
 
-def unit_said(column: Column, role: Role, options: ReadOptions) -> str | None:
+def get_unit_word(column: Column, role: Role, options: ReadOptions) -> str | None:
     """Return what the user, or else the file, says is the unit of a column in its role, if any."""
     pure = "1" if role == "stretch" else None  # a ratio of lengths
     said = (options.unit_of(role, column.name), column.unit, pure)
@@ -555,14 +559,14 @@ def _clock_unit(label: str, stated: str | None) -> Unit:
     )
 
 
-def no_units(table: FileTable, lacking: Sequence[Assigned]) -> str:
+def no_units(table: FileTable, lacking: Sequence[RoleAssignment]) -> str:
     """Ask for the units of several columns that have none, in one sentence."""
     columns = [table.columns[one.index] for one in lacking]
     each = list(zip(columns, lacking, strict=True))
     labels = [_label(column, one.index + 1, one.role) for column, one in each]
     given = [f"{one.role}={_unit_like(column, one.role)}" for column, one in each]
     return (
-        f"{labels[0]} has no unit, nor has {listed(labels[1:], 'or')}; add --units "
+        f"{labels[0]} has no unit, nor has {join_words(labels[1:], 'or')}; add --units "
         f'"{",".join(dict.fromkeys(given))}", or write them into the header, as '
         f"'{_with_unit(columns[0], lacking[0].role)}'"
     )
@@ -576,16 +580,16 @@ def sensitivity(word: str, dimension: Dimension, column_unit: str | None) -> Uni
     match = _SENSITIVITY.match(word.strip())
     if match is None:
         return None
-    measured = units.find(match[3], dimension)
+    measured = units.find_unit(match[3], dimension)
     if measured is None or float(match[1]) <= 0:
         return None
     volt = units.parse_unit(f"{match[2] or ''}V", "voltage").factor
-    volts = units.find(column_unit, "voltage") if column_unit else None
+    volts = units.find_unit(column_unit, "voltage") if column_unit else None
     factor = (volts.factor if volts else 1.0) * measured.factor / (float(match[1]) * volt)
     return Unit(word, dimension, factor)
 
 
-def quoted(columns: Sequence[Column], index: int, names: Counter[str] | None = None) -> str:
+def format_column(columns: Sequence[Column], index: int, names: Counter[str] | None = None) -> str:
     """A column as the user sees it: its name and unit in quotes, or its number."""
     column = columns[index]
     unit = f" [{column.unit}]" if column.unit else ""
@@ -600,34 +604,34 @@ def handle(columns: Sequence[Column], index: int, names: Counter[str] | None = N
 
     Who asks it of many columns counts their names once.
     """
-    name = _folded(columns[index])
-    alone = (names or _counted(columns))[name] == 1
+    name = _fold_column_name(columns[index])
+    alone = (names or _count_column_names(columns))[name] == 1
     return columns[index].name if name and alone else str(index + 1)
 
 
-def _counted(columns: Sequence[Column]) -> Counter[str]:
-    return Counter(map(_folded, columns))
+def _count_column_names(columns: Sequence[Column]) -> Counter[str]:
+    return Counter(map(_fold_column_name, columns))
 
 
-def _folded(column: Column) -> str:
+def _fold_column_name(column: Column) -> str:
     return column.name.strip().casefold()
 
 
-@kept
+@cache_on_record
 def _names(table: FileTable) -> Counter[str]:
-    return _counted(table.columns)
+    return _count_column_names(table.columns)
 
 
-@kept
+@cache_on_record
 def _unlike(table: FileTable) -> tuple[Column, ...]:
     """The columns without those that differ from an earlier one by a number alone."""
     found: dict[object, Column] = {}
     for one in table.columns:
-        found.setdefault((vocabulary.unnumbered(one.name), one.unit, one.content), one)
+        found.setdefault((vocabulary.replace_channel_number(one.name), one.unit, one.content), one)
     return tuple(found.values())
 
 
-@kept
+@cache_on_record
 def _all_columns(table: FileTable) -> str:
     """What each question about a table lists: of thousands of columns it is put together once."""
     return list_columns(table.columns)
@@ -635,9 +639,12 @@ def _all_columns(table: FileTable) -> str:
 
 def list_columns(columns: Sequence[Column]) -> str:
     """All columns with their numbers, for a message."""
-    filled, names = [i for i, c in enumerate(columns) if c.content != "blank"], _counted(columns)
+    filled, names = (
+        [i for i, c in enumerate(columns) if c.content != "blank"],
+        _count_column_names(columns),
+    )
     shown = [
-        f"{i + 1} {quoted(columns, i, names) if columns[i].name else '(no name)'}"
+        f"{i + 1} {format_column(columns, i, names) if columns[i].name else '(no name)'}"
         for i in filled[:_LISTED]
     ]
     more = len(filled) - len(shown)

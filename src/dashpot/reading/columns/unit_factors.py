@@ -22,15 +22,15 @@ _BEHIND_NAME = re.compile(
 )
 
 
-def parted(word: str) -> tuple[float, str] | None:
+def split_factor(word: str) -> tuple[float, str] | None:
     """Return the factor and the unit of a word that holds both, None of any other.
 
-    >>> parted("10 mN"), parted("N x 10^3"), parted("x1000 N"), parted("mm")
+    >>> split_factor("10 mN"), split_factor("N x 10^3"), split_factor("x1000 N"), split_factor("mm")
     ((10.0, 'mN'), (1000.0, 'N'), (1000.0, 'N'), None)
     """
     for pattern, number, unit in ((_BEFORE, 1, 2), (_BEHIND, 2, 1)):
         match = pattern.match(word.strip())
-        if match and units.find(match[unit].strip()) is not None:
+        if match and units.find_unit(match[unit].strip()) is not None:
             factor = _value(match[number])
             return (factor, match[unit].strip()) if factor not in {0.0, 1.0} else None
     return None
@@ -53,14 +53,14 @@ def _value(number: str) -> float:
     return float(number)
 
 
-def of_multiple(word: str, dimension: Dimension) -> Unit | None:
+def parse_unit_multiple(word: str, dimension: Dimension) -> Unit | None:
     """Return the unit that a user gives as a multiple of one, such as ``10mN``; None of any other.
 
-    >>> of_multiple("10mN", "force").factor
+    >>> parse_unit_multiple("10mN", "force").factor
     0.01
     """
-    found = parted(word)
-    unit = units.find(found[1], dimension) if found else None
+    found = split_factor(word)
+    unit = units.find_unit(found[1], dimension) if found else None
     if found is None or unit is None or unit.offset:
         return None
     return Unit(word, dimension, float(f"{found[0] * unit.factor:.12g}"))
@@ -146,10 +146,10 @@ def stated_unit(value: object) -> str | None:
     return match[2].strip() if match and match[2] else None
 
 
-def words_beside_factor(name: str) -> list[str]:
+def select_channel_words(name: str) -> list[str]:
     """Return the words of a factor's name that say of what it is one.
 
-    >>> words_beside_factor("force_gain"), words_beside_factor("gain")
+    >>> select_channel_words("force_gain"), select_channel_words("gain")
     (['force'], [])
     """
     return [
@@ -198,14 +198,14 @@ def factors_among(attributes: Mapping[str, object]) -> str:
     'gain = 10'
     """
     found = [
-        f"{name} = {_written(value)}"
+        f"{name} = {_format_factor_value(value)}"
         for name, value in attributes.items()
         if changes_numbers(name, value)
     ]
     return " and ".join(found[:4])
 
 
-def _written(value: object) -> str:
+def _format_factor_value(value: object) -> str:
     if isinstance(value, bytes):
         value = value.decode("utf-8", "replace")
     if isinstance(value, str):

@@ -176,13 +176,13 @@ _ORDERS = ("dmy", "mdy", "ymd", "hms", "hm", "ms")
 """Orders of the parts of a clock time; the parts that follow go without saying."""
 
 
-def plain(name: str) -> str:
+def normalise_name(name: str) -> str:
     """Fold case, width and spacing; camelCase and digits part words; accents stay."""
     text = _HUMP.sub(" ", unicodedata.normalize("NFKC", name))
     return _GAPS.sub(" ", text.casefold()).strip()
 
 
-def bare(text: str) -> str:
+def remove_accents(text: str) -> str:
     """Drop the accents, as mangled headers do."""
     if text.isascii():
         return text
@@ -197,7 +197,7 @@ def _lexicon(words: dict[Role, str]) -> MappingProxyType[str, tuple[Role, ...]]:
     lexicon: dict[str, tuple[Role, ...]] = {}
     for role, line in words.items():
         for word in line.split():
-            for spelling in {word.casefold(), bare(word.casefold())}:
+            for spelling in {word.casefold(), remove_accents(word.casefold())}:
                 if role not in lexicon.get(spelling, ()):
                     lexicon[spelling] = (*lexicon.get(spelling, ()), role)
     return MappingProxyType(lexicon)
@@ -238,25 +238,25 @@ _NUMBER = re.compile(r"(?<![0-9])[0-9]{2,}+(?=[\])}\s]*+\Z)")
 
 def tokens(name: str) -> list[str]:
     """The words of a name."""
-    return plain(name).split()
+    return normalise_name(name).split()
 
 
 def has_word(name: str, words: tuple[str, ...]) -> bool:
     """Whether one of the words stands in the name, alone or (CJK) as a part."""
-    name = unnumbered(name)
-    alone, inside = _sought(words)
-    return not alone.isdisjoint(_said(name)) or any(word in name for word in inside)
+    name = replace_channel_number(name)
+    alone, inside = _split_search_words(words)
+    return not alone.isdisjoint(_split_name_words(name)) or any(word in name for word in inside)
 
 
 @lru_cache(maxsize=1 << 16)
-def _said(name: str) -> frozenset[str]:
+def _split_name_words(name: str) -> frozenset[str]:
     """The words of a name, with their numbers and without."""
     found = tokens(name)
     return frozenset((*found, *(word.rstrip("0123456789") for word in found)))
 
 
 @lru_cache(maxsize=64)
-def _sought(words: tuple[str, ...]) -> tuple[frozenset[str], tuple[str, ...]]:
+def _split_search_words(words: tuple[str, ...]) -> tuple[frozenset[str], tuple[str, ...]]:
     """What a name may hold as a word of its own, and what as a part of one."""
     return frozenset(words), tuple(word for word in words if ord(word[0]) > 0x3000)
 
@@ -302,16 +302,17 @@ def over_amplitude(name: str) -> tuple[float, str]:
     >>> over_amplitude("Strain rms")[1], over_amplitude("Strain amplitude")
     ('an rms', (1.0, ''))
     """
-    if _SPAN.search(plain(name)):
+    if _SPAN.search(normalise_name(name)):
         return 2.0, "peak to peak"
     return (2**-0.5, "an rms") if has_word(name, _RMS) else (1.0, "")
 
 
 @lru_cache(maxsize=1 << 16)
-def unnumbered(name: str) -> str:
+def replace_channel_number(name: str) -> str:
     """A name that says the same without its own number, where many are counted on: no word has two.
 
-    >>> unnumbered("ai_0017"), unnumbered("Channel [3917]"), unnumbered("T2")
+    >>> replace_channel_number("ai_0017"), replace_channel_number(
+    ...     "Channel [3917]"), replace_channel_number("T2")
     ('ai_00', 'Channel [00]', 'T2')
     """
     return _NUMBER.sub("00", name)
@@ -324,13 +325,13 @@ def telling(name: str) -> str:
     >>> telling("Force 0017"), telling("ceoeeaa")
     ('Force 00', '')
     """
-    name = unnumbered(name)
+    name = replace_channel_number(name)
     return name if matches(name) or has_word(name, _TOLD) else ""
 
 
 def matches(name: str) -> MappingProxyType[Role, float]:
     """How well a name says each role: 3 exactly, 2.5 as a part of a word, 1.5 perhaps."""
-    return _matches(unnumbered(name))
+    return _matches(replace_channel_number(name))
 
 
 @lru_cache(maxsize=1 << 16)
@@ -341,11 +342,11 @@ def _matches(name: str) -> MappingProxyType[Role, float]:
     stems = {word.rstrip("0123456789") for word in found} - {*found, ""}
     for word in {whole, *found, *stems}:
         less = 0.3 if word in stems else 0.0  # T beats T2, Force beats Force 1
-        for spelling in filter(_may_mean, {word, bare(word)}):
+        for spelling in filter(_may_mean, {word, remove_accents(word)}):
             for role, value in _roles(spelling):
                 scores[role] = max(value - less, scores.get(role, 0.0))
     for phrase in map("_".join, pairwise(found)):  # "tan delta 2"
-        for role in FIRST.get(bare(phrase), ()):
+        for role in FIRST.get(remove_accents(phrase), ()):
             scores[role] = 3.0
     if "force" in scores:
         scores["hammer"] = scores["force"]

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from importlib import import_module
 
 from dashpot.base.errors import ReadError
-from dashpot.reading.raw_file import Raw, about
+from dashpot.reading.raw_file import RawFile, add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.table import FileTable
 from dashpot.registry import FORMATS, find_handler
@@ -16,7 +16,7 @@ _PLUGGED = "plugin_format"
 _MAGIC = tuple((mark, form.name) for form in FORMATS.values() for mark in form.marks)
 
 
-def format_of(raw: Raw) -> str:
+def format_of(raw: RawFile) -> str:
     """Return the name of the format, which is that of a module of this folder."""
     head = raw.head(4096)
     bare = head.removeprefix(b"\xef\xbb\xbf")
@@ -29,7 +29,7 @@ def format_of(raw: Raw) -> str:
     return "trios" if opens else "text"
 
 
-def read_table(raw: Raw, options: ReadOptions) -> FileTable:
+def read_table(raw: RawFile, options: ReadOptions) -> FileTable:
     """Return the table in a file of any known format.
 
     Raises
@@ -38,7 +38,7 @@ def read_table(raw: Raw, options: ReadOptions) -> FileTable:
         Whatever is wrong with the file. A foreign parser may stumble over a broken one in any way:
         it runs in a child process, with limits.
     """
-    with about(raw.name):
+    with add_name_to_errors(raw.name):
         table = _table(raw, options)
     if options.calibration is None:
         return table
@@ -46,23 +46,23 @@ def read_table(raw: Raw, options: ReadOptions) -> FileTable:
     return calibrated
 
 
-def _table(raw: Raw, options: ReadOptions) -> FileTable:
+def _table(raw: RawFile, options: ReadOptions) -> FileTable:
     name, called = format_of(raw), ""
     if options.format is not None:
-        from dashpot.base.plugins import wanted
+        from dashpot.base.plugins import require_plugin
 
-        name, called = _PLUGGED, wanted("formats", options.format).called
+        name, called = _PLUGGED, require_plugin("formats", options.format).full_label
     if options.sheet is not None and not FORMATS[name].sheets:
         raise ReadError(
             f"--part sheet={options.sheet}: this file has no sheets or groups; leave it out"
         )
     reads = import_module(FORMATS[name].module)
-    reader: Callable[[Raw, ReadOptions], FileTable] = reads.read
+    reader: Callable[[RawFile, ReadOptions], FileTable] = reads.read
     try:
         if not FORMATS[name].sandboxed:
             return reader(raw, options)
-        from dashpot.reading.sandbox.parent_process import in_child
+        from dashpot.reading.sandbox.parent_process import run_in_child
 
-        return in_child(called or name, reader, raw, options)
+        return run_in_child(called or name, reader, raw, options)
     except (MemoryError, OSError) as error:
         raise ReadError(f"cannot be read: {type(error).__name__} {error}") from None

@@ -11,11 +11,11 @@ from dashpot.base import plugins
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.plugins import Plugin
-from dashpot.reading.columns.header_names import part_unit
-from dashpot.reading.raw_file import Raw
+from dashpot.reading.columns.header_names import split_unit
+from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
-from dashpot.reading.sandbox.limits import within
-from dashpot.reading.table import Column, FileTable, in_memory
+from dashpot.reading.sandbox.limits import check_value_count
+from dashpot.reading.table import Column, FileTable, make_loader
 
 API = 1
 """The version of the contract, which a format states as its ``API``."""
@@ -24,7 +24,7 @@ _EXPECTED = (
 )
 
 
-def read(raw: Raw, options: ReadOptions) -> FileTable:
+def read(raw: RawFile, options: ReadOptions) -> FileTable:
     """Return the table that the plug-in ``options.format`` finds in a file.
 
     Raises
@@ -32,7 +32,7 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     ReadError
         If there is no such plug-in, it fails, or what it returns is not of the contract.
     """
-    plugin = plugins.wanted("formats", options.format or "")
+    plugin = plugins.require_plugin("formats", options.format or "")
     return table_of(plugin, plugin.load(), b"".join(raw.blocks()), raw.name)
 
 
@@ -63,11 +63,11 @@ def table_of(plugin: Plugin, module: Any, content: bytes, name: str) -> FileTabl
     lengths = sorted({len(one) for one in values})
     if len(lengths) > 1 or lengths[0] < 2:
         plugin.wrong(f"columns of {', '.join(map(str, lengths))} values", _EXPECTED)
-    within(len(values) * lengths[0], "the file holds")
+    check_value_count(len(values) * lengths[0], "the file holds")
     return FileTable(
-        format=plugin.called,
+        format=plugin.full_label,
         columns=tuple(_column(plugin, one) for one in columns),
-        load=in_memory(np.column_stack(values)),
+        load=make_loader(np.column_stack(values)),
         header=plugins.texts(plugin, found, "header"),
         notes=(f"read by {plugin.says}", *plugins.texts(plugin, found, "notes")),
     )
@@ -76,7 +76,7 @@ def table_of(plugin: Plugin, module: Any, content: bytes, name: str) -> FileTabl
 def _column(plugin: Plugin, item: Mapping[str, Any]) -> Column:
     name = plugins.word(plugin, item, "name")
     unit = item.get("unit")
-    return Column(name, plugins.word(plugin, item, "unit")) if unit else Column(*part_unit(name))
+    return Column(name, plugins.word(plugin, item, "unit")) if unit else Column(*split_unit(name))
 
 
 def _values(plugin: Plugin, item: Mapping[str, Any]) -> FloatArray:

@@ -11,9 +11,9 @@ from dashpot.base import units
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.reading.columns.vocabulary import clock_order
-from dashpot.reading.raw_file import Raw
+from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
-from dashpot.reading.table import FileTable, Loaded, Question
+from dashpot.reading.table import FileTable, LoadedColumns, Question
 from dashpot.reading.text import cells
 from dashpot.reading.text.dialect import (
     COLUMNS,
@@ -24,7 +24,7 @@ from dashpot.reading.text.dialect import (
     is_overlong,
     most_cells,
 )
-from dashpot.reading.text.encoding import decoded, find_encoding
+from dashpot.reading.text.encoding import decode_blocks, find_encoding
 from dashpot.reading.text.header import Header, read_header
 from dashpot.reading.text.rows import Heading, load_rows, title
 
@@ -49,7 +49,7 @@ _NAMES = {"\t": "tab", ";": "semicolon", ",": "comma", " ": "blanks", "|": "pipe
 _MARKS = {".": "point", ",": "comma", ".,": "point and comma, mixed"}
 
 
-def read(raw: Raw, options: ReadOptions) -> FileTable:
+def read(raw: RawFile, options: ReadOptions) -> FileTable:
     """Return the table that a text file holds.
 
     Raises
@@ -84,7 +84,7 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     return _table(raw, encoding, lines, dialect, options)
 
 
-def _without_complex(raw: Raw, encoding: str) -> tuple[Raw, str]:
+def _without_complex(raw: RawFile, encoding: str) -> tuple[RawFile, str]:
     """The file with two cells for each complex one, and its encoding; as it is without any."""
     if raw.size > _MOST_COMPLEX or not _IMAGINARY.search(raw.head(_HEADS[0])):
         return raw, encoding
@@ -96,10 +96,10 @@ def _without_complex(raw: Raw, encoding: str) -> tuple[Raw, str]:
         text = parted_cells(raw.head(raw.size).decode(encoding).replace("\r\n", "\n"))
     except UnicodeDecodeError:
         return raw, encoding
-    return (raw, encoding) if text is None else (Raw(raw.name, None, text.encode()), "utf-8")
+    return (raw, encoding) if text is None else (RawFile(raw.name, None, text.encode()), "utf-8")
 
 
-def _lines(raw: Raw, encoding: str, size: int, *, found: bool) -> tuple[list[str], bool]:
+def _lines(raw: RawFile, encoding: str, size: int, *, found: bool) -> tuple[list[str], bool]:
     """The lines of the first bytes, and whether that is the whole file."""
     head = raw.head(size)
     whole = len(head) == raw.size
@@ -113,14 +113,14 @@ def _lines(raw: Raw, encoding: str, size: int, *, found: bool) -> tuple[list[str
     if not whole:  # an incremental decoder waits for the rest of a character cut in two
         text = "".join(_partial(head, encoding, found=found))
         return text.split("\n")[:-2], False  # the last line is cut
-    text = "".join(decoded([head], encoding, found=found))
+    text = "".join(decode_blocks([head], encoding, found=found))
     return text.removesuffix("\n").split("\n"), True
 
 
 def _partial(head: bytes, encoding: str, *, found: bool) -> list[str]:
     out = []
     try:
-        for text in decoded([head], encoding, found=found):
+        for text in decode_blocks([head], encoding, found=found):
             out.append(text)
     except ReadError:
         # the last character is cut in two; anything else fails again when the rows are read
@@ -130,7 +130,7 @@ def _partial(head: bytes, encoding: str, *, found: bool) -> list[str]:
 
 
 def _table(
-    raw: Raw, encoding: str, lines: list[str], dialect: Dialect, options: ReadOptions
+    raw: RawFile, encoding: str, lines: list[str], dialect: Dialect, options: ReadOptions
 ) -> FileTable:
     above = lines[: dialect.first]
     header = [line for line in above if line.strip()]
@@ -152,9 +152,9 @@ def _table(
     if encoding not in {"utf-8", "utf-8-sig"}:
         notes.append(f"text decoded as {encoding}")
 
-    def load(indexes: Sequence[int]) -> Loaded:
+    def load(indexes: Sequence[int]) -> LoadedColumns:
         return load_rows(
-            lambda: decoded(raw.blocks(), encoding, found=options.encoding is None),
+            lambda: decode_blocks(raw.blocks(), encoding, found=options.encoding is None),
             dialect,
             indexes,
             Heading(found.columns, _clock_orders(found, options), title(header)),
@@ -201,16 +201,21 @@ def _factors(header: Sequence[str]) -> list[Caution]:
 def _odd_first_row(lines: Sequence[str], dialect: Dialect) -> list[str]:
     """Note a first row that is printed with other digits than all of the next."""
 
-    def printed(row: Sequence[str]) -> Iterator[int | None]:
+    def iterate_row_decimals(row: Sequence[str]) -> Iterator[int | None]:
         return (decimals(row[i], dialect.mark) for i in dialect.numbers)
 
     rows = islice((row for line in lines[:20] if (row := dialect.row(line))), _STEADY)
     first, second = next(rows, None), next(rows, None)
-    if not (first and second) or any(map(eq, printed(first), printed(second))):
+    if not (first and second) or any(
+        map(eq, iterate_row_decimals(first), iterate_row_decimals(second))
+    ):
         return []  # as it nearly always is: no more are read
     if any(_significant(first[i]) > _OF_A_FACTOR for i in dialect.numbers):
         return []  # what is printed with so many digits is measured
-    others, like = [list(printed(row)) for row in rows], list(printed(second))
+    others, like = (
+        [list(iterate_row_decimals(row)) for row in rows],
+        list(iterate_row_decimals(second)),
+    )
     if len(others) < _STEADY - 2 or any(row != like for row in others):
         return []
     says = f"line {dialect.first + 1}, the first row, is printed otherwise than those below it"
@@ -290,7 +295,7 @@ def _interval_hints(header: Sequence[str]) -> list[str]:
     """What the header says about the time between two samples."""
     for line in header:
         match = _INTERVAL.search(line[:500])
-        unit = match and units.find(match[2] or "s", "time")
+        unit = match and units.find_unit(match[2] or "s", "time")
         step = float(match[1].replace(",", ".")) * unit.factor if match and unit else 0.0
         if step > 0:
             says = f"the header says '{line.strip()[:60]}'; if that is the time between two rows"
@@ -315,7 +320,7 @@ def _hints(header: Sequence[str]) -> list[str]:
 def _with_units(line: str) -> bool:
     """Whether each of several cells holds a number and its unit."""
     found = [_MEASURED.match(one.strip()) for one in re.split(r"[;\t|]|,\s", line)]
-    return len(found) > 1 and all(one and units.find(one[1]) for one in found)
+    return len(found) > 1 and all(one and units.find_unit(one[1]) for one in found)
 
 
 def _no_table(lines: Sequence[str], options: ReadOptions) -> str:

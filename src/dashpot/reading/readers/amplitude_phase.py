@@ -10,11 +10,11 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.reading.columns import vocabulary
-from dashpot.reading.columns.amplitude_phase_pairs import Swung, two_signals
-from dashpot.reading.columns.role_assignment import find_column, handle, quoted
+from dashpot.reading.columns.amplitude_phase_pairs import AmplitudePhaseColumns, two_signals
+from dashpot.reading.columns.role_assignment import find_column, format_column, handle
 from dashpot.reading.read_options import flag
-from dashpot.reading.readers.channels import Opened
-from dashpot.reading.table import Column, Loaded
+from dashpot.reading.readers.channels import OpenedFile
+from dashpot.reading.table import Column, LoadedColumns
 
 _SEVERAL = 8
 """Lines that show how far a phase goes."""
@@ -22,7 +22,7 @@ _TURN, _TURNS = 2 * np.pi, 60.0
 """How far a phase goes in radians, once around; and unwrapped, over ten modes."""
 
 
-def as_a_ratio(file: Opened) -> Opened:
+def as_a_ratio(file: OpenedFile) -> OpenedFile:
     """Return a file of two signals, each by amplitude and phase, as one of the response they make.
 
     That is a motion over a force, or the motion of a mass over that of its base. Any other file is
@@ -36,9 +36,9 @@ def as_a_ratio(file: Opened) -> Opened:
     pair = two_signals(file.table, file.options)
     if pair is None:
         return file
-    over, under = _ordered(file, pair)
+    over, under = _sort_signal_pair(file, pair)
     columns = file.table.columns
-    lines = file.one_column("frequency")
+    lines = file.find_unambiguous_column("frequency")
     if lines is None:
         return file
     radian = [file.unit(one.phase, "phase").factor for one in (over, under)]
@@ -46,7 +46,7 @@ def as_a_ratio(file: Opened) -> Opened:
     name = f"{columns[over.size].name} over {columns[under.size].name}"
     wanted = [lines.index, over.size, over.phase, under.size, under.phase]
 
-    def load(indexes: Sequence[int]) -> Loaded:
+    def load(indexes: Sequence[int]) -> LoadedColumns:
         loaded = file.table.load(wanted)
         frequency, size, phase, size_under, phase_under = loaded.values.T
         angles = (over.phase, phase, radian[0]), (under.phase, phase_under, radian[1])
@@ -70,7 +70,9 @@ def as_a_ratio(file: Opened) -> Opened:
     return replace(file, table=table, options=named)
 
 
-def _ordered(file: Opened, pair: tuple[Swung, Swung]) -> tuple[Swung, Swung]:
+def _sort_signal_pair(
+    file: OpenedFile, pair: tuple[AmplitudePhaseColumns, AmplitudePhaseColumns]
+) -> tuple[AmplitudePhaseColumns, AmplitudePhaseColumns]:
     """The signal above and the one below: a force, or the motion of the base."""
     first, second = pair
     if first.pushes or second.pushes:
@@ -84,13 +86,14 @@ def _ordered(file: Opened, pair: tuple[Swung, Swung]) -> tuple[Swung, Swung]:
     if sum(below) == 1:
         return (second, first) if below[0] else (first, second)
     raise ReadError(
-        f"{quoted(columns, first.size)} and {quoted(columns, second.size)} are two motions; say "
+        f"{format_column(columns, first.size)} and {format_column(columns, second.size)} are two "
+        "motions; say "
         f"which of them is the base, for example {flag('base_acceleration')}="
         f'"{handle(columns, first.size)}"'
     )
 
 
-def refuse_angle(file: Opened, index: int, phase: FloatArray, radian: float) -> None:
+def refuse_angle(file: OpenedFile, index: int, phase: FloatArray, radian: float) -> None:
     """Ask for the unit of a phase that goes over one turn of the other unit, unless it was said."""
     stated = file.options.unit_of("phase", file.table.columns[index].name)
     reach = float(np.nanmax(np.abs(phase), initial=0.0))

@@ -9,11 +9,16 @@ import numpy as np
 
 from dashpot.base.errors import ReadError
 from dashpot.datamodel.base_excitation import ShakenTest
-from dashpot.reading.columns.role_assignment import Assigned, accelerations, find_column, quoted
+from dashpot.reading.columns.role_assignment import (
+    RoleAssignment,
+    accelerations,
+    find_column,
+    format_column,
+)
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions, flag
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.channels import Channel, Opened
+from dashpot.reading.readers.channels import Channel, OpenedFile
 from dashpot.reading.readers.impact import joined_starts, loaded_whole, refuse_same, starts_of
 
 _ORDERS: dict[Role, int] = {"displacement": 0, "velocity": 1, "acceleration": 2}
@@ -34,7 +39,7 @@ def read_shaken(paths: Sequence[str | Path], options: ReadOptions) -> ShakenTest
     ReadError
         If a column is not found or has no unit, or the files have other rates.
     """
-    tests = [_one(path, options) for path in paths]
+    tests = [_read_test(path, options) for path in paths]
     first = tests[0]
     for path, test in zip(paths, tests, strict=True):
         if abs(test.rate / first.rate - 1) > _SAME_RATE:
@@ -56,8 +61,8 @@ def read_shaken(paths: Sequence[str | Path], options: ReadOptions) -> ShakenTest
     )
 
 
-def _one(path: str | Path, options: ReadOptions) -> ShakenTest:
-    with channels.opened(path, options) as file:
+def _read_test(path: str | Path, options: ReadOptions) -> ShakenTest:
+    with channels.open_file(path, options) as file:
         channels.refuse_summary(file)
         chosen = _channels(file)
         loaded, columns = loaded_whole(file, chosen)
@@ -75,35 +80,42 @@ def _one(path: str | Path, options: ReadOptions) -> ShakenTest:
         return ShakenTest(rate, base, mass, starts, (source,), _ORDERS[chosen[-1].role])
 
 
-def _channels(file: Opened) -> list[Channel]:
+def _channels(file: OpenedFile) -> list[Channel]:
     """Time unless a rate is given, the base, and the one other motion."""
     columns, base_flag = file.table.columns, flag("base_acceleration")
     base = find_column(columns, str(file.options.base_acceleration), base_flag)
-    ticks = channels.chosen(file, channels.timed(file))
+    ticks = channels.chosen(file, channels.add_time_role(file))
     taken = [base, *(one.index for one in ticks)]
-    found = of_mass(file, taken)
+    found = find_mass_motions(file, taken)
     if len(found) != 1:
-        listed = f": {', '.join(quoted(columns, one.index) for one in found)}" if found else ""
+        listed = (
+            f": {', '.join(format_column(columns, one.index) for one in found)}" if found else ""
+        )
         raise ReadError(
-            f"{len(found)} motions beside that of the base, {quoted(columns, base)}{listed}; "
+            f"{len(found)} motions beside that of the base, "
+            f"{format_column(columns, base)}{listed}; "
             f"expected one, of the mass: name it with {flag('acceleration')}=NAME, "
             f"{flag('velocity')}=NAME or {flag('displacement')}=NAME"
         )
     return channels.with_units(
         file,
-        [*ticks, Assigned("acceleration", base, f"of the base, named by {base_flag}"), *found],
+        [
+            *ticks,
+            RoleAssignment("acceleration", base, f"of the base, named by {base_flag}"),
+            *found,
+        ],
     )
 
 
-def of_mass(file: Opened, taken: Sequence[int]) -> list[Assigned]:
+def find_mass_motions(file: OpenedFile, taken: Sequence[int]) -> list[RoleAssignment]:
     """Return the motions beside the base's: those named, else accelerations, else the others."""
     options = file.options
     named = [role for role in _SLOWER if getattr(options, role)]
-    found: list[Assigned] = []
+    found: list[RoleAssignment] = []
     if options.acceleration or not named:
         found = [
-            Assigned("acceleration", i, "of the mass")
+            RoleAssignment("acceleration", i, "of the mass")
             for i in accelerations(file.table, taken, options)
         ]
-    found += filter(None, map(file.one_column, named if named or found else _SLOWER))
+    found += filter(None, map(file.find_unambiguous_column, named if named or found else _SLOWER))
     return [one for one in found if one.index not in taken]

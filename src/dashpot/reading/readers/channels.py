@@ -20,21 +20,21 @@ from dashpot.base.units import Unit
 from dashpot.reading.columns.kind_detection import FileKind, cycle_peaks, kind_of, refuse_kind
 from dashpot.reading.columns.role_assignment import (
     EXAMPLE,
-    Assigned,
+    RoleAssignment,
     ask,
     assign,
+    format_column,
+    get_unit_word,
     handle,
     list_columns,
     no_units,
-    quoted,
     unit_for,
-    unit_said,
 )
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.formats import read_table
-from dashpot.reading.raw_file import Raw, about, open_raw
+from dashpot.reading.raw_file import RawFile, add_name_to_errors, open_raw
 from dashpot.reading.read_options import ReadOptions, flag
-from dashpot.reading.table import Column, FileTable, Loaded, Question
+from dashpot.reading.table import Column, FileTable, LoadedColumns, Question
 
 Judged: TypeAlias = Callable[
     [Mapping[Role, float], Mapping[Role, str], AbstractSet[Role]],
@@ -52,21 +52,21 @@ _FAR = 5.0
 
 
 @dataclass(frozen=True, eq=False)
-class Opened:
+class OpenedFile:
     """A file, the table found in it, and what the user says of it."""
 
-    raw: Raw
+    raw: RawFile
     table: FileTable
     options: ReadOptions
     once: bool = False
     """Whether the columns read last are kept."""
 
-    def column(self, role: Role) -> Assigned | None:
+    def column(self, role: Role) -> RoleAssignment | None:
         """The column that plays a role, if one alone does."""
         answer = assign(self.table, role, self.options)
-        return answer if isinstance(answer, Assigned) else None
+        return answer if isinstance(answer, RoleAssignment) else None
 
-    def one_column(self, role: Role) -> Assigned | None:
+    def find_unambiguous_column(self, role: Role) -> RoleAssignment | None:
         """As `column`, but where several could play the role it is asked which.
 
         Raises
@@ -74,7 +74,7 @@ class Opened:
         ReadError
         """
         answer = assign(self.table, role, self.options)
-        if isinstance(answer, Assigned):
+        if isinstance(answer, RoleAssignment):
             return answer
         if answer.choices:
             raise ReadError(answer.says)
@@ -88,7 +88,7 @@ class Opened:
 
     def unit_word(self, index: int, role: Role) -> str | None:
         """What the user, or else the file, says is the unit of a column, if either does."""
-        return unit_said(self.table.columns[index], role, self.options)
+        return get_unit_word(self.table.columns[index], role, self.options)
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,9 @@ class Channel:
 
 
 @contextmanager
-def opened(path: str | Path, options: ReadOptions | None, *, sure: bool = True) -> Iterator[Opened]:
+def open_file(
+    path: str | Path, options: ReadOptions | None, *, sure: bool = True
+) -> Iterator[OpenedFile]:
     """Open a file for a reader: whatever is wrong within is said with the file's name.
 
     Raises
@@ -111,29 +113,29 @@ def opened(path: str | Path, options: ReadOptions | None, *, sure: bool = True) 
         If it cannot be read, or, where it must be `sure`, its numbers can be read two ways.
     """
     options = (options or ReadOptions()).of(path)
-    file = left_open(path, options) or open_table(open_raw(path), options)
-    with about(file.raw.name):
+    file = pop_cached_file(path, options) or open_table(open_raw(path), options)
+    with add_name_to_errors(file.raw.name):
         if sure and file.table.doubts:
             raise ReadError(file.table.doubts[0].says)
         yield file
 
 
-def open_table(raw: Raw, options: ReadOptions) -> Opened:
+def open_table(raw: RawFile, options: ReadOptions) -> OpenedFile:
     """Return a file with the table found in it, without the questions that options answer."""
     table = read_table(raw, options)
     if options.window_decay is not None and table.doubts:
         left = [one for one in table.doubts if not one.option.startswith(flag("window_decay"))]
         table = replace(table, doubts=tuple(left))
-    return Opened(raw, table, options)
+    return OpenedFile(raw, table, options)
 
 
-_LEFT_OPEN: dict[object, Opened] = {}
+_LEFT_OPEN: dict[object, OpenedFile] = {}
 """Files that were looked at and are about to be read."""
 _MOST = 16
 """How many of them are kept."""
 
 
-def leave_open(path: str | Path, file: Opened) -> None:
+def cache_open_file(path: str | Path, file: OpenedFile) -> None:
     """Leave an open file to who reads it next, with the same options: it is parsed once."""
     key = _key(path, file.options)
     if key is not None:
@@ -142,7 +144,7 @@ def leave_open(path: str | Path, file: Opened) -> None:
         _LEFT_OPEN[key] = file
 
 
-def left_open(path: str | Path, options: ReadOptions) -> Opened | None:
+def pop_cached_file(path: str | Path, options: ReadOptions) -> OpenedFile | None:
     """Return a file that was left open, which then is so no longer."""
     return _LEFT_OPEN.pop(_key(path, options), None) if _LEFT_OPEN else None
 
@@ -156,13 +158,13 @@ def _key(path: str | Path, options: ReadOptions) -> object:
     return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns, options
 
 
-def read_once(file: Opened) -> Opened:
+def read_once(file: OpenedFile) -> OpenedFile:
     """Return the file as one whose numbers are not read again where the same columns are."""
     if file.once:
         return file
-    known: dict[tuple[int, ...], Loaded] = {}
+    known: dict[tuple[int, ...], LoadedColumns] = {}
 
-    def load(indexes: Sequence[int]) -> Loaded:
+    def load(indexes: Sequence[int]) -> LoadedColumns:
         asked = tuple(indexes)
         if asked not in known:
             known.clear()
@@ -173,7 +175,7 @@ def read_once(file: Opened) -> Opened:
     return replace(file, table=replace(file.table, load=load), once=True)
 
 
-def refuse_summary(file: Opened) -> None:
+def refuse_summary(file: OpenedFile) -> None:
     """Refuse a table of one row per cycle, unless the user names its columns."""
     options = file.options
     peaks = cycle_peaks(file.table)
@@ -181,7 +183,9 @@ def refuse_summary(file: Opened) -> None:
         raise ReadError(f"is not a test: {peaks}")
 
 
-def expect(file: Opened, accepted: Sequence[FileKind], want: str, *, named: Sequence[str]) -> None:
+def expect(
+    file: OpenedFile, accepted: Sequence[FileKind], want: str, *, named: Sequence[str]
+) -> None:
     """Refuse a file that is surely of another kind, with the command that takes it.
 
     A user who has named a column of the roles `named` knows what the file is.
@@ -194,7 +198,7 @@ def expect(file: Opened, accepted: Sequence[FileKind], want: str, *, named: Sequ
         refuse_kind(file.table, file.options, accepted, want)
 
 
-def choose(file: Opened, roles: Sequence[Role]) -> list[Channel]:
+def choose(file: OpenedFile, roles: Sequence[Role]) -> list[Channel]:
     """Return the columns that play the roles, with their units.
 
     Raises
@@ -206,8 +210,8 @@ def choose(file: Opened, roles: Sequence[Role]) -> list[Channel]:
 
 
 def chosen(
-    file: Opened, roles: Sequence[Role], *, besides: Sequence[Question] = ()
-) -> list[Assigned]:
+    file: OpenedFile, roles: Sequence[Role], *, besides: Sequence[Question] = ()
+) -> list[RoleAssignment]:
     """Return the columns that play the roles; `besides` is asked with what they leave open.
 
     Raises
@@ -225,27 +229,29 @@ def chosen(
     for one in columns:
         other = roles_of.setdefault(one.index, one.role)
         if other != one.role:
-            raise ReadError(both(file.table.columns, one.index, other, one.role))
+            raise ReadError(format_role_conflict(file.table.columns, one.index, other, one.role))
     return columns
 
 
-def both(columns: Sequence[Column], index: int, one: Role, other: Role) -> str:
+def format_role_conflict(columns: Sequence[Column], index: int, one: Role, other: Role) -> str:
     """Say that a column would play two roles, and what to do."""
     return (
-        f"{quoted(columns, index)} would be both {one} and {other}; name the columns with "
+        f"{format_column(columns, index)} would be both {one} and {other}; name the columns with "
         f"{flag(one)}=NAME and {flag(other)}=NAME; they are {list_columns(columns)}"
     )
 
 
-def answered(file: Opened, found: Sequence[Assigned | Question], hint: str = "") -> list[Assigned]:
+def answered(
+    file: OpenedFile, found: Sequence[RoleAssignment | Question], hint: str = ""
+) -> list[RoleAssignment]:
     """Return the columns found, or raise every question in one sentence with the hint."""
     asked = [answer for answer in found if isinstance(answer, Question)]
     if asked:
         raise ReadError(ask(file.table, asked) + hint)
-    return [answer for answer in found if isinstance(answer, Assigned)]
+    return [answer for answer in found if isinstance(answer, RoleAssignment)]
 
 
-def with_units(file: Opened, chosen: Sequence[Assigned]) -> list[Channel]:
+def with_units(file: OpenedFile, chosen: Sequence[RoleAssignment]) -> list[Channel]:
     """Return assigned columns with their units.
 
     Raises
@@ -273,7 +279,7 @@ def with_units(file: Opened, chosen: Sequence[Assigned]) -> list[Channel]:
     return found
 
 
-def refuse_sizes(file: Opened, answers: Sequence[tuple[Channel, Sequence[Check]]]) -> list[str]:
+def refuse_sizes(file: OpenedFile, answers: Sequence[tuple[Channel, Sequence[Check]]]) -> list[str]:
     """Ask for the first unit that makes an unbelievable size; return notes on unusual ones.
 
     The user's own word for a unit is not doubted.
@@ -291,7 +297,7 @@ def refuse_sizes(file: Opened, answers: Sequence[tuple[Channel, Sequence[Check]]
     return notes
 
 
-def refuse_all_sizes(file: Opened, chosen: Sequence[Channel], judged: Judged) -> list[str]:
+def refuse_all_sizes(file: OpenedFile, chosen: Sequence[Channel], judged: Judged) -> list[str]:
     """Ask at once for every unit that is to be answered; return notes on unusual sizes.
 
     Who obeys the first question may well have to be asked the next: each is taken to be obeyed
@@ -327,20 +333,20 @@ def refuse_all_sizes(file: Opened, chosen: Sequence[Channel], judged: Judged) ->
         questions.append(check.typed)
         said.add(role)
         likelier = check.remedy.value.partition("=")[2] if check.remedy else ""
-        meant[role] = units.find(likelier, meant[role].dimension) or meant[role]
+        meant[role] = units.find_unit(likelier, meant[role].dimension) or meant[role]
     if questions:
         raise ReadError(" ".join(questions))
     return [Caution(check.typed, check.told) for _, check in failed]
 
 
-def is_stated(file: Opened, one: Channel) -> bool:
+def is_stated(file: OpenedFile, one: Channel) -> bool:
     """Whether the user said the unit of a channel, or each of its cells does, as clock times."""
     column = file.table.columns[one.index]
     clocked = column.content == "clock"
     return clocked or file.options.unit_of(one.role, column.name) is not None
 
 
-def refuse_other_rate(file: Opened) -> None:
+def refuse_other_rate(file: OpenedFile) -> None:
     """Refuse a rate that the file's own even clock contradicts.
 
     A clock that is uneven, coarse or without a unit is none: the rate replaces it.
@@ -362,20 +368,21 @@ def refuse_other_rate(file: Opened) -> None:
     even = step > 0 and np.mean(np.abs(steps / step - 1) < _EVEN) > 1 - _EVEN
     if even and abs(rate * step - 1) > _EVEN:
         raise ReadError(
-            f"--rate {rate:g}Hz, but the clock in {quoted(file.table.columns, answer.index)} runs "
+            f"--rate {rate:g}Hz, but the clock in "
+            f"{format_column(file.table.columns, answer.index)} runs "
             f"at {1 / step:.6g} Hz: leave --rate out, or, if its unit is another, say it instead: "
             '--units "time=ms"; a clock that is wrong altogether is taken out of the file first'
         )
 
 
-def named(file: Opened, columns: Sequence[tuple[Role, int]]) -> str:
+def format_role_options(file: OpenedFile, columns: Sequence[tuple[Role, int]]) -> str:
     """Return the options that give roles to columns, with the usual units, as they are typed."""
     words = [f'{flag(role)}="{handle(file.table.columns, index)}"' for role, index in columns]
     usual = dict.fromkeys(f"{role}={EXAMPLE[role]}" for role, _ in columns)
     return f'{" ".join(words)} --units "{",".join(usual)}"'
 
 
-def rivals(file: Opened, chosen: Sequence[Channel]) -> list[str]:
+def rivals(file: OpenedFile, chosen: Sequence[Channel]) -> list[str]:
     """Say which other columns could have played a role, where one was clearly better."""
     taken = {one.index for one in chosen}
     columns = file.table.columns
@@ -386,26 +393,26 @@ def rivals(file: Opened, chosen: Sequence[Channel]) -> list[str]:
         answer = file.column(one.role)
         others = [i for i in answer.rivals if i not in taken] if answer else []
         if others:
-            listed = ", ".join(quoted(columns, i) for i in others[:3])
+            listed = ", ".join(format_column(columns, i) for i in others[:3])
             notes.append(
-                f"{one.role} is {quoted(columns, one.index)}; {listed} could be too: "
+                f"{one.role} is {format_column(columns, one.index)}; {listed} could be too: "
                 f"{flag(one.role)}=NAME chooses"
             )
     return notes
 
 
-def beside(file: Opened, role: Role) -> tuple[Assigned | None, list[str]]:
+def find_optional_column(file: OpenedFile, role: Role) -> tuple[RoleAssignment | None, list[str]]:
     """Return the column of a role that a test may have beside its own, and notes.
 
     Where several could play it none is taken, with a note.
     """
     answer = assign(file.table, role, file.options)
-    if isinstance(answer, Assigned):
+    if isinstance(answer, RoleAssignment):
         return answer, []
     return None, [f"no {role} is taken: {answer.says}"] if answer.choices else []
 
 
-def source(file: Opened, columns: Sequence[str], notes: Sequence[str]) -> Source:
+def source(file: OpenedFile, columns: Sequence[str], notes: Sequence[str]) -> Source:
     """Return where the numbers came from."""
     raw, table = file.raw, file.table
     return Source(
@@ -426,20 +433,20 @@ def si(values: FloatArray, unit: Unit) -> FloatArray:
     return values
 
 
-def by_role(values: FloatArray, chosen: Sequence[Channel]) -> dict[Role, FloatArray]:
+def convert_signals_to_si(values: FloatArray, chosen: Sequence[Channel]) -> dict[Role, FloatArray]:
     """Return the columns of loaded values, in the order chosen, in SI units by their role."""
     columns = ((one, np.ascontiguousarray(values[:, j])) for j, one in enumerate(chosen))
     return {one.role: si(column, one.unit) for one, column in columns}
 
 
-def timed(file: Opened, *roles: Role) -> list[Role]:
+def add_time_role(file: OpenedFile, *roles: Role) -> list[Role]:
     """Return the roles after that of the time, which is not needed where a rate is given."""
     return list(roles) if file.options.rate else ["time", *roles]
 
 
 def load(
     table: FileTable, indexes: Sequence[int], segment: int | None, *, sure: bool = True
-) -> Loaded:
+) -> LoadedColumns:
     """Return the numbers of some columns: of the segment asked for, overload marks left out.
 
     Raises
@@ -479,7 +486,7 @@ def _without_marks(column: FloatArray, top: float) -> list[str]:
     return [f"{marks.sum()} {says}"]
 
 
-def load_test(file: Opened, chosen: Sequence[Channel], least: int = 8) -> Loaded:
+def load_test(file: OpenedFile, chosen: Sequence[Channel], least: int = 8) -> LoadedColumns:
     """Return the numbers of the chosen columns of a test, in the file's units.
 
     Raises
@@ -495,7 +502,7 @@ def load_test(file: Opened, chosen: Sequence[Channel], least: int = 8) -> Loaded
     return loaded
 
 
-def filled_down(loaded: Loaded, roles: Sequence[Role]) -> Loaded:
+def filled_down(loaded: LoadedColumns, roles: Sequence[Role]) -> LoadedColumns:
     """Return the rows, a temperature that stands once for each block filled down, and a note.
 
     So it is where it stands in less than half of the rows that lack nothing else.
@@ -515,23 +522,23 @@ def filled_down(loaded: Loaded, roles: Sequence[Role]) -> Loaded:
     values[:, place] = column[np.maximum.accumulate(np.where(known, np.arange(len(column)), first))]
     note = (
         f"the temperature stands in {stands} of {np.count_nonzero(whole)} rows, from "
-        f"{loaded.where(first)} on; each holds for the rows below it"
+        f"{loaded.format_row_position(first)} on; each holds for the rows below it"
     )
     return replace(loaded, values=values, notes=(*loaded.notes, note))
 
 
-def whole_rows(loaded: Loaded) -> tuple[FloatArray, tuple[str, ...]]:
+def select_complete_rows(loaded: LoadedColumns) -> tuple[FloatArray, tuple[str, ...]]:
     """Return the rows that lack no number, and notes: of loading, and how many are left out."""
     whole = np.isfinite(loaded.values).all(axis=1)
     missing = np.flatnonzero(~whole)
     if not missing.size:
         return loaded.values, loaded.notes
-    first = loaded.where(int(missing[0]))
+    first = loaded.format_row_position(int(missing[0]))
     note = f"{missing.size} rows lack a number and were left out, first {first}"
     return loaded.values[whole], (*loaded.notes, note)
 
 
-def part(loaded: Loaded, segment: int | None) -> Loaded:
+def part(loaded: LoadedColumns, segment: int | None) -> LoadedColumns:
     """Return the segment asked for, or everything.
 
     Raises
@@ -551,7 +558,7 @@ def part(loaded: Loaded, segment: int | None) -> Loaded:
     return replace(rows(loaded, keep), doubts=doubts)
 
 
-def rows(loaded: Loaded, keep: BoolArray) -> Loaded:
+def rows(loaded: LoadedColumns, keep: BoolArray) -> LoadedColumns:
     """Return some of the rows as one segment; each still knows its line."""
     if keep.all() and len(loaded.starts) == 1:
         return loaded
@@ -564,4 +571,4 @@ def rows(loaded: Loaded, keep: BoolArray) -> Loaded:
             i for i, row in enumerate(kept) if i == 0 or kept[i - 1] != row - 1 or row in firsts
         ]
         lines = tuple((i, loaded.line(int(kept[i]))) for i in runs)
-    return Loaded(loaded.values[kept], (0,), ("",), lines, loaded.notes)
+    return LoadedColumns(loaded.values[kept], (0,), ("",), lines, loaded.notes)

@@ -11,8 +11,8 @@ from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, median
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.base.units import Unit
-from dashpot.reading.table import Loaded
-from dashpot.signals.clock import BESIDE, LEAP, leaps
+from dashpot.reading.table import LoadedColumns
+from dashpot.signals.clock import BESIDE, LEAP, clock_jumps
 
 _LAST = 5.0
 """How much longer than all others the last step may be before it is worth a word."""
@@ -33,7 +33,7 @@ _FEW = 1e-3
 
 
 def drop_missing(
-    loaded: Loaded, names: Sequence[str], *, protect: BoolArray
+    loaded: LoadedColumns, names: Sequence[str], *, protect: BoolArray
 ) -> tuple[BoolArray, list[str]]:
     """Return which rows are whole, and a note on those that are not.
 
@@ -51,7 +51,7 @@ def drop_missing(
     def lacks(row: int) -> str:
         return " and ".join(name for name, hole in zip(names, holes[row], strict=True) if hole)
 
-    places = ", ".join(f"{loaded.where(int(row))} ({lacks(row)})" for row in rows[:3])
+    places = ", ".join(f"{loaded.format_row_position(int(row))} ({lacks(row)})" for row in rows[:3])
     more = f" and {rows.size - 3} more" if rows.size > 3 else ""
     if rows.size > 0.5 * len(keep):
         raise ReadError(
@@ -63,7 +63,8 @@ def drop_missing(
         row = int(guarded[0])
         plural = "s" * (rows.size > 1)
         raise ReadError(
-            f"{loaded.where(row)} lacks {lacks(row)} within the ramp or the start of the "
+            f"{loaded.format_row_position(row)} lacks {lacks(row)} within the ramp or the start of "
+            "the "
             f"hold, where every sample counts ({rows.size} such row{plural} in all); "
             "repair or repeat the record there"
         )
@@ -72,7 +73,7 @@ def drop_missing(
     ]
 
 
-def without_padding(loaded: Loaded) -> Loaded:
+def without_padding(loaded: LoadedColumns) -> LoadedColumns:
     """Return the rows, time first, without those at the end that only fill a buffer.
 
     That is the last row again and again, or rows of one number (0, -1, NaN) or all alike at which
@@ -94,7 +95,7 @@ def without_padding(loaded: Loaded) -> Loaded:
     count = len(values) - first
     note = (
         f"rows at the end that only fill the file were left out: {count}, from "
-        f"{loaded.where(first)} on ({numbers})"
+        f"{loaded.format_row_position(first)} on ({numbers})"
     )
     return replace(
         loaded,
@@ -135,7 +136,7 @@ def ramp_samples(displacement: FloatArray) -> tuple[int, int]:
     return full - int(np.argmax(moved[full::-1] <= (1 - _FULL) * far)), full
 
 
-def drop_repeats(time: FloatArray, loaded: Loaded) -> tuple[BoolArray, list[str]]:
+def drop_repeats(time: FloatArray, loaded: LoadedColumns) -> tuple[BoolArray, list[str]]:
     """Return which samples to keep so that time rises, and a note on the repeats left out.
 
     Raises
@@ -152,7 +153,8 @@ def drop_repeats(time: FloatArray, loaded: Loaded) -> tuple[BoolArray, list[str]
         if _begins_anew(time, loaded.values, falls + 1):
             raise ReadError(
                 f"time falls from {time[i]:.9g} s to {time[i + 1]:.9g} s at "
-                f"{loaded.where(i + 1)}, where the clock begins anew ({falls.size} such "
+                f"{loaded.format_row_position(i + 1)}, where the clock begins anew ({falls.size} "
+                "such "
                 f"place{'s' * (falls.size > 1)}): tests of several specimens, or repeats, stand "
                 f"below each other; split the file there, one file for each{part}"
             )
@@ -160,14 +162,14 @@ def drop_repeats(time: FloatArray, loaded: Loaded) -> tuple[BoolArray, list[str]
         rate = f"--rate {1 / median(forward):.6g}Hz" if forward.size else "--rate 1000Hz"
         raise ReadError(
             f"time falls from {time[i]:.9g} s to {time[i + 1]:.9g} s at "
-            f"{loaded.where(i + 1)}: the clock was reset or rows are out of order "
+            f"{loaded.format_row_position(i + 1)}: the clock was reset or rows are out of order "
             f"({falls.size} such place{'s' * (falls.size > 1)}); split the file there{part}, or "
             f"give {rate} if the rows are evenly sampled throughout"
         )
     repeats = np.flatnonzero(steps == 0) + 1
     if repeats.size == 0:
         return keep, []
-    first = loaded.where(int(repeats[0]))
+    first = loaded.format_row_position(int(repeats[0]))
     if repeats.size > max(1.0, _FEW * len(time)):
         raise ReadError(
             f"{repeats.size} of {len(time)} time stamps repeat the one before, first "
@@ -267,7 +269,7 @@ def _late_start(steps: FloatArray) -> list[str]:
 def _leaps(time: FloatArray) -> list[str]:
     """Say where the clock goes on by far more than on either side: a jump, or an interruption."""
     # of the first and the last row others tell
-    found = [one for one in leaps(time) if 0 < one.at < len(time) - 2]
+    found = [one for one in clock_jumps(time) if 0 < one.at < len(time) - 2]
     notes = [
         f"the clock goes on by {one.step:.6g} s at t = {time[one.at]:.6g} s, where its steps "
         f"are {one.beside:.3g} s: it jumped, or the record was interrupted"
@@ -277,12 +279,12 @@ def _leaps(time: FloatArray) -> list[str]:
     return [*notes, f"the clock does so at {more} more places"] if more else notes
 
 
-def swapped(displacement: FloatArray, force: FloatArray) -> bool:
+def has_swapped_signals(displacement: FloatArray, force: FloatArray) -> bool:
     """Whether the 'force' is held and the 'displacement' relaxes; in a creep test it goes on."""
     return _relaxes(displacement) > 0.08 and max(_relaxes(force), _creeps(force)) < 0.01
 
 
-def rings(signal: FloatArray) -> float:
+def compute_active_fraction(signal: FloatArray) -> float:
     """Return the part of a record in which a signal is beyond a tenth of its peak.
 
     A hammer's pulses are over in a few samples, what it strikes rings on.

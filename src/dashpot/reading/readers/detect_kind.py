@@ -11,17 +11,17 @@ from types import MappingProxyType
 import numpy as np
 
 from dashpot.base import units
-from dashpot.base.arrays import FloatArray, kept, measured
+from dashpot.base.arrays import FloatArray, cache_on_record, validate_measured
 from dashpot.base.errors import DataError, ReadError
 from dashpot.reading.columns.kind_detection import RAMP, RECOGNISED, KindOfFile, kind_of
-from dashpot.reading.columns.role_assignment import EXAMPLE, handle, suited
+from dashpot.reading.columns.role_assignment import EXAMPLE, handle, score_columns
 from dashpot.reading.columns.vocabulary import DIMENSION, Role
-from dashpot.reading.raw_file import Raw, about, like_json, open_raw
+from dashpot.reading.raw_file import RawFile, add_name_to_errors, like_json, open_raw
 from dashpot.reading.read_options import PROFILE, ReadOptions, flag
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.channels import Opened
-from dashpot.reading.readers.relaxation import moving_columns, recorded
-from dashpot.signals.load_history import held_throughout, loading_in
+from dashpot.reading.readers.channels import OpenedFile
+from dashpot.reading.readers.relaxation import load_signals, moving_columns
+from dashpot.signals.load_history import classify_load_history, held_throughout
 
 _SCHEMA = re.compile(rb'"schema"\s*:\s*"dashpot/([a-z-]+)@')
 _HEAD = 1 << 16
@@ -85,18 +85,18 @@ class Recognised:
     @property
     def what(self) -> str:
         """What such a file is called."""
-        return "a shaken base with its mass" if self.on_a_base else called(self.kind)
+        return "a shaken base with its mass" if self.on_a_base else get_kind_label(self.kind)
 
     @property
     def use(self) -> str:
         """Which command wants it, or why none does; empty where that is not known."""
-        return used(self.kind)
+        return get_kind_command(self.kind)
 
 
-def called(kind: str) -> str:
+def get_kind_label(kind: str) -> str:
     """Return what a file of a kind is called, such as "a relaxation test".
 
-    >>> called("cyclic"), called("fit"), called("comparison")
+    >>> get_kind_label("cyclic"), get_kind_label("fit"), get_kind_label("comparison")
     ('a cyclic run without a hold', 'a fit', 'a stored comparison')
     """
     known = RECOGNISED if kind in RECOGNISED else OWN
@@ -106,7 +106,7 @@ def called(kind: str) -> str:
     return test.get(kind, f"a stored {kind.replace('-', ' ')}")
 
 
-def used(kind: str) -> str:
+def get_kind_command(kind: str) -> str:
     """Return which command wants a file of a kind, or why none does; empty if that is not known."""
     known = RECOGNISED if kind in RECOGNISED else OWN
     return known[kind].use if kind in known else ""
@@ -135,16 +135,16 @@ def recognise(
     """
     options = options or ReadOptions()
     options = options if kind is None else replace(options, kind=kind)
-    bare = look(path, options)
+    bare = open_or_identify(path, options)
     if isinstance(bare, Recognised):
         return bare
     # where the kind is said, only who reads the file next loads its numbers
     file = bare if options.kind else channels.read_once(bare)
-    with about(file.raw.name):
+    with add_name_to_errors(file.raw.name):
         kind, reason = recognise_opened(file)
         shaken = kind == "impact" and file.options.base_acceleration is not None
         found = Recognised(kind, reason, simulated=file.table.simulated, on_a_base=shaken)
-    channels.leave_open(path, file)
+    channels.cache_open_file(path, file)
     return found
 
 
@@ -154,7 +154,7 @@ def as_a_ramp(path: str | Path, options: ReadOptions | None = None) -> str:
     Each role has the likeliest column that is free, and a unit where the file tells none; of fewer
     than three columns that could be one, and of what is no table, nothing is returned.
     """
-    file = look(path, options)
+    file = open_or_identify(path, options)
     if isinstance(file, Recognised):
         return ""
     free = [i for i, one in enumerate(file.table.columns) if one.content in {"number", "clock"}]
@@ -162,69 +162,75 @@ def as_a_ramp(path: str | Path, options: ReadOptions | None = None) -> str:
         return ""
     columns, names, lacking = file.table.columns, [], []
     for role in RAMP:
-        scores = suited(file.table, role, file.options)
-        able = [i for i in free if not _of_another_kind(columns[i].unit, DIMENSION[role])]
+        scores = score_columns(file.table, role, file.options)
+        able = [i for i in free if not _has_other_dimension(columns[i].unit, DIMENSION[role])]
         if not able:
             return ""
         at = max(able, key=lambda i: (scores.get(i, 0.0), -i))
         free.remove(at)
         names.append(f'{flag(role)}="{handle(columns, at)}"')
         word = file.unit_word(at, role)
-        if columns[at].content == "number" and not (word and units.find(word, DIMENSION[role])):
+        if columns[at].content == "number" and not (
+            word and units.find_unit(word, DIMENSION[role])
+        ):
             lacking.append(f"{role}={EXAMPLE[role]}")
     return " ".join([*names, *([f'--units "{",".join(lacking)}"'] if lacking else [])])
 
 
-def _of_another_kind(word: str | None, dimension: units.Dimension) -> bool:
+def _has_other_dimension(word: str | None, dimension: units.Dimension) -> bool:
     """Whether a unit is known, and of no such quantity."""
-    return word is not None and bool(units.dimensions(word)) and not units.find(word, dimension)
+    return (
+        word is not None and bool(units.dimensions(word)) and not units.find_unit(word, dimension)
+    )
 
 
-@kept
-def recognise_opened(file: Opened) -> tuple[str, str]:
+@cache_on_record
+def recognise_opened(file: OpenedFile) -> tuple[str, str]:
     """Return the kind of a table that is open, and why."""
     kind, reason = kind_of(file.table, file.options)
     if file.options.kind is not None:
         return kind, reason
     if kind == "relaxation":
         record = _record(file, _PART)
-        shown = loading_in(*record) if record else ""
+        shown = classify_load_history(*record) if record else ""
         return (shown, _SHOWN[shown]) if shown in _SHOWN else (kind, reason)
     if kind == "cld":
-        rows = _by_rows(file)
-        shown = loading_in(*rows) if rows else ""
+        rows = _load_signals_by_row(file)
+        shown = classify_load_history(*rows) if rows else ""
         if shown in _HELD:
             return _HELD[shown], "its displacement or force is held; it has no clock"
     if kind == "stress-strain":
         record = _record(file, _MATERIAL)
-        if record and (held_throughout(record[2]) or loading_in(*record) == "creep"):
+        if record and (held_throughout(record[2]) or classify_load_history(*record) == "creep"):
             return "creep", "its stress is held while its strain goes on"
     return kind, reason
 
 
-def _by_rows(file: Opened) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+def _load_signals_by_row(file: OpenedFile) -> tuple[FloatArray, FloatArray, FloatArray] | None:
     """Displacement and force over their rows; None of a file that leaves open which they are."""
     try:
         chosen = channels.choose(file, _PART)
-        values, _ = channels.whole_rows(channels.load_test(file, chosen, _LEAST))
+        values, _ = channels.select_complete_rows(channels.load_test(file, chosen, _LEAST))
     except ReadError:
         return None
-    signals = channels.by_role(values, chosen)
+    signals = channels.convert_signals_to_si(values, chosen)
     moved, force = (signals[role] for role in _PART)
     return np.arange(len(moved), dtype=float), moved, force
 
 
-def _record(file: Opened, pair: tuple[Role, ...]) -> tuple[FloatArray, ...]:
+def _record(file: OpenedFile, pair: tuple[Role, ...]) -> tuple[FloatArray, ...]:
     """Time and signals; nothing of a record that asks or is broken: its reader says so."""
     try:
         chosen, clocks = moving_columns(file, *pair)
-        values, _ = recorded(file, chosen, clocks)
-        return tuple(measured(role, values[role], minimum=_LEAST) for role in ("time", *pair))
+        values, _ = load_signals(file, chosen, clocks)
+        return tuple(
+            validate_measured(role, values[role], minimum=_LEAST) for role in ("time", *pair)
+        )
     except (ReadError, DataError):
         return ()
 
 
-def look(path: str | Path, options: ReadOptions | None) -> Opened | Recognised:
+def open_or_identify(path: str | Path, options: ReadOptions | None) -> OpenedFile | Recognised:
     """Return the open table of a file, or what it is if there is none.
 
     That is what dashpot itself, or a user for it, wrote, or a folder.
@@ -235,7 +241,7 @@ def look(path: str | Path, options: ReadOptions | None) -> Opened | Recognised:
         If there is no such file, it cannot be read, or it is no TOML although it is called so.
     """
     options = (options or ReadOptions()).of(path)
-    file = channels.left_open(path, options)
+    file = channels.pop_cached_file(path, options)
     if file is not None:
         return file
     if Path(path).is_dir():
@@ -259,7 +265,7 @@ def _toml(path: str | Path) -> Recognised | None:
     return Recognised("unclear", "it is TOML, of neither a door nor a profile")
 
 
-def _document(raw: Raw) -> Recognised | None:
+def _document(raw: RawFile) -> Recognised | None:
     """The word of a document's schema; None of JSON that is not dashpot's own."""
     found = _SCHEMA.search(raw.head(_HEAD))
     if found is None:

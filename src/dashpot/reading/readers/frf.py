@@ -12,16 +12,16 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import ReadError
-from dashpot.base.units import written
+from dashpot.base.units import format_quantity
 from dashpot.datamodel.frf import FRF, Kind
-from dashpot.reading.columns.kind_detection import of_motions, said_relative
+from dashpot.reading.columns.kind_detection import is_motion_ratio, is_relative_transmissibility
 from dashpot.reading.columns.response_units import Ratio, bare_ratio, ratio, undecibel
-from dashpot.reading.columns.role_assignment import Assigned, assign, list_columns
+from dashpot.reading.columns.role_assignment import RoleAssignment, assign, list_columns
 from dashpot.reading.columns.vocabulary import Role, has_word
 from dashpot.reading.read_options import ReadOptions, flag
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.amplitude_phase import as_a_ratio, refuse_angle
-from dashpot.reading.readers.channels import Opened
+from dashpot.reading.readers.channels import OpenedFile
 from dashpot.reading.readers.stated_window import refuse_unknown_rate, window_rate
 from dashpot.reading.table import FileTable
 
@@ -44,13 +44,13 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
     ReadError
         If there is no FRF in the file, or its kind or unit is left open.
     """
-    with channels.opened(path, options) as file:
+    with channels.open_file(path, options) as file:
         channels.expect(file, ["frf", "transmissibility"], "an FRF is", named=["real", "magnitude"])
         whole = as_a_ratio(file)
-        return built(whole, settled(whole))
+        return build_frf(whole, determine_frf_columns(whole))
 
 
-def built(file: Opened, known: Settled) -> FRF:
+def build_frf(file: OpenedFile, known: FRFColumns) -> FRF:
     """Return the FRF that stands in the columns that were settled.
 
     Raises
@@ -74,13 +74,13 @@ def built(file: Opened, known: Settled) -> FRF:
     stated = _comments(file.table.header)
     shift, remarks = _shift(file, stated, hertz * column["frequency"])
     several += remarks
-    scale = _differentiated(factor, order, hertz * column["frequency"], shift)
+    scale = _compute_derivative_factor(factor, order, hertz * column["frequency"], shift)
     names = [c.name for c in file.table.columns]
     return FRF(
         column["frequency"] * hertz, scale * value, kind,
         coherence=None
         if "coherence" not in column
-        else _in_parts(file, index["coherence"], column["coherence"]),
+        else _normalise_coherence(file, index["coherence"], column["coherence"]),
         sd=None if sd is None else loaded.values[:, sd] * np.abs(scale),
         shift=shift, shift_sd=stated.get("shift sd", 0.0), record=stated.get("record"),
         averages=int(stated.get("averages", 0)),
@@ -90,7 +90,7 @@ def built(file: Opened, known: Settled) -> FRF:
 
 
 def _shift(
-    file: Opened, stated: Mapping[str, float], frequency: FloatArray
+    file: OpenedFile, stated: Mapping[str, float], frequency: FloatArray
 ) -> tuple[float, list[str]]:
     """The decay of the exponential window that the values carry, 1/s, and notes.
 
@@ -127,7 +127,7 @@ def _deviation(table: FileTable) -> tuple[int | None, list[str]]:
     return None, [f"columns {listed} are called sd; none is taken"]
 
 
-class Settled(NamedTuple):
+class FRFColumns(NamedTuple):
     """Which columns an FRF stands in, what it relates, and the factors of its units to SI."""
 
     columns: dict[Role, int]
@@ -136,7 +136,7 @@ class Settled(NamedTuple):
     radian: float
 
 
-def settled(file: Opened) -> Settled:
+def determine_frf_columns(file: OpenedFile) -> FRFColumns:
     """Return what must be known before the numbers of an FRF are read.
 
     Raises
@@ -161,16 +161,16 @@ def settled(file: Opened) -> Settled:
             asked.append(str(error))
     if found is None or asked:
         raise ReadError("; ".join(asked))
-    return Settled(index, found, factors["frequency"], factors["phase"])
+    return FRFColumns(index, found, factors["frequency"], factors["phase"])
 
 
-def _columns(file: Opened) -> dict[Role, int]:
+def _columns(file: OpenedFile) -> dict[Role, int]:
     """The columns of frequency and of one complex value, Cartesian or else polar, and coherence."""
     index: dict[Role, int] = {}
     asked: dict[Role, str] = {}
     for role in ("frequency", *chain(*PAIRS), "coherence"):
         answer = assign(file.table, role, file.options)
-        if isinstance(answer, Assigned):
+        if isinstance(answer, RoleAssignment):
             index[role] = answer.index
         elif answer.choices:
             asked[role] = answer.says
@@ -180,7 +180,7 @@ def _columns(file: Opened) -> dict[Role, int]:
     raise ReadError("; ".join(asked.values()) or _lacking(file, index))
 
 
-def _lacking(file: Opened, index: Mapping[Role, int]) -> str:
+def _lacking(file: OpenedFile, index: Mapping[Role, int]) -> str:
     """What to say of columns that make no FRF."""
     listed = list_columns(file.table.columns)
     parts = {"magnitude", "phase"} & index.keys()
@@ -215,11 +215,11 @@ def _comments(header: tuple[str, ...]) -> dict[str, float]:
     return found
 
 
-def _kind(file: Opened, role: Role, index: int) -> Ratio:
+def _kind(file: OpenedFile, role: Role, index: int) -> Ratio:
     """What the FRF relates, from the unit, held against a ``kind:`` comment."""
     column, word = file.table.columns[index], file.unit_word(index, role) or ""
     found = ratio(word)
-    if found is None and of_motions(file.table):
+    if found is None and is_motion_ratio(file.table):
         found = bare_ratio(word)
     if found is None:
         unit = f"the unit '{word}', which" if word else "no unit, and so"
@@ -229,7 +229,7 @@ def _kind(file: Opened, role: Role, index: int) -> Ratio:
             "or motion per motion such as g/g or mm/g (of a mass over a base that moves); add "
             f'--units "{role}=(m/s^2)/N" or --units "{role}=g/g", or write it into the header'
         )
-    stated = _stated(file.table, over_base=found.kind.over_base)
+    stated = _get_stated_kind(file.table, over_base=found.kind.over_base)
     if stated is None or stated is found.kind:
         return found
     if stated.over_base and found.kind.over_base:
@@ -240,15 +240,15 @@ def _kind(file: Opened, role: Role, index: int) -> Ratio:
     )
 
 
-def _stated(table: FileTable, *, over_base: bool) -> Kind | None:
+def _get_stated_kind(table: FileTable, *, over_base: bool) -> Kind | None:
     """The kind that a comment says; of a motion over a base a name may say that it is relative."""
     words = [match[1] for line in table.header if (match := _STATED.match(line))]
     said = next((Kind(word) for word in words if word in set(Kind)), None)
-    relative = said is None and over_base and said_relative(table)
+    relative = said is None and over_base and is_relative_transmissibility(table)
     return Kind.RELATIVE_TRANSMISSIBILITY if relative else said
 
 
-def _differentiated(
+def _compute_derivative_factor(
     factor: float, order: int, frequency: FloatArray, shift: float
 ) -> float | ComplexArray:
     """What makes a motion over a motion one of the same derivative: a factor, and s to a power."""
@@ -263,7 +263,7 @@ def _differentiated(
     return np.asarray(factor * s**order)
 
 
-def _unlike_parts(file: Opened, index: dict[Role, int]) -> list[str]:
+def _unlike_parts(file: OpenedFile, index: dict[Role, int]) -> list[str]:
     """Say if real and imaginary part stand in different units."""
     if "real" not in index:
         return []
@@ -277,17 +277,18 @@ def _unlike_parts(file: Opened, index: dict[Role, int]) -> list[str]:
     return [f"{says}; expected one unit: {advice}"]
 
 
-def _refuse_high(file: Opened, index: int, top: float) -> None:
+def _refuse_high(file: OpenedFile, index: int, top: float) -> None:
     """Ask for the unit of a frequency, Hz, at which no seal is struck, unless it was said."""
     if top > _HIGHEST and not file.options.unit_of("frequency", file.table.columns[index].name):
         raise ReadError(
-            f"the FRF goes to {written(top, 'kHz')}, where no seal is struck: is the unit of "
+            f"the FRF goes to {format_quantity(top, 'kHz')}, where no seal is struck: is the unit "
+            "of "
             'frequency Hz? Then add --units "frequency=Hz"; if it is meant so, say it: '
             '--units "frequency=kHz"'
         )
 
 
-def _in_parts(file: Opened, index: int, coherence: FloatArray) -> FloatArray:
+def _normalise_coherence(file: OpenedFile, index: int, coherence: FloatArray) -> FloatArray:
     """Return a coherence from 0 to 1, whether it was written so or in per cent."""
     if file.unit_word(index, "coherence") == "%":
         return coherence / 100
@@ -301,7 +302,7 @@ def _in_parts(file: Opened, index: int, coherence: FloatArray) -> FloatArray:
 
 
 def _polar(
-    file: Opened, index: dict[Role, int], column: dict[Role, FloatArray], radian: float
+    file: OpenedFile, index: dict[Role, int], column: dict[Role, FloatArray], radian: float
 ) -> ComplexArray:
     magnitude, named = column["magnitude"], file.table.columns[index["magnitude"]]
     words = (named.unit, file.options.unit_of("magnitude", named.name))

@@ -12,14 +12,14 @@ import numpy as np
 from dashpot.base import units
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.units import written
+from dashpot.base.units import format_quantity
 from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
 from dashpot.datamodel.specimen import Specimen
 from dashpot.reading.columns import vocabulary
-from dashpot.reading.columns.header_names import part_unit
+from dashpot.reading.columns.header_names import split_unit
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.channels import Channel, Opened
-from dashpot.reading.table import Loaded
+from dashpot.reading.readers.channels import Channel, OpenedFile
+from dashpot.reading.table import LoadedColumns
 
 _NUMBER = re.compile(r"[-+]?\d++(?:[.,]\d++)?+(?![.,]?\d)")
 _LONGEST = 120
@@ -35,8 +35,8 @@ _AT = (["at"], ["bei"], ["@"], ["à"])
 """Words of a title before the temperature of the block under it."""
 
 
-def stated_specimen(
-    file: Opened, specimen: Specimen, test: Sequence[Channel] | None = None
+def add_specimen_temperature(
+    file: OpenedFile, specimen: Specimen, test: Sequence[Channel] | None = None
 ) -> tuple[Specimen, list[str]]:
     """Return the specimen with the temperature that the file says, and notes.
 
@@ -45,12 +45,12 @@ def stated_specimen(
     which says nothing without a unit, with a range, or beside another that differs. What the user
     gave stands.
     """
-    recorded, several_columns = (None, []) if test is None else _recorded(file, test)
-    said_of, notes = _said(file, specimen, recorded)
+    recorded, several_columns = (None, []) if test is None else _load_temperature_column(file, test)
+    said_of, notes = _merge_stated_temperature(file, specimen, recorded)
     return said_of, [*several_columns, *notes]
 
 
-def stated_rest(file: Opened, specimen: Specimen) -> tuple[Specimen, list[str]]:
+def stated_rest(file: OpenedFile, specimen: Specimen) -> tuple[Specimen, list[str]]:
     """Return the specimen with the rest before its record that the header says, and notes.
 
     A line such as ``# rest before test: 10 min`` or ``Ruhezeit vor Versuch [s]; 600``; two that
@@ -75,8 +75,8 @@ def _rest_before(name: str) -> bool:
     return bool(words & _RESTS and words & _BEFORE)
 
 
-def _said(
-    file: Opened, specimen: Specimen, recorded: FloatArray | None
+def _merge_stated_temperature(
+    file: OpenedFile, specimen: Specimen, recorded: FloatArray | None
 ) -> tuple[Specimen, list[str]]:
     """The specimen with the temperature of a column, K, or else of the header, and notes."""
     where = "the header"
@@ -84,7 +84,7 @@ def _said(
     if recorded is not None:
         where = "the file"
         middle = round(median(recorded), 2)
-        found = {middle: f"{written(middle, 'degC')} in its column of temperature"}
+        found = {middle: f"{format_quantity(middle, 'degC')} in its column of temperature"}
         specimen = replace(specimen, warmed=_rise(recorded))
     if not found:
         return specimen, []
@@ -93,7 +93,7 @@ def _said(
         others = [one for one in found if abs(one - specimen.temperature) >= SAME_TEMPERATURE]
         if not others:
             return specimen, []
-        given = written(specimen.temperature, "degC")
+        given = format_quantity(specimen.temperature, "degC")
         return (
             replace(specimen, stated_temperature=others[0]),
             [f"{said}; the temperature is {given}, as given"],
@@ -105,10 +105,12 @@ def _said(
         known = replace(specimen, temperature=kelvin)
     except DataError as error:
         return replace(specimen, warmed=None), [f"{said}, which is not taken: {error}"]
-    return known, [f"temperature {written(kelvin, 'degC')}: {said}"]
+    return known, [f"temperature {format_quantity(kelvin, 'degC')}: {said}"]
 
 
-def _recorded(file: Opened, taken: Sequence[Channel]) -> tuple[FloatArray | None, list[str]]:
+def _load_temperature_column(
+    file: OpenedFile, taken: Sequence[Channel]
+) -> tuple[FloatArray | None, list[str]]:
     """Return the column of temperature of a test, K, if there is one beside those taken, and notes.
 
     One without a unit is left alone, unless it was named; of several none is taken, with a note.
@@ -118,7 +120,7 @@ def _recorded(file: Opened, taken: Sequence[Channel]) -> tuple[FloatArray | None
     ReadError
         If the column was named and has no unit.
     """
-    found, notes = channels.beside(file, "temperature")
+    found, notes = channels.find_optional_column(file, "temperature")
     if found is None or found.index in {one.index for one in taken}:
         return None, notes
     try:
@@ -140,7 +142,7 @@ def _rise(kelvin: FloatArray) -> float:
     return float(since @ kelvin) / square if square > 0 else 0.0
 
 
-def temperatures_of_segments(file: Opened, loaded: Loaded) -> FloatArray | None:
+def temperatures_of_segments(file: OpenedFile, loaded: LoadedColumns) -> FloatArray | None:
     """Return the temperature of each row, K, if the lines over its segments state several.
 
     A segment over which nothing is stated is as warm as the one before it.
@@ -163,7 +165,7 @@ def _or_before(before: float, stated: float) -> float:
 
 def _temperatures(header: tuple[str, ...], *, titles: bool = False) -> Iterator[tuple[float, str]]:
     """Each temperature of a line of its own or at the end of a title, K, and the line."""
-    return _quantities(header, "temperature", _of_the_test, titles=titles)
+    return _quantities(header, "temperature", _is_test_temperature, titles=titles)
 
 
 def _quantities(
@@ -179,16 +181,16 @@ def _quantities(
         number = _NUMBER.search(text)
         if number is None:
             continue
-        name, inner = part_unit(text[: number.start()].rstrip(" :=;,|"))
+        name, inner = split_unit(text[: number.start()].rstrip(" :=;,|"))
         behind = text[number.end() :].lstrip(" ;,|[(").split()
         word = inner or (behind[0].rstrip(";,|])") if behind else "")
-        unit = units.find(word, dimension)
+        unit = units.find_unit(word, dimension)
         titled = titles and len(behind) == 1 and name.split()[-1:] in _AT
         if unit is not None and (titled or (named(name) and (not inner or not behind))):
             yield float(number[0].replace(",", ".")) * unit.factor + unit.offset, text
 
 
-def _of_the_test(name: str) -> bool:
+def _is_test_temperature(name: str) -> bool:
     """Whether a name is a temperature and no more than that of the test."""
     words = vocabulary.tokens(name)
     heads = [word for word in words if word not in _BESIDES]

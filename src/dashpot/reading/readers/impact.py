@@ -13,17 +13,17 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
 from dashpot.datamodel.impact import ImpactTest, same_rate
 from dashpot.reading.columns.role_assignment import (
-    Assigned,
+    RoleAssignment,
     acceleration_question,
     accelerations,
-    quoted,
+    format_column,
 )
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels, cleaning, size_checks
-from dashpot.reading.readers.channels import Channel, Opened
+from dashpot.reading.readers.channels import Channel, OpenedFile
 from dashpot.reading.readers.stated_window import window_rate
-from dashpot.reading.table import Loaded
+from dashpot.reading.table import LoadedColumns
 
 HITS = "hits, a hammer force and an acceleration, are"
 _RINGS_ON = 5.0
@@ -58,7 +58,7 @@ def hits_in(
 ) -> ImpactTest:
     """Return the impact test in files, refusing any other with what the command wants."""
     tests = read_impacts(paths, options=options, want=want)
-    return tests[0] if len(tests) == 1 else _joined(tests)
+    return tests[0] if len(tests) == 1 else _join_tests(tests)
 
 
 def read_impacts(
@@ -80,7 +80,7 @@ def read_impacts(
             f"{listed[0]}: cycle {options.cycle} is asked for, but a hammer file holds hits, no "
             "loadings; leave the cycle out"
         )
-    tests = [_one(path, options, want) for path in listed]
+    tests = [_read_test(path, options, want) for path in listed]
     _refuse_copies(tests, listed)
     names = tests[0].channels
     for test, path in zip(tests, listed, strict=True):
@@ -108,7 +108,7 @@ def _refuse_copies(tests: Sequence[ImpactTest], listed: Sequence[str | Path]) ->
             )
 
 
-def _joined(tests: Sequence[ImpactTest]) -> ImpactTest:
+def _join_tests(tests: Sequence[ImpactTest]) -> ImpactTest:
     """Tests of one set-up, one after the other."""
     return ImpactTest(
         time=np.concatenate([test.time for test in tests]),
@@ -153,8 +153,8 @@ def joined_starts(tests: Sequence[tuple[int, tuple[int, ...]]]) -> tuple[int, ..
     return tuple(begin + start for begin, (_, starts) in each for start in starts)
 
 
-def _one(path: str | Path, options: ReadOptions, want: str) -> ImpactTest:
-    with channels.opened(path, options) as file:
+def _read_test(path: str | Path, options: ReadOptions, want: str) -> ImpactTest:
+    with channels.open_file(path, options) as file:
         channels.refuse_summary(file)
         channels.expect(file, ["impact"], want, named=["acceleration", "hammer"])
         chosen, rate = _channels(file), file.options.rate
@@ -191,27 +191,27 @@ def _one(path: str | Path, options: ReadOptions, want: str) -> ImpactTest:
         return test
 
 
-def _names(file: Opened, chosen: Sequence[Channel]) -> tuple[str, ...]:
+def _names(file: OpenedFile, chosen: Sequence[Channel]) -> tuple[str, ...]:
     """What the accelerations are called."""
     names = [file.table.columns[c.index].name for c in chosen if c.role == "acceleration"]
     return tuple(name or f"acceleration {k}" for k, name in enumerate(names, start=1))
 
 
-def _channels(file: Opened) -> list[Channel]:
+def _channels(file: OpenedFile) -> list[Channel]:
     """Time unless a rate is given, the hammer, and every acceleration."""
     shown = accelerations(file.table, (), file.options)
     asked = [] if shown else [acceleration_question(file.table)]
-    chosen = channels.chosen(file, channels.timed(file, "hammer"), besides=asked)
+    chosen = channels.chosen(file, channels.add_time_role(file, "hammer"), besides=asked)
     found = accelerations(file.table, [c.index for c in chosen], file.options)
     if not found:
         raise ReadError(acceleration_question(file.table).says)
     says = "named by --column acceleration" if file.options.acceleration else ""
-    responses = [Assigned("acceleration", i, says) for i in found]
+    responses = [RoleAssignment("acceleration", i, says) for i in found]
     return channels.with_units(file, [*chosen, *responses])
 
 
 def _refuse_sizes(
-    file: Opened,
+    file: OpenedFile,
     chosen: Sequence[Channel],
     time: FloatArray,
     signals: Sequence[FloatArray],
@@ -229,9 +229,9 @@ def _refuse_sizes(
     channels.refuse_sizes(file, asked)
 
 
-def refuse_same(file: Opened, chosen: Sequence[Channel], signals: Sequence[FloatArray]) -> None:
+def refuse_same(file: OpenedFile, chosen: Sequence[Channel], signals: Sequence[FloatArray]) -> None:
     """Refuse one channel exported twice: two do not measure the same to the last digit."""
-    named = [quoted(file.table.columns, one.index) for one in chosen[-len(signals) :]]
+    named = [format_column(file.table.columns, one.index) for one in chosen[-len(signals) :]]
     for j, signal in enumerate(signals):
         for i in range(j):
             if np.ptp(signal) > 0 and np.array_equal(signals[i], signal):
@@ -242,11 +242,15 @@ def refuse_same(file: Opened, chosen: Sequence[Channel], signals: Sequence[Float
                 )
 
 
-def _refuse_swapped(file: Opened, chosen: Sequence[Channel], signals: Sequence[FloatArray]) -> None:
+def _refuse_swapped(
+    file: OpenedFile, chosen: Sequence[Channel], signals: Sequence[FloatArray]
+) -> None:
     """Propose the swap where the 'hammer' rings and an 'acceleration' is short pulses."""
     if file.options.hammer or file.options.force:
         return
-    of_hammer, *others = zip(chosen[-len(signals) :], map(cleaning.rings, signals), strict=True)
+    of_hammer, *others = zip(
+        chosen[-len(signals) :], map(cleaning.compute_active_fraction, signals), strict=True
+    )
     pulses = [one for one in others if one[1] * _RINGS_ON < of_hammer[1] and one[1] > 0]
     if of_hammer[1] < _PULSES or len(pulses) != 1:
         return
@@ -254,8 +258,9 @@ def _refuse_swapped(file: Opened, chosen: Sequence[Channel], signals: Sequence[F
     swapped = {hammer: of_hammer[0].index}
     raise ReadError(
         "hammer and acceleration look swapped: the column read as hammer rings on while the one "
-        f"read as acceleration ({quoted(file.table.columns, hammer)}) is short pulses; if so, add "
-        + channels.named(
+        f"read as acceleration ({format_column(file.table.columns, hammer)}) is short pulses; if "
+        "so, add "
+        + channels.format_role_options(
             file,
             [
                 ("hammer", hammer),
@@ -265,7 +270,9 @@ def _refuse_swapped(file: Opened, chosen: Sequence[Channel], signals: Sequence[F
     )
 
 
-def loaded_whole(file: Opened, chosen: Sequence[Channel]) -> tuple[Loaded, list[FloatArray]]:
+def loaded_whole(
+    file: OpenedFile, chosen: Sequence[Channel]
+) -> tuple[LoadedColumns, list[FloatArray]]:
     """Return the rows of some channels, and each in SI units; refuse one where a sample lacks."""
     channels.refuse_other_rate(file)
     loaded = channels.load_test(file, chosen)
@@ -274,14 +281,14 @@ def loaded_whole(file: Opened, chosen: Sequence[Channel]) -> tuple[Loaded, list[
     holes = np.flatnonzero(~np.isfinite(loaded.values).all(axis=1))
     if holes.size:
         raise ReadError(
-            f"{loaded.where(int(holes[0]))} lacks a number ({holes.size} such "
+            f"{loaded.format_row_position(int(holes[0]))} lacks a number ({holes.size} such "
             f"row{'s' * (holes.size > 1)}); an impact record needs every sample: cut the record "
             "there or export it again"
         )
     return loaded, [channels.si(loaded.values[:, j], c.unit) for j, c in enumerate(chosen)]
 
 
-def starts_of(time: FloatArray, loaded: Loaded) -> tuple[tuple[int, ...], list[str]]:
+def starts_of(time: FloatArray, loaded: LoadedColumns) -> tuple[tuple[int, ...], list[str]]:
     """First samples of the records: the segments, and wherever an even clock jumps."""
     steps = np.diff(time)
     step = float(np.median(steps)) if steps.size else 0.0
@@ -292,5 +299,8 @@ def starts_of(time: FloatArray, loaded: Loaded) -> tuple[tuple[int, ...], list[s
     if len(new) > 0.1 * len(time):  # an uneven clock, which the record itself refuses
         return loaded.starts, []
 
-    notes = [f"the clock jumps at {loaded.where(b)}: a new record starts there" for b in new[:3]]
+    notes = [
+        f"the clock jumps at {loaded.format_row_position(b)}: a new record starts there"
+        for b in new[:3]
+    ]
     return tuple(sorted({*loaded.starts, *new})), notes

@@ -13,22 +13,32 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
-from dashpot.base.result_mixins import Pictured, Series
+from dashpot.base.result_mixins import Plottable, Series
 from dashpot.reading.columns.kind_detection import RAMP, RECOGNISED, SWEEPS
-from dashpot.reading.columns.role_assignment import Assigned, accelerations, assign, find_column
+from dashpot.reading.columns.role_assignment import (
+    RoleAssignment,
+    accelerations,
+    assign,
+    find_column,
+)
 from dashpot.reading.columns.vocabulary import Role
-from dashpot.reading.raw_file import about, open_raw
+from dashpot.reading.raw_file import add_name_to_errors, open_raw
 from dashpot.reading.read_options import ReadOptions, flag
 from dashpot.reading.readers import channels, cleaning
 from dashpot.reading.readers.amplitude_phase import as_a_ratio
-from dashpot.reading.readers.base_excitation import of_mass
-from dashpot.reading.readers.channels import Opened
-from dashpot.reading.readers.detect_kind import Recognised, look, recognise_opened, used
-from dashpot.reading.readers.frf import settled
+from dashpot.reading.readers.base_excitation import find_mass_motions
+from dashpot.reading.readers.channels import OpenedFile
+from dashpot.reading.readers.detect_kind import (
+    Recognised,
+    get_kind_command,
+    open_or_identify,
+    recognise_opened,
+)
+from dashpot.reading.readers.frf import determine_frf_columns
 from dashpot.reading.readers.rubber_limits import refuse_sizes_of_rubber
 from dashpot.reading.readers.sweep_columns import amplitude_column, sweep_columns, swept
-from dashpot.reading.readers.time_columns import own_clocks, since_the_step
-from dashpot.reading.table import FileTable, Loaded, Question
+from dashpot.reading.readers.time_columns import find_separate_clocks, since_the_step
+from dashpot.reading.table import FileTable, LoadedColumns, Question
 from dashpot.registry import find_handler
 
 COURSE_ROWS = 400
@@ -78,7 +88,7 @@ class Segment:
 
 
 @dataclass(frozen=True, repr=False)
-class Inspection(Pictured):
+class Inspection(Plottable):
     """What a file holds and what it leaves open.
 
     Attributes
@@ -159,7 +169,7 @@ class Inspection(Pictured):
     @property
     def use(self) -> str:
         """Which command wants such a file, or why none does; empty where that is not known."""
-        return used(self.kind)
+        return get_kind_command(self.kind)
 
 
 def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Inspection:
@@ -170,14 +180,14 @@ def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Ins
     ReadError
         If the file cannot be opened, or holds no table and nothing that dashpot knows.
     """
-    file = look(path, options)
+    file = open_or_identify(path, options)
     if isinstance(file, Recognised):
-        return inspected(path, file)
-    with about(file.raw.name):
+        return inspect_other_path(path, file)
+    with add_name_to_errors(file.raw.name):
         return inspect_opened(file)
 
 
-def inspected(path: str | Path, own: Recognised) -> Inspection:
+def inspect_other_path(path: str | Path, own: Recognised) -> Inspection:
     """Return what is told of what is no table."""
     place = Path(path)
     if place.is_dir():
@@ -187,7 +197,7 @@ def inspected(path: str | Path, own: Recognised) -> Inspection:
     return Inspection(raw.name, raw.sha256, form, own.kind, own.reason)
 
 
-def inspect_opened(file: Opened) -> Inspection:
+def inspect_opened(file: OpenedFile) -> Inspection:
     """Return what is in a file that is open."""
     raw, table, options = file.raw, file.table, file.options
     kind, reason = recognise_opened(file)
@@ -225,11 +235,11 @@ def _look_swapped(by_index: dict[int, FloatArray], roles: dict[int, tuple[Role, 
     if moved is None or pushed is None:
         return False
     whole = np.isfinite(moved) & np.isfinite(pushed)
-    return bool(whole.any()) and cleaning.swapped(moved[whole], pushed[whole])
+    return bool(whole.any()) and cleaning.has_swapped_signals(moved[whole], pushed[whole])
 
 
 def _as_of_rubber(
-    file: Opened, by_index: dict[int, FloatArray], roles: dict[int, tuple[Role, str]]
+    file: OpenedFile, by_index: dict[int, FloatArray], roles: dict[int, tuple[Role, str]]
 ) -> None:
     """Ask what who reads stress over strain asks of its sizes."""
     played = {role for role, _ in roles.values()}
@@ -272,28 +282,32 @@ def _first(numbers: Sequence[int], values: FloatArray) -> _First:
     return dict(zip(numbers, map(tuple, cells.T.tolist()), strict=True))
 
 
-def _proposal(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], list[Question]]:
+def _proposal(file: OpenedFile, kind: str) -> tuple[dict[int, tuple[Role, str]], list[Question]]:
     """Role and reason by column, and the questions left: of the roles, and of the kind besides."""
-    roles, questions = _of_roles(file, kind)
+    roles, questions = _assign_kind_roles(file, kind)
     if kind in {"frf", "transmissibility"}:
-        questions = _asks(lambda: settled(as_a_ratio(file)), "ROLE")
+        questions = _asks(lambda: determine_frf_columns(as_a_ratio(file)), "ROLE")
     if kind in SWEEPS and not questions:
         questions = _asks(lambda: swept(file), "ROLE")
     if kind == "strain-sweep":
         questions += _asks(lambda: amplitude_column(file), "strain")
     if kind == "modulus":
-        questions += _asks(lambda: file.one_column("temperature"), "temperature")
+        questions += _asks(lambda: file.find_unambiguous_column("temperature"), "temperature")
     if kind in RECOGNISED and RECOGNISED[kind].accelerated:
-        for found in _moved(file, list(roles)):
+        for found in _find_accelerations(file, list(roles)):
             roles[found.index] = (found.role, found.reason)
-            questions += _asked(file, found.role, found)
+            questions += _make_role_questions(file, found.role, found)
     return roles, questions
 
 
-def _of_roles(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], list[Question]]:
+def _assign_kind_roles(
+    file: OpenedFile, kind: str
+) -> tuple[dict[int, tuple[Role, str]], list[Question]]:
     """Those of the roles that the kind has."""
     table, options = file.table, file.options
-    clocks = own_clocks(table, options) if "displacement" in _usual(kind) else ()
+    clocks = (
+        find_separate_clocks(table, options) if "displacement" in _get_usual_roles(kind) else ()
+    )
     roles = {clock.index: (clock.role, clock.reason) for clock in clocks}
     questions: list[Question] = []
     wanted = _roles_of(file, kind, clocked=bool(clocks))
@@ -301,47 +315,48 @@ def _of_roles(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], lis
     for role in wanted:
         since = curve and role == "time"
         answer = since_the_step(table, options) if since else assign(table, role, options)
-        if isinstance(answer, Assigned):
+        if isinstance(answer, RoleAssignment):
             played, _ = roles.get(answer.index, (role, ""))
             if played != role and {played, role} <= set(RAMP):  # who reads it asks this, too
-                says = channels.both(table.columns, answer.index, played, role)
+                says = channels.format_role_conflict(table.columns, answer.index, played, role)
                 questions.append(Question(says, f"{flag(role)}=NAME"))
                 continue
             roles[answer.index] = (role, answer.reason)
         welcome = role in _WELCOME or (role == "time" and kind in _UNCLOCKED and _none(answer))
-        questions += [] if welcome else _asked(file, role, answer)
+        questions += [] if welcome else _make_role_questions(file, role, answer)
     return roles, questions
 
 
-def _none(answer: Assigned | Question) -> bool:
+def _none(answer: RoleAssignment | Question) -> bool:
     """Whether no two columns could play a role."""
-    return isinstance(answer, Assigned) or not answer.choices
+    return isinstance(answer, RoleAssignment) or not answer.choices
 
 
-def _moved(file: Opened, taken: list[int]) -> list[Assigned]:
+def _find_accelerations(file: OpenedFile, taken: list[int]) -> list[RoleAssignment]:
     """The accelerations, or those of a shaken base and its mass, whose motion may be another."""
     named, columns = file.options.base_acceleration, file.table.columns
     if named is not None:
         base = find_column(columns, named, flag("base_acceleration"))
-        of_base = Assigned("acceleration", base, "named as that of the base")
-        return [of_base, *of_mass(file, [base, *taken])]
+        of_base = RoleAssignment("acceleration", base, "named as that of the base")
+        return [of_base, *find_mass_motions(file, [base, *taken])]
     says = "its name or unit says acceleration"
     return [
-        Assigned("acceleration", i, says) for i in accelerations(file.table, taken, file.options)
+        RoleAssignment("acceleration", i, says)
+        for i in accelerations(file.table, taken, file.options)
     ]
 
 
-def _usual(kind: str) -> tuple[Role, ...]:
+def _get_usual_roles(kind: str) -> tuple[Role, ...]:
     """The roles of a kind; of a table that shows none, those of a ramp and hold are asked for."""
     if kind == "unclear":
         return RAMP
     return RECOGNISED[kind].roles if kind in RECOGNISED else ()
 
 
-def _roles_of(file: Opened, kind: str, *, clocked: bool) -> list[Role]:
+def _roles_of(file: OpenedFile, kind: str, *, clocked: bool) -> list[Role]:
     """The roles that a file of a kind should fill, without a time or a hammer it does not need."""
     find_roles = find_handler("roles", kind)
-    wanted = find_roles(file) if find_roles else _usual(kind)
+    wanted = find_roles(file) if find_roles else _get_usual_roles(kind)
     if kind in SWEEPS:
         with suppress(ReadError):  # what is lacking is asked of the caller
             wanted = tuple(one.role for one in sweep_columns(file)[0])
@@ -350,9 +365,11 @@ def _roles_of(file: Opened, kind: str, *, clocked: bool) -> list[Role]:
     return [role for role in wanted if not needless.get(role)]
 
 
-def _asked(file: Opened, role: Role, answer: Assigned | Question) -> list[Question]:
+def _make_role_questions(
+    file: OpenedFile, role: Role, answer: RoleAssignment | Question
+) -> list[Question]:
     """What a role leaves open: its column, or the unit of that."""
-    if isinstance(answer, Assigned):
+    if isinstance(answer, RoleAssignment):
         return _asks(lambda: file.unit(answer.index, role), role)
     needless = role == "loss" and file.column("loss_factor")
     return [] if needless else [answer]
@@ -368,7 +385,7 @@ def _asks(settle: Callable[[], object], role: str) -> list[Question]:
 
 
 def _time(
-    file: Opened,
+    file: OpenedFile,
     by_index: dict[int, FloatArray],
     roles: dict[int, tuple[Role, str]],
     rows: int,
@@ -403,7 +420,7 @@ def _sampling(
     return 1 / step, even, float(np.nanmax(time) - np.nanmin(time))
 
 
-def _segments(loaded: Loaded, time: FloatArray | None) -> tuple[Segment, ...]:
+def _segments(loaded: LoadedColumns, time: FloatArray | None) -> tuple[Segment, ...]:
     stops = (*loaded.starts[1:], len(loaded.values))
     segments = []
     for name, start, stop in zip(loaded.segments, loaded.starts, stops, strict=True):

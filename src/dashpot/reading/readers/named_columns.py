@@ -7,16 +7,16 @@ from collections.abc import Sequence
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.units import Dimension, parse_unit
-from dashpot.reading.columns.role_assignment import list_columns, listed
-from dashpot.reading.columns.vocabulary import plain
+from dashpot.reading.columns.role_assignment import join_words, list_columns
+from dashpot.reading.columns.vocabulary import normalise_name
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.channels import Opened
-from dashpot.reading.table import Column, Loaded
+from dashpot.reading.readers.channels import OpenedFile
+from dashpot.reading.table import Column, LoadedColumns
 
 
-def by_name(
-    file: Opened, known: Sequence[str], *, needed: Sequence[Sequence[str]], hint: str
-) -> tuple[dict[str, Column], Loaded]:
+def read_named_columns(
+    file: OpenedFile, known: Sequence[str], *, needed: Sequence[Sequence[str]], hint: str
+) -> tuple[dict[str, Column], LoadedColumns]:
     """Return each column of a known name, and their numbers in that order.
 
     Raises
@@ -24,11 +24,11 @@ def by_name(
     ReadError
         If of some of the `needed` there is not one; the `hint` says what is expected.
     """
-    names = [plain(column.name) for column in file.table.columns]
+    names = [normalise_name(column.name) for column in file.table.columns]
     missing = [each for each in needed if not set(each) & set(names)]
     if missing:
         raise ReadError(
-            f"no column is named {listed(missing[0], 'or')}; the columns are "
+            f"no column is named {join_words(missing[0], 'or')}; the columns are "
             f"{list_columns(file.table.columns)}; {hint}"
         )
     index = {name: names.index(name) for name in known if name in names}
@@ -36,7 +36,7 @@ def by_name(
     return columns, channels.load(file.table, list(index.values()), None)
 
 
-def in_si(
+def convert_column_to_si(
     column: Column, values: FloatArray, dimension: Dimension, unit: str | None, advice: str
 ) -> FloatArray:
     """Return the numbers of a column in SI units, by the unit of its header, or the one stated.
@@ -48,6 +48,6 @@ def in_si(
     """
     word = column.unit or unit
     if word is None:
-        name = plain(column.name)
+        name = normalise_name(column.name)
         raise ReadError(f"column {name} has no unit; write {name} [mm] over it, or {advice}")
     return channels.si(values.copy(), parse_unit(word, dimension))

@@ -50,7 +50,7 @@ def read_psd(said: str | Path, *, options: ReadOptions | None = None) -> BasePSD
     typed = _TYPED.match(str(said))
     if typed and not Path(said).is_file():
         return BasePSD(float(typed[1]) * _factor(typed[2], f"'{said}'"))
-    with channels.opened(said, options) as file:
+    with channels.open_file(said, options) as file:
         (lines,) = channels.answered(file, [assign(file.table, "frequency", file.options)])
         others = [
             i
@@ -67,7 +67,7 @@ def read_psd(said: str | Path, *, options: ReadOptions | None = None) -> BasePSD
         factor = _factor(column.unit or "", f"'{column.label(others[0] + 1)}'")
         hertz = file.unit(lines.index, "frequency")
         loaded = channels.load(file.table, [lines.index, others[0]], file.options.segment)
-        rows, notes = channels.whole_rows(loaded)
+        rows, notes = channels.select_complete_rows(loaded)
         if (rows[:, 1] < 0).any():
             raise ReadError("a density falls below 0; expected one that is not in dB")
         names = [file.table.columns[lines.index].name, column.name]
@@ -88,7 +88,7 @@ def _factor(word: str, what: str) -> float:
     known = None
     if power and per.strip().lower() == "hz":
         root = squared.rstrip().removesuffix(power).rstrip()
-        known = units.find(root.removeprefix("(").removesuffix(")"), "acceleration")
+        known = units.find_unit(root.removeprefix("(").removesuffix(")"), "acceleration")
     if known is None:
         given = f"the unit '{plain}'" if plain else "no unit"
         raise DataError(f"{what} has {given}; expected a density in {_WORDS}")

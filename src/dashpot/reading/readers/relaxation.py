@@ -18,10 +18,10 @@ from dashpot.reading.columns.kind_detection import SWEEPS, FileKind
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels, cleaning, size_checks
-from dashpot.reading.readers.channels import Channel, Opened
-from dashpot.reading.readers.header_specimen import stated_rest, stated_specimen
-from dashpot.reading.readers.time_columns import on_one_clock, own_clocks
-from dashpot.reading.table import Loaded
+from dashpot.reading.readers.channels import Channel, OpenedFile
+from dashpot.reading.readers.header_specimen import add_specimen_temperature, stated_rest
+from dashpot.reading.readers.time_columns import find_separate_clocks, interpolate_to_force_clock
+from dashpot.reading.table import LoadedColumns
 from dashpot.signals.clock import Leap, lasting_change
 
 
@@ -45,36 +45,36 @@ def read_relaxation(
         If the file cannot be read, or leaves open which column is what or in which unit; the
         sentence says which option answers it.
     """
-    with channels.opened(path, options) as file:
+    with channels.open_file(path, options) as file:
         return relaxation_in(file, specimen or Specimen())
 
 
-def roles(file: Opened) -> list[Role]:
+def roles(file: OpenedFile) -> list[Role]:
     """The columns that a relaxation test needs: no clock where a rate is given."""
-    return channels.timed(file, "displacement", "force")
+    return channels.add_time_role(file, "displacement", "force")
 
 
-def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
+def relaxation_in(file: OpenedFile, specimen: Specimen) -> RelaxationTest:
     """Return the relaxation test in an opened file."""
     channels.refuse_summary(file)
-    _expected(file, SWEEPS)
+    _require_relaxation_kind(file, SWEEPS)
     try:
         chosen, clocks = moving_columns(file)
     except ReadError:
-        _expected(file)
+        _require_relaxation_kind(file)
         raise
-    values, notes = recorded(file, chosen, clocks)
+    values, notes = load_signals(file, chosen, clocks)
     time, moved, force = (values[role] for role in ("time", "displacement", "force"))
     _refuse_swapped(file, chosen, moved, force)
     notes += _refuse_sizes(file, chosen, time, moved, force)
-    specimen, said = stated_specimen(file, specimen, chosen)
+    specimen, said = add_specimen_temperature(file, specimen, chosen)
     specimen, rested = stated_rest(file, specimen)
     source = channels.source(file, [c.says for c in chosen], [*notes, *said, *rested])
     return RelaxationTest(time, moved, force, specimen, source, units="SI")
 
 
-def recorded(
-    file: Opened, chosen: Sequence[Channel], clocks: Sequence[Channel] = ()
+def load_signals(
+    file: OpenedFile, chosen: Sequence[Channel], clocks: Sequence[Channel] = ()
 ) -> tuple[dict[Role, FloatArray], list[str]]:
     """Return the signals of a test by role, in SI units on one rising clock, and notes.
 
@@ -95,17 +95,17 @@ def recorded(
     moving = chosen[-2].role
     loaded = channels.load_test(file, [*chosen, *clocks])
     if clocks:
-        loaded = on_one_clock(loaded, clocks[0].unit.factor / chosen[0].unit.factor)
+        loaded = interpolate_to_force_clock(loaded, clocks[0].unit.factor / chosen[0].unit.factor)
     elif not file.options.rate:
         loaded = cleaning.without_padding(loaded)
-    values = channels.by_role(loaded.values, chosen)
+    values = channels.convert_signals_to_si(loaded.values, chosen)
     notes = [*file.table.notes, *channels.rivals(file, chosen), *loaded.notes]
     rate = file.options.rate
     if rate is not None:
         values["time"] = np.arange(len(loaded.values)) / rate
         notes.append(f"time counted from the rows at {rate:g} Hz, as given")
     if len(loaded.starts) > 1:
-        notes.append(joined(values["time"], loaded))
+        notes.append(check_joined_segments(values["time"], loaded))
     if not np.isfinite(loaded.values).all():
         window = cleaning.ramp_window(values["time"], values[moving])
         keep, dropped = cleaning.drop_missing(loaded, [c.role for c in chosen], protect=window)
@@ -124,9 +124,9 @@ def recorded(
 
 
 def signals(
-    file: Opened, *roles: Role, least: int = 8, clock_matters: bool = True
+    file: OpenedFile, *roles: Role, least: int = 8, clock_matters: bool = True
 ) -> tuple[list[Channel], dict[Role, FloatArray], list[str]]:
-    """Return two signals in SI units by role, as :func:`recorded`, or row by row without a clock.
+    """Return two signals in SI units by role, as :func:`load_signals`, or row by row without a clock.
 
     With their columns, and that of the time unless there is none or a rate is given, and notes. A
     clock that does not matter may be broken, or lack its unit: it is left out with a note.
@@ -137,18 +137,18 @@ def signals(
         With what the file leaves open, such as which of two clocks is that of the test.
     """
     left_out = []
-    if file.options.rate or file.one_column("time"):
+    if file.options.rate or file.find_unambiguous_column("time"):
         try:
-            chosen = channels.choose(file, channels.timed(file, *roles))
-            return chosen, *recorded(file, chosen)
+            chosen = channels.choose(file, channels.add_time_role(file, *roles))
+            return chosen, *load_signals(file, chosen)
         except ReadError as error:
             if clock_matters:
                 raise
             left_out.append(f"the clock is left out: {error}")
     chosen = channels.choose(file, roles)
-    rows, gaps = channels.whole_rows(channels.load_test(file, chosen, least))
+    rows, gaps = channels.select_complete_rows(channels.load_test(file, chosen, least))
     notes = [*file.table.notes, *channels.rivals(file, chosen), *gaps, *left_out]
-    return chosen, channels.by_role(rows, chosen), notes
+    return chosen, channels.convert_signals_to_si(rows, chosen), notes
 
 
 _SHOWN = 5
@@ -156,7 +156,7 @@ _SHOWN = 5
 
 
 def _refuse_sizes(
-    file: Opened,
+    file: OpenedFile,
     chosen: Sequence[Channel],
     time: FloatArray,
     moved: FloatArray,
@@ -173,10 +173,10 @@ def _refuse_sizes(
     lasted = float(np.ptp(time))
     change = lasting_change(time)
 
-    def one_unit(steps: Leap, ticks: str) -> Check:
+    def check_step_unit(steps: Leap, ticks: str) -> Check:
         return size_checks.steps_of_one_unit(steps.beside, steps.step, float(time[steps.at]), ticks)
 
-    def judged(
+    def evaluate_sizes(
         times: Mapping[Role, float], unit: Mapping[Role, str], said: AbstractSet[Role]
     ) -> list[tuple[Role, list[Check]]]:
         far, push = travel * times["displacement"], rise * times["force"]
@@ -205,30 +205,36 @@ def _refuse_sizes(
                 size_checks.size_possible("record", lasted * clock, ticks, role="time"),
                 size_checks.size_possible("ramp", ramp, ticks, role="time"),
                 size_checks.ramp_not_slow(ramp, ticks),
-                *([] if change is None else [one_unit(change, ticks)]),
+                *([] if change is None else [check_step_unit(change, ticks)]),
                 *([size_checks.ramp_not_fast(far / ramp, ticks)] if ramp else []),
             ],
         }
         return [(role, answers[role]) for role in answers if role in unit]
 
-    return channels.refuse_all_sizes(file, chosen, judged)
+    return channels.refuse_all_sizes(file, chosen, evaluate_sizes)
 
 
 def _refuse_swapped(
-    file: Opened, chosen: Sequence[Channel], moved: FloatArray, force: FloatArray
+    file: OpenedFile, chosen: Sequence[Channel], moved: FloatArray, force: FloatArray
 ) -> None:
     """Propose the swap where the 'displacement' relaxes, unless the user named the columns."""
-    if file.options.force or file.options.displacement or not cleaning.swapped(moved, force):
+    if (
+        file.options.force
+        or file.options.displacement
+        or not cleaning.has_swapped_signals(moved, force)
+    ):
         return
     index = {one.role: one.index for one in chosen}
     raise ReadError(
         "displacement and force look swapped: the column read as force is held while the one read "
         "as displacement relaxes; if so, add "
-        + channels.named(file, [("displacement", index["force"]), ("force", index["displacement"])])
+        + channels.format_role_options(
+            file, [("displacement", index["force"]), ("force", index["displacement"])]
+        )
     )
 
 
-def _expected(file: Opened, besides: Sequence[FileKind] = ()) -> None:
+def _require_relaxation_kind(file: OpenedFile, besides: Sequence[FileKind] = ()) -> None:
     """Refuse another kind of file; a sweep may hold the columns of a relaxation test too.
 
     What lacks a clock alone is asked for its rate.
@@ -242,7 +248,7 @@ def _expected(file: Opened, besides: Sequence[FileKind] = ()) -> None:
 
 
 def moving_columns(
-    file: Opened, moving: Role = "displacement", pushing: Role = "force"
+    file: OpenedFile, moving: Role = "displacement", pushing: Role = "force"
 ) -> tuple[list[Channel], list[Channel]]:
     """Return the columns of a record's roles, and the clock of what moves where it has its own.
 
@@ -251,15 +257,15 @@ def moving_columns(
     ReadError
         With every question that the file leaves open.
     """
-    clocks = own_clocks(file.table, file.options) if moving == "displacement" else ()
+    clocks = find_separate_clocks(file.table, file.options) if moving == "displacement" else ()
     if not clocks:
-        return channels.choose(file, channels.timed(file, moving, pushing)), []
+        return channels.choose(file, channels.add_time_role(file, moving, pushing)), []
     of_displacement, of_force = channels.with_units(file, clocks)
     signals = channels.choose(file, [moving, pushing])
     return [of_force, *signals], [of_displacement]
 
 
-def joined(time: FloatArray, loaded: Loaded) -> str:
+def check_joined_segments(time: FloatArray, loaded: LoadedColumns) -> str:
     """Say that segments were joined; refuse it where their clocks start again."""
     names = [f"{i + 1} {name}".strip() for i, name in enumerate(loaded.segments)]
     listed = ", ".join(names[:8]) + (" ..." if len(names) > 8 else "")
@@ -267,6 +273,6 @@ def joined(time: FloatArray, loaded: Loaded) -> str:
         if time[start] < time[start - 1]:
             raise ReadError(
                 f"{len(names)} segments ({listed}), and the clock starts again at "
-                f"{loaded.where(start)}; choose one, for example --part segment=1"
+                f"{loaded.format_row_position(start)}; choose one, for example --part segment=1"
             )
     return f"{len(names)} segments joined into one record: {listed}"

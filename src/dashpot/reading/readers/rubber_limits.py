@@ -6,11 +6,11 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.reading.readers import channels, size_checks
-from dashpot.reading.readers.channels import Channel, Opened
+from dashpot.reading.readers.channels import Channel, OpenedFile
 
 
 def refuse_sizes_of_rubber(
-    file: Opened,
+    file: OpenedFile,
     stretched: Channel,
     stressed: Channel,
     strain: FloatArray | None,

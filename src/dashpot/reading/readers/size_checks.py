@@ -7,8 +7,8 @@ from typing import TypedDict
 import numpy as np
 
 from dashpot.base.checks import Criterion, Finding, Grade, Remedy, criterion
-from dashpot.base.plausibility import SIZES, short
-from dashpot.base.units import in_unit
+from dashpot.base.plausibility import SIZES, format_quantity_short
+from dashpot.base.units import convert_to_unit
 
 LEAST_TRAVEL = SIZES["travel"].soft[0]
 LEAST_FORCE = SIZES["force"].soft[0]
@@ -31,7 +31,7 @@ _COARSE = {"mm", "cm", "in", "ft"}
 """Units of length in which no one writes a few micrometres."""
 
 
-def _of_size(
+def _make_size_criterion(
     name: str,
     question: str,
     measure: str,
@@ -57,13 +57,13 @@ def _of_size(
         grade=grade, name=name, question=question,
     )  # fmt: skip
     def judge(size: float, unit: str) -> Finding:
-        told = f"{says} {short(size, symbol)}"
-        return Finding(told, size, **_asked(told, role, unit, likely))
+        told = f"{says} {format_quantity_short(size, symbol)}"
+        return Finding(told, size, **_make_unit_advice(told, role, unit, likely))
 
     return judge
 
 
-travel_of_a_seal = _of_size(
+travel_of_a_seal = _make_size_criterion(
     "travel_of_a_seal",
     "The displacement goes no farther than a bench presses a seal.",
     f"travel <= {SIZES['travel'].soft[1]!r} m", "few benches press a seal so far",
@@ -80,18 +80,18 @@ travel_of_a_seal = _of_size(
 )
 def travel_of_a_bench(travel: float, unit: str, *, force: float) -> Finding:
     """The displacement goes as far as a force of that size presses rubber."""
-    says = f"The displacement goes over {short(travel, 'm')}"
+    says = f"The displacement goes over {format_quantity_short(travel, 'm')}"
     probe = force < 10 * LEAST_FORCE and unit not in _COARSE
-    beside = f"{says} under {short(force, 'N')}"
+    beside = f"{says} under {format_quantity_short(force, 'N')}"
     return Finding(
         says,
         travel,
-        **_asked(beside, "displacement", unit, _LARGER),
+        **_make_unit_advice(beside, "displacement", unit, _LARGER),
         excused=probe,
     )
 
 
-force_of_a_seal = _of_size(
+force_of_a_seal = _make_size_criterion(
     "force_of_a_seal",
     "The force is no greater than a seal carries.",
     f"rise of the force <= {SIZES['force'].soft[1]!r} N", "ten times what a seal carries",
@@ -108,12 +108,12 @@ force_of_a_seal = _of_size(
 )
 def force_of_a_bench(force: float, unit: str, *, travel: float) -> Finding:
     """The force is as great as rubber answers such a travel with."""
-    says = f"The force goes over {short(force, 'N')}"
-    beside = f"{says} while the displacement goes over {short(travel, 'm')}"
+    says = f"The force goes over {format_quantity_short(force, 'N')}"
+    beside = f"{says} while the displacement goes over {format_quantity_short(travel, 'm')}"
     return Finding(
         says,
         force,
-        **_asked(beside, "force", unit, _LARGER),
+        **_make_unit_advice(beside, "force", unit, _LARGER),
         excused=travel < 5e-4,
     )
 
@@ -127,17 +127,19 @@ def force_of_a_bench(force: float, unit: str, *, travel: float) -> Finding:
 )
 def stiffness_of_a_seal(force: float, unit: str, *, travel: float, moves: str) -> Finding:
     """The force is as great, for its travel, as a seal answers with."""
-    says = f"The force goes over {short(force, 'N')} while the displacement goes over "
-    says += short(travel, "m")
+    says = (
+        f"The force goes over {format_quantity_short(force, 'N')} while the displacement goes over "
+    )
+    says += format_quantity_short(travel, "m")
     return Finding(
         says,
         force / travel if travel > 0 else None,
-        **_asked(says, "force", unit, _LARGER),
+        **_make_unit_advice(says, "force", unit, _LARGER),
         excused=moves not in _COARSE,
     )
 
 
-time_of_a_test = _of_size(
+time_of_a_test = _make_size_criterion(
     "time_of_a_test",
     "The record is as long as a ramp and a hold take.",
     f"length of the record >= {SIZES['record'].soft[0]!r} s", "a ramp alone takes longer",
@@ -156,7 +158,10 @@ def steps_of_one_unit(before: float, after: float, at: float, unit: str) -> Find
     """The steps of the clock are of one unit from first to last."""
     decades = abs(np.log10(after / before))
     off = abs(decades - 3 * max(round(decades / 3), 1))
-    says = f"The clock's steps go from {short(before, 's')} to {short(after, 's')} at {at:.6g} s"
+    says = (
+        f"The clock's steps go from {format_quantity_short(before, 's')} to "
+        f"{format_quantity_short(after, 's')} at {at:.6g} s"
+    )
     return Finding(
         says,
         float(10**off),
@@ -165,7 +170,7 @@ def steps_of_one_unit(before: float, after: float, at: float, unit: str) -> Find
     )
 
 
-ramp_not_slow = _of_size(
+ramp_not_slow = _make_size_criterion(
     "ramp_not_slow",
     "The ramp is over before most of the relaxation is.",
     f"length of the ramp <= {SIZES['ramp'].soft[1]!r} s", "the seal relaxes as it is pressed",
@@ -180,61 +185,64 @@ def size_possible(kind: str, size: float, unit: str, *, role: str) -> Finding:
     """The size is one that some test of rubber has."""
     row = SIZES[kind]
     low, high = row.hard
-    says = f"{row.what} is {short(size, row.unit)}"
-    expected = f"{says}, where {short(low, row.unit)} to {short(high, row.unit)} is expected"
+    says = f"{row.what} is {format_quantity_short(size, row.unit)}"
+    expected = (
+        f"{says}, where {format_quantity_short(low, row.unit)} to "
+        f"{format_quantity_short(high, row.unit)} is expected"
+    )
     likely = _SMALLER if size > high else _LARGER
     far = max(size / high, low / size) if size > 0 else 0.0
-    return Finding(says, far, **_asked(expected, role, unit, likely))
+    return Finding(says, far, **_make_unit_advice(expected, role, unit, likely))
 
 
-ramp_not_fast = _of_size(
+ramp_not_fast = _make_size_criterion(
     "ramp_not_fast",
     "The ramp is no faster than a bench drives.",
     "speed of the ramp <= 0.3 m/s", "no crosshead or screw is faster",
     says="The ramp goes at", role="time",
 )  # fmt: skip
-hammer_not_heavy = _of_size(
+hammer_not_heavy = _make_size_criterion(
     "hammer_not_heavy",
     "The hammer hits no harder than a block on seals bears.",
     "greatest force <= 1e3 N", "a sledge hammer's",
     says="The hammer's force reaches", role="hammer",
 )  # fmt: skip
-hammer_felt = _of_size(
+hammer_felt = _make_size_criterion(
     "hammer_felt",
     "The hammer hits hard enough for a load cell.",
     "greatest force >= 5e-2 N", "a touch", says="The hammer's force reaches", role="hammer",
 )  # fmt: skip
-acceleration_not_large = _of_size(
+acceleration_not_large = _make_size_criterion(
     "acceleration_not_large",
     "The acceleration is one that a modal accelerometer measures.",
     "greatest acceleration <= 1e4 m/s^2", "a thousand g, twice a modal accelerometer's range",
     says="The acceleration reaches", role="acceleration",
 )  # fmt: skip
-hammer_sampled = _of_size(
+hammer_sampled = _make_size_criterion(
     "hammer_sampled",
     "The record is sampled as fast as a hammer needs.",
     "sampling rate >= 50.0 Hz", "a pulse lasts 20 ms at most",
     says="The record is sampled at", role="time",
 )  # fmt: skip
-hammer_not_oversampled = _of_size(
+hammer_not_oversampled = _make_size_criterion(
     "hammer_not_oversampled",
     "The record is sampled no faster than recorders of vibration do.",
     "sampling rate <= 2.5e5 Hz", "no recorder of vibration",
     says="The record is sampled at", role="time",
 )  # fmt: skip
-shock_not_large = _of_size(
+shock_not_large = _make_size_criterion(
     "shock_not_large",
     "The acceleration of the indenter is one that a shock accelerometer measures.",
     "greatest acceleration <= 1e6 m/s^2", "a hundred thousand g, the range of shock accelerometers",
     says="The acceleration reaches", role="acceleration",
 )  # fmt: skip
-indenter_not_fast = _of_size(
+indenter_not_fast = _make_size_criterion(
     "indenter_not_fast",
     "The indenter is no faster than a test of rubber drives it.",
     "greatest speed <= 100.0 m/s", "rubber is hit more slowly",
     says="The velocity reaches", role="velocity",
 )  # fmt: skip
-contact_rate = _of_size(
+contact_rate = _make_size_criterion(
     "contact_rate",
     "The record is sampled as fast as a contact needs.",
     "sampling rate >= 500.0 Hz", "a contact lasts 40 ms at most",
@@ -248,7 +256,7 @@ contact_rate = _of_size(
 def strain_of_a_rubber(strain: float, unit: str) -> Finding:
     """The strain is one that shows a law."""
     says = f"The strain reaches {strain:.3g} of the length"
-    return Finding(says, strain, **_asked(says, "strain", unit, {"%": "1"}))
+    return Finding(says, strain, **_make_unit_advice(says, "strain", unit, {"%": "1"}))
 
 
 @criterion(
@@ -260,9 +268,11 @@ def strain_of_a_rubber(strain: float, unit: str) -> Finding:
 )
 def stress_of_a_rubber(stress: float, unit: str) -> Finding:
     """The stress is one that rubber or foam bears."""
-    says = f"The stress reaches {short(stress, 'Pa')}"
+    says = f"The stress reaches {format_quantity_short(stress, 'Pa')}"
     likely = {"Pa": "MPa", "kPa": "MPa"} if stress < 1e6 else {"GPa": "MPa", "MPa": "Pa"}
-    return Finding(says, in_unit(stress, "MPa"), **_asked(says, "stress", unit, likely))
+    return Finding(
+        says, convert_to_unit(stress, "MPa"), **_make_unit_advice(says, "stress", unit, likely)
+    )
 
 
 class _Advice(TypedDict):
@@ -270,7 +280,7 @@ class _Advice(TypedDict):
     remedy: Remedy
 
 
-def _asked(says: str, role: str, unit: str, likely: dict[str, str]) -> _Advice:
+def _make_unit_advice(says: str, role: str, unit: str, likely: dict[str, str]) -> _Advice:
     """Return the question after a unit, and the unit that is likelier."""
     likelier = likely.get(unit)
     question = f"{says}, in {unit} as the file has it."

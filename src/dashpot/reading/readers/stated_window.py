@@ -57,7 +57,7 @@ def stated_window(header: Sequence[str], record: float | None = None) -> StatedW
     record : float, optional
         Length of a record, s: a window that is stated by its end value decays over that.
     """
-    lines = [_plain(line) for line in header]
+    lines = [_strip_comment_marks(line) for line in header]
     lines = [line for line in lines if _WINDOW.search(line) or _DECAY.search(line)]
     lines = [line for line in lines if not _OTHERS.search(line)]
     stated = [line for line in lines if _EXPONENTIAL.search(line) or _decaying_window(line)]
@@ -105,7 +105,7 @@ def refuse_unknown_rate(says: str) -> None:
     )
 
 
-def _plain(line: str) -> str:
+def _strip_comment_marks(line: str) -> str:
     """A line without its marks."""
     marks = " \t#%$!/*;'"
     return " ".join(line[:_LONGEST].replace('"', " ").lstrip(marks).rstrip(" \t;'").split())
@@ -140,7 +140,7 @@ def _rate(line: str, value: float, typed: str, record: float | None) -> Iterator
             yield -log(part) / record
         return
     for word in words:
-        unit = units.find(word, "time")
+        unit = units.find_unit(word, "time")
         if unit is not None:
             yield 1 / (value * unit.factor)
             return

@@ -13,12 +13,18 @@ from dashpot.base.errors import ReadError
 from dashpot.base.units import si_unit
 from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.kind_detection import amplitude_named, kind_of
-from dashpot.reading.columns.role_assignment import Assigned, assign, handle, list_columns, quoted
+from dashpot.reading.columns.role_assignment import (
+    RoleAssignment,
+    assign,
+    format_column,
+    handle,
+    list_columns,
+)
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.channels import Channel, Opened
+from dashpot.reading.readers.channels import Channel, OpenedFile
 from dashpot.reading.readers.header_specimen import temperatures_of_segments
-from dashpot.reading.table import Loaded, Question
+from dashpot.reading.table import LoadedColumns, Question
 
 _ROLES: tuple[Role, ...] = ("frequency", "storage", "loss")
 _AMPLITUDES: tuple[Role, ...] = ("strain", "displacement")
@@ -32,7 +38,7 @@ _A_SWEEP = 3
 """Frequencies of a block, at least."""
 
 
-def sweep_columns(file: Opened) -> tuple[list[Assigned], int | None]:
+def sweep_columns(file: OpenedFile) -> tuple[list[RoleAssignment], int | None]:
     """The columns by role, and that of the loss factor if there is no loss and no loss angle.
 
     Storage stands beside loss, loss factor or loss angle; where no column is storage, the size
@@ -48,11 +54,11 @@ def sweep_columns(file: Opened) -> tuple[list[Assigned], int | None]:
     _told_apart(file, columns)
     ratio = next((one.index for one in columns if one.role == "loss_factor"), None)
     columns = [one for one in columns if one.role != "loss_factor"]
-    temperature = file.one_column("temperature")
+    temperature = file.find_unambiguous_column("temperature")
     return [*columns, temperature] if temperature else columns, ratio
 
 
-def swept(file: Opened) -> tuple[Loaded, dict[Role, FloatArray], str, list[str]]:
+def swept(file: OpenedFile) -> tuple[LoadedColumns, dict[Role, FloatArray], str, list[str]]:
     """Return what a sweep holds, as :func:`parts_of`.
 
     Raises
@@ -67,7 +73,7 @@ def swept(file: Opened) -> tuple[Loaded, dict[Role, FloatArray], str, list[str]]
     return found
 
 
-def refuse_unlike_blocks(loaded: Loaded, values: Mapping[Role, FloatArray]) -> None:
+def refuse_unlike_blocks(loaded: LoadedColumns, values: Mapping[Role, FloatArray]) -> None:
     """Ask for one block where no temperature parts blocks that sweep the same frequencies.
 
     Raises
@@ -98,13 +104,13 @@ def refuse_unlike_blocks(loaded: Loaded, values: Mapping[Role, FloatArray]) -> N
             )
 
 
-def _blocks(loaded: Loaded, whole: BoolArray) -> list[BoolArray]:
+def _blocks(loaded: LoadedColumns, whole: BoolArray) -> list[BoolArray]:
     """Which of the whole rows stand in each block."""
     of_row = np.searchsorted(np.array(loaded.starts), np.arange(len(whole)), side="right")
     return [of_row[whole] == number for number in range(1, len(loaded.starts) + 1)]
 
 
-def amplitude_column(file: Opened) -> Assigned:
+def amplitude_column(file: OpenedFile) -> RoleAssignment:
     """Return the column of the amplitude of a sweep: of strain, else of displacement.
 
     Raises
@@ -115,7 +121,7 @@ def amplitude_column(file: Opened) -> Assigned:
     named = amplitude_named(file.table, file.options)
     for role in _AMPLITUDES:
         found = assign(file.table, role, named)
-        if isinstance(found, Assigned):
+        if isinstance(found, RoleAssignment):
             return found
         if found.choices:
             raise ReadError(found.says)
@@ -126,17 +132,17 @@ def amplitude_column(file: Opened) -> Assigned:
     )
 
 
-def _parts(file: Opened) -> dict[Role, Assigned | Question]:
+def _parts(file: OpenedFile) -> dict[Role, RoleAssignment | Question]:
     """The columns of frequency and of the modulus: with loss, loss factor or loss angle."""
     table, options = file.table, file.options
     found = {role: assign(table, role, options) for role in _ROLES}
-    other = _in_place_of_loss(file)
+    other = _find_loss_substitute(file)
     size = file.column("complex_modulus")
     size = None if options.storage else size
     apart = _both(found) and not options.loss_factor
     if options.loss or apart or other is None:
         if size and not apart:
-            _no_size_alone(file, table.columns[size.index].name)
+            _require_loss_angle(file, table.columns[size.index].name)
         return found
     if isinstance(other, Question):
         return {**found, "loss": other, "storage": size or found["storage"]}
@@ -147,7 +153,7 @@ def _parts(file: Opened) -> dict[Role, Assigned | Question]:
     return found
 
 
-def _hint(file: Opened, found: Mapping[Role, Assigned | Question]) -> str:
+def _hint(file: OpenedFile, found: Mapping[Role, RoleAssignment | Question]) -> str:
     """What the file is instead, where a column is not found."""
     if not any(isinstance(answer, Question) for answer in found.values()):
         return ""
@@ -155,7 +161,7 @@ def _hint(file: Opened, found: Mapping[Role, Assigned | Question]) -> str:
     return "" if kind in {"dma", "unclear"} else f" (it is not a DMA test: {reason})"
 
 
-def _told_apart(file: Opened, columns: Sequence[Assigned]) -> None:
+def _told_apart(file: OpenedFile, columns: Sequence[RoleAssignment]) -> None:
     """Refuse one column for storage and loss."""
     both = [one.index for one in columns if one.role in {"storage", "loss"}]
     if len(both) == len(set(both)):
@@ -167,14 +173,14 @@ def _told_apart(file: Opened, columns: Sequence[Assigned]) -> None:
     )
 
 
-def _both(found: Mapping[Role, Assigned | Question]) -> bool:
+def _both(found: Mapping[Role, RoleAssignment | Question]) -> bool:
     """Whether storage and loss are columns of their own."""
     pair = [found["storage"], found["loss"]]
-    at = {one.index for one in pair if isinstance(one, Assigned)}
+    at = {one.index for one in pair if isinstance(one, RoleAssignment)}
     return len(at) == len(pair)
 
 
-def _in_place_of_loss(file: Opened) -> Assigned | Question | None:
+def _find_loss_substitute(file: OpenedFile) -> RoleAssignment | Question | None:
     """The column of the loss factor, or else of the loss angle, whose name may be given.
 
     Where several could be the one, or the other, what to ask.
@@ -184,12 +190,12 @@ def _in_place_of_loss(file: Opened) -> Assigned | Question | None:
         roles.reverse()
     for role in roles:
         found = assign(file.table, role, file.options)
-        if isinstance(found, Assigned) or found.choices:
+        if isinstance(found, RoleAssignment) or found.choices:
             return found
     return None
 
 
-def _no_size_alone(file: Opened, name: str) -> None:
+def _require_loss_angle(file: OpenedFile, name: str) -> None:
     """Refuse the size of the complex modulus without its angle."""
     if vocabulary.says_size(name) or file.options.magnitude:
         raise ReadError(
@@ -199,7 +205,9 @@ def _no_size_alone(file: Opened, name: str) -> None:
         )
 
 
-def _is_size(file: Opened, size: Assigned, found: Mapping[Role, Assigned | Question]) -> bool:
+def _is_size(
+    file: OpenedFile, size: RoleAssignment, found: Mapping[Role, RoleAssignment | Question]
+) -> bool:
     """Whether a column is the size of the complex modulus: its name, or the user, says so.
 
     Raises
@@ -209,14 +217,14 @@ def _is_size(file: Opened, size: Assigned, found: Mapping[Role, Assigned | Quest
     """
     columns, storage = file.table.columns, found["storage"]
     if file.options.magnitude or vocabulary.says_size(columns[size.index].name):
-        named = isinstance(storage, Assigned) and storage.index != size.index
+        named = isinstance(storage, RoleAssignment) and storage.index != size.index
         return bool(file.options.magnitude) or not named
     if isinstance(storage, Question) or (
         vocabulary.matches(columns[storage.index].name).get("storage", 0.0) < 1.5
     ):
         name = handle(columns, size.index)
         raise ReadError(
-            f"{quoted(columns, size.index)} could be the storage part K' or the size |K*|, "
+            f"{format_column(columns, size.index)} could be the storage part K' or the size |K*|, "
             "which "
             f'is larger by 1 / cos(delta); say which: --column storage="{name}" or --column '
             f'magnitude="{name}"'
@@ -225,8 +233,8 @@ def _is_size(file: Opened, size: Assigned, found: Mapping[Role, Assigned | Quest
 
 
 def parts_of(
-    file: Opened, chosen: Sequence[Channel], ratio: int | None
-) -> tuple[Loaded, dict[Role, FloatArray], str, list[str]]:
+    file: OpenedFile, chosen: Sequence[Channel], ratio: int | None
+) -> tuple[LoadedColumns, dict[Role, FloatArray], str, list[str]]:
     """Return what was loaded, the values in SI by role with storage and loss, their unit and notes.
 
     K' = |K*| cos delta and K'' = K' tan delta, where the file has these instead.
@@ -245,8 +253,8 @@ def parts_of(
     told = loaded.values[:, -1]
     loaded = replace(loaded, values=loaded.values[:, : len(indexes)])
     loaded = channels.filled_down(loaded, [c.role for c in chosen])
-    rows, gaps = channels.whole_rows(loaded)
-    values = channels.by_role(rows, chosen)
+    rows, gaps = channels.select_complete_rows(loaded)
+    values = channels.convert_signals_to_si(rows, chosen)
     warmth = [of["temperature"]] if "temperature" in of else []
     notes = [*file.table.notes, *gaps, *channels.rivals(file, warmth)]
     if "loss" in of:
@@ -257,7 +265,7 @@ def parts_of(
             )
         if beside is not None:
             told = told[np.isfinite(loaded.values).all(axis=1)]
-            notes += _contradicted(file, of["loss"].index, beside.index, told, values)
+            notes += _check_loss_factor(file, of["loss"].index, beside.index, told, values)
         return loaded, values, si_unit(base.unit.dimension).word, notes
     if ratio is None:
         angle = of["loss_angle"]
@@ -279,8 +287,8 @@ def parts_of(
     return loaded, values, si_unit(base.unit.dimension).word, notes
 
 
-def _contradicted(
-    file: Opened, loss: int, factor: int, told: FloatArray, values: Mapping[Role, FloatArray]
+def _check_loss_factor(
+    file: OpenedFile, loss: int, factor: int, told: FloatArray, values: Mapping[Role, FloatArray]
 ) -> list[str]:
     """Say if a column of loss factors is not loss over storage; ask which is right if by far."""
     columns = file.table.columns
@@ -292,8 +300,8 @@ def _contradicted(
     if max(times, 1 / times) <= _ROUNDED:
         return []
     says = (
-        f"{quoted(columns, factor)} is {times:.3g} times loss over storage, "
-        f"{quoted(columns, loss)} over the other"
+        f"{format_column(columns, factor)} is {times:.3g} times loss over storage, "
+        f"{format_column(columns, loss)} over the other"
     )
     if max(times, 1 / times) <= _FAR or file.options.loss:
         return [f"{says}; the loss was taken"]
@@ -303,9 +311,9 @@ def _contradicted(
     )
 
 
-def _solid_angle(file: Opened, one: Channel, angle: FloatArray) -> FloatArray:
+def _solid_angle(file: OpenedFile, one: Channel, angle: FloatArray) -> FloatArray:
     """Refuse what is no loss angle of a solid, and ask for a unit that is likely the other one."""
-    name, degree = quoted(file.table.columns, one.index), math.pi / 180
+    name, degree = format_column(file.table.columns, one.index), math.pi / 180
     low, high = float(angle.min(initial=0.0)), float(angle.max(initial=0.0))
     raw = high / one.unit.factor
     if low < 0:

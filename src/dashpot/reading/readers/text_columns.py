@@ -11,12 +11,14 @@ from dashpot.base.errors import ReadError
 from dashpot.reading.columns.vocabulary import tokens
 from dashpot.reading.read_options import DELIMITERS
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.channels import Opened
-from dashpot.reading.table import Loaded
+from dashpot.reading.readers.channels import OpenedFile
+from dashpot.reading.table import LoadedColumns
 from dashpot.reading.text.cells import split
 
 
-def words_of(file: Opened, names: AbstractSet[str], loaded: Loaded) -> npt.NDArray[np.str_]:
+def read_text_column(
+    file: OpenedFile, names: AbstractSet[str], loaded: LoadedColumns
+) -> npt.NDArray[np.str_]:
     """The word of every row in the column that is called so; empty where there is none.
 
     Raises

@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from dashpot.base.errors import ReadError
-from dashpot.reading.columns.role_assignment import Assigned, assign, score
+from dashpot.reading.columns.role_assignment import RoleAssignment, assign, score
 from dashpot.reading.columns.vocabulary import STEP_TIME, Role, has_word
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
-from dashpot.reading.table import FileTable, Loaded, Question
+from dashpot.reading.table import FileTable, LoadedColumns, Question
 
 
-def own_clocks(table: FileTable, options: ReadOptions) -> tuple[Assigned, ...]:
+def find_separate_clocks(table: FileTable, options: ReadOptions) -> tuple[RoleAssignment, ...]:
     """Return the clock of the displacement and that of the force, if each has its own; else none.
 
     A signal's own clock is the column of time right before it, where no one column is the time.
@@ -25,14 +25,14 @@ def own_clocks(table: FileTable, options: ReadOptions) -> tuple[Assigned, ...]:
     signals: tuple[Role, ...] = ("displacement", "force")
     for role in signals:
         signal = assign(table, role, options)
-        before = signal.index - 1 if isinstance(signal, Assigned) else -1
+        before = signal.index - 1 if isinstance(signal, RoleAssignment) else -1
         if before < 0 or score(table.columns[before], "time", options) < 1.5:
             return ()
-        clocks.append(Assigned("time", before, f"it stands before the {role}"))
+        clocks.append(RoleAssignment("time", before, f"it stands before the {role}"))
     return tuple(clocks) if clocks[0].index != clocks[1].index else ()
 
 
-def since_the_step(table: FileTable, options: ReadOptions) -> Assigned | Question:
+def since_the_step(table: FileTable, options: ReadOptions) -> RoleAssignment | Question:
     """Return the clock of a curve over the time since a step: that of the step, beside a whole one.
 
     A rheometer writes both, and the whole one began before the step.
@@ -46,10 +46,10 @@ def since_the_step(table: FileTable, options: ReadOptions) -> Assigned | Questio
         if score(table.columns[i], "time", options) >= 1.5
         and has_word(table.columns[i].name, STEP_TIME)
     ]
-    return Assigned("time", own[0], "it runs since the step") if len(own) == 1 else found
+    return RoleAssignment("time", own[0], "it runs since the step") if len(own) == 1 else found
 
 
-def on_one_clock(loaded: Loaded, ratio: float = 1.0) -> Loaded:
+def interpolate_to_force_clock(loaded: LoadedColumns, ratio: float = 1.0) -> LoadedColumns:
     """Return time, displacement and force at the instants of the force.
 
     Parameters
@@ -71,7 +71,8 @@ def on_one_clock(loaded: Loaded, ratio: float = 1.0) -> Loaded:
     if falls.size:
         row = int(np.flatnonzero(known)[falls[0] + 1])
         raise ReadError(
-            f"the clock of the displacement does not rise at {loaded.where(row)}; name one clock "
+            f"the clock of the displacement does not rise at {loaded.format_row_position(row)}; "
+            "name one clock "
             "for both with --column time=NAME"
         )
     begin, end = (

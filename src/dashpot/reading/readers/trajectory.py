@@ -21,12 +21,12 @@ def read_trajectory(path: str | Path, *, options: ReadOptions | None = None) -> 
     ReadError
         If the file cannot be read, or leaves open which column is what or in which unit.
     """
-    with channels.opened(path, options) as file:
+    with channels.open_file(path, options) as file:
         channels.refuse_other_rate(file)
         rate = file.options.rate
-        chosen = channels.choose(file, channels.timed(file, "displacement"))
-        rows, said = channels.whole_rows(channels.load_test(file, chosen, 2))
-        values = channels.by_role(rows, chosen)
+        chosen = channels.choose(file, channels.add_time_role(file, "displacement"))
+        rows, said = channels.select_complete_rows(channels.load_test(file, chosen, 2))
+        values = channels.convert_signals_to_si(rows, chosen)
         time = np.arange(len(rows)) / rate if rate else values["time"]
         notes = [*file.table.notes, *said]
         source = channels.source(file, [c.says for c in chosen], notes)

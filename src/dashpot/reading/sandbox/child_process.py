@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from dashpot.base.errors import DashpotError, ReadError
-from dashpot.reading.raw_file import Raw
+from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import limits, message_protocol
 
@@ -30,22 +30,22 @@ def _serve(stream: BinaryIO, out: BinaryIO) -> None:
     request = message_protocol.receive(stream)
     gc.disable()  # soon all is gone; of sixty thousand channels it costs a fifth to look for it
     limits.confine(request["seconds"])
-    raw = Raw(request["name"], request["path"] and Path(request["path"]), stream.read())
+    raw = RawFile(request["name"], request["path"] and Path(request["path"]), stream.read())
     options = ReadOptions(
         sheet=request["sheet"], segment=request["segment"], format=request["plugin"]
     )
     module, name = request["function"]
     try:
         function = getattr(import_module(module), name)
-        message_protocol.send_answer(out, parsed(request["format"], function, raw, options))
+        message_protocol.send_answer(out, run_parser(request["format"], function, raw, options))
     except DashpotError as error:
         message_protocol.send(out, {"error": str(error)[:_LONGEST]})
 
 
-def parsed(
+def run_parser(
     what: str,
-    function: Callable[[Raw, ReadOptions], message_protocol.Answer],
-    raw: Raw,
+    function: Callable[[RawFile, ReadOptions], message_protocol.Answer],
+    raw: RawFile,
     options: ReadOptions,
 ) -> message_protocol.Answer:
     """Return what a foreign parser makes of a file of the format `what`.

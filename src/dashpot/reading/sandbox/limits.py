@@ -13,7 +13,7 @@ LARGEST = 1 << 28
 VALUES = LARGEST // 8
 
 
-def within(count: int, what: str) -> None:
+def check_value_count(count: int, what: str) -> None:
     """Raise a ReadError if that many numbers, in all arrays together, are no test.
 
     Raises

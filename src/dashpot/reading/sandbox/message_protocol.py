@@ -12,8 +12,8 @@ from collections.abc import Iterable, Iterator
 from typing import Any, BinaryIO, TypeAlias, get_args
 
 from dashpot.base.provenance import Caution
-from dashpot.reading.sandbox.limits import LARGEST, within
-from dashpot.reading.table import Column, Content, FileTable, Question, in_memory
+from dashpot.reading.sandbox.limits import LARGEST, check_value_count
+from dashpot.reading.table import Column, Content, FileTable, Question, make_loader
 
 Answer: TypeAlias = FileTable | dict[str, bytes]
 """A table whose numbers are in memory, or the texts of a file by name."""
@@ -25,7 +25,7 @@ _CONTENTS = get_args(Content)
 _LENGTH = struct.Struct("<Q")
 
 
-class Garbled(Exception):  # noqa: N818
+class ProtocolError(Exception):
     """What came is no message: its sender died, or was led astray."""
 
 
@@ -49,19 +49,19 @@ def receive(stream: BinaryIO) -> dict[str, Any]:
     """
     size = _LENGTH.unpack(exactly(stream, _LENGTH.size))[0]
     if size > _HEAD:
-        raise Garbled
+        raise ProtocolError
     try:
         head = json.loads(exactly(stream, size))
     except (ValueError, RecursionError):
-        raise Garbled from None
-    return dict(_typed(head, dict))
+        raise ProtocolError from None
+    return dict(_validate_type(head, dict))
 
 
 def exactly(stream: BinaryIO, size: int) -> bytes:
-    """Read so many bytes, or raise `Garbled`."""
+    """Read so many bytes, or raise `ProtocolError`."""
     found = stream.read(size)
     if len(found) < size:
-        raise Garbled
+        raise ProtocolError
     return found
 
 
@@ -74,7 +74,7 @@ def send_answer(stream: BinaryIO, answer: Answer) -> None:
         Before anything is written, if it is more than a test can be.
     """
     if isinstance(answer, dict):
-        within(sum(map(len, answer.values())) // 8, "the sheets hold as much text as")
+        check_value_count(sum(map(len, answer.values())) // 8, "the sheets hold as much text as")
         send(stream, {"texts": [[k, len(v)] for k, v in answer.items()]}, answer.values())
         return
     import numpy as np
@@ -82,7 +82,7 @@ def send_answer(stream: BinaryIO, answer: Answer) -> None:
     width = len(answer.columns)
     first = answer.load([0])
     rows = len(first.values)
-    within(rows * width, "the file holds")
+    check_value_count(rows * width, "the file holds")
     head = {
         "format": answer.format, "rows": rows, "starts": first.starts, "segments": first.segments,
         "columns": [[c.name, c.unit, c.content, c.factor] for c in answer.columns],
@@ -104,12 +104,12 @@ def receive_answer(stream: BinaryIO, head: dict[str, Any]) -> Answer:
     """
     try:
         if "texts" in head:
-            sizes = {_typed(name, str): _count(size) for name, size in head["texts"]}
-            _bounded(sum(sizes.values()))
+            sizes = {_validate_type(name, str): _count(size) for name, size in head["texts"]}
+            _validate_size(sum(sizes.values()))
             return {name: exactly(stream, size) for name, size in sizes.items()}
         return _table(stream, head)
     except (KeyError, TypeError, ValueError):
-        raise Garbled from None
+        raise ProtocolError from None
 
 
 def _table(stream: BinaryIO, head: dict[str, Any]) -> FileTable:
@@ -118,27 +118,29 @@ def _table(stream: BinaryIO, head: dict[str, Any]) -> FileTable:
     rows, starts = _count(head["rows"]), tuple(_count(start) for start in head["starts"])
     columns = tuple(
         Column(
-            _typed(name, str),
-            unit if unit is None else _typed(unit, str),
+            _validate_type(name, str),
+            unit if unit is None else _validate_type(unit, str),
             _content(content),
-            _typed(factor, str),
+            _validate_type(factor, str),
         )
         for name, unit, content, factor in head["columns"]
     )
     segments = _strings(head["segments"])
     if len(segments) != len(starts) or starts[:1] != (0,) or max(starts) > rows:
-        raise Garbled
-    _bounded(8 * rows * len(columns))
+        raise ProtocolError
+    _validate_size(8 * rows * len(columns))
     values = np.empty((rows, len(columns)))
     for first, stop in _blocks(rows, len(columns)):
         whole = np.frombuffer(exactly(stream, 8 * rows * (stop - first)))
         values[:, first:stop] = whole.reshape(stop - first, rows).T
     return FileTable(
-        format=_typed(head["format"], str),
+        format=_validate_type(head["format"], str),
         columns=columns,
-        load=in_memory(values, starts, segments),
-        simulated=_typed(head["simulated"], bool),
-        doubts=tuple(Question(_typed(a, str), _typed(b, str)) for a, b in head["doubts"]),
+        load=make_loader(values, starts, segments),
+        simulated=_validate_type(head["simulated"], bool),
+        doubts=tuple(
+            Question(_validate_type(a, str), _validate_type(b, str)) for a, b in head["doubts"]
+        ),
         notes=_notes(_strings(head["notes"]), head["cautions"]),
         header=_strings(head["header"]),
         hints=_strings(head["hints"]),
@@ -151,35 +153,35 @@ def _blocks(rows: int, width: int) -> Iterator[tuple[int, int]]:
     return ((first, min(first + many, width)) for first in range(0, width, many))
 
 
-def _typed(value: Any, kind: type) -> Any:
+def _validate_type(value: Any, kind: type) -> Any:
     if not isinstance(value, kind):
-        raise Garbled
+        raise ProtocolError
     return value
 
 
 def _strings(values: Any) -> tuple[str, ...]:
-    return tuple(_typed(value, str) for value in _typed(values, list))
+    return tuple(_validate_type(value, str) for value in _validate_type(values, list))
 
 
 def _notes(notes: tuple[str, ...], cautions: Any) -> tuple[str, ...]:
     """The notes, those at the places given as cautions."""
-    places = {_count(place) for place in _typed(cautions, list)}
+    places = {_count(place) for place in _validate_type(cautions, list)}
     return tuple(Caution(note) if i in places else note for i, note in enumerate(notes))
 
 
 def _count(value: Any) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-        raise Garbled
+        raise ProtocolError
     return value
 
 
 def _content(value: Any) -> Content:
     if value not in _CONTENTS:
-        raise Garbled
+        raise ProtocolError
     content: Content = value
     return content
 
 
-def _bounded(size: int) -> None:
+def _validate_size(size: int) -> None:
     if size > LARGEST:
-        raise Garbled
+        raise ProtocolError

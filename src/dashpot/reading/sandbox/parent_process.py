@@ -15,9 +15,9 @@ from contextlib import contextmanager, suppress
 from typing import BinaryIO, TypeVar, cast
 
 from dashpot.base.errors import ReadError
-from dashpot.base.subprocesses import interpreter, one_thread
+from dashpot.base.subprocesses import get_single_thread_env, interpreter
 from dashpot.reading import time_budget
-from dashpot.reading.raw_file import Raw
+from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import limits, message_protocol
 
@@ -39,8 +39,8 @@ def frozen_support() -> None:
     _frozen_children[:] = [_MARK]
 
 
-def in_child(
-    what: str, function: Callable[[Raw, ReadOptions], A], raw: Raw, options: ReadOptions
+def run_in_child(
+    what: str, function: Callable[[RawFile, ReadOptions], A], raw: RawFile, options: ReadOptions
 ) -> A:
     """Return ``function(raw, options)``, run in a process with limits of memory, time and numbers.
 
@@ -63,21 +63,21 @@ def in_child(
         try:
             with suppress(OSError):  # the child is gone; what it left is read below
                 _send(child, request, raw)
-            answer = _received(cast("BinaryIO", child.stdout))
-        except message_protocol.Garbled:
+            answer = _receive_answer(cast("BinaryIO", child.stdout))
+        except message_protocol.ProtocolError:
             answer = None
     if answer is None:
         raise ReadError(_death(what, child.returncode, seconds if late.is_set() else None))
     return cast("A", answer)
 
 
-def _send(child: subprocess.Popen[bytes], request: dict[str, object], raw: Raw) -> None:
+def _send(child: subprocess.Popen[bytes], request: dict[str, object], raw: RawFile) -> None:
     stream = cast("BinaryIO", child.stdin)
     message_protocol.send(stream, request, [raw.held])
     stream.close()
 
 
-def _received(stream: BinaryIO) -> message_protocol.Answer:
+def _receive_answer(stream: BinaryIO) -> message_protocol.Answer:
     head = message_protocol.receive(stream)
     if "error" in head:
         raise ReadError("".join(c if c.isprintable() else " " for c in str(head["error"])))
@@ -93,7 +93,7 @@ def _child(seconds: float, late: threading.Event) -> Iterator[subprocess.Popen[b
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
-            env=one_thread(),
+            env=get_single_thread_env(),
             creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
         )
     except OSError as error:

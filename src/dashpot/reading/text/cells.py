@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from typing import Literal, TypeAlias
 
-from dashpot.reading.columns.header_names import unquoted
+from dashpot.reading.columns.header_names import remove_quotes
 
 Mark: TypeAlias = Literal[".", ",", ".,"]
 """Decimal mark; ``".,"`` is a file that uses both, one per cell."""
@@ -80,29 +80,29 @@ def split(line: str, delimiter: str, *, trim: bool = True) -> list[str]:
             return line.split()
         return [quoted or plain for quoted, plain in _BLANKS.findall(line)]
     if delimiter.startswith("fixed:"):
-        cells = _fixed(line, [int(place) for place in delimiter[6:].split(",")])
+        cells = _split_fixed_width(line, [int(place) for place in delimiter[6:].split(",")])
     elif '"' in line:
-        cells = _quoted(line, delimiter)
+        cells = _split_quoted_cells(line, delimiter)
     else:
         cells = [cell.strip() for cell in line.split(delimiter)]
-    return trimmed(cells) if trim else cells
+    return drop_trailing_blanks(cells) if trim else cells
 
 
-def trimmed(cells: list[str]) -> list[str]:
+def drop_trailing_blanks(cells: list[str]) -> list[str]:
     """Return the cells, without blank ones at the end any more."""
     while cells and not cells[-1]:
         cells.pop()
     return cells
 
 
-def _fixed(line: str, breaks: Sequence[int]) -> list[str]:
+def _split_fixed_width(line: str, breaks: Sequence[int]) -> list[str]:
     """The cells between the breaks; by blanks, so too many or few, if a word crosses one."""
     if any(len(line[place - 1 : place + 1].strip()) == 2 for place in breaks):
         return line.split()
     return [line[a:b].strip() for a, b in itertools.pairwise([0, *breaks, None])]
 
 
-def placed(line: str, like: str) -> list[str]:
+def split_by_alignment(line: str, like: str) -> list[str]:
     """Return the cells of a line under those of a full row `like` it, blank where one is missing.
 
     Returns no cells unless each stands under one cell of the row, the last under its last: only
@@ -120,14 +120,14 @@ def placed(line: str, like: str) -> list[str]:
     return cells if last == len(places) - 1 else []
 
 
-def _quoted(line: str, delimiter: str) -> list[str]:
+def _split_quoted_cells(line: str, delimiter: str) -> list[str]:
     import csv
 
     try:
         rows = list(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
     except csv.Error:
         rows = [line.split(delimiter)]
-    return [unquoted(cell) for cell in rows[0]] if rows else []
+    return [remove_quotes(cell) for cell in rows[0]] if rows else []
 
 
 def numeric(cells: Sequence[str], mark: Mark) -> list[bool]:

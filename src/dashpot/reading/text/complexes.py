@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from dashpot.reading.columns.header_names import part_unit
+from dashpot.reading.columns.header_names import split_unit
 
 _DELIMITERS = ("\t", ";", "|", ",")
 _LEAST = 3
@@ -92,7 +92,7 @@ def _part_names(lines: list[str], first: int, places: list[str], sign: str) -> N
             elif named:
                 wide += [cell, cell]
             else:
-                name, unit = part_unit(cell)
+                name, unit = split_unit(cell)
                 unit = f" [{unit}]" if unit else ""
                 wide += [f"{name} real{unit}", f"{name} imaginary{unit}"]
         lines[i] = ("\t" if sign == " " else sign).join(wide)

@@ -54,7 +54,7 @@ class _Marks:
     grouped: bool = False
     seen: set[str] = field(default_factory=set)
 
-    def is_told(self, text: str) -> bool:
+    def is_redundant(self, text: str) -> bool:
         """Whether a cell adds nothing to what is known.
 
         What was said before tells nothing new: of a counter a few rows are enough. Nor, where the
@@ -122,7 +122,7 @@ def _add_rows(
     wanted = {place: indexes[place] for place in columns}
     for line in lines:
         found = cell.split(line, dialect.delimiter)
-        if all(i < len(found) and columns[p].is_told(found[i]) for p, i in wanted.items()):
+        if all(i < len(found) and columns[p].is_redundant(found[i]) for p, i in wanted.items()):
             continue
         row = dialect.row(line)
         if row is None:

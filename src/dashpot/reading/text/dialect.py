@@ -61,7 +61,7 @@ class Dialect:
         return tuple(i for i, held in enumerate(self.contents) if held in {"number", "clock"})
 
     @cached_property
-    def _clocked(self) -> bool:
+    def _has_clock(self) -> bool:
         return "clock" in self.contents
 
     def row(self, line: str, like: str = "") -> list[str] | None:
@@ -73,9 +73,9 @@ class Dialect:
             return None
         found = cell.split(line, self.delimiter, trim=False)
         if self.delimiter == " " and len(found) < self.cells:
-            found = cell.placed(line, like)
+            found = cell.split_by_alignment(line, like)
         whole, width = len(found) == self.cells, len(self.contents)
-        if not cell.trimmed(found) or not (whole or self._ends_well(found)):
+        if not cell.drop_trailing_blanks(found) or not (whole or self._ends_well(found)):
             return None
         if self.contents[0] == "blank" and found[0] and not cell.is_number(found[0], self.mark):
             return None  # a word where every row is blank: a key of the header
@@ -90,7 +90,7 @@ class Dialect:
 
     def _is_plain(self, found: Sequence[str]) -> bool:
         """Whether there is a plain number wherever one is expected."""
-        return not self._clocked and cell.are_plain([found[i] for i in self.numbers], self.mark)
+        return not self._has_clock and cell.are_plain([found[i] for i in self.numbers], self.mark)
 
     def _has_numbers(self, found: Sequence[str]) -> bool:
         """Whether there are numbers enough, and more than words, where numbers are expected."""
@@ -181,8 +181,8 @@ def find_dialect(
                 highest, best = score, found
     found = None if best is None else _from_the_top(lines, best)
     if found is not None and (found.mark, decimal) == (".", None) and found.delimiter != ",":
-        found = _by_the_rows_above(lines, found)
-    return None if found is None else _filled_elsewhere(lines, found)
+        found = _determine_decimal_mark(lines, found)
+    return None if found is None else _fill_blank_columns(lines, found)
 
 
 def is_overlong(line: str) -> bool:
@@ -195,7 +195,7 @@ def most_cells(line: str) -> int:
     return 1 + max(map(line.count, _DELIMITERS))
 
 
-def _filled_elsewhere(lines: Sequence[str], found: Dialect) -> Dialect:
+def _fill_blank_columns(lines: Sequence[str], found: Dialect) -> Dialect:
     """The dialect, with the columns that were blank where it was found and hold numbers elsewhere.
 
     Such is a temperature that is written once for each block.
@@ -220,7 +220,7 @@ def _filled_elsewhere(lines: Sequence[str], found: Dialect) -> Dialect:
     return replace(found, contents=whole)
 
 
-def _by_the_rows_above(lines: Sequence[str], found: Dialect) -> Dialect:
+def _determine_decimal_mark(lines: Sequence[str], found: Dialect) -> Dialect:
     """The dialect with a decimal comma, if more rows have it: 0,000 above 1,234 shows which."""
     other = replace(found, mark=",")
     if not any(other.row(line) for line in lines[: found.first]):
@@ -232,13 +232,15 @@ def _by_the_rows_above(lines: Sequence[str], found: Dialect) -> Dialect:
 def _delimiters(windows: Sequence[Sequence[str]], given: str | None) -> tuple[str, ...]:
     """What to try: the one given, else all, and a fixed width for cells that may be blank."""
     if given == "fixed":
-        return tuple(dict.fromkeys(map(_fixed, windows)))
+        return tuple(dict.fromkeys(map(_find_column_breaks, windows)))
     if given is not None:
         return (given,)
     if any(map(_has_groups, windows)):
         return tuple(sign for sign in _DELIMITERS if sign != " ")
     aligned = [window for window in windows if any(" " in line for line in window)]
-    return tuple(dict.fromkeys((*_DELIMITERS, *(_fixed(_digits(window)) for window in aligned))))
+    return tuple(
+        dict.fromkeys((*_DELIMITERS, *(_find_column_breaks(_digits(window)) for window in aligned)))
+    )
 
 
 def _has_groups(window: Sequence[str]) -> bool:
@@ -287,19 +289,19 @@ def _most_numbers(sign: str, window: Sequence[str]) -> int:
 def _windows(lines: Sequence[str]) -> Iterator[list[str]]:
     first = [*islice(filter(_is_looked_at, lines), 3 * _SAMPLE + 1)]
     if len(first) <= 3 * _SAMPLE:
-        yield _sampled(first)
+        yield _sample_lines(first)
         return
     for part in (0.3, 0.6, 1.0):
         before = reversed(lines[: int(part * len(lines))])
         window = [*islice(filter(_is_looked_at, before), _SAMPLE)][::-1]
-        yield _sampled(window if len(window) == _SAMPLE else first[:_SAMPLE])
+        yield _sample_lines(window if len(window) == _SAMPLE else first[:_SAMPLE])
 
 
 def _is_looked_at(line: str) -> bool:
     return bool(line.strip()) and (len(line) <= COLUMNS or not is_overlong(line))
 
 
-def _sampled(window: list[str]) -> list[str]:
+def _sample_lines(window: list[str]) -> list[str]:
     """The lines of a window: of thousands of columns the last few are enough."""
     size, count = 0, 0
     while count < len(window) and (count < _STEADY or size < _SAMPLED):
@@ -315,13 +317,13 @@ def _best_run(
     rows = [cell.split(line, sign, trim=False) for line in lines]
     best: tuple[float, Dialect | None] = (above, None)
     for run in _runs(rows, mark):
-        score, found = _scored(run, sign, mark, above=best[0])
+        score, found = _score_run(run, sign, mark, above=best[0])
         if found.numbers and score > best[0]:
             best = score, found
     return best
 
 
-def _scored(
+def _score_run(
     run: Sequence[list[str]], sign: str, mark: Mark, *, above: float
 ) -> tuple[float, Dialect]:
     """How much like a table a run of lines is, exactly if it is more than `above`; its dialect."""
@@ -370,7 +372,7 @@ def _runs(rows: Sequence[list[str]], mark: Mark) -> Iterator[list[list[str]]]:
             is_number = [
                 now or moment(c) is not None for now, c in zip(is_number, row, strict=True)
             ]
-        if run and any(is_number) and _alike(mask, is_number, row):
+        if run and any(is_number) and _is_similar_row(mask, is_number, row):
             run.append(row)
             mask += is_number[len(mask) :]
             continue
@@ -381,7 +383,7 @@ def _runs(rows: Sequence[list[str]], mark: Mark) -> Iterator[list[list[str]]]:
         yield run
 
 
-def _alike(mask: list[bool], is_number: list[bool], row: list[str]) -> bool:
+def _is_similar_row(mask: list[bool], is_number: list[bool], row: list[str]) -> bool:
     """Whether a row fits under those before it: numbers or blanks where numbers were."""
     if abs(len(mask) - len(is_number)) > max(1, len(mask) // 2):
         return False
@@ -437,7 +439,7 @@ def _digits(lines: Sequence[str]) -> list[str]:
     ]
 
 
-def _fixed(lines: Sequence[str]) -> str:
+def _find_column_breaks(lines: Sequence[str]) -> str:
     """Column breaks where every line is blank and the next character is not."""
     width = max((len(line) for line in lines), default=0)
     if width > _ALIGNED:

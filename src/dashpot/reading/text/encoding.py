@@ -53,11 +53,11 @@ def _code_page(head: bytes) -> str:
             text = not_ascii.decode(name)
         except UnicodeDecodeError:
             continue
-        scored.append((_likely(text, name), -rank, name))
+        scored.append((_score_text(text, name), -rank, name))
     return max(scored)[2] if scored else "latin-1"
 
 
-def _likely(text: str, codec: str) -> float:
+def _score_text(text: str, codec: str) -> float:
     """How much a decoded text reads like names and units of a lab."""
     words = (word for word in re.findall(r"[^\W\d_]+", text) if not word.isascii())
     score = sum((weight * count(word, codec) for word in words for weight, count in _WORDS), 0.0)
@@ -82,7 +82,7 @@ _UNITS = re.compile(r"(?:°[CF]?|[µμ][mNsV]|[ms][²³])(?![^\W\d_])")
 _DEBRIS = re.compile(r"(?<=[^\W\d_])[³¹¿œŸž¡£¥]|[¤¦¨¸¯](?=\w)|[\x80-\x9f\ufffd\ue000-\uf8ff]")
 
 
-def decoded(blocks: Iterable[bytes], encoding: str, *, found: bool = False) -> Iterator[str]:
+def decode_blocks(blocks: Iterable[bytes], encoding: str, *, found: bool = False) -> Iterator[str]:
     """Decode blocks of bytes to text with one kind of line end, each ending with a line end.
 
     Where the encoding was `found`, not given, a stray byte becomes a question mark: it stands in

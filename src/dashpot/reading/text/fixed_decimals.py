@@ -28,13 +28,13 @@ _TOGETHER = (
 """How digits become twos, fours and eight: the earlier count so many times, and which bits stay."""
 
 
-def _kept(stop: int) -> IndexArray:
+def _make_byte_masks(stop: int) -> IndexArray:
     """The bits of a word that are a cell's, by its length; it begins `stop` before the end."""
     others = (min(max(stop - length, 0), _WORD) for length in range(_SEEN + 1))
     return np.array([2**64 - 2 ** (8 * each) for each in others], np.uint64)
 
 
-_KEPT = _kept(_WORD), _kept(_SEEN)
+_KEPT = _make_byte_masks(_WORD), _make_byte_masks(_SEEN)
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,9 @@ class PartedLines:
             alike.setdefault((first[at], len(first) - at) if at >= 0 else (0, 0), []).append(place)
         values = np.empty(ends.shape)
         for (point, behind), places in alike.items():
-            number = self._whole(ends[places].ravel(), lengths[places].ravel(), point, behind)
+            number = self._parse_whole_numbers(
+                ends[places].ravel(), lengths[places].ravel(), point, behind
+            )
             if number is None:
                 return None
             values[places] = (number / 10 ** max(behind - 1, 0)).reshape(len(places), -1)
@@ -71,7 +73,7 @@ class PartedLines:
             np.negative(values, out=values, where=minus)
         return values.T
 
-    def _whole(
+    def _parse_whole_numbers(
         self, end: IndexArray, length: IndexArray, point: int, behind: int
     ) -> IndexArray | None:
         """The digits of cells as whole numbers, None unless all are written so."""
@@ -84,7 +86,7 @@ class PartedLines:
         for stop, word, kept in zip((_WORD, _SEEN), words[::-1], _KEPT, strict=True):
             if longest > stop - _WORD:
                 digits = (word ^ _ZEROS) & kept.take(length)
-                if not _joined(digits, stop - behind, point):
+                if not _merge_digits(digits, stop - behind, point):
                     return None
                 number = digits * 10 ** (stop - _WORD) + number
         if pointed:  # which counts as a zero so far
@@ -92,7 +94,7 @@ class PartedLines:
         return number.view(np.int64)
 
 
-def _joined(word: IndexArray, place: int, point: int) -> bool:
+def _merge_digits(word: IndexArray, place: int, point: int) -> bool:
     """Make one number of eight digits, if they are, but for the point if its place is within."""
     if 0 <= place < _WORD:
         stands = (point ^ ord("0")) << 8 * place
@@ -108,7 +110,7 @@ def _joined(word: IndexArray, place: int, point: int) -> bool:
     return True
 
 
-def parted(lines: bytes, sign: int) -> PartedLines | None:
+def split_line_cells(lines: bytes, sign: int) -> PartedLines | None:
     """Return whole lines whose cells a sign parts, None unless all have as many.
 
     Of blanks any number parts two cells, or stands before the first.

@@ -11,7 +11,7 @@ from itertools import zip_longest
 from dashpot.base import units
 from dashpot.base.provenance import Caution
 from dashpot.reading.columns import vocabulary
-from dashpot.reading.columns.header_names import is_unit_of, part_unit, scaled
+from dashpot.reading.columns.header_names import add_factor_to_unit, is_unit_of, split_unit
 from dashpot.reading.table import Column, Content
 from dashpot.reading.text import cells as cell
 from dashpot.reading.text.dialect import LONGEST, Dialect
@@ -51,17 +51,17 @@ class Header:
 def read_header(lines: Sequence[str], dialect: Dialect) -> Header:
     """Return the names and units found in the lines above the table."""
     # a row of numbers alone counts columns or rows, and names none
-    spoken = list(filter(re.compile(r"[^\W\d]|%|\"|°").search, _whole(lines)))
+    spoken = list(filter(re.compile(r"[^\W\d]|%|\"|°").search, _join_quoted_lines(lines)))
     rows = [_cells(line, dialect) for line in spoken[-_REACH:]]
     names, words, odd = _pick(rows, dialect)
-    names = _labelled(lines, dialect, "name") or names
-    words = _labelled(lines, dialect, "unit") or words
+    names = _find_labelled_cells(lines, dialect, "name") or names
+    words = _find_labelled_cells(lines, dialect, "unit") or words
     width = len(dialect.contents)
-    names, words = _one_a_line(lines, width) or _signals(lines, width) or (names, words)
+    names, words = _parse_column_lines(lines, width) or _signals(lines, width) or (names, words)
     misfit = "" if names else _misfit(rows[:-3:-1], dialect)
     uneven = ""
     if odd and names and not words:
-        words, uneven = _from_the_left(odd, names, dialect)
+        words, uneven = _assign_uneven_units(odd, names, dialect)
     each = zip_longest(names[:width], words[:width], dialect.contents)
     padded = [(name or "", word, content) for name, word, content in each]
     return Header(
@@ -72,7 +72,7 @@ def read_header(lines: Sequence[str], dialect: Dialect) -> Header:
     )
 
 
-def _from_the_left(
+def _assign_uneven_units(
     odd: Sequence[str], names: Sequence[str], dialect: Dialect
 ) -> tuple[list[str], str]:
     """The units of a row that is not as wide as the table, and what to say of it.
@@ -81,11 +81,11 @@ def _from_the_left(
     missing or added further left, nobody knows where, and none is taken.
     """
     width = len(dialect.contents)
-    if len(odd) == width - 1 and odd[0] and vocabulary.plain(names[0]) in _COUNTERS:
+    if len(odd) == width - 1 and odd[0] and vocabulary.normalise_name(names[0]) in _COUNTERS:
         return ["", *odd], ""
     says = f"the row of units has {len(odd)} cells for {width} columns ('{odd[0]}' ... '{odd[-1]}')"
     pairs = list(zip(names[:width], map(_strip, odd), strict=False))
-    if any(_denies(part_unit(name)[0], word) for name, word in pairs):
+    if any(_denies(split_unit(name)[0], word) for name, word in pairs):
         return [], f"{says}; none was taken, for under the names from the left they do not fit"
     taken = f"{says}; they were taken for those of the columns from the left"
     return list(odd[:width]), Caution(taken)
@@ -93,7 +93,7 @@ def _from_the_left(
 
 def _denies(name: str, word: str) -> bool:
     """Whether a unit is one of something else than what a name surely says."""
-    if units.find(word) is None:
+    if units.find_unit(word) is None:
         return False
     said = [role for role, value in vocabulary.matches(name).items() if value >= 2.0]
     measured = [
@@ -102,12 +102,12 @@ def _denies(name: str, word: str) -> bool:
         for of in (vocabulary.DIMENSION, vocabulary.OF_A_PART)
         if role in of
     ]
-    return bool(measured) and not any(units.find(word, one) for one in measured)
+    return bool(measured) and not any(units.find_unit(word, one) for one in measured)
 
 
 def _clock(name: str, word: str | None) -> str:
     """How the clock times of a column are written, "" if its unit does not say."""
-    return vocabulary.clock_order(word or part_unit(name)[1] or "")
+    return vocabulary.clock_order(word or split_unit(name)[1] or "")
 
 
 def _misfit(rows: Sequence[list[str]], dialect: Dialect) -> str:
@@ -128,7 +128,7 @@ def _misfit(rows: Sequence[list[str]], dialect: Dialect) -> str:
     return says
 
 
-def _whole(lines: Sequence[str]) -> list[str]:
+def _join_quoted_lines(lines: Sequence[str]) -> list[str]:
     """The lines without the overlong, each quoted cell that runs over line ends in one."""
     whole: list[str] = []
     for line in lines:
@@ -147,21 +147,21 @@ def _is_open(line: str) -> bool:
 
 def _column(name: str, word: str | None, content: Content) -> Column:
     if content == "clock":  # read as seconds, whatever "hh:mm:ss" stands over it
-        return Column(part_unit(name)[0], "s", content)
-    named, unit = _parted(name, word)
-    return Column(named, scaled(named, unit), content)
+        return Column(split_unit(name)[0], "s", content)
+    named, unit = _split_name_unit(name, word)
+    return Column(named, add_factor_to_unit(named, unit), content)
 
 
-def _parted(name: str, word: str | None) -> tuple[str, str | None]:
+def _split_name_unit(name: str, word: str | None) -> tuple[str, str | None]:
     """The name and the unit of a column, of which its name and the row of units may hold one."""
-    stem, inner = part_unit(name)
+    stem, inner = split_unit(name)
     if word is None or not word.strip(" -[]()<>{}"):
         return stem, inner
     unit = _strip(word)
-    if inner is None or units.same(inner, unit):
+    if inner is None or units.is_same_unit(inner, unit):
         return name if inner is None else stem, unit
     shared = set(units.dimensions(inner)) & set(units.dimensions(unit))
-    if units.find(unit) is not None and (shared or is_unit_of(stem, inner)):
+    if units.find_unit(unit) is not None and (shared or is_unit_of(stem, inner)):
         return stem, _either(inner, unit)
     return name, unit
 
@@ -207,7 +207,9 @@ def _other_cuts(text: str, delimiter: str) -> Iterator[list[str]]:
     yield [part.strip() for part in re.split(r"\s{2,}|\t", text.strip())]
     yield re.findall(r'"([^"]*)"', text)
     words = [] if any(other in text for other in "\t;,|") else text.split()
-    meant = sum(bool(vocabulary.matches(word)) or units.find(word) is not None for word in words)
+    meant = sum(
+        bool(vocabulary.matches(word)) or units.find_unit(word) is not None for word in words
+    )
     yield words if 2 * meant >= len(words) else []  # else a sentence
 
 
@@ -219,7 +221,7 @@ _LABELS = {
 }
 
 
-def _labelled(lines: Sequence[str], dialect: Dialect, what: str) -> list[str]:
+def _find_labelled_cells(lines: Sequence[str], dialect: Dialect, what: str) -> list[str]:
     """The cells of a line such as ``# columns: a b c``, if it has one for each column."""
     for line in lines:
         text = uncomment(line, dialect.delimiter)
@@ -236,7 +238,7 @@ _NUMBERED = re.compile(
 )
 
 
-def _one_a_line(lines: Sequence[str], width: int) -> tuple[list[str], list[str]] | None:
+def _parse_column_lines(lines: Sequence[str], width: int) -> tuple[list[str], list[str]] | None:
     """The names and units of ``# time: s`` or ``# column 1: time [s]``, if so end the lines above.
 
     There is one comment for each column, and one before them that is none of them.
@@ -245,7 +247,11 @@ def _one_a_line(lines: Sequence[str], width: int) -> tuple[list[str], list[str]]
     for line in [line for line in lines if line.strip()][-width - 1 :]:
         text = _COMMENT.sub("", line, count=1).strip()
         number = _NUMBERED.match(text)
-        told = _told(text[number.end() :] if number else text) if text != line.strip() else None
+        told = (
+            _parse_name_unit(text[number.end() :] if number else text)
+            if text != line.strip()
+            else None
+        )
         if not told or (number and int(number[1]) != len(run) + 1):
             run = []
         else:
@@ -258,17 +264,17 @@ def _signals(lines: Sequence[str], width: int) -> tuple[list[str], list[str]] | 
     found = list(filter(None, map(_SIGNAL.match, lines)))
     if [int(one[1]) for one in found] != list(range(1, width + 1)):
         return None
-    told = [part_unit(one[2].strip()) for one in found]
+    told = [split_unit(one[2].strip()) for one in found]
     return [name for name, _ in told], [unit or "" for _, unit in told]
 
 
-def _told(text: str) -> tuple[str, str] | None:
+def _parse_name_unit(text: str) -> tuple[str, str] | None:
     """The name of a column and its unit, as ``time: s`` or ``time [s]``."""
     name, sign, word = text.partition(":")
-    if sign and units.find(_strip(word) if word.strip() else "") is not None:
+    if sign and units.find_unit(_strip(word) if word.strip() else "") is not None:
         return name.strip(), word.strip()
-    stem, unit = part_unit(text)
-    return (stem, unit) if unit and units.find(unit) is not None else None
+    stem, unit = split_unit(text)
+    return (stem, unit) if unit and units.find_unit(unit) is not None else None
 
 
 def _pick(rows: Sequence[list[str]], dialect: Dialect) -> tuple[list[str], list[str], list[str]]:
@@ -282,11 +288,11 @@ def _pick(rows: Sequence[list[str]], dialect: Dialect) -> tuple[list[str], list[
     for i in range(len(rows) - 1, -1, -1):
         row, above = rows[i], rows[i - 1] if i else []
         if _is_units(row, dialect):
-            words = _both(row, words) if words else row
+            words = _merge_unit_rows(row, words) if words else row
         elif _is_names(row, dialect):
             beside = not words and len(above) == len(row) and _is_units(above, dialect)
             words, upper = (above, rows[i - 2] if i > 1 else []) if beside else (words, above)
-            return _under(row, upper, words), words, odd
+            return _fill_blank_names(row, upper, words), words, odd
         elif not words and not odd and len(row) > 1 and _holds_units(row):
             odd = row
         elif any(row) and (words or len(row) >= max(2, width - 1)):
@@ -294,26 +300,28 @@ def _pick(rows: Sequence[list[str]], dialect: Dialect) -> tuple[list[str], list[
     return [], words, odd
 
 
-def _under(row: Sequence[str], above: Sequence[str], words: Sequence[str]) -> list[str]:
+def _fill_blank_names(row: Sequence[str], above: Sequence[str], words: Sequence[str]) -> list[str]:
     """The names, and where one is blank the one above it that is a name with its unit.
 
     So stands a cell that runs over both rows of names of a sheet: its text is in the upper one.
     """
     found = list(row)
     for i, (name, upper) in enumerate(zip(row, above, strict=False)):
-        word = words[i] if i < len(words) else part_unit(upper)[1]
-        known = word is not None and units.find(_strip(word) if word.strip() else "") is not None
-        if not name and known and vocabulary.matches(part_unit(upper)[0]):
+        word = words[i] if i < len(words) else split_unit(upper)[1]
+        known = (
+            word is not None and units.find_unit(_strip(word) if word.strip() else "") is not None
+        )
+        if not name and known and vocabulary.matches(split_unit(upper)[0]):
             found[i] = upper
     return found
 
 
-def _both(above: Sequence[str], below: Sequence[str]) -> list[str]:
+def _merge_unit_rows(above: Sequence[str], below: Sequence[str]) -> list[str]:
     """Two rows of units as one: where they differ, what both say."""
     merged = []
     for i in range(max(len(above), len(below))):
         upper, lower = (_strip(row[i]) if i < len(row) else "" for row in (above, below))
-        same = not upper or not lower or units.same(upper, lower)
+        same = not upper or not lower or units.is_same_unit(upper, lower)
         merged.append((lower or upper) if same else _either(upper, lower))
     return merged
 
@@ -335,10 +343,10 @@ def _is_units(row: Sequence[str], dialect: Dialect) -> bool:
 def _holds_units(row: Sequence[str]) -> bool:
     """Whether most filled cells of a row are unit words."""
     texts = [text for text in row if text.strip(" -[]()")]
-    filled = Counter(vocabulary.unnumbered(_strip(text)) for text in texts)
+    filled = Counter(vocabulary.replace_channel_number(_strip(text)) for text in texts)
     if not filled or not (all(map(_is_bracketed, texts)) or _most_are_units(filled)):
         return False
-    words = map(vocabulary.plain, filled)
+    words = map(vocabulary.normalise_name, filled)
     named = any(word in vocabulary.FIRST and word not in vocabulary.COUNTED for word in words)
     return not named and not all(map(_is_name_over_unit, filled))
 
@@ -354,7 +362,9 @@ def _most_are_units(words: Counter[str]) -> bool:
 
 
 def _says_unit(word: str) -> bool:
-    known = units.find(word) is not None or vocabulary.plain(word) in vocabulary.COUNTED
+    known = (
+        units.find_unit(word) is not None or vocabulary.normalise_name(word) in vocabulary.COUNTED
+    )
     return known or _unit_shape(word)
 
 
@@ -374,7 +384,7 @@ def _unit_shape(word: str) -> bool:
     if " in " in word:  # "t in s" is a name with its unit: no tonne-inch-seconds
         return False
     parts = [part for part in re.split(r"[/*·.^²³()\d\s-]+", word) if part]
-    return bool(parts) and len(parts) > 1 and all(units.find(part) for part in parts)
+    return bool(parts) and len(parts) > 1 and all(units.find_unit(part) for part in parts)
 
 
 def _is_names(row: Sequence[str], dialect: Dialect) -> bool:
@@ -387,11 +397,11 @@ def _is_names(row: Sequence[str], dialect: Dialect) -> bool:
 
 def _misfits(row: Sequence[str], dialect: Dialect) -> bool:
     """Whether a row would name columns if it were as wide as the table."""
-    named = [text for text in row if vocabulary.matches(part_unit(text)[0])]
+    named = [text for text in row if vocabulary.matches(split_unit(text)[0])]
     return len(named) > 1 and not _fits(row, dialect)
 
 
-def changed(
+def find_header_change(
     lines: Sequence[str], dialect: Dialect, columns: Sequence[Column], indexes: Sequence[int]
 ) -> str | None:
     """Return what a header inside the table says otherwise than the first, None if it is none."""
@@ -403,7 +413,7 @@ def changed(
     pairs = ((columns[i], again.columns[i]) for i in indexes)
     return next(
         (
-            f"{_written(new)} where the first says {_written(old)}"
+            f"{_format_column(new)} where the first says {_format_column(old)}"
             for old, new in pairs
             if _contradicts(old, new)
         ),
@@ -413,16 +423,20 @@ def changed(
 
 def _says_columns(columns: Sequence[Column]) -> bool:
     """Whether at least half of what stands there is a name or a unit that is known."""
-    known = sum(bool(vocabulary.matches(c.name) or units.find(c.unit or "")) for c in columns)
+    known = sum(bool(vocabulary.matches(c.name) or units.find_unit(c.unit or "")) for c in columns)
     return known > 0 and 2 * known >= sum(bool(c.name or c.unit) for c in columns)
 
 
 def _contradicts(old: Column, new: Column) -> bool:
     """Whether both have a name, or a unit, and not the same."""
-    named = old.name and new.name and vocabulary.plain(old.name) != vocabulary.plain(new.name)
-    rated = old.unit and new.unit and not units.same(old.unit, new.unit)
+    named = (
+        old.name
+        and new.name
+        and vocabulary.normalise_name(old.name) != vocabulary.normalise_name(new.name)
+    )
+    rated = old.unit and new.unit and not units.is_same_unit(old.unit, new.unit)
     return bool(named or rated)
 
 
-def _written(column: Column) -> str:
+def _format_column(column: Column) -> str:
     return f"'{column.name}" + (f" [{column.unit}]'" if column.unit else "'")

@@ -21,7 +21,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.reading.text import cells as cell
 from dashpot.reading.text.dialect import Dialect
-from dashpot.reading.text.fixed_decimals import parted
+from dashpot.reading.text.fixed_decimals import split_line_cells
 from dashpot.reading.text.timestamps import ClockColumn
 
 _PAYS = 1 << 19
@@ -69,7 +69,7 @@ class PlainRows:
 
     def read(self, text: str) -> FloatArray | None:
         """Return the numbers of whole lines, None if one of them is not surely a plain row."""
-        unquoted = self._unquoted(text)
+        unquoted = self._remove_quotes(text)
         if unquoted is None or not self.clocks:
             return None if unquoted is None else self._numbers_even_grouped(unquoted)
         bare, cells = self._without_clocks(unquoted)
@@ -102,7 +102,7 @@ class PlainRows:
         if values is not None or self.blanks or self.groups is None:
             return values
         found = list(self.groups.finditer(unquoted))
-        values = self._numbers(self.groups.sub(_joined, unquoted)) if found else None
+        values = self._numbers(self.groups.sub(_join_digit_groups, unquoted)) if found else None
         if values is not None and self.dialect.mark == ".":
             codes = _codes(unquoted)
             ends = np.flatnonzero((codes == ord(self.dialect.delimiter)) | (codes == 10))
@@ -120,7 +120,7 @@ class PlainRows:
         raw = _latin(unquoted)
         found, width = None, len(self.dialect.contents)
         if self.even or not self.blanks:
-            found = parted(raw, ord(self.dialect.delimiter))
+            found = split_line_cells(raw, ord(self.dialect.delimiter))
         if found is not None and (len(found.ends) < width or found.lengths[width:].any()):
             found = None
         if found is not None and self.even:
@@ -154,7 +154,7 @@ class PlainRows:
         blank = values is not None and np.isnan(values).all(axis=1).any()
         return None if blank else values
 
-    def _unquoted(self, text: str) -> str | None:
+    def _remove_quotes(self, text: str) -> str | None:
         """The text without quotes, a blank for each delimiter in them; None if a line ends there.
 
         None, too, where blanks part the cells. Only numbers are read of it: what is no Latin letter
@@ -228,7 +228,7 @@ def _grouped_between(sign: str, mark: cell.Mark) -> re.Pattern[str] | None:
     return re.compile(rf"((?:(?<=[{sign}\n])|\A){digits})({cell.GROUPS[mark]})(?={rest}[{sign}\n])")
 
 
-def _joined(found: re.Match[str]) -> str:
+def _join_digit_groups(found: re.Match[str]) -> str:
     return found[1] + "".join(filter(str.isdigit, found[2]))
 
 

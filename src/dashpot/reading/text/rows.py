@@ -11,14 +11,14 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
-from dashpot.reading.table import Column, Loaded, Question
+from dashpot.reading.table import Column, LoadedColumns, Question
 from dashpot.reading.text import cells as cell
 from dashpot.reading.text import decimal_marks
 from dashpot.reading.text.dialect import LONGEST, Dialect, like_number
-from dashpot.reading.text.header import changed
+from dashpot.reading.text.header import find_header_change
 from dashpot.reading.text.plain_rows import PlainRows, line_count
 from dashpot.reading.text.timestamps import ClockColumn
-from dashpot.reading.time_budget import Patience
+from dashpot.reading.time_budget import TimeBudget
 
 _PATIENT = 64
 _MENTIONED = 50
@@ -120,8 +120,8 @@ def load_rows(
     heading: Heading | None = None,
     *,
     sure: bool = True,
-    patience: Patience | None = None,
-) -> Loaded:
+    patience: TimeBudget | None = None,
+) -> LoadedColumns:
     """Return the columns `indexes` of the table, from blocks of whole lines.
 
     Unless the decimal mark is `sure`, what can be read two ways is left as a doubt. Reading may
@@ -133,29 +133,29 @@ def load_rows(
         If a line between the rows holds numbers as they do, but more or fewer; or if it takes too
         long.
     """
-    patience = patience or Patience(None)
-    with patience.counted():
-        return _loaded(blocks, dialect, indexes, heading or Heading(), patience, sure=sure)
+    patience = patience or TimeBudget(None)
+    with patience.count_time_spent():
+        return _load_columns(blocks, dialect, indexes, heading or Heading(), patience, sure=sure)
 
 
-def _loaded(
+def _load_columns(
     blocks: Callable[[], Iterator[str]],
     dialect: Dialect,
     indexes: Sequence[int],
     heading: Heading,
-    patience: Patience,
+    patience: TimeBudget,
     *,
     sure: bool,
-) -> Loaded:
+) -> LoadedColumns:
     got = _Gathered(segments=[heading.title])
     reader = _Reader(dialect, tuple(indexes), heading, got, patience)
     first = tail = ""
     line = dialect.first + 1
-    for text in _below(blocks(), dialect.first):
+    for text in _drop_first_lines(blocks(), dialect.first):
         line += reader.read(text, line)
         first = first or text.partition("\n")[0]
         tail = (tail + text[-_TAIL:])[-_TAIL:]
-    values = _assembled(got, len(indexes))
+    values = _merge_parts(got, len(indexes))
     notes = [*got.notes(), *reader.finish(values)]
     last = tail.rstrip().split("\n")[1:]
     if not got.between:
@@ -166,12 +166,12 @@ def _loaded(
         notes.append("the last row is cut off within its last number and was left out")
     if not sure:
         points = decimal_marks.open_columns(values)
-        below = _patient(_below(blocks(), dialect.first), patience, dialect.first + 1)
+        below = _patient(_drop_first_lines(blocks(), dialect.first), patience, dialect.first + 1)
         commas = reader.grouped | reader.plain.commas
         asked = decimal_marks.ambiguous(below, dialect, indexes, commas, points)
         got.doubts += [(None, question) for question in asked]
     starts, names = tuple(got.starts), tuple(got.segments)
-    return Loaded(
+    return LoadedColumns(
         values, starts, names, tuple(got.lines), tuple(notes), tuple(got.doubts), tuple(got.above)
     )
 
@@ -190,7 +190,7 @@ def _labels(first: str, last: str, dialect: Dialect, heading: Heading) -> list[s
     return notes[:2]
 
 
-def _assembled(got: _Gathered, width: int) -> FloatArray:
+def _merge_parts(got: _Gathered, width: int) -> FloatArray:
     """The parts as one array, each column in one piece; a part is let go once it is copied."""
     values = np.empty((got.rows, width), order="F")
     row = got.rows
@@ -201,7 +201,7 @@ def _assembled(got: _Gathered, width: int) -> FloatArray:
     return values
 
 
-def _below(blocks: Iterator[str], first: int) -> Iterator[str]:
+def _drop_first_lines(blocks: Iterator[str], first: int) -> Iterator[str]:
     """The text below the first lines, block by block."""
     for block in blocks:
         cut = _after_lines(block, first)
@@ -211,9 +211,9 @@ def _below(blocks: Iterator[str], first: int) -> Iterator[str]:
             yield text
 
 
-def _patient(blocks: Iterator[str], patience: Patience, line: int) -> Iterator[str]:
+def _patient(blocks: Iterator[str], patience: TimeBudget, line: int) -> Iterator[str]:
     for text in blocks:
-        patience.asked(line)
+        patience.check_time_limit(line)
         yield text
         line += line_count(text)
 
@@ -249,7 +249,7 @@ class _Reader:
         indexes: tuple[int, ...],
         heading: Heading,
         got: _Gathered,
-        patience: Patience,
+        patience: TimeBudget,
     ) -> None:
         self.patience = patience
         self.dialect = dialect
@@ -278,7 +278,7 @@ class _Reader:
         if values is not None:
             self._add(values, line)
             return len(values)
-        self.patience.asked(line)
+        self.patience.check_time_limit(line)
         count = line_count(text)
         if self.plain.possible and count > _PATIENT:
             cut = _after_lines(text, count // 2)
@@ -290,7 +290,7 @@ class _Reader:
         self._find_like(lines)
         for number, text_line in enumerate(lines, start=line):
             if number % _PATIENT == 0:
-                self.patience.asked(number)
+                self.patience.check_time_limit(number)
             row = self._row(text_line, begun=bool(run)) if text_line not in self.no_rows else None
             if row is not None:
                 run.append(self._numbers(row, number))
@@ -298,7 +298,7 @@ class _Reader:
             if run:
                 self._add(np.array(run), number - len(run))
                 run = []
-            self._between(text_line, number)
+            self._add_other_line(text_line, number)
         if run:
             self._add(np.array(run), line + len(lines) - len(run))
         return count
@@ -306,7 +306,7 @@ class _Reader:
     def finish(self, values: FloatArray) -> list[str]:
         """Judge the end of the file and the clocks; return notes."""
         between = self.got.between
-        if self.got.rows and between and self._odd(between[0]):
+        if self.got.rows and between and self._is_malformed_row(between[0]):
             number, text = between[0]
             found = cell.split(text, self.dialect.delimiter)
             cut_off = len(between) == 1 and len(found) < len(self.dialect.contents)
@@ -314,7 +314,7 @@ class _Reader:
                 self._refuse(number, text)
         notes = []
         for place, clock in self.clocks.items():
-            nights, asked = clock.settled(values[:, place])
+            nights, asked = clock.apply_day_changes(values[:, place])
             self.got.doubts += [(None, question) for question in asked]
             notes += [f"the clock passes midnight at row {row + 1}" for row in nights[:3]]
         return notes
@@ -325,9 +325,9 @@ class _Reader:
         if got.rows and got.between:
             alone = len(got.between) == 1
             for one in (got.between[0], got.between[-1]):
-                if self._odd(one) or (alone and like_number(one[1].strip())):
+                if self._is_malformed_row(one) or (alone and like_number(one[1].strip())):
                     self._refuse(*one)
-            found = self._changed()
+            found = self._find_header_change()
             self.changed = self.changed if found is None else found  # it holds until the next
             before = len(got.starts)
             got.part(found)
@@ -338,7 +338,7 @@ class _Reader:
         got.between.clear()
         got.add(values, line)
 
-    def _changed(self) -> str | None:
+    def _find_header_change(self) -> str | None:
         """What a second header says otherwise than the first; None if there is no header."""
         if not self.heading.columns:
             return ""
@@ -350,7 +350,7 @@ class _Reader:
         return odd and f"line {number} ends a second header, {odd}"
 
     def _odd_header(self, texts: Sequence[str]) -> str | None:
-        return changed(texts, self.dialect, self.heading.columns, self.indexes)
+        return find_header_change(texts, self.dialect, self.heading.columns, self.indexes)
 
     def _find_like(self, lines: Sequence[str]) -> None:
         """A row that lacks nothing, from which the places of blank cells can be told."""
@@ -381,7 +381,7 @@ class _Reader:
                 self.grouped.add(place)
         return values
 
-    def _between(self, line: str, number: int) -> None:
+    def _add_other_line(self, line: str, number: int) -> None:
         """Keep a line that is no row: a heading of the next segment, or what ends the file."""
         between = self.got.between
         if re.search(r"\w", line):
@@ -396,7 +396,7 @@ class _Reader:
             for i in self.dialect.numbers
         )
 
-    def _odd(self, one: tuple[int, str]) -> bool:
+    def _is_malformed_row(self, one: tuple[int, str]) -> bool:
         """Whether a line beside rows holds numbers as they do, and is none."""
         text = one[1]
         if text not in self.odd:

@@ -31,7 +31,7 @@ _MONTHS = ["jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct",
 _GERMAN = {"mär": "mar", "mai": "may", "okt": "oct", "dez": "dec"}
 
 
-class Moment(NamedTuple):
+class Timestamp(NamedTuple):
     """One cell: its date as written, the seconds of its day, and its parts.
 
     ``12:30`` alone can be hours and minutes or minutes and seconds: its parts are "", and its
@@ -43,7 +43,7 @@ class Moment(NamedTuple):
     parts: str
 
 
-def moment(cell: str) -> Moment | None:
+def moment(cell: str) -> Timestamp | None:
     """Return what ``09:18:09.717``, ``1/5/2024 9:18:09 PM`` or ``18:09.7`` says, or None."""
     match = _CLOCK.match(cell) if cell[:1].isdigit() else None
     if match is None:
@@ -52,22 +52,22 @@ def moment(cell: str) -> Moment | None:
         default=""
     )
     if tenths:  # a fraction belongs to seconds: these are minutes before them
-        return Moment(date, 60.0 * int(first) + float(f"{second}.{tenths[1:]}"), "ms")
+        return Timestamp(date, 60.0 * int(first) + float(f"{second}.{tenths[1:]}"), "ms")
     hours = int(first) % 12 + 12 * (half in "Pp") if half else int(first)
     seconds = 60.0 * (60 * hours + int(second)) + float(f"{third or 0}.{part or thousandths or 0}")
     east = 60.0 * (60 * int(zone[0]) + int(zone[1])) if sign else 0.0  # an hour lost in autumn
     seconds += east if sign == "-" else -east
-    return Moment(date, seconds, "hms" if third or half or date else "")
+    return Timestamp(date, seconds, "hms" if third or half or date else "")
 
 
-def instant(cell: str) -> Moment | None:
+def instant(cell: str) -> Timestamp | None:
     """Return what a cell of a column of clock times says: a date alone is its midnight."""
-    return moment(cell) or (Moment(cell, 0.0, "hms") if _DATE.match(cell) else None)
+    return moment(cell) or (Timestamp(cell, 0.0, "hms") if _DATE.match(cell) else None)
 
 
 @dataclass
 class ClockColumn:
-    """Reads the cells of one column in their order; `settled` then judges the whole.
+    """Reads the cells of one column in their order; `apply_day_changes` then judges the whole.
 
     `order` is what the header or the user says of it: "ms", "hm", "dmy", "mdy" or "".
     """
@@ -76,9 +76,9 @@ class ClockColumn:
     rows: int = 0
     dates: list[tuple[int, str]] = field(default_factory=list)
     doubtful: str = ""
-    _minutes: dict[str, Moment | None] = field(default_factory=dict)
+    _minutes: dict[str, Timestamp | None] = field(default_factory=dict)
 
-    def many(self, cells: Sequence[str]) -> list[Moment] | None:
+    def many(self, cells: Sequence[str]) -> list[Timestamp] | None:
         """What many cells say, None unless each ends in seconds; only `add` counts them.
 
         What stands before the seconds is understood once a minute.
@@ -94,10 +94,10 @@ class ClockColumn:
             if minute is None or not _SECONDS.match(tail):
                 return None
             seconds = minute.seconds + float(tail.replace(",", "."))
-            found.append(Moment(minute.date, seconds, "hms"))
+            found.append(Timestamp(minute.date, seconds, "hms"))
         return found
 
-    def add(self, found: Sequence[Moment]) -> FloatArray:
+    def add(self, found: Sequence[Timestamp]) -> FloatArray:
         """Return the seconds of the next cells, of which :meth:`many` said this."""
         date = self.dates[-1][1] if self.dates else None
         for row, one in enumerate(found, start=self.rows):
@@ -120,7 +120,7 @@ class ClockColumn:
             self.doubtful = self.doubtful or cell
         return found.seconds / 60.0 if minutes and not found.parts else found.seconds
 
-    def settled(self, values: FloatArray) -> tuple[list[int], list[Question]]:
+    def apply_day_changes(self, values: FloatArray) -> tuple[list[int], list[Question]]:
         """Add the days to the seconds; return the rows where midnight passes, and what to ask."""
         if self.doubtful:
             three = self.doubtful.count(":") > 1

@@ -6,11 +6,19 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from dashpot.base.number_format import counted, hertz, rounded, seals, shown
-from dashpot.base.reported_values import Fact
-from dashpot.base.units import in_unit
+from dashpot.base.number_format import format_count, format_with_error, hertz, round_to_error, seals
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.units import convert_to_unit
 from dashpot.report.first_screen import NBSP, Row
-from dashpot.report.page_content import Fold, Group, KindPage, Topic, lights, row, who
+from dashpot.report.page_content import (
+    CollapsibleSection,
+    Group,
+    KindPage,
+    Topic,
+    format_specimen_header,
+    lights,
+    row,
+)
 from dashpot.report.tables import TextTable
 from dashpot.workflow.response.frf_prediction import Prediction
 from dashpot.workflow.vibration.impact_tests import Agreement
@@ -32,23 +40,23 @@ def mode_rows(mode: Any) -> Iterator[Row]:
 def modes_page(found: Modes) -> KindPage:
     """What the page of hits or FRFs holds."""
     frf, first = found.frf, next(iter(found), None)
-    used = f"{frf.averages} of {len(frf.hits)} used" if frf.hits else counted(1, "FRF")
-    top = f"to {rounded(float(frf.frequency[-1]), digits=3)}{NBSP}Hz"
+    used = f"{frf.averages} of {len(frf.hits)} used" if frf.hits else format_count(1, "FRF")
+    top = f"to {round_to_error(float(frf.frequency[-1]), digits=3)}{NBSP}Hz"
     asked = (
         Topic("Hits" if frf.hits else "FRF", says=used),
         Topic("Resonance", _RESONANCE,
-             "" if first is None else f"{rounded(first.frequency, digits=4)}{NBSP}Hz"),
+             "" if first is None else f"{round_to_error(first.frequency, digits=4)}{NBSP}Hz"),
         Topic("Band", {"coherence", "hammer_excites", "mass_line", "scatter_known"}, top),
     )  # fmt: skip
     hits = tuple(
-        (one.name, f"{one.time:.3f}", rounded(one.peak, digits=3),
-         rounded(in_unit(one.duration, "ms"), digits=3),
+        (one.name, f"{one.time:.3f}", round_to_error(one.peak, digits=3),
+         round_to_error(convert_to_unit(one.duration, "ms"), digits=3),
          "accepted" if one.accepted else f"rejected: {'; '.join(one.reasons)}")
         for one in frf.hits
     )  # fmt: skip
     marks = tuple("" if one.accepted else "bad" for one in frf.hits)
     head = ("hit", "time, s", "peak, N", "pulse, ms", "verdict")
-    fold = Fold("Every hit", used, TextTable(head, hits, marks))
+    fold = CollapsibleSection("Every hit", used, TextTable(head, hits, marks))
     return KindPage(
         about="hammer test" if frf.hits else "measured FRF",
         strip=(("Hits", used), ("Averages", str(frf.averages)),
@@ -58,7 +66,7 @@ def modes_page(found: Modes) -> KindPage:
         lights=lights(found.checks, *asked),
         answers="Measured response",
         picture=found.plot(),
-        told=counted(len(found), "mode").capitalize(),
+        told=format_count(len(found), "mode").capitalize(),
         groups=tuple(Group(f"Mode {i}", tuple(mode_rows(one)))
                      for i, one in enumerate(list(found)[:4], start=1)),
         sources=tuple(dict.fromkeys(frf.source)),
@@ -71,9 +79,10 @@ def prediction_page(found: Prediction) -> KindPage:
     """What the page of a prediction holds."""
     hz, height = found.peak
     weight = (
-        f"{shown(found.mass, 'g', digits=4)} on {counted(int(found.seals), 'seal')}"
+        f"{format_with_error(found.mass, 'g', digits=4)} on "
+        f"{format_count(int(found.seals), 'seal')}"
         if found.seals == int(found.seals)
-        else shown(found.mass, "g", digits=4)
+        else format_with_error(found.mass, "g", digits=4)
     )
     peak: list[Row] = []
     bounds = found.limits
@@ -83,14 +92,14 @@ def prediction_page(found: Prediction) -> KindPage:
         ("Height", height, None if bounds is None else bounds.peak_height, ""),
     ):  # fmt: skip
         low, high = ends or (math.nan, math.nan)
-        told = row(Fact(name, value, low, high, unit))
+        told = row(ReportedValue(name, value, low, high, unit))
         peak.append(told._replace(unit=told.unit or found.frf.read, bound=ends is not None))
     return KindPage(
         about=f"prediction of {weight}",
-        strip=(*who(found.fit.specimen), ("Mass", weight),
+        strip=(*format_specimen_header(found.fit.specimen), ("Mass", weight),
                ("Valid band", hertz(found.fit.band)), ("Fit", found.fit.identity[:8])),
         lights=lights(found.checks, Topic("Test"),
-                      Topic("Peak", _PEAK, f"{rounded(hz, digits=4)}{NBSP}Hz"),
+                      Topic("Peak", _PEAK, f"{round_to_error(hz, digits=4)}{NBSP}Hz"),
                       Topic("Rest", {"compression_tested"}, "within the depth tested")),
         answers="Predicted response",
         picture=found.plot(),
@@ -112,7 +121,7 @@ def agreement_page(found: Agreement) -> KindPage:
     rows = tuple(Row(name, predicted, "", "", "", measured, bound=False)
                  for name, predicted, measured, _ in c.rows)  # fmt: skip
     differ = tuple((name, predicted, measured, off) for name, predicted, measured, off in c.rows)
-    weight = f"{shown(found.mass, 'g', digits=4)} on {seals(found.seals)}"
+    weight = f"{format_with_error(found.mass, 'g', digits=4)} on {seals(found.seals)}"
     return KindPage(
         about=f"prediction against the hammer, {weight}",
         strip=(("Mass", weight), ("Lines", str(len(c.measured.frequency))),
@@ -126,7 +135,7 @@ def agreement_page(found: Agreement) -> KindPage:
         groups=(Group("", tuple(one._replace(unit=one.measured, measured="") for one in rows)),),
         note="The last column is what the hammer measured.",
         sources=tuple(dict.fromkeys(c.measured.source)),
-        folds=(Fold("How far apart", c.lines,
+        folds=(CollapsibleSection("How far apart", c.lines,
                     TextTable(("", "predicted", "measured", "difference"), differ)),),
         name="comparison",
     )  # fmt: skip

@@ -10,16 +10,25 @@ from typing import Any
 import numpy as np
 
 from dashpot import plot
-from dashpot.base.number_format import counted, duration, hertz, rounded
-from dashpot.base.reported_values import NORMAL, Fact
-from dashpot.base.units import in_unit, read_in, written
+from dashpot.base.number_format import duration, format_count, hertz, round_to_error
+from dashpot.base.reported_values import NORMAL, ReportedValue
+from dashpot.base.units import convert_to_unit, format_quantity, get_display_unit
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.plot.picture import Span
 from dashpot.report.figures import LEAD
 from dashpot.report.first_screen import NBSP, Row
-from dashpot.report.page_content import Fold, Group, KindPage, Topic, group, lights, row, who
+from dashpot.report.page_content import (
+    CollapsibleSection,
+    Group,
+    KindPage,
+    Topic,
+    format_specimen_header,
+    group,
+    lights,
+    row,
+)
 from dashpot.report.result_pages.frf_pages import mode_rows
 from dashpot.report.tables import TextTable
 from dashpot.workflow.vibration.impact_tests import Identified
@@ -75,7 +84,7 @@ def _solid(found: Fit | Identified, fit: Fit) -> KindPage:
     """A page of a solid: stiffness and loss over frequency, its arms one by one."""
     material, moved = fit.unit == "Pa", fit.temperatures
     name = "The material" if material else "One seal"
-    high = rounded(fit.band[1], digits=2)
+    high = round_to_error(fit.band[1], digits=2)
     at_end = fit.end_of_hold
     known = at_end.fact(fit.model, fit.unit) if at_end else next(iter(fit.facts), None)
     stiff = "" if known is None else f"{known.cells.value} {known.word}"
@@ -85,23 +94,29 @@ def _solid(found: Fit | Identified, fit: Fit) -> KindPage:
     else:
         asked = [Topic("Superposition", _CURVE, "one curve"),
                  Topic("Shifts", _SHIFTS, _law_of(fit)),
-                 Topic("Arms", OF_LOSS | OF_REST, counted(fit.model.arms, "arm"))]  # fmt: skip
-    strip = [*who(fit.specimen), *_pressed(fit), ("Valid band", hertz(fit.band)),
-             ("Fit", fit.identity[:8])]  # fmt: skip
+                 Topic("Arms", OF_LOSS | OF_REST, format_count(fit.model.arms, "arm"))]  # fmt: skip
+    strip = [
+        *format_specimen_header(fit.specimen),
+        *_make_condition_cells(fit),
+        ("Valid band", hertz(fit.band)),
+        ("Fit", fit.identity[:8]),
+    ]
     return KindPage(
-        about="master curve" if moved is not None and material else _tested(fit),
+        about="master curve" if moved is not None and material else _format_test_name(fit),
         strip=tuple(strip),
         lights=lights(found.checks, Topic("Test"), *asked),
         answers=f"What {name.lower()} does at each frequency",
         picture=over_frequency(fit),
-        told=f"{name}, {_called(fit)}",
-        groups=tuple(of_solid(fit)),
+        told=f"{name}, {_format_model_name(fit)}",
+        groups=tuple(make_solid_groups(fit)),
         note="From and to are the 95 % interval; at the end of the test and at rest they are the "
-        "bound that it leaves." if at_end else KindPage.note,
+        "bound that it leaves."
+        if at_end
+        else KindPage.note,
         sources=tuple(dict.fromkeys(fit.source)),
-        folds=tuple(_moreof_solid(fit)),
+        folds=tuple(_make_solid_sections(fit)),
         name="fit",
-    )  # fmt: skip
+    )
 
 
 def over_frequency(fit: Fit, records: Sequence[Any] = ()) -> plot.Picture:
@@ -136,30 +151,30 @@ def _law_of(fit: Fit) -> str:
     return {"wlf": "WLF holds", "arrhenius": "Arrhenius holds"}.get(law, "each its own")
 
 
-def _tested(fit: Fit) -> str:
+def _format_test_name(fit: Fit) -> str:
     made = {"dynamic": "dynamic sweep", "creep": "creep test"}.get(fit.method, "relaxation test")
     several = len(fit.source)
     return made if several < 2 else f"{several} files, {made}s"
 
 
-def _called(fit: Fit) -> str:
-    return "fractional solid" if fit.family == "fractional" else counted(fit.model.arms, "arm")
+def _format_model_name(fit: Fit) -> str:
+    return "fractional solid" if fit.family == "fractional" else format_count(fit.model.arms, "arm")
 
 
-def _pressed(fit: Fit) -> Iterator[tuple[str, str]]:
+def _make_condition_cells(fit: Fit) -> Iterator[tuple[str, str]]:
     """Facts of a fit beside its specimen: the hold, the temperatures."""
     if fit.end_of_hold is not None and not fit.end_of_hold.in_frequency:
         yield "Held", duration(fit.end_of_hold.time)
     if fit.temperatures is not None:
         every = [one.temperature for one in fit.temperatures.shifts]
         ends = " to ".join(
-            rounded(in_unit(one, "°C"), digits=3) for one in (min(every), max(every))
+            round_to_error(convert_to_unit(one, "°C"), digits=3) for one in (min(every), max(every))
         )
-        yield "Reference", written(fit.temperatures.reference, "°C", ".4g")
+        yield "Reference", format_quantity(fit.temperatures.reference, "°C", ".4g")
         yield "Temperatures", f"{len(every)}, {ends} °C"
 
 
-def of_solid(fit: Fit) -> Iterator[Group]:
+def make_solid_groups(fit: Fit) -> Iterator[Group]:
     """Stiffness at the end and at rest, stiffness and loss within the band, arms, shifts."""
     known = {one.name: one for one in fit.known}
     first: list[Row] = []
@@ -172,17 +187,17 @@ def of_solid(fit: Fit) -> Iterator[Group]:
         rest = known.pop("k_inf")
         first.append(row(rest, "Below the band" if rest.words else "At rest, k∞"))
     yield Group("Stiffness" if fit.unit != "Pa" else "Modulus", tuple(first))
-    yield Group("Inside the valid band", tuple(_in_band(fit)))
+    yield Group("Inside the valid band", tuple(_make_band_rows(fit)))
     others = [one for name, one in known.items() if not name.startswith("b_")]
     if fit.model.arms <= _FEW_ARMS or fit.family == "fractional":
         yield group("Arms: k, τ", others) if others else Group("", ())
     elif not fit.parameters:
         yield group("Spectrum", others)
     if fit.temperatures is not None:
-        yield from _of_temperatures(fit)
+        yield from _make_temperature_groups(fit)
 
 
-def _in_band(fit: Fit) -> Iterator[Row]:
+def _make_band_rows(fit: Fit) -> Iterator[Row]:
     """Storage and loss factor at the middle of the band, with what the parameters leave open."""
     low, high = fit.band
     if not (0 < low < high):
@@ -196,10 +211,10 @@ def _in_band(fit: Fit) -> Iterator[Row]:
     ):
         value = float(getattr(fit.solid, name)(frequency=at))
         least, most = (math.nan,) * 2 if band is None else getattr(band, name)[:, 0].tolist()
-        yield row(Fact(f"{words} at {at:g}{NBSP}Hz", value, least, most, unit))
+        yield row(ReportedValue(f"{words} at {at:g}{NBSP}Hz", value, least, most, unit))
 
 
-def _of_temperatures(fit: Fit) -> Iterator[Group]:
+def _make_temperature_groups(fit: Fit) -> Iterator[Group]:
     moved = fit.temperatures
     assert moved is not None  # noqa: S101
     # an error of the noise alone is no interval, and says so
@@ -207,22 +222,22 @@ def _of_temperatures(fit: Fit) -> Iterator[Group]:
     if moved.constants:
         law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(moved.law.kind, "law")
         yield Group(
-            f"{law} about {written(moved.reference, '°C', '.4g')}{alone}",
-            tuple(_by_error(one, alone=bool(alone)) for one in moved.constants),
+            f"{law} about {format_quantity(moved.reference, '°C', '.4g')}{alone}",
+            tuple(_make_error_row(one, alone=bool(alone)) for one in moved.constants),
         )
     every = moved.shifts
     ends = every if len(every) <= _FEW_ARMS // 2 else (every[0], every[len(every) // 2], every[-1])
     yield Group(
         f"Shift, log₁₀ a_T{alone}",
         tuple(
-            _by_error(one.facts[0], f"At {written(one.temperature, '°C', '.4g')}",
+            _make_error_row(one.facts[0], f"At {format_quantity(one.temperature, '°C', '.4g')}",
                       alone=bool(alone))
             for one in ends
         ),
     )  # fmt: skip
 
 
-def _by_error(fact: Fact, name: str = "", *, alone: bool) -> Row:
+def _make_error_row(fact: ReportedValue, name: str = "", *, alone: bool) -> Row:
     """A number with its standard error: as its 95 % interval, or beside it where that is more."""
     error = fact.error or 0.0
     if alone or not 0 < error < math.inf:
@@ -231,34 +246,41 @@ def _by_error(fact: Fact, name: str = "", *, alone: bool) -> Row:
     return row(replace(fact, low=fact.value - half, high=fact.value + half), name)
 
 
-def _moreof_solid(fit: Fit) -> Iterator[Fold]:
+def _make_solid_sections(fit: Fit) -> Iterator[CollapsibleSection]:
     if fit.parameters:
-        yield Fold(
+        yield CollapsibleSection(
             "Every parameter",
-            f"{_called(fit)}, each with its standard error; residual "
-            f"{rounded(fit.residual.rms * (1e3 if fit.residual.unit == 'N' else 1), digits=3)} "
+            f"{_format_model_name(fit)}, each with its standard error; residual "
+            f"{round_to_error(fit.residual.rms * (1e3 if fit.residual.unit == 'N' else 1), digits=3)} "
             f"{'mN' if fit.residual.unit == 'N' else fit.residual.unit}",
             _fact_table(fit.known),
         )
     else:
         arms = tuple(
-            (str(j), rounded(in_unit(k, read_in(fit.unit))), f"{tau:.4g}")
+            (str(j), round_to_error(convert_to_unit(k, get_display_unit(fit.unit))), f"{tau:.4g}")
             for j, (k, tau) in enumerate(zip(fit.model.k, fit.model.tau, strict=True), start=1)
         )
-        head = ("arm", f"k, {read_in(fit.unit)}", "τ, s")
-        yield Fold(
+        head = ("arm", f"k, {get_display_unit(fit.unit)}", "τ, s")
+        yield CollapsibleSection(
             "Every arm", "none has a meaning of its own: use the table", TextTable(head, arms)
         )
     if fit.temperatures is not None:
         shifts = tuple(
-            (written(one.temperature, "°C", ".4g"), along.cells.value, along.cells.error,
-             across.cells.value)
-            for one in fit.temperatures.shifts for along, across in (one.facts,)
-        )  # fmt: skip
+            (
+                format_quantity(one.temperature, "°C", ".4g"),
+                along.cells.value,
+                along.cells.error,
+                across.cells.value,
+            )
+            for one in fit.temperatures.shifts
+            for along, across in (one.facts,)
+        )
         names = ("temperature", "log₁₀ a_T", fit.error_beside, "b_T")
-        yield Fold("Every temperature", f"{len(shifts)} shifts", TextTable(names, shifts))
+        yield CollapsibleSection(
+            "Every temperature", f"{len(shifts)} shifts", TextTable(names, shifts)
+        )
 
 
-def _fact_table(facts: Sequence[Fact]) -> TextTable:
+def _fact_table(facts: Sequence[ReportedValue]) -> TextTable:
     rows = tuple((one.symbol, *one.cells[1:]) for one in facts)
     return TextTable(("", "value", "± SE", "95 % interval", "unit"), rows)

@@ -9,9 +9,17 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base import number_format
-from dashpot.base.checks import VERDICT_WORDS, Check, Finding, Grade, Remedy, criterion, shortly
-from dashpot.base.sentences import within
-from dashpot.base.units import GRAVITY, written
+from dashpot.base.checks import (
+    VERDICT_WORDS,
+    Check,
+    Finding,
+    Grade,
+    Remedy,
+    criterion,
+    format_short_message,
+)
+from dashpot.base.sentences import clip_sentences
+from dashpot.base.units import GRAVITY, format_quantity
 from dashpot.datamodel.fit import Fit
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.peaks import Peak
@@ -243,9 +251,9 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
     """The prediction is for the compression that the mass gives the seals."""
     at, depth = point.compression, point.depth
     says = (
-        f"The seals are compressed by {written(at, 'mm', '.2f')}, as given"
+        f"The seals are compressed by {format_quantity(at, 'mm', '.2f')}, as given"
         if point.given
-        else f"The mass sinks {written(at, 'mm', '.2f')} into the seals by its weight"
+        else f"The mass sinks {format_quantity(at, 'mm', '.2f')} into the seals by its weight"
     )
     if depth is None:
         return Finding(f"{says}. The depth of their test is not known")
@@ -253,22 +261,24 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
         return Finding(
             f"{says}. Its tangent stiffness there is "
             f"{number_format.with_error(point.factor, point.factor_se or np.nan)} times the secant "
-            f"at {written(depth, 'mm', '.3g')}",
+            f"at {format_quantity(depth, 'mm', '.3g')}",
             at,
-            f"The relaxation test went to {written(depth, 'mm', '.3g')} only. Beyond, its last "
+            f"The relaxation test went to {format_quantity(depth, 'mm', '.3g')} only. Beyond, its "
+            "last "
             "tangent is used",
             "Test the seal deeper.",
             limit=depth,
             faulted=point.beyond,
         )
     near = abs(at - depth) <= DEPTH_LIMIT * depth
-    tested = f"the {written(depth, 'mm', '.3g')} of the relaxation test"
+    tested = f"the {format_quantity(depth, 'mm', '.3g')} of the relaxation test"
     return Finding(
         f"{says}, close to {tested}"
         if near
         else f"{says}, not to {tested}. The frequency agrees all the same",
         at,
-        instead=f"{says}; the relaxation test was at {written(depth, 'mm', '.3g')}. A stiffness "
+        instead=f"{says}; the relaxation test was at {format_quantity(depth, 'mm', '.3g')}. A "
+        "stiffness "
         "that depends on depth makes the two tests differ",
         remedy=Remedy("Give the compression of the seals, if they were pressed.", "compression"),
         limit=depth,
@@ -278,29 +288,29 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
     )
 
 
-def conclusion(c: Comparison) -> str:
+def format_conclusion(c: Comparison) -> str:
     """What agrees, what does not, why, and what to do, as a verdict says it."""
     found = {check.name: check for check in c.checks}
     slip, tested = found["no_unit_slip"], found.get("damping_tested")
     if slip.failed:
-        return shortly(slip)
+        return format_short_message(slip)
     stiff = not found["stiffness_agrees"].failed
     damped = not (found["peak_agrees"].failed or found["damping_agrees"].failed)
     if stiff and damped and (tested is None or not tested.failed):
         return f"The prediction matches the measurement: {c.matched}."
-    first = _of_frequency(c, agrees=stiff)
+    first = _format_frequency_error(c, agrees=stiff)
     if damped:
         return f"{first} {_ASTRAY}"
-    second = _of_damping(c)
+    second = _format_damping_error(c)
     said = [second, first] if stiff else [first, second]
     if tested is not None and tested.failed:
         unseen = _time(tested.value or 0.0)
         said.append(f"The relaxation test cannot see the {unseen} that matter.")
-        return within(VERDICT_WORDS, said, [TOGETHER])
-    return within(VERDICT_WORDS, said, [TOGETHER if stiff else _ASTRAY])
+        return clip_sentences(VERDICT_WORDS, said, [TOGETHER])
+    return clip_sentences(VERDICT_WORDS, said, [TOGETHER if stiff else _ASTRAY])
 
 
-def _of_frequency(c: Comparison, *, agrees: bool) -> str:
+def _format_frequency_error(c: Comparison, *, agrees: bool) -> str:
     """How far the frequency of the peak is off, in a sentence."""
     off = f"{100 * c.frequency_error:+z.1f} %"
     if agrees:
@@ -309,7 +319,7 @@ def _of_frequency(c: Comparison, *, agrees: bool) -> str:
     return f"The peak is {where} ({off})."
 
 
-def _of_damping(c: Comparison) -> str:
+def _format_damping_error(c: Comparison) -> str:
     """How far its damping is off or, where that is not known, its height."""
     if c.predicted_damping is None or c.measured_damping is None:
         return f"The peak is {c.ratio_db:+z.1f} dB off."
@@ -318,4 +328,4 @@ def _of_damping(c: Comparison) -> str:
 
 
 def _time(value: float) -> str:
-    return written(value, "ms", ".3g") if value < 1 else f"{value:.3g} s"
+    return format_quantity(value, "ms", ".3g") if value < 1 else f"{value:.3g} s"

@@ -6,15 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, ComplexArray, kept
-from dashpot.base.choices import Method, words
+from dashpot.base.arrays import BoolArray, ComplexArray, cache_on_record
+from dashpot.base.choices import Method, get_choice_values
 from dashpot.base.errors import DashpotError, DataError
-from dashpot.base.units import GRAVITY, Quantity, Range, si, si_range
+from dashpot.base.units import GRAVITY, Quantity, Range, convert_to_si, si_range
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.numerics.inference.model_order import significant
 from dashpot.solids.maxwell import Solid
-from dashpot.vibration.comparison.checks import checks, conclusion
+from dashpot.vibration.comparison.checks import checks, format_conclusion
 from dashpot.vibration.comparison.comparison import ArmEvidence, Comparison
 from dashpot.vibration.modal.peaks import Peak, find_peak
 from dashpot.vibration.systems.frf_prediction import accelerance, mass_for_peak, model_modes
@@ -81,20 +81,20 @@ def compare(
         If the prediction is on other lines, or was made for another window and no solid is
         given to make it anew; or the fit's elastic law is not straight and no mass is given.
     """
-    mass, band = si(mass, "mass"), si_range(band, "frequency")
-    compression = si(compression, "length")
+    mass, band = convert_to_si(mass, "mass"), si_range(band, "frequency")
+    compression = convert_to_si(compression, "length")
     measured = measured.to(Kind.ACCELERANCE, mass=mass)
     measured = measured if band is None else measured.band(*band)
     given = _on_lines(predicted.to(Kind.ACCELERANCE, mass=mass), measured)
-    model, mass, point = _assembled(
+    model, mass, point = _assemble_mass_on_seals(
         given, model, fit, mass=mass, seals=seals, compression=compression
     )
     given = _as_tested(given, measured, model, mass)
-    keep = _compared(measured, find_peak(measured), explicit=band is not None)
+    keep = _select_compared_lines(measured, find_peak(measured), explicit=band is not None)
     modes = _modes(measured.only(keep)) if band is not None else _modes_compared(measured)
     measured, given = measured.only(keep), given.only(keep)
     measured_peak, predicted_peak = find_peak(measured), find_peak(given)
-    mode = _known(_nearest(modes, measured_peak.frequency))
+    mode = _drop_uncertain_mode(_find_nearest_mode(modes, measured_peak.frequency))
     comparison = Comparison(
         predicted=given,
         measured=measured,
@@ -126,7 +126,7 @@ def compare(
         point=point,
     )
     comparison = replace(comparison, checks=found)
-    return replace(comparison, says=conclusion(comparison))
+    return replace(comparison, says=format_conclusion(comparison))
 
 
 def infer_mass(model: Solid, frf: FRF) -> tuple[float, float]:
@@ -171,7 +171,7 @@ def _legend(fit: Fit | None, measured: FRF) -> str:
         return "predicted"
     if {one.sha256 for one in fit.source} & {one.sha256 for one in measured.source} - {""}:
         return "fitted to these hits"
-    alone = fit.method in words(Method)
+    alone = fit.method in get_choice_values(Method)
     return "predicted from relaxation" if alone else "predicted by the joint fit"
 
 
@@ -197,7 +197,7 @@ def _on_lines(predicted: FRF, measured: FRF) -> FRF:
     )
 
 
-def _assembled(
+def _assemble_mass_on_seals(
     predicted: FRF,
     model: Solid | None,
     fit: Fit | None,
@@ -262,7 +262,7 @@ def _as_tested(predicted: FRF, measured: FRF, model: Solid | None, mass: float |
     return predicted
 
 
-def _compared(measured: FRF, peak: Peak, *, explicit: bool) -> BoolArray:
+def _select_compared_lines(measured: FRF, peak: Peak, *, explicit: bool) -> BoolArray:
     keep = measured.usable
     if not explicit:
         near = (measured.frequency >= peak.frequency / AROUND_THE_PEAK) & (
@@ -287,14 +287,16 @@ def _predicted_damping(
     model: Solid | None, mass: float | None, predicted: FRF, peak: Peak
 ) -> float | None:
     modes = _modes(predicted) if model is None or mass is None else model_modes(model, mass)
-    mode = _nearest(modes, peak.frequency)
+    mode = _find_nearest_mode(modes, peak.frequency)
     return None if mode is None else mode.damping_ratio
 
 
-@kept
+@cache_on_record
 def _modes_compared(measured: FRF) -> tuple[Mode, ...]:
     """Modes of the lines that are compared by default: several solids are held against one FRF."""
-    return _modes(measured.only(_compared(measured, find_peak(measured), explicit=False)))
+    return _modes(
+        measured.only(_select_compared_lines(measured, find_peak(measured), explicit=False))
+    )
 
 
 def _modes(frf: FRF) -> tuple[Mode, ...]:
@@ -305,12 +307,12 @@ def _modes(frf: FRF) -> tuple[Mode, ...]:
         return ()
 
 
-def _nearest(modes: tuple[Mode, ...], frequency: float) -> Mode | None:
+def _find_nearest_mode(modes: tuple[Mode, ...], frequency: float) -> Mode | None:
     near = [mode for mode in modes if abs(mode.frequency / frequency - 1) < NEAR]
     return min(near, key=lambda mode: abs(mode.frequency - frequency), default=None)
 
 
-def _known(mode: Mode | None) -> Mode | None:
+def _drop_uncertain_mode(mode: Mode | None) -> Mode | None:
     """The mode if its record supports its damping: a standard error well below the value."""
     if mode is None or not mode.damping_ratio_se < VAGUE * mode.damping_ratio:
         return None
@@ -325,12 +327,12 @@ def _evidence(model: Solid | None, fit: Fit | None, frequency: float) -> tuple[A
     loss = np.asarray(arms.k) * x / (1 + x**2)
     share = loss / (loss.sum() + omega * arms.b)
     return tuple(
-        ArmEvidence(tau, float(part), _resolved(fit, j))
+        ArmEvidence(tau, float(part), _is_arm_identified(fit, j))
         for j, (tau, part) in enumerate(zip(arms.tau, share, strict=True), start=1)
     )
 
 
-def _resolved(fit: Fit | None, arm: int) -> bool:
+def _is_arm_identified(fit: Fit | None, arm: int) -> bool:
     """Whether the relaxation test pins this arm: k > 3 SE and SE(ln tau) < 0.5.
 
     Where a fit has learnt from a hammer too, the arms that are new came from there; where a fit

@@ -8,8 +8,8 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.result_mixins import Pictured, Series
-from dashpot.base.serialisation import Documented
+from dashpot.base.result_mixins import Plottable, Series
+from dashpot.base.serialisation import Serialisable
 from dashpot.datamodel.frf import FRF
 
 
@@ -40,7 +40,7 @@ class ArmEvidence:
 
 
 @dataclass(frozen=True, repr=False)
-class Comparison(Pictured, Documented):
+class Comparison(Plottable, Serialisable):
     """A predicted FRF held against a measured one, on the measured lines.
 
     Attributes

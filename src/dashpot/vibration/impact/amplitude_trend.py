@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.serialisation import Documented
+from dashpot.base.serialisation import Serialisable
 from dashpot.base.student_t import t_quantile
 from dashpot.datamodel.frf import FRF, Hit, Mode
 from dashpot.vibration.impact.estimators import Spectra
@@ -26,7 +26,7 @@ DECAYED = 0.55
 
 
 @dataclass(frozen=True)
-class RegressionLine(Documented):
+class RegressionLine(Serialisable):
     """A straight line over the binary logarithm of an amplitude.
 
     Attributes

@@ -21,7 +21,7 @@ from dashpot.vibration.impact.estimators import (
     random_error,
 )
 from dashpot.vibration.impact.exponential_window import NO_WINDOW, ExponentialWindow
-from dashpot.vibration.impact.hit_quality import HitQuality, judge, remaining
+from dashpot.vibration.impact.hit_quality import HitQuality, compute_undecayed_fraction, judge
 from dashpot.vibration.impact.hits import HitBlock
 from dashpot.vibration.impact.rocking import Combination, null_rocking
 from dashpot.vibration.modal.frf_lines import FRFLines
@@ -70,7 +70,7 @@ class Window:
         """
         if not self.exponential:
             return 0.0
-        left = max(map(remaining, hits))
+        left = max(map(compute_undecayed_fraction, hits))
         end = min(1.0, LEFT / max(left, LEFT)) if self.end is None else self.end
         return float(-np.log(end) / hits[0].length)
 
@@ -98,7 +98,7 @@ def _force_window(hit: HitBlock) -> FloatArray:
 
 
 @dataclass(frozen=True)
-class Choices:
+class AveragingOptions:
     """What the caller chose, understood."""
 
     estimator: Estimator
@@ -145,17 +145,19 @@ class Average:
         )
 
 
-def average_hits(hits: Sequence[HitBlock], taken: BoolArray, choices: Choices) -> Average:
+def average_hits(hits: Sequence[HitBlock], taken: BoolArray, choices: AveragingOptions) -> Average:
     """Transform, turn, weight and average the hits taken, and judge them all."""
     windowed = choices.window.exponential or choices.recorded.rate > 0
     qualities = [judge(hit, windowed=windowed) for hit in hits]
     good = [hit for hit, t in zip(hits, taken, strict=True) if t]
     transforms = _transform(hits, choices, choices.window.decay(good)).band(
-        *(choices.band or _excited(good))
+        *(choices.band or _find_excited_band(good))
     )
-    transforms = transforms.turned(_signs(transforms.only(taken), choices.polarity))
+    transforms = transforms.apply_signs(_signs(transforms.only(taken), choices.polarity))
     weights, rocking = _combine(transforms.only(taken), choices)
-    qualities, taken = agreement(transforms.weighted(weights), qualities, taken, choices.accept)
+    qualities, taken = agreement(
+        transforms.combine_channels(weights), qualities, taken, choices.accept
+    )
     transforms = transforms.only(taken)
     return Average(
         hits=tuple(hits),
@@ -164,18 +166,18 @@ def average_hits(hits: Sequence[HitBlock], taken: BoolArray, choices: Choices) -
         transforms=transforms,
         weights=weights,
         rocking=rocking,
-        spectra=transforms.weighted(weights),
+        spectra=transforms.combine_channels(weights),
         estimator=choices.estimator,
         shift_sd=choices.recorded.sd,
     )
 
 
-def _transform(hits: Sequence[HitBlock], choices: Choices, decay: float) -> ChannelSpectra:
+def _transform(hits: Sequence[HitBlock], choices: AveragingOptions, decay: float) -> ChannelSpectra:
     rate = hits[0].rate
     recorded, time = choices.recorded, np.arange(len(hits[0].force)) / rate
     fade = np.exp(-decay * time)
     # of the response alone: the force is given the same
-    faded = [fade * recorded.on_response_alone(b) for b in hits]
+    faded = [fade * recorded.compute_response_only_window(b) for b in hits]
     force = [f * b.force * (_force_window(b) if choices.window.force else 1.0)
              for f, b in zip(faded, hits, strict=True)]  # fmt: skip
     response = np.array([b.acceleration * fade for b in hits]).swapaxes(0, 1)
@@ -190,7 +192,7 @@ def _transform(hits: Sequence[HitBlock], choices: Choices, decay: float) -> Chan
     )
 
 
-def _excited(hits: Sequence[HitBlock]) -> tuple[float, float]:
+def _find_excited_band(hits: Sequence[HitBlock]) -> tuple[float, float]:
     """Lines above 0 Hz that the hammer excites: up to where its spectrum falls by 20 dB."""
     rate, n = hits[0].rate, len(hits[0].force)
     power = (np.abs(np.fft.rfft([b.force * _force_window(b) for b in hits])) ** 2).mean(axis=0)
@@ -211,7 +213,7 @@ def _signs(transforms: ChannelSpectra, polarity: Sequence[int] | None) -> FloatA
             )
         return given
     near = transforms.band(*_mounts(transforms))
-    h = np.array([estimate(spectra) for spectra in near.each()])
+    h = np.array([estimate(spectra) for spectra in near.split_channels()])
     # the real part of the mobility, summed, is the velocity just after the hit
     mobility = (h / near.s).real
     kick = mobility.sum(axis=1) / np.abs(mobility).sum(axis=1)
@@ -227,7 +229,9 @@ def _signs(transforms: ChannelSpectra, polarity: Sequence[int] | None) -> FloatA
     return np.full(count, -1.0 if kick.min() < -CLEAR else 1.0)
 
 
-def _combine(transforms: ChannelSpectra, choices: Choices) -> tuple[FloatArray, Combination | None]:
+def _combine(
+    transforms: ChannelSpectra, choices: AveragingOptions
+) -> tuple[FloatArray, Combination | None]:
     """Weights of the accelerometers, and what is known of rocking."""
     count = len(transforms.channels)
     mean = np.full(count, 1 / count)
@@ -236,9 +240,10 @@ def _combine(transforms: ChannelSpectra, choices: Choices) -> tuple[FloatArray, 
     if count < 2:
         return mean, None
     near = transforms.band(*_mounts(transforms))
-    values = np.array([estimate(spectra) for spectra in near.each()])
+    values = np.array([estimate(spectra) for spectra in near.split_channels()])
     errors = [
-        random_error(spectra, value) for spectra, value in zip(near.each(), values, strict=True)
+        random_error(spectra, value)
+        for spectra, value in zip(near.split_channels(), values, strict=True)
     ]
     found = null_rocking(
         FRFLines.measured(
@@ -258,6 +263,6 @@ def _combine(transforms: ChannelSpectra, choices: Choices) -> tuple[FloatArray, 
 
 def _mounts(transforms: ChannelSpectra) -> tuple[float, float]:
     """The band in which the block moves on its mounts, from the accelerometer that moves most."""
-    found = [(estimate(spectra), spectra) for spectra in transforms.each()]
+    found = [(estimate(spectra), spectra) for spectra in transforms.split_channels()]
     value, spectra = max(found, key=lambda pair: float((np.abs(pair[0]) ** 2).sum()))
     return mount_band(transforms.frequency, value, random_error(spectra, value))

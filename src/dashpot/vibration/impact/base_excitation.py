@@ -7,7 +7,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.base_excitation import ShakenTest
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.vibration.impact.estimators import Estimator, Spectra, coherence, estimate
@@ -59,7 +59,7 @@ def estimate_transmissibility(
     if estimator is Estimator.HS:
         raise DataError("Hs needs the quiet before a hit; over a base take H1, H2 or Hv")
     longest = max(each.stop - each.start for each in test.records())
-    seconds = si(segment, "time")
+    seconds = convert_to_si(segment, "time")
     wanted = longest / USUAL if seconds is None else seconds * test.rate
     length = max(int(wanted) // 2 * 2, 8)
     base, mass = (_transforms(test, signal, length) for signal in (test.base, test.mass))
@@ -76,7 +76,7 @@ def estimate_transmissibility(
     if not keep.any():
         raise DataError("the base does not move")
     whole = coherence(Spectra(frequency, base, mass))
-    keep &= whole is None or _answered(whole, len(base))
+    keep &= whole is None or _select_coherent_lines(whole, len(base))
     if np.count_nonzero(keep) < FEWEST:
         raise DataError(
             "the mass does not answer the base at any line: the coherence is that of noise; check "
@@ -100,7 +100,7 @@ def estimate_transmissibility(
     )
 
 
-def _answered(coherence: FloatArray, segments: int) -> BoolArray:
+def _select_coherent_lines(coherence: FloatArray, segments: int) -> BoolArray:
     r"""Lines where base and mass have more in common than chance has, with their neighbours.
 
     Of noise alone :math:`P(\gamma^2 > x) = (1 - x)^{n-1}`.

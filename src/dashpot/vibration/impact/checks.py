@@ -10,12 +10,12 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.number_format import with_error
-from dashpot.base.units import GRAVITY, written
+from dashpot.base.units import GRAVITY, format_quantity
 from dashpot.datamodel.base_excitation import ShakenTest
 from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.numerics.inference.covariance_estimate import estimate as knowledge
 from dashpot.numerics.inference.covariance_estimate import white_noise
-from dashpot.numerics.least_squares.problem import ordinary
+from dashpot.numerics.least_squares.problem import solve_ordinary
 from dashpot.vibration.impact.amplitude_trend import Trend, trend_of_hits
 from dashpot.vibration.impact.estimators import Estimator, Spectra, estimate, leave_one_out
 from dashpot.vibration.impact.exponential_window import ExponentialWindow
@@ -538,8 +538,8 @@ def hits_centred(frf: FRF, found: Combination) -> Finding:
         reach = found.reach
         # a slender block as long as the accelerometers are apart: rho^2 = x^2 / 3
         says += (
-            f". On a slender block {written(2 * reach, 'mm', '.0f')} long this is a hit "
-            f"{written(value * reach / 3, 'mm', '.1f')} off centre"
+            f". On a slender block {format_quantity(2 * reach, 'mm', '.0f')} long this is a hit "
+            f"{format_quantity(value * reach / 3, 'mm', '.1f')} off centre"
         )
     return Finding(says, value, remedy="Strike closer to the centre.")
 
@@ -570,7 +570,7 @@ def apparent_mass(
     relative = 1e-3 if sd is None else np.hypot(sd[keep] / size[keep], 1e-3)
     w = 1 / (relative * np.abs(inverse))
     rows = np.column_stack((np.ones_like(x), x / np.abs(x).max())) * w[:, None]
-    best = ordinary(inverse.real * w, rows)
+    best = solve_ordinary(inverse.real * w, rows)
     known = knowledge(best, noises=[white_noise(best)])
     return float(best.beta[0]), float(known.standard_error[0])
 
@@ -594,19 +594,19 @@ def mass_line(apparent: tuple[float, float] | None, mass: float) -> Finding:
     more = "above" if factor > 1 else "below"
     says = (
         f"Above the resonance the FRF shows a mass {with_error(100 * abs(factor - 1), 100 * se)} % "
-        f"{more} the {written(mass, 'g')} given"
+        f"{more} the {format_quantity(mass, 'g')} given"
     )
     return Finding(
         f"{says}. The calibration is right within {100 * (factor - 1):+.1f} %",
         factor - 1,
         instead=says,
-        because=_why(factor),
+        because=_format_likely_cause(factor),
         remedy=Remedy("Check the mass, then sensitivities and units.", "mass"),
         grade="stop" if factor < 0 or abs(np.log(factor)) > np.log(GROSS) else None,
     )
 
 
-def _why(factor: float) -> str:
+def _format_likely_cause(factor: float) -> str:
     if factor < 0:
         return "The polarity of the hammer or of the accelerometers is wrong"
     for unit, ratio in (

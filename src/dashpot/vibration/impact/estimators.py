@@ -121,13 +121,13 @@ class ChannelSpectra:
             hits=tuple(b for b, t in zip(self.hits, taken, strict=True) if t),
         )
 
-    def turned(self, signs: FloatArray) -> ChannelSpectra:
+    def apply_signs(self, signs: FloatArray) -> ChannelSpectra:
         """The accelerations times +1 or -1 each."""
         return replace(
             self, response=self.response * signs[:, None, None], signs=self.signs * signs
         )
 
-    def weighted(self, weights: FloatArray) -> Spectra:
+    def combine_channels(self, weights: FloatArray) -> Spectra:
         """One response made of all: the weighted sum of the accelerations."""
         noise = np.mean([hit.noise**2 for hit in self.hits], axis=0)
         return Spectra(
@@ -137,9 +137,9 @@ class ChannelSpectra:
             (float(np.sqrt(noise[0])), float(np.sqrt(noise[1:] @ weights**2))),
         )
 
-    def each(self) -> list[Spectra]:
+    def split_channels(self) -> list[Spectra]:
         """Every accelerometer by itself."""
-        return [self.weighted(row) for row in np.eye(len(self.channels))]
+        return [self.combine_channels(row) for row in np.eye(len(self.channels))]
 
     def _moments(self) -> tuple[float, float]:
         weights = [float(hit.force @ hit.force) for hit in self.hits]

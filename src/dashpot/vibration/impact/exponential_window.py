@@ -93,7 +93,7 @@ class ExponentialWindow(NamedTuple):
     known: bool = True
     from_start: bool = False
 
-    def on_response_alone(self, hit: HitBlock) -> FloatArray:
+    def compute_response_only_window(self, hit: HitBlock) -> FloatArray:
         """What the force of a hit lacks of the window, shape (n,); ones where it carries it."""
         count = len(hit.force)
         if self.on_force or self.rate <= 0:
@@ -255,7 +255,7 @@ def scatter_decay(rows: Sequence[FloatArray], hits: Sequence[HitBlock]) -> Scatt
         return None
     filters = _high_pass(taps)
     squares = np.array([np.convolve(row[:size], filters, "valid") ** 2 for row in rows])
-    before = _usual(squares[:, : quiet - taps + 1])
+    before = _estimate_noise_power(squares[:, : quiet - taps + 1])
     rounding = float(np.sum(filters**2)) / 12 * _number_step(rows) ** 2
     if not before > _STEPS * rounding:
         return None
@@ -272,10 +272,10 @@ def scatter_decay(rows: Sequence[FloatArray], hits: Sequence[HitBlock]) -> Scatt
     freedom = spread * np.array([quiet, *map(len, parts)], dtype=float)
     width = np.array([quiet, *map(len, parts)]) / rate
     found = ScatterDecay(time, np.maximum(each, 1e-300), freedom, width, rounding)
-    return _own_block(found)
+    return _clip_at_noise_rise(found)
 
 
-def _usual(squares: FloatArray) -> float:
+def _estimate_noise_power(squares: FloatArray) -> float:
     """The mean square before the pulse: the median over hits and quarters, for what is heard there.
 
     Of few numbers their mean.
@@ -304,7 +304,7 @@ def _number_step(rows: Sequence[FloatArray]) -> float:
     return float(np.median(steps))
 
 
-def _own_block(found: ScatterDecay) -> ScatterDecay:
+def _clip_at_noise_rise(found: ScatterDecay) -> ScatterDecay:
     """The stretches up to where the noise starts anew, as at the block of the next hit."""
     quietest = int(np.argmin(found.variance))
     rises = found.variance[quietest:] > 4 * found.variance[quietest] * (
@@ -320,7 +320,7 @@ def _own_block(found: ScatterDecay) -> ScatterDecay:
 
 def _fitted_rate(seen: Sequence[ScatterDecay]) -> tuple[float, float]:
     """The decay that all channels share, 1/s, and its standard error."""
-    used = [_noise_alone(one) for one in seen]
+    used = [_select_noise_segments(one) for one in seen]
     if not used or max(len(one.time) for one in used) < _FEWEST_STRETCHES:
         return float("nan"), np.inf
     length = max(one.time[-1] for one in used)
@@ -350,7 +350,7 @@ def _fitted_rate(seen: Sequence[ScatterDecay]) -> tuple[float, float]:
     return rate, sd
 
 
-def _noise_alone(found: ScatterDecay) -> ScatterDecay:
+def _select_noise_segments(found: ScatterDecay) -> ScatterDecay:
     """The stretches that neither a high mode nor rounding drowns."""
     low = max(_LINEAR * found.rounding, _DEEPEST * found.variance[0])
     above = np.flatnonzero(found.variance[1:] > found.variance[0])
@@ -367,7 +367,7 @@ def _is_windowed(found: ScatterDecay) -> bool:
         return True
     if found.ratio > _SLOW:
         return False
-    used = _noise_alone(found)
+    used = _select_noise_segments(found)
     if len(used.time) < _FEWEST_STRETCHES:
         return False
     rates = np.geomspace(0.1, 3.0, 12) / used.time[-1]
@@ -377,7 +377,7 @@ def _is_windowed(found: ScatterDecay) -> bool:
 
 def _begins_with_record(seen: Sequence[ScatterDecay], rate: float) -> bool:
     """Whether the noise before the pulse decays, too, unless it clearly does not."""
-    used = [_noise_alone(one) for one in seen]
+    used = [_select_noise_segments(one) for one in seen]
     flat = sum(one.deviance(rate, from_start=False) for one in used)
     return flat > sum(one.deviance(rate) for one in used) - _CLEAR
 

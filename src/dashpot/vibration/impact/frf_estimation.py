@@ -10,13 +10,13 @@ import numpy as np
 from dashpot.base.arrays import BoolArray
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
-from dashpot.base.units import Quantity, Range, si, si_range, written
-from dashpot.base.validators import positive
+from dashpot.base.units import Quantity, Range, convert_to_si, format_quantity, si_range
+from dashpot.base.validators import require_positive
 from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.frf import FRF, Hit
 from dashpot.datamodel.impact import ImpactTest
 from dashpot.vibration.impact.amplitude_trend import with_resonances
-from dashpot.vibration.impact.averaging import Average, Choices, Window, average_hits
+from dashpot.vibration.impact.averaging import Average, AveragingOptions, Window, average_hits
 from dashpot.vibration.impact.checks import checks_of, window_known
 from dashpot.vibration.impact.estimators import Estimator
 from dashpot.vibration.impact.exponential_window import (
@@ -24,8 +24,8 @@ from dashpot.vibration.impact.exponential_window import (
     find_window,
     without_offset,
 )
-from dashpot.vibration.impact.hit_quality import judge, moving_before
-from dashpot.vibration.impact.hits import HitBlock, calm, cut_hits
+from dashpot.vibration.impact.hit_quality import compute_pre_hit_motion, judge
+from dashpot.vibration.impact.hits import HitBlock, cut_hits, remove_ringing
 
 STILL = 0.003  # of the response: less motion before a hit is left as it is
 
@@ -98,19 +98,23 @@ def estimate_frf(
     ----------
     ISO 7626-5:2019; D. J. Ewins, *Modal Testing*; paper, "Experimental setup".
     """
-    record, pretrigger, mass = si(record, "time"), si(pretrigger, "time"), si(mass, "mass")
+    record, pretrigger, mass = (
+        convert_to_si(record, "time"),
+        convert_to_si(pretrigger, "time"),
+        convert_to_si(mass, "mass"),
+    )
     band, resonance_band = si_range(band, "frequency"), si_range(resonance_band, "frequency")
     tests = (tests,) if isinstance(tests, ImpactTest) else tuple(tests)
-    positive(mass=mass, unit=" kg", optional=True)
+    require_positive(mass=mass, unit=" kg", optional=True)
     asked = Window.parse(window)
     hits = cut_hits(tests, record=record, pretrigger=pretrigger)
-    taken = _taken(hits, accept, reject)
+    taken = _select_accepted_hits(hits, accept, reject)
     recorded = find_window(tests, [hit for hit, t in zip(hits, taken, strict=True) if t])
     hits = tuple(without_offset(hit, recorded) for hit in hits)
-    choices = Choices(
+    choices = AveragingOptions(
         estimator=_estimator(estimator),
         window=asked,
-        combine=_known(combine, tests[0].channels),
+        combine=_validate_combination(combine, tests[0].channels),
         polarity=polarity,
         band=band,
         accept=tuple(accept),
@@ -118,7 +122,7 @@ def estimate_frf(
         reach=_reach(tests),
         recorded=recorded,
     )
-    average = _calmed(average_hits(hits, taken, choices), hits, taken, choices)
+    average = _average_without_ringing(average_hits(hits, taken, choices), hits, taken, choices)
     frf = replace(
         average.frf,
         hits=_hits(average),
@@ -143,15 +147,15 @@ def estimate_frf(
     return replace(frf, checks=(*checks, *caution_checks(frf.source)))
 
 
-def _calmed(
-    average: Average, hits: Sequence[HitBlock], taken: BoolArray, choices: Choices
+def _average_without_ringing(
+    average: Average, hits: Sequence[HitBlock], taken: BoolArray, choices: AveragingOptions
 ) -> Average:
     """Take off what still rings from hits before, where that is worth it."""
-    if not any(moving_before(b) > STILL for b, t in zip(hits, taken, strict=True) if t):
+    if not any(compute_pre_hit_motion(b) > STILL for b, t in zip(hits, taken, strict=True) if t):
         return average
     for _ in range(2):  # better poles take the earlier hit off better
         poles = _free_poles(average)
-        still = [calm(hit, poles) for hit in hits]
+        still = [remove_ringing(hit, poles) for hit in hits]
         if not any(hit.calmed for hit in still):
             break
         average = average_hits(still, taken, choices)
@@ -177,7 +181,7 @@ def _estimator(name: Estimator | str) -> Estimator:
         ) from None
 
 
-def _known(combine: str, channels: Sequence[str]) -> str:
+def _validate_combination(combine: str, channels: Sequence[str]) -> str:
     if combine not in ("mean", "weighted", *channels):
         raise DataError(
             f"combine = {combine!r}; expected 'mean', 'weighted' or a channel: "
@@ -186,7 +190,9 @@ def _known(combine: str, channels: Sequence[str]) -> str:
     return combine
 
 
-def _taken(hits: Sequence[HitBlock], accept: Sequence[str], reject: Sequence[str]) -> BoolArray:
+def _select_accepted_hits(
+    hits: Sequence[HitBlock], accept: Sequence[str], reject: Sequence[str]
+) -> BoolArray:
     faults = {hit.name: judge(hit).faults for hit in hits}
     unknown = [name for name in (*accept, *reject) if name not in faults]
     if unknown:
@@ -222,7 +228,7 @@ def _hits(average: Average) -> tuple[Hit, ...]:
     )
 
 
-def _steps(average: Average, choices: Choices) -> tuple[Step, ...]:
+def _steps(average: Average, choices: AveragingOptions) -> tuple[Step, ...]:
     name = choices.estimator.value
     return (
         _cut_step(average.hits),
@@ -231,11 +237,15 @@ def _steps(average: Average, choices: Choices) -> tuple[Step, ...]:
         *_window_steps(average.transforms.shift - choices.recorded.rate, choices.window),
         *_sign_steps(average),
         *_combine_steps(average, choices),
-        Step("estimate", (("estimator", name), *_by_name(choices)), f"{name}, linear averages"),
+        Step(
+            "estimate",
+            (("estimator", name), *_build_acceptance_parameters(choices)),
+            f"{name}, linear averages",
+        ),
     )
 
 
-def _by_name(choices: Choices) -> tuple[tuple[str, str], ...]:
+def _build_acceptance_parameters(choices: AveragingOptions) -> tuple[tuple[str, str], ...]:
     """Return the hits that were to be used whatever is wrong with them, if any."""
     return (("accepted by name", ", ".join(choices.accept)),) if choices.accept else ()
 
@@ -249,7 +259,8 @@ def _cut_step(hits: Sequence[HitBlock]) -> Step:
             ("record", f"{length:.9g} s"),
             ("pretrigger", f"{before:.9g} s"),
         ),
-        f"{len(hits)} hits in blocks of {length:.4g} s, {written(before, 'ms', '.3g')} of each "
+        f"{len(hits)} hits in blocks of {length:.4g} s, {format_quantity(before, 'ms', '.3g')} of "
+        "each "
         "before the hit, from where the offsets were taken",
     )
 
@@ -299,7 +310,7 @@ def _sign_steps(average: Average) -> Iterator[Step]:
         yield Step("polarity", (("turned", turned),), f"{turned}: sign turned")
 
 
-def _combine_steps(average: Average, choices: Choices) -> Iterator[Step]:
+def _combine_steps(average: Average, choices: AveragingOptions) -> Iterator[Step]:
     weights = list(zip(choices.channels, average.weights, strict=True))
     if len(weights) < 2:
         return

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.units import written
+from dashpot.base.units import format_quantity
 from dashpot.signals.frozen import frozen_runs
 from dashpot.vibration.impact.hits import HitBlock, width_at
 from dashpot.vibration.modal.peaks import run_about
@@ -44,7 +44,7 @@ def judge(hit: HitBlock, *, windowed: bool = False) -> HitQuality:
     return HitQuality(tuple(_faults(hit)), tuple(_doubts(hit, windowed)))
 
 
-def remaining(hit: HitBlock) -> float:
+def compute_undecayed_fraction(hit: HitBlock) -> float:
     """Part of the response that is left at the end of the block, noise taken off; 0 to 1."""
     length = max(len(hit.force) // 16, 4)
     left = []
@@ -57,7 +57,7 @@ def remaining(hit: HitBlock) -> float:
     return float(min(max(left), 1.0))
 
 
-def moving_before(hit: HitBlock) -> float:
+def compute_pre_hit_motion(hit: HitBlock) -> float:
     """How much the block moves before the hit, noise taken off, over how it does after it."""
     worst = 0.0
     for row, spread, noise in zip(hit.acceleration, hit.ringing, hit.noise[1:], strict=True):
@@ -107,7 +107,7 @@ def _faults(hit: HitBlock) -> Iterator[str]:
     if second >= REBOUND and second * hit.peak >= 8 * hit.noise[0]:
         yield (
             f"double hit: a second pulse of {100 * second:.0f} % of the peak "
-            f"{written(abs(after), 'ms', '.0f')} {'after' if after > 0 else 'before'} it"
+            f"{format_quantity(abs(after), 'ms', '.0f')} {'after' if after > 0 else 'before'} it"
         )
     overloads = tuple(_overloads(hit))
     yield from overloads
@@ -139,7 +139,7 @@ def _overloads(hit: HitBlock) -> Iterator[str]:
             "softly or raise the range"
         )
     for number, (row, noise) in enumerate(zip(hit.acceleration, hit.noise[1:], strict=True), 1):
-        height = _overloaded(row, noise) or _overloaded(-row, noise)
+        height = _find_clipping_level(row, noise) or _find_clipping_level(-row, noise)
         if height:
             yield (
                 f"acceleration {number} overloads: it is flat at {height:.4g} m/s^2; hit more "
@@ -148,7 +148,7 @@ def _overloads(hit: HitBlock) -> Iterator[str]:
             break
 
 
-def _overloaded(row: FloatArray, noise: float) -> float:
+def _find_clipping_level(row: FloatArray, noise: float) -> float:
     """Where the highest lobe of a response is cut off, m/s^2; 0 if it is not."""
     top = int(np.argmax(row))
     lobe = row[run_about(row > 0.3 * row[top], top)]
@@ -180,14 +180,14 @@ def _doubts(hit: HitBlock, windowed: bool) -> Iterator[str]:
 
 
 def _ringing(hit: HitBlock, windowed: bool) -> Iterator[str]:
-    left, limit = remaining(hit), DECAYED_WITH_WINDOW if windowed else DECAYED
+    left, limit = compute_undecayed_fraction(hit), DECAYED_WITH_WINDOW if windowed else DECAYED
     if left > limit and not hit.missing:
         yield (
             f"{100 * left:.2g} % of the response is left at the end of the record (expected "
             f"{100 * limit:.0f} % {'with' if windowed else 'without'} a window); record longer"
             + ("" if windowed else ", or use the exponential window")
         )
-    worst = moving_before(hit)
+    worst = compute_pre_hit_motion(hit)
     if worst >= MOVES:
         yield (
             f"the block still moves before the hit, by {100 * worst:.0f} % of the response to it; "

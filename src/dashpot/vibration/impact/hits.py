@@ -9,7 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray, sample_count
 from dashpot.base.errors import DataError
-from dashpot.base.validators import not_negative
+from dashpot.base.validators import require_nonnegative
 from dashpot.datamodel.impact import ImpactTest
 from dashpot.vibration.modal.peaks import run_about
 
@@ -222,7 +222,7 @@ def _onset(force: FloatArray, crossing: int, noise: float) -> int:
 
 def _pretrigger(found: Sequence[_PulseOnset], rate: float, pretrigger: float | None) -> int:
     if pretrigger is not None:
-        not_negative(pretrigger=pretrigger, unit=" s", expected="a time >= 0")
+        require_nonnegative(pretrigger=pretrigger, unit=" s", expected="a time >= 0")
         return round(pretrigger * rate)
     most = round(PRETRIGGER * rate)
     # a hit without anything before it is judged later; it must not shorten the others
@@ -291,7 +291,7 @@ def _past(hit: _PulseOnset) -> FloatArray:
     ]
 
 
-def calm(hit: HitBlock, poles: Sequence[complex]) -> HitBlock:
+def remove_ringing(hit: HitBlock, poles: Sequence[complex]) -> HitBlock:
     r"""Take off :math:`\sum_i \mathrm{Re}\,c_i e^{p_i t} + c_0`, fitted to what precedes the hit.
 
     A block that has not come to rest moves on as if nothing had struck it, and answers the hit on

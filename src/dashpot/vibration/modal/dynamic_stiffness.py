@@ -6,15 +6,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, frozen
+from dashpot.base.arrays import BoolArray, ComplexArray, EqualByValue, FloatArray, frozen
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.base.units import Quantity, Range, si, si_range
-from dashpot.base.validators import positive
+from dashpot.base.units import Quantity, Range, convert_to_si, si_range
+from dashpot.base.validators import require_positive
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.vibration.checks import causal
 from dashpot.vibration.modal.peaks import find_peak, run_about
-from dashpot.vibration.modal.sensitivity import changed
+from dashpot.vibration.modal.sensitivity import compute_stiffness_change
 
 DEGREE = float(np.pi / 180)
 STORAGE_LIMIT, LOSS_LIMIT = 0.1, 0.3
@@ -23,7 +23,7 @@ SLOPE_REACH = 1.6
 
 
 @dataclass(frozen=True, eq=False)
-class DynamicStiffness(ByValue):
+class DynamicStiffness(EqualByValue):
     r"""Stiffness of one seal against frequency, and what spoils it.
 
     Attributes
@@ -90,7 +90,7 @@ class DynamicStiffness(ByValue):
         """Relative change of the storage, and change of the loss factor, by an error of `of`."""
         whole = self.storage + 1j * self.loss
         slope: ComplexArray = getattr(self, f"by_{of}") / whole
-        return changed(by * slope, self.loss_factor)
+        return compute_stiffness_change(by * slope, self.loss_factor)
 
     @property
     def usable(self) -> BoolArray:
@@ -168,8 +168,12 @@ def dynamic_stiffness(
     DataError
         If mass or seals cannot be, or too few lines are left.
     """
-    mass, mass_sd, band = si(mass, "mass"), si(mass_sd, "mass"), si_range(band, "frequency")
-    positive(mass=mass, seals=seals)
+    mass, mass_sd, band = (
+        convert_to_si(mass, "mass"),
+        convert_to_si(mass_sd, "mass"),
+        si_range(band, "frequency"),
+    )
+    require_positive(mass=mass, seals=seals)
     mass_sd = 0.01 * mass if mass_sd is None else mass_sd
     over_base = frf.quantity.over_base
     measured = frf.to(Kind.ACCELERANCE, mass=mass)
@@ -209,13 +213,17 @@ def dynamic_stiffness(
     peak = find_peak(measured).frequency
     return replace(
         found,
-        storage_band=_about(f, peak, found.storage_sd <= STORAGE_LIMIT * np.abs(storage)),
-        loss_band=_about(f, peak, found.loss_sd <= LOSS_LIMIT * np.abs(loss)),
+        storage_band=_find_band_around_peak(
+            f, peak, found.storage_sd <= STORAGE_LIMIT * np.abs(storage)
+        ),
+        loss_band=_find_band_around_peak(f, peak, found.loss_sd <= LOSS_LIMIT * np.abs(loss)),
         checks=_causal(f, storage, loss, peak=peak, random=random, mass=found.storage_mass),
     )
 
 
-def _about(frequency: FloatArray, peak: float, good: BoolArray) -> tuple[float, float]:
+def _find_band_around_peak(
+    frequency: FloatArray, peak: float, good: BoolArray
+) -> tuple[float, float]:
     """The unbroken run of good lines about the peak."""
     top = int(np.argmin(np.abs(frequency - peak)))
     if not good[top]:

@@ -66,10 +66,10 @@ def kernel(lines: FRFLines, p: complex | ComplexArray) -> ComplexArray:
     s = lines.s
     if lines.record is None:
         return np.asarray(1 / (s - p))
-    return np.asarray(-np.expm1(_lost(lines, p)) / (s - p))
+    return np.asarray(-np.expm1(_compute_log_truncation(lines, p)) / (s - p))
 
 
-def _lost(lines: FRFLines, p: complex | ComplexArray) -> ComplexArray:
+def _compute_log_truncation(lines: FRFLines, p: complex | ComplexArray) -> ComplexArray:
     """Logarithm of the part that the end of the record takes."""
     T = lines.record or 0.0
     return np.asarray((p - lines.s) * T + 0.5 * lines.pulse**2 * (p**2 - lines.s**2))
@@ -81,4 +81,4 @@ def kernel_slope(lines: FRFLines, p: complex | ComplexArray) -> ComplexArray:
     if lines.record is None:
         return k**2
     later = lines.record + lines.pulse**2 * p
-    return np.asarray((k - later * np.exp(_lost(lines, p))) / (lines.s - p))
+    return np.asarray((k - later * np.exp(_compute_log_truncation(lines, p))) / (lines.s - p))

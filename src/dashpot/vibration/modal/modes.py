@@ -20,8 +20,8 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.datamodel.frf import FRF, Mode
 from dashpot.datamodel.frf_set import FRFSet
 from dashpot.numerics.inference.covariance_estimate import estimate, white_noise
-from dashpot.numerics.least_squares.problem import ordinary
-from dashpot.vibration.modal.multi_point import mode_at, shapes_of, within
+from dashpot.numerics.least_squares.problem import solve_ordinary
+from dashpot.vibration.modal.multi_point import mode_at, select_mode_band, shapes_of
 from dashpot.vibration.modal.peaks import run_about
 
 FEWEST_LINES = 5  # in the half-power band, for its width to be read
@@ -52,7 +52,7 @@ def find_modes(
         raise DataError(
             f"method {method!r} is unknown; expected one of {', '.join(Method)}"
         ) from None
-    near = within(FRFSet((frf,)), band)
+    near = select_mode_band(FRFSet((frf,)), band)
     if method is Method.RATIONAL:
         return tuple(one.mode for one in shapes_of(near, count))
     if count not in (None, 1):
@@ -220,7 +220,7 @@ def _decrement(s: ComplexArray, accelerance: ComplexArray, record: float | None)
     t, h, size = t[size > size[0] / 30], h[size > size[0] / 30], size[size > size[0] / 30]
     turning = np.unwrap(np.angle(h * np.exp(-1j * omega[top] * t)))
     rows = np.column_stack((t, np.ones_like(t))) * size[:, None]
-    fits = [ordinary(size * y, rows) for y in (np.log(size), turning)]
+    fits = [solve_ordinary(size * y, rows) for y in (np.log(size), turning)]
     (slope, start), (turn, phase) = (fit.beta for fit in fits)
     # neighbours share four samples' worth of band
     noises = [white_noise(fit, 4 * fit.sse / max(len(t) / 4 - 2, 1)) for fit in fits]

@@ -18,7 +18,7 @@ MOST_MODES, MOST_OF_A_SET = 6, 24
 """Modes sought in one FRF, about a mount's resonance, and in a set of them."""
 
 
-def together(points: FRFSet) -> FRF:
+def compute_rms_accelerance(points: FRFSet) -> FRF:
     """What all points do: the root mean square of their accelerances, each over its own size.
 
     Its value has no phase. It shows where to look for modes, and where a chart's peaks are.
@@ -40,7 +40,7 @@ def lines_of(points: FRFSet) -> FRFLines:
     )
 
 
-def within(points: FRFSet, band: tuple[float, float] | None) -> FRFSet:
+def select_mode_band(points: FRFSet, band: tuple[float, float] | None) -> FRFSet:
     """The lines where modes are sought, by default about where the points together move most.
 
     Raises
@@ -48,7 +48,7 @@ def within(points: FRFSet, band: tuple[float, float] | None) -> FRFSet:
     DataError
         If they are fewer than 8.
     """
-    all_of_them = together(points)
+    all_of_them = compute_rms_accelerance(points)
     f = all_of_them.frequency
     low, high = band or mount_band(f, all_of_them.value, all_of_them.sd)
     keep = (f >= low) & (f <= high) & (f > 0)
@@ -66,7 +66,7 @@ def find_shapes(
     points: FRFSet, *, band: tuple[float, float] | None = None, count: int | None = None
 ) -> tuple[ModeShape, ...]:
     """Poles that all points share and each point's residues; see :meth:`.FRFSet.modes`."""
-    return shapes_of(within(points, band), count)
+    return shapes_of(select_mode_band(points, band), count)
 
 
 def shapes_of(near: FRFSet, count: int | None = None) -> tuple[ModeShape, ...]:

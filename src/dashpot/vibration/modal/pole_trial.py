@@ -22,7 +22,7 @@ MOST_DAMPED = 0.75  # sigma / omega of a mode; beyond it is relaxation
 
 
 @dataclass(frozen=True, eq=False)
-class Ground:
+class BackgroundProjection:
     """Lines without their background, which needs no trial: what is left for modes to explain.
 
     Real and imaginary part of each line are two rows, over its standard deviation.
@@ -41,7 +41,7 @@ class Ground:
     rest: FloatArray
 
     @classmethod
-    def of(cls, lines: FRFLines) -> Ground:
+    def from_lines(cls, lines: FRFLines) -> BackgroundProjection:
         """Mass line, modes above the band and, as slow real poles, what is below it."""
         s = lines.s
         rates = np.array(SLOW_POLES) * float(np.sqrt(s.imag[0] * s.imag[-1]))
@@ -50,7 +50,7 @@ class Ground:
         rows = _rows(np.array(columns), lines.sd)
         basis = np.linalg.qr(rows / np.linalg.norm(rows, axis=1, keepdims=True))[0]
         y = _rows(lines.value[:, None], lines.sd)
-        return cls(lines, basis, _without(basis, y)[..., 0])
+        return cls(lines, basis, _subtract_projection(basis, y)[..., 0])
 
     @cached_property
     def broad(self) -> list[Scan]:
@@ -65,9 +65,9 @@ class Ground:
         each = max(1, ROOM // (rows * max(columns, 1)))
         return [slice(at, at + each) for at in range(0, channels, each)]
 
-    def apart(self, part: slice, columns: ComplexArray) -> FloatArray:
+    def remove_background(self, part: slice, columns: ComplexArray) -> FloatArray:
         """Weighted columns of shape (k, n) or (channels, k, n), the background taken off."""
-        return _without(self.basis[part], _rows(columns, self.lines.sd[part]))
+        return _subtract_projection(self.basis[part], _rows(columns, self.lines.sd[part]))
 
 
 class _Residues(NamedTuple):
@@ -90,7 +90,7 @@ class PoleTrial:
     (:class:`dashpot.numerics.least_squares.levenberg_marquardt.Trial`).
     """
 
-    ground: Ground
+    ground: BackgroundProjection
     theta: FloatArray
 
     @cached_property
@@ -112,7 +112,7 @@ class PoleTrial:
 
     def basis(self, part: slice) -> tuple[FloatArray, FloatArray, FloatArray]:
         """The modes' rows of some channels, their orthonormal basis, and the way back from it."""
-        rows = self.ground.apart(part, self.columns)
+        rows = self.ground.remove_background(part, self.columns)
         weight = 1 / self.ground.lines.sd[part] ** 2
         scale = np.sqrt(weight @ (np.abs(self.columns) ** 2).T)
         q, triangle = np.linalg.qr(rows / scale[:, None, :])
@@ -121,10 +121,10 @@ class PoleTrial:
     @cached_property
     def solution(self) -> _Residues:
         """The linear problem at these poles."""
-        found = [self._solved(part) for part in self.ground.parts(len(self.theta))]
+        found = [self._solve_residues(part) for part in self.ground.parts(len(self.theta))]
         return _Residues(*(np.concatenate(each) for each in zip(*found, strict=True)))
 
-    def _solved(self, part: slice) -> _Residues:
+    def _solve_residues(self, part: slice) -> _Residues:
         rows, q, inverse = self.basis(part)
         y = self.ground.rest[part]
         c = _times(inverse, _times(q.swapaxes(1, 2), y))
@@ -139,7 +139,7 @@ class PoleTrial:
         slopes = np.empty((len(c), len(self.theta), up.shape[-1]), complex)
         sigma, omega = -self.poles.real[:, None], self.poles.imag[:, None]
         slopes[:, 0::2], slopes[:, 1::2] = -sigma * (up + down), 1j * omega * (up - down)
-        jacobian = self.ground.apart(part, slopes)
+        jacobian = self.ground.remove_background(part, slopes)
         crossing = q.swapaxes(1, 2) @ jacobian
         jacobian -= q @ crossing
         turned = jacobian.swapaxes(1, 2)
@@ -225,7 +225,7 @@ def _rows(columns: ComplexArray, sd: FloatArray) -> FloatArray:
     return np.ascontiguousarray(columns / sd[:, None]).view(float).swapaxes(1, 2)
 
 
-def _without(basis: FloatArray, rows: FloatArray) -> FloatArray:
+def _subtract_projection(basis: FloatArray, rows: FloatArray) -> FloatArray:
     """What of rows an orthonormal basis does not have, by channel."""
     return np.asarray(rows - basis @ (basis.swapaxes(1, 2) @ rows))
 

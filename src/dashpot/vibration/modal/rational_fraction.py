@@ -22,7 +22,14 @@ from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.numerics.least_squares.levenberg_marquardt import Objective, descend
 from dashpot.vibration.modal.frf_lines import FRFLines, kernel
 from dashpot.vibration.modal.modal_assurance import mac
-from dashpot.vibration.modal.pole_trial import MOST_DAMPED, RATIOS, Ground, PoleTrial, Scan, scans
+from dashpot.vibration.modal.pole_trial import (
+    MOST_DAMPED,
+    RATIOS,
+    BackgroundProjection,
+    PoleTrial,
+    Scan,
+    scans,
+)
 
 STEPS = 60
 ENOUGH = 0.2  # variances: what a last step may explain while modes are sought
@@ -74,7 +81,7 @@ def find_poles(lines: FRFLines, *, most: int, count: int | None = None) -> PoleF
     PoleFit or None
         None if there is no mode in the lines.
     """
-    trial = kept = PoleTrial(Ground.of(lines), np.empty(0))
+    trial = kept = PoleTrial(BackgroundProjection.from_lines(lines), np.empty(0))
     failures = 0
     for _ in range(count or most):
         last, trial = trial, _refine(_with_next_pole(trial), ENOUGH)
@@ -94,7 +101,7 @@ def find_poles(lines: FRFLines, *, most: int, count: int | None = None) -> PoleF
 def residues_at(lines: FRFLines, poles: ComplexArray) -> ComplexArray:
     """Best residues of each row at given poles, shape (channels, modes)."""
     theta = np.log(np.ravel(np.column_stack((-poles.real, poles.imag))))
-    return PoleTrial(Ground.of(lines), theta).residues
+    return PoleTrial(BackgroundProjection.from_lines(lines), theta).residues
 
 
 def _prune(trial: PoleTrial) -> PoleTrial:
@@ -108,7 +115,7 @@ def _prune(trial: PoleTrial) -> PoleTrial:
     return trial
 
 
-def _near(lines: FRFLines, p: complex) -> BoolArray:
+def _select_mode_lines(lines: FRFLines, p: complex) -> BoolArray:
     """The lines that decide about a mode: ten to either side, or three half-power widths."""
     omega = lines.s.imag
     reach = max(10.5 * float(np.median(np.diff(omega))), -6 * p.real)
@@ -215,7 +222,7 @@ def _finish(trial: PoleTrial, modes: int) -> PoleFit:
 
 def _chi2(trial: PoleTrial, p: complex) -> float:
     """Misfit per degree of freedom of the lines about a mode."""
-    near = trial.misfit[:, _near(trial.ground.lines, p)]
+    near = trial.misfit[:, _select_mode_lines(trial.ground.lines, p)]
     return float(near.sum()) / max(2 * near.size - _parameters(near), 1)
 
 
@@ -229,7 +236,7 @@ def _matters(trial: PoleTrial, before: PoleTrial) -> bool:
     if not _is_mode(trial, len(trial.poles) - 1):
         return False
     p = trial.poles[-1]
-    near = _near(trial.ground.lines, p)
+    near = _select_mode_lines(trial.ground.lines, p)
     gain = float((before.misfit - trial.misfit)[:, near].sum()) / max(_chi2(trial, p), 1e-300)
     return bool(gain > _worth(trial))
 

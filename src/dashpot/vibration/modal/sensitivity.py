@@ -7,7 +7,9 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, FloatArray
 
 
-def changed(slope: ComplexArray, loss_factor: FloatArray) -> tuple[FloatArray, FloatArray]:
+def compute_stiffness_change(
+    slope: ComplexArray, loss_factor: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     r"""Relative change of the storage, and change of the loss factor, by a small :math:`d\ln K^*`.
 
     .. math::

@@ -8,8 +8,8 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.units import Quantity, si
-from dashpot.base.validators import positive
+from dashpot.base.units import Quantity, convert_to_si
+from dashpot.base.validators import require_positive
 from dashpot.datamodel.free_modes import FreeModes
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.solids.rate_independent import AmplitudeDependent, Linearised, amplitudes
@@ -47,7 +47,7 @@ class Body:
     modes: FreeModes | None = None
 
     def __post_init__(self) -> None:
-        positive(f"body '{self.name}': ", mass=self.mass, unit=" kg")
+        require_positive(f"body '{self.name}': ", mass=self.mass, unit=" kg")
         unknown = [motion for motion in self.free if motion not in MOTIONS]
         moves = self.free or self.modes is not None
         if unknown or not moves or len(set(self.free)) < len(self.free):
@@ -95,7 +95,7 @@ class Body:
 
 def point_mass(name: str, mass: Quantity) -> Body:
     """A mass that bounces along z."""
-    mass = si(mass, "mass")
+    mass = convert_to_si(mass, "mass")
     return Body(name, mass)
 
 
@@ -103,7 +103,7 @@ def planar_body(
     name: str, mass: Quantity, inertia: float, *, at: tuple[float, float] = (0.0, 0.0)
 ) -> Body:
     """A rigid body in the x-y plane: x, y and the rotation rz, with its inertia about z."""
-    mass = si(mass, "mass")
+    mass = convert_to_si(mass, "mass")
     return Body(name, mass, inertia=(0.0, 0.0, inertia), at=(*at, 0.0), free=("x", "y", "rz"))
 
 

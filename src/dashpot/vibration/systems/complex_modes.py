@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.base.arrays import ComplexArray, Frozen
+from dashpot.base.arrays import ComplexArray, FrozenArrays
 from dashpot.vibration.systems.state_space import state_space
 from dashpot.vibration.systems.system import System
 
@@ -20,7 +20,7 @@ _THERE, _ASIDE = 1e-9, 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class ComplexMode(Frozen):
+class ComplexMode(FrozenArrays):
     r"""One pole of a system and how it moves there.
 
     Scaled so that :math:`\phi^T D'(s) \phi = 1` with the dynamic stiffness D(s): then
@@ -75,7 +75,9 @@ def complex_modes(system: System) -> tuple[ComplexMode, ...]:
     with np.errstate(all="ignore"):  # the slope of an arm at its own rate
         slopes = system.spring_slope(poles[kept])
     modes = [
-        ComplexMode(complex(poles[i]), _scaled(system, complex(poles[i]), vectors[:n, i], slope))
+        ComplexMode(
+            complex(poles[i]), _normalise_shape(system, complex(poles[i]), vectors[:n, i], slope)
+        )
         for i, slope in zip(kept.tolist(), slopes, strict=True)
     ]
     return tuple(sorted(modes, key=lambda m: (not m.oscillates, abs(m.pole) * _sign(m))))
@@ -98,7 +100,7 @@ def newton_modes(system: System, *, iterations: int = 100) -> tuple[ComplexMode,
         s = s if s.imag >= 0 else s.conjugate()
         found.append(s)
         vector = np.linalg.svd(system.dynamic_stiffness(s))[2][-1].conj()
-        shape = _scaled(system, s, vector, system.spring_slope(s))
+        shape = _normalise_shape(system, s, vector, system.spring_slope(s))
         modes.append(ComplexMode(s, shape, converged=near and there))
     return tuple(sorted(modes, key=lambda mode: mode.frequency))
 
@@ -153,7 +155,9 @@ def _derivative(system: System, s: complex, slopes: ComplexArray) -> ComplexArra
     return np.asarray(2 * s * system.mass_matrix + (E.T * slopes) @ E)
 
 
-def _scaled(system: System, s: complex, vector: ComplexArray, slopes: ComplexArray) -> ComplexArray:
+def _normalise_shape(
+    system: System, s: complex, vector: ComplexArray, slopes: ComplexArray
+) -> ComplexArray:
     """The shape; 0 of a relaxation so near that of its arm that nothing moves."""
     with np.errstate(all="ignore"):
         size = complex(vector @ _derivative(system, s, slopes) @ vector)

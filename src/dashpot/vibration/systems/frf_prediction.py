@@ -13,9 +13,9 @@ import numpy.typing as npt
 from dashpot.base.arrays import ComplexArray, FloatArray, samples
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.base.plausibility import SIZES, short
-from dashpot.base.units import GRAVITY, Quantity, si, written
-from dashpot.base.validators import not_negative, positive
+from dashpot.base.plausibility import SIZES, format_quantity_short
+from dashpot.base.units import GRAVITY, Quantity, convert_to_si, format_quantity
+from dashpot.base.validators import require_nonnegative, require_positive
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
@@ -86,11 +86,11 @@ def predict_frf(
         compression or a temperature were given with a solid, or the fit knows of no such
         temperature.
     """
-    mass, compression = si(mass, "mass"), si(compression, "length")
-    positive(mass=mass, unit=" kg")
+    mass, compression = convert_to_si(mass, "mass"), convert_to_si(compression, "length")
+    require_positive(mass=mass, unit=" kg")
     if temperature is not None:
-        model = _at(model, temperature)
-    model = _assembled(model, mass, seals, compression)
+        model = _apply_temperature(model, temperature)
+    model = _assemble_seals(model, mass, seals, compression)
     _refuse_sag(model, mass)
     f = _lines(model.k_0, mass) if frequency is None else samples("frequency", frequency)
     s = 2j * np.pi * f + shift
@@ -123,7 +123,7 @@ def isolation_frequency(model: Solid, mass: float) -> float:
     mass : float
         kg.
     """
-    positive(mass=mass, unit=" kg")
+    require_positive(mass=mass, unit=" kg")
     arms = model.maxwell
     omega, last = float(np.sqrt(2 * (arms.k_inf + sum(arms.k)) / mass)), np.inf
     while omega < last * (1 - ROUNDING):
@@ -139,12 +139,13 @@ def _refuse_sag(model: Solid, mass: float) -> None:
         sag = mass * GRAVITY / k_inf
         SIZES["sag"].refuse(
             sag,
-            f"a mass of {short(mass, 'kg')} would press the solid by {short(sag, 'm')}",
+            f"a mass of {format_quantity_short(mass, 'kg')} would press the solid by "
+            f"{format_quantity_short(sag, 'm')}",
             remedy="Check the mass and its unit (is it g?).",
         )
 
 
-def _at(model: Solid | Fit, temperature: Quantity) -> Fit:
+def _apply_temperature(model: Solid | Fit, temperature: Quantity) -> Fit:
     if isinstance(model, Fit):
         return model.at_temperature(temperature)
     raise DataError(
@@ -153,7 +154,7 @@ def _at(model: Solid | Fit, temperature: Quantity) -> Fit:
     )
 
 
-def _assembled(
+def _assemble_seals(
     model: Solid | Fit, mass: float, seals: float | None, compression: float | None
 ) -> Solid:
     """All the seals together, as small vibration feels them."""
@@ -189,7 +190,7 @@ def highest_peak(stiffness: float, mass: float) -> float:
     DataError
         If the mass cannot be.
     """
-    positive(mass=mass, unit=" kg")
+    require_positive(mass=mass, unit=" kg")
     return float(np.sqrt(max(stiffness, 0.0) / mass) / (2 * np.pi))
 
 
@@ -212,17 +213,17 @@ def model_modes(model: Solid, mass: float) -> tuple[Mode, ...]:
     >>> round(mode.frequency, 4), round(mode.damping_ratio, 6)
     (12.7097, 0.004435)
     """
-    positive(mass=mass, unit=" kg")
+    require_positive(mass=mass, unit=" kg")
     p = poles(model, mass)
-    p = np.append(p[p.imag > _REAL * np.abs(p)], _undamped(model, mass))
-    p = _settled(model, mass, p)
+    p = np.append(p[p.imag > _REAL * np.abs(p)], _estimate_undamped_pole(model, mass))
+    p = _refine_poles(model, mass, p)
     return tuple(
         Mode(float(abs(pole)) / (2 * np.pi), float(-pole.real / abs(pole)), complex(residue))
         for pole, residue in zip(p, residues(model, mass, p), strict=True)
     )
 
 
-def _undamped(model: Solid, mass: float) -> complex:
+def _estimate_undamped_pole(model: Solid, mass: float) -> complex:
     """Where the mass would ring without loss, 1/s: a start where rounding left no pole."""
     omega = np.sqrt(max(model.k_0, 0.0) / mass)
     for _ in range(50):
@@ -231,7 +232,7 @@ def _undamped(model: Solid, mass: float) -> complex:
     return complex(0.0, omega)
 
 
-def _settled(model: Solid, mass: float, p: ComplexArray) -> ComplexArray:
+def _refine_poles(model: Solid, mass: float, p: ComplexArray) -> ComplexArray:
     """Poles of the solid itself, by Newton's steps where those of its arms are a start only.
 
     Of arms over twenty decades rounding makes poles that are none: they do not settle, or settle
@@ -354,7 +355,7 @@ class Response:
     @cached_property
     def accelerance(self) -> ComplexArray:
         """Shape (n,), 1/kg."""
-        whole, lost = self.s**2 * self.receptance, self._lost
+        whole, lost = self.s**2 * self.receptance, self._truncation_loss
         if lost is None:
             return np.asarray(whole)
         return np.asarray(whole - (lost.size / (self.s[:, None] - lost.p)).sum(axis=1) * self._end)
@@ -374,7 +375,7 @@ class Response:
             That of m s^2 + K, and of its derivative by s, at the poles, shape (k, q) each.
         """
         whole = -((self.s * self.receptance) ** 2)[:, None] * at_lines
-        if (lost := self._lost) is None:
+        if (lost := self._truncation_loss) is None:
             return whole
         change, slope_change = at_poles(lost)
         p, residue = lost.p[:, None], lost.residue[:, None]
@@ -391,11 +392,13 @@ class Response:
         return np.asarray(np.exp(-self.s * (self.record or 0.0) - 0.5 * (self.pulse * self.s) ** 2))
 
     @cached_property
-    def _lost(self) -> Lost | None:
+    def _truncation_loss(self) -> Lost | None:
         if self.record is None:
             return None
         sizes, mass = np.abs(self.s), self.mass
-        arms = _in_sight(self.model.maxwell, float(sizes.min()), float(sizes.max()), self.record)
+        arms = _simplify_distant_arms(
+            self.model.maxwell, float(sizes.min()), float(sizes.max()), self.record
+        )
         p = poles(arms, mass)
         # of an arm faster than the pulse the width of it tells nothing: it has long died away
         p = p[p.real * self.record > -DIED]
@@ -406,7 +409,7 @@ class Response:
         return Lost(p, r[live], size[live], 2 * mass + arms.bend_at(p))
 
 
-def _in_sight(
+def _simplify_distant_arms(
     arms: GeneralizedMaxwell, slowest: float, fastest: float, record: float
 ) -> GeneralizedMaxwell:
     """The same solid to a part in a million: far faster arms as a dashpot, far slower as a spring.
@@ -474,9 +477,9 @@ def geometry_factor(
     DataError
         If no such part peaks there: the material damps too much.
     """
-    kilograms, hz = si(mass, "mass"), si(peak, "frequency")
-    positive(mass=kilograms, unit=" kg")
-    positive(peak=hz, unit=" Hz", expected="a frequency > 0")
+    kilograms, hz = convert_to_si(mass, "mass"), convert_to_si(peak, "frequency")
+    require_positive(mass=kilograms, unit=" kg")
+    require_positive(peak=hz, unit=" Hz", expected="a frequency > 0")
     ratio = mass_for_peak(modulus, hz, kind)
     if not (np.isfinite(ratio) and ratio > 0):
         raise DataError(
@@ -507,11 +510,11 @@ def moving_mass(block: float, *, seal: float, seals: float = 1.0) -> tuple[float
     check : Check
         ``seal_mass_negligible``: whether all seals weigh less than 2 % of the block.
     """
-    positive("block ", mass=block, unit=" kg")
-    not_negative("seal ", mass=seal, unit=" kg")
+    require_positive("block ", mass=block, unit=" kg")
+    require_nonnegative("seal ", mass=seal, unit=" kg")
     if seals * seal > block:
         raise DataError(
-            f"the seals would weigh {written(seals * seal, 'g')} on a block of "
-            f"{written(block, 'g')}: check the mass of one seal and its unit"
+            f"the seals would weigh {format_quantity(seals * seal, 'g')} on a block of "
+            f"{format_quantity(block, 'g')}: check the mass of one seal and its unit"
         )
     return block + seals * seal / 3, seal_mass_negligible(seals * seal / block)

@@ -34,7 +34,7 @@ def on_heavy_mounts(frf: FRF, *, mass: float, coupled: float) -> FRF:
     mass, coupled : float
         M, a third of the mounts included, and :math:`\mu`, kg.
     """
-    return _scaled(frf, 1 + coupled / mass)
+    return _scale_relative_motion(frf, 1 + coupled / mass)
 
 
 def on_light_mounts(frf: FRF, *, mass: float, coupled: float) -> FRF:
@@ -42,11 +42,11 @@ def on_light_mounts(frf: FRF, *, mass: float, coupled: float) -> FRF:
     if coupled == 0:
         return frf
     step = Step("on_light_mounts", (("mass", f"{mass!r} kg"), ("coupled", f"{coupled!r} kg")))
-    found = _scaled(frf, 1 / (1 + coupled / mass))
+    found = _scale_relative_motion(frf, 1 / (1 + coupled / mass))
     return replace(found, steps=(*frf.steps, step))
 
 
-def _scaled(frf: FRF, factor: float) -> FRF:
+def _scale_relative_motion(frf: FRF, factor: float) -> FRF:
     """The motion relative to the base, so many times, as the kind that it was."""
     if not frf.quantity.over_base:
         raise DataError(f"the FRF is a {frf.quantity}; expected a transmissibility")

@@ -13,8 +13,8 @@ import numpy as np
 
 from dashpot.base.errors import DataError
 from dashpot.base.units import GRAVITY
-from dashpot.base.validators import positive
-from dashpot.datamodel.compression_limits import refuse_far
+from dashpot.base.validators import require_positive
+from dashpot.datamodel.compression_limits import require_plausible_compression
 from dashpot.datamodel.fit import Fit
 from dashpot.solids.maxwell import Solid
 
@@ -76,8 +76,8 @@ def operating_point(
         If a number cannot be, the fit is of a material, no compression carries the weight, or
         the seal would be pressed beyond its height or ten times as deep as it was tested.
     """
-    positive(mass=mass, seals=seals)
-    positive(compression=compression, optional=True)
+    require_positive(mass=mass, seals=seals)
+    require_positive(compression=compression, optional=True)
     if fit.unit != "N/m":
         raise DataError(
             f"the fit is of a material's modulus, in {fit.unit}; a mass rests on a part. Give its "
@@ -90,7 +90,9 @@ def operating_point(
         compression = mass * GRAVITY / (seals * k_inf) if k_inf > 0 else np.inf
         if law is not None and bent:
             compression = law.compression(mass * GRAVITY / seals)
-    refuse_far(compression, law, fit.specimen.height, carried=None if given else mass / seals)
+    require_plausible_compression(
+        compression, law, fit.specimen.height, carried=None if given else mass / seals
+    )
     if law is None or not bent:
         depth = None if law is None else law.depth
         return OperatingPoint(float(compression), depth, given=given)

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
 from dashpot.base.errors import DataError
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.frf import Kind, Mode
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.bodies import MOTIONS, Mount, Point, Vector, point_mass, unit_vector
@@ -112,7 +112,7 @@ def random_base(
         If a density is below 0, or white noise meets a coupled mass, through which it has no
         finite acceleration.
     """
-    kilograms = si(mass, "mass")
+    kilograms = convert_to_si(mass, "mass")
     if not (np.isfinite(kilograms) and kilograms > 0):
         raise DataError(f"mass = {mass!r} kg; expected a number > 0")
     if frequency is None:
@@ -124,11 +124,11 @@ def random_base(
         if _spread((model,)):
             peak = model_modes(model, kilograms)[0].frequency
             wide, flat = np.array(_WIDE) * peak, np.array([psd, psd], dtype=float)
-            return _tabled(model, kilograms, *_table(wide, flat), 0.0)
+            return _integrate_table(model, kilograms, *_table(wide, flat), 0.0)
         system = System((point_mass("mass", kilograms),), (Mount(model, ("mass", "ground")),))
         return random_response(system, response="mass.z", psd=psd)
     f, table = _table(frequency, psd)
-    return _tabled(model, kilograms, f, table, coupled)
+    return _integrate_table(model, kilograms, f, table, coupled)
 
 
 def random_limits(
@@ -243,7 +243,7 @@ def random_response(
         if mode.oscillates:
             moved -= gain.conjugate() / (s - mode.pole.conjugate())
     carried = place @ follow + s**2 * moved
-    return _integrated(lines, S, carried, moved)
+    return _integrate_response(lines, S, carried, moved)
 
 
 def _spread(solids: Iterable[Solid]) -> bool:
@@ -313,11 +313,11 @@ def _table(frequency: npt.ArrayLike, psd: npt.ArrayLike) -> tuple[FloatArray, Fl
     return f, table
 
 
-def _tabled(
+def _integrate_table(
     model: Solid, mass: float, f: FloatArray, table: FloatArray, coupled: float
 ) -> RandomResponse:
     at = _lines(f, model_modes(model, mass))
-    return _integrated(
+    return _integrate_response(
         at, _density(at, f, table), *_over_base(model, mass, 2 * np.pi * at, coupled)
     )
 
@@ -347,7 +347,7 @@ def _density(at: FloatArray, f: FloatArray, table: FloatArray) -> FloatArray:
         return np.exp(np.interp(np.log(at), np.log(f), np.log(table)))
 
 
-def _integrated(
+def _integrate_response(
     f: FloatArray, S: FloatArray, carried: ComplexArray, relative: ComplexArray
 ) -> RandomResponse:
     """From transmissibility, and relative motion per acceleration of the base."""

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import (
     FloatArray,
-    Frozen,
+    FrozenArrays,
     IndexArray,
     increasing,
     same_length,
@@ -74,7 +74,7 @@ def state_space(system: System, *, moving: Sequence[int] = ()) -> StateSpace:
     arm_mount = np.array([i for i, solid in enumerate(solids) for _ in solid.k], dtype=np.intp)
     k = np.array([each for solid in solids for each in solid.k])
     tau = np.array([each for solid in solids for each in solid.tau])
-    rate, basis, arm_state = _shared(np.concatenate((E, G), axis=1)[arm_mount], tau)
+    rate, basis, arm_state = _merge_arm_states(np.concatenate((E, G), axis=1)[arm_mount], tau)
     inverse = np.linalg.inv(system.mass_matrix)
     push = -inverse @ E.T  # acceleration per mount force
 
@@ -95,7 +95,9 @@ def state_space(system: System, *, moving: Sequence[int] = ()) -> StateSpace:
     return StateSpace(A, force, base, base_velocity, arm_mount, k, arm_state)
 
 
-def _shared(stretch: FloatArray, tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _merge_arm_states(
+    stretch: FloatArray, tau: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """States that arms share: rates (y,), what drives them (y, motions), arms from them (arms, y).
 
     The arms of one relaxation time follow stretches that are rows of `stretch`; an orthonormal
@@ -123,7 +125,7 @@ def _shared(stretch: FloatArray, tau: FloatArray) -> tuple[FloatArray, FloatArra
 
 
 @dataclass(frozen=True, eq=False)
-class Motion(Frozen):
+class Motion(FrozenArrays):
     """The response of a system.
 
     Attributes

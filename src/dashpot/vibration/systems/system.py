@@ -124,11 +124,11 @@ class System:
 
     def spring_stiffness(self, s: npt.ArrayLike) -> ComplexArray:
         """K of each spring at s, 1/s, shape (..., springs)."""
-        return self._of_springs(s, lambda solid, at: solid.stiffness_at(at))
+        return self._evaluate_springs(s, lambda solid, at: solid.stiffness_at(at))
 
     def spring_slope(self, s: npt.ArrayLike) -> ComplexArray:
         """dK/ds of each spring at s, shape (..., springs)."""
-        return self._of_springs(s, lambda solid, at: solid.slope_at(at))
+        return self._evaluate_springs(s, lambda solid, at: solid.slope_at(at))
 
     def dynamic_stiffness(self, s: npt.ArrayLike) -> ComplexArray:
         r""":math:`s^2 M + E^T K(s) E`, shape (..., n, n)."""
@@ -214,7 +214,7 @@ class System:
 
     # -- private --------------------------------------------------------------------------------
 
-    def _of_springs(
+    def _evaluate_springs(
         self, s: npt.ArrayLike, asked: Callable[[Solid, ComplexArray], ComplexArray]
     ) -> ComplexArray:
         s = np.asarray(s, dtype=complex)

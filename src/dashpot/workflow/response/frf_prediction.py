@@ -14,11 +14,11 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.choices import Family
 from dashpot.base.errors import DataError
-from dashpot.base.number_format import where
+from dashpot.base.number_format import format_band
 from dashpot.base.plausibility import SIZES
-from dashpot.base.reported_values import Fact
-from dashpot.base.result_mixins import Judged, Series
-from dashpot.base.serialisation import Documented
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.result_mixins import HasVerdict, Series
+from dashpot.base.serialisation import Serialisable
 from dashpot.datamodel.bounds import FRFBounds
 from dashpot.datamodel.checks import temperature_tested
 from dashpot.datamodel.fit import Fit
@@ -43,14 +43,14 @@ from dashpot.vibration.systems.random_base import (
     random_limits,
 )
 from dashpot.workflow.checks import base_band_informed, prediction_informed
-from dashpot.workflow.job import LevelChoices, PartChoices, known_of_a_test
-from dashpot.workflow.prepare_tests import at_their_temperatures, prepared_files, refuse_others
-from dashpot.workflow.response.part_factor import applied
+from dashpot.workflow.job import LevelChoices, PartChoices, require_test_for_machine
+from dashpot.workflow.prepare_tests import fill_missing_temperatures, prepared_files, refuse_others
+from dashpot.workflow.response.part_factor import apply_part_factor
 from dashpot.workflow.response.static_equilibrium import (
     LIMIT_LINES,
-    AtRest,
-    at_rest,
+    StaticEquilibrium,
     family_checks,
+    find_static_equilibrium,
     formal_limits,
     frf_limits,
     rest_checks,
@@ -62,7 +62,7 @@ BAND = (1.0, 50.0)
 
 
 @dataclass(frozen=True)
-class Limited(Documented):
+class ResponseLimits(Serialisable):
     """Limits of the accelerance, 1/kg, or of T, over frequencies, Hz.
 
     Attributes
@@ -94,7 +94,7 @@ class Limited(Documented):
 
 
 @dataclass(frozen=True)
-class ShakenMass(Documented):
+class ShakenMass(Serialisable):
     """Standard deviations over a base that shakes at random.
 
     Attributes
@@ -124,7 +124,7 @@ class RivalModes(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class Prediction(Judged, Documented):
+class Prediction(HasVerdict, Serialisable):
     """The FRF of a mass on `seals` seals, and what is known of it.
 
     Attributes
@@ -181,17 +181,17 @@ class Prediction(Judged, Documented):
     modes: tuple[Mode, ...]
     peak: tuple[float, float]
     at_edge: bool
-    limited: Limited
+    limited: ResponseLimits
     checks: tuple[Check, ...]
     verdict: Verdict
-    at_rest: AtRest
+    at_rest: StaticEquilibrium
     rival: RivalModes | None = None
     of_part: bool = False
     shaken: ShakenMass | None = None
     isolation: float | None = None
 
     @property
-    def facts(self) -> tuple[Fact, ...]:
+    def facts(self) -> tuple[ReportedValue, ...]:
         """Frequency, damping ratio and residue of each mode."""
         return tuple(fact for mode in self.modes for fact in mode.facts)
 
@@ -300,7 +300,7 @@ def predict_files(
     DataError
         If a machine is described and no test was made on it, or a record is not what was fitted.
     """
-    known_of_a_test(machine, tests=len(records), add="the record (--record)")
+    require_test_for_machine(machine, tests=len(records), add="the record (--record)")
     swept = None
     if at_level is not None and at_level != LevelChoices():
         read_sweep = find_handler("read sweep", at_level)
@@ -365,7 +365,7 @@ def prediction(
         If the choices exclude each other, or a record is not what was fitted.
     """
     SIZES["mass"].refuse(mass)
-    asked = _related(kind, base=base or base_psd is not None, relative=relative)
+    asked = _select_frf_kind(kind, base=base or base_psd is not None, relative=relative)
     band, predictor = band or BAND, _level_predictor(at_level, swept)
     moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
     here = found if temperature is None else found.at_temperature(temperature)
@@ -374,11 +374,13 @@ def prediction(
         _refuse_records(tests)
         material = here.solid
         measured = None if predictor is None else predictor.measured_peak(asked)
-        here = found = applied(part, here, seals=seals, base=asked.over_base, peak=measured)
+        here = found = apply_part_factor(
+            part, here, seals=seals, base=asked.over_base, peak=measured
+        )
         stiffer = float(
             abs(here.solid.complex_stiffness(omega=1.0) / material.complex_stiffness(omega=1.0))
         )
-    rests = at_rest(here, mass=moving, seals=seals, compression=compression)
+    rests = find_static_equilibrium(here, mass=moving, seals=seals, compression=compression)
     # over a base, mounts that weigh something couple the mass to it
     coupled = entrained(seal_mass, seals) if asked.over_base else 0.0
     on = MassOnSeals(here, rests, moving, seals, coupled, asked)
@@ -398,7 +400,7 @@ def prediction(
         *_led_by(on, mass=mass, band=band, felt=about if at_edge else peak[0]),
         *(() if levels is None else levels.checks),
         *found.checks,
-        *_asked_of(found, temperature),
+        *_check_temperature_tested(found, temperature),
         noted,
         *family_checks(here, rests.point, mass=moving, seals=seals),
     )
@@ -413,7 +415,7 @@ def prediction(
         at_edge,
         limited,
         checks,
-        verdict(checks, sound=_sound(frf, peak, found, at_edge=at_edge)),
+        verdict(checks, sound=_format_headline(frf, peak, found, at_edge=at_edge)),
         rests,
         on.rival,
         of_part,
@@ -431,7 +433,7 @@ def _level_predictor(choices: LevelChoices | None, swept: object) -> LevelPredic
     return found
 
 
-def _related(kind: str | None, *, base: bool, relative: bool) -> Kind:
+def _select_frf_kind(kind: str | None, *, base: bool, relative: bool) -> Kind:
     """What the FRF of a mass relates: to a force on it, or to the motion of its base."""
     if base and kind is not None:
         raise DataError("--kind is of a force on the mass, --base of none: leave one out")
@@ -444,13 +446,13 @@ def _related(kind: str | None, *, base: bool, relative: bool) -> Kind:
     return Kind.RELATIVE_TRANSMISSIBILITY if relative else Kind.TRANSMISSIBILITY
 
 
-def _sound(frf: FRF, peak: tuple[float, float], found: Fit, *, at_edge: bool) -> str:
+def _format_headline(frf: FRF, peak: tuple[float, float], found: Fit, *, at_edge: bool) -> str:
     """Return where the predicted peak lies, how high it is, and where the model is valid."""
     hz, height = peak
     name, unit = frf.quantity.replace("_", " "), frf.read
     size = f"{height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz"
     top = f"the {name} is {size}, the end of the band" if at_edge else f"peak of the {name} {size}"
-    return f"{top}. The model is valid {where(found.band)}"
+    return f"{top}. The model is valid {format_band(found.band)}"
 
 
 def _refuse_records(tests: Sequence[RampHold]) -> None:
@@ -466,7 +468,7 @@ class MassOnSeals:
     """A mass on seals: the fit of one, where they rest, and what of them moves along."""
 
     fit: Fit
-    rests: AtRest
+    rests: StaticEquilibrium
     mass: float
     seals: float
     coupled: float
@@ -514,7 +516,7 @@ class MassOnSeals:
         how = {"mass": self.mass, "seals": self.seals}
         return RivalModes(other.family, rival_modes(self.fit, self.rests.point, **how))
 
-    def limited(self, frf: FRF, bounded: Callable[..., FRFBounds] | None) -> Limited:
+    def limited(self, frf: FRF, bounded: Callable[..., FRFBounds] | None) -> ResponseLimits:
         """The limits of the response, over fewer lines."""
         kind = self.kind if self.kind.over_base else Kind.ACCELERANCE
         lines, bounds = frf.frequency[frf.frequency > 0], None
@@ -532,7 +534,7 @@ class MassOnSeals:
             kind=kind,
             coupled=self.coupled,
         )
-        return Limited(kind, few, formal, bounds)
+        return ResponseLimits(kind, few, formal, bounds)
 
     def shaken(
         self, base_psd: str | None, bounded: Callable[..., FRFBounds] | None
@@ -570,7 +572,7 @@ def _bounds(
     return partial(
         frf_limits,
         found,
-        at_their_temperatures(tests, found),
+        fill_missing_temperatures(tests, found),
         on.rests.point,
         mass=on.mass,
         seals=on.seals,
@@ -589,7 +591,7 @@ def _led_by(
     return (*rest_checks(on.rests.point, mass), *informed)
 
 
-def _asked_of(found: Fit, temperature: float | None) -> tuple[Check, ...]:
+def _check_temperature_tested(found: Fit, temperature: float | None) -> tuple[Check, ...]:
     """Whether a temperature that is asked for was tested."""
     if temperature is None or found.temperatures is None:
         return ()

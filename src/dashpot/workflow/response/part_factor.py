@@ -20,7 +20,7 @@ def height_of(part: PartChoices) -> float | None:
     return shape.height if isinstance(shape, Disc | Block) else None
 
 
-def applied(
+def apply_part_factor(
     part: PartChoices,
     fit: Fit,
     *,

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.reported_values import NORMAL
-from dashpot.base.units import in_unit, written
+from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.datamodel.bounds import FRFBounds
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import Kind, Mode
@@ -48,7 +48,7 @@ class StiffnessAt:
     damping_ratio: float | None
 
 
-class Rests(NamedTuple):
+class EquilibriumSummary(NamedTuple):
     """Compression and depth tested, m; whether its law is extrapolated; both stiffnesses."""
 
     compression: float | None
@@ -59,7 +59,7 @@ class Rests(NamedTuple):
 
 
 @dataclass(frozen=True)
-class AtRest:
+class StaticEquilibrium:
     """Where a mass rests, and both linear solids that could be meant.
 
     Attributes
@@ -76,42 +76,54 @@ class AtRest:
     tangent: StiffnessAt
 
     @property
-    def told(self) -> Rests:
+    def told(self) -> EquilibriumSummary:
         """As the document of what stands on it tells it."""
         point = self.point
         at = point.compression if np.isfinite(point.compression) else None
         law = point.beyond and not point.linear
-        return Rests(at, point.depth, law, self.secant, self.tangent)
+        return EquilibriumSummary(at, point.depth, law, self.secant, self.tangent)
 
     def __str__(self) -> str:
         point, secant, tangent = self.point, self.secant, self.tangent
         if point.linear:
             return ""
         where = "as given" if point.given else "under its weight"
-        here, depth = (written(one or 0.0, "mm", ".3g") for one in (point.compression, point.depth))
+        here, depth = (
+            format_quantity(one or 0.0, "mm", ".3g") for one in (point.compression, point.depth)
+        )
         lines = [f"The seals are compressed by {here} {where}; they were tested to {depth}."]
         for name, one in ((f"secant at {depth}", secant), (f"tangent at {here}", tangent)):
             peak = "no resonance" if one.frequency is None else f"{one.frequency:.5g} Hz"
-            error = f" ± {in_unit(one.stiffness_se, 'N/mm'):.2g}" if one.stiffness_se > 0 else ""
-            lines.append(f"  {name}  {in_unit(one.stiffness, 'N/mm'):.4g}{error} N/mm, {peak}")
+            error = (
+                f" ± {convert_to_unit(one.stiffness_se, 'N/mm'):.2g}"
+                if one.stiffness_se > 0
+                else ""
+            )
+            lines.append(
+                f"  {name}  {convert_to_unit(one.stiffness, 'N/mm'):.4g}{error} N/mm, {peak}"
+            )
         if point.beyond:
             lines.append("  ! deeper than tested: the last tangent is used")
         return "\n".join(lines)
 
 
-def at_rest(
+def find_static_equilibrium(
     found: Fit, *, mass: float, seals: float = 1.0, compression: float | None = None
-) -> AtRest:
+) -> StaticEquilibrium:
     """Return where a mass, kg, rests on seals, with the secant and the tangent solid."""
     point = operating_point(found, mass=mass, seals=seals, compression=compression)
     k = found.solid.k_inf
 
-    def of(solid: Solid, error: float) -> StiffnessAt:
+    def evaluate_stiffness(solid: Solid, error: float) -> StiffnessAt:
         mode = next(iter(model_modes(seals * solid, mass)), None)
         known = (None, None) if mode is None else (mode.frequency, mode.damping_ratio)
         return StiffnessAt(solid.k_inf, error, *known)
 
-    return AtRest(point, of(found.solid, 0.0), of(point.solid(found), k * point.factor_se))
+    return StaticEquilibrium(
+        point,
+        evaluate_stiffness(found.solid, 0.0),
+        evaluate_stiffness(point.solid(found), k * point.factor_se),
+    )
 
 
 def rest_checks(point: OperatingPoint, mass: float) -> tuple[Check, ...]:
@@ -179,7 +191,7 @@ def frf_limits(
             kind=kind,
             coupled=coupled / scale,
         )
-        each.append(_answered(of, 1 / a, 1 / scale if forced else 1.0))
+        each.append(_scale_bounds(of, 1 / a, 1 / scale if forced else 1.0))
     if here is found:
         joined = each[0]
     else:
@@ -194,7 +206,7 @@ def frf_limits(
             kind=kind,
             coupled=coupled / point.factor,
         )
-        joined = _enveloped(each, own, formal / point.factor if forced else formal)
+        joined = _merge_bounds(each, own, formal / point.factor if forced else formal)
     doubt = "; with the doubt of the tangent at the compression of the mass"
     slid = replace(point, factor_se=float(np.hypot(point.factor_se, point.factor * doubt_b)))
     return replace(
@@ -205,7 +217,7 @@ def frf_limits(
     )
 
 
-def _answered(of: FRFBounds, frequency: float, height: float) -> FRFBounds:
+def _scale_bounds(of: FRFBounds, frequency: float, height: float) -> FRFBounds:
     """Limits on an axis so many times as long, so many times as high."""
 
     def times(scale: float, ends: tuple[float, float] | None) -> tuple[float, float] | None:
@@ -222,7 +234,7 @@ def _answered(of: FRFBounds, frequency: float, height: float) -> FRFBounds:
     )
 
 
-def _enveloped(each: Sequence[FRFBounds], own: FloatArray, formal: FloatArray) -> FRFBounds:
+def _merge_bounds(each: Sequence[FRFBounds], own: FloatArray, formal: FloatArray) -> FRFBounds:
     """What holds every one of some limits, and the solid's own magnitude."""
     low = np.min([own, *(one.unseen[0] for one in each)], axis=0)
     high = np.max([own, *(one.unseen[1] for one in each)], axis=0)

@@ -13,10 +13,10 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.choices import Method, RampLawAsked
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.reported_values import Fact
-from dashpot.base.result_mixins import Judged, Series
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import written
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.result_mixins import HasVerdict, Series
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import format_quantity
 from dashpot.base.version import byline
 from dashpot.datamodel.base_excitation import ShakenTest
 from dashpot.datamodel.bounds import FRFBounds
@@ -41,21 +41,21 @@ from dashpot.vibration.modal.dynamic_stiffness import (
 from dashpot.vibration.systems.frf_prediction import predict_frf
 from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.workflow.checks import fit_is_tested, seals_counted
-from dashpot.workflow.job import Cuts, HammerChoices, known_of_a_test
+from dashpot.workflow.job import Cuts, HammerChoices, require_test_for_machine
 from dashpot.workflow.prepare_tests import prepared_files, refuse_others
 from dashpot.workflow.response.static_equilibrium import (
     LIMIT_LINES,
-    AtRest,
-    at_rest,
+    StaticEquilibrium,
+    find_static_equilibrium,
     formal_limits,
     frf_limits,
 )
 from dashpot.workflow.shift_options import ShiftChoices, shifted_ramps
 from dashpot.workflow.vibration.measured_frf import (
     average,
-    judged_base,
+    estimate_base_transmissibility,
     read_measured,
-    relieved,
+    remove_seal_mass,
     total_mass,
 )
 from dashpot.workflow.vibration.modes import ImpactMode, Modes
@@ -146,7 +146,9 @@ def modes_of_hits(
     """
     hammer = hammer or HammerChoices()
     if isinstance(test, ShakenTest):
-        frf, modes, reason = judged_base(test, choices=hammer, mass=mass, band=band)
+        frf, modes, reason = estimate_base_transmissibility(
+            test, choices=hammer, mass=mass, band=band
+        )
     else:
         frf = average(test, choices=hammer, mass=mass, band=band)
         modes, reason = _modes(frf, band)
@@ -203,7 +205,7 @@ def weighed(
     )
 
 
-def held_against(
+def compare_with_measured(
     found: Fit,
     measured: FRF,
     *,
@@ -228,7 +230,7 @@ def held_against(
 
 
 @dataclass(frozen=True)
-class LeftOut(Documented):
+class LeaveOneOut(Serialisable):
     """How well hits are predicted by a fit that has not seen them.
 
     Attributes
@@ -252,7 +254,7 @@ class LeftOut(Documented):
 
 
 @dataclass(frozen=True, repr=False)
-class Agreement(Judged, Documented):
+class Agreement(HasVerdict, Serialisable):
     """What ``dashpot compare`` found.
 
     Attributes
@@ -297,12 +299,12 @@ class Agreement(Judged, Documented):
     mass: float
     mass_inferred: bool
     noted: tuple[Check, ...]
-    at_rest: AtRest
+    at_rest: StaticEquilibrium
     interval: tuple[FloatArray, FloatArray] = field(compare=False)
     limits: FRFBounds | None = None
     seals: float = 1.0
     in_sample: bool = False
-    unseen: LeftOut | None = None
+    unseen: LeaveOneOut | None = None
 
     @property
     def series(self) -> Series:
@@ -328,7 +330,8 @@ class Agreement(Judged, Documented):
             return replace(found, says=self.comparison.says)
         return replace(
             found,
-            says=f"The mass, {written(self.mass, 'g')}, was found from the measured peak, so the "
+            says=f"The mass, {format_quantity(self.mass, 'g')}, was found from the measured peak, "
+            "so the "
             "stiffness is not tested. Weigh the block, and give its mass.",
         )
 
@@ -419,16 +422,16 @@ def agreement(
         Of the seals, m; by default that of the mass's weight.
     """
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
-    frf = relieved(frf, total, seal_mass, seals)
+    frf = remove_seal_mass(frf, total, seal_mass, seals)
     known = weighed(found, frf, mass=total, seals=seals, band=band, compression=compression)
-    _, comparison = held_against(
+    _, comparison = compare_with_measured(
         found, frf, mass=known, seals=seals, band=band, compression=compression
     )
-    rests = at_rest(found, mass=known, seals=seals, compression=compression)
+    rests = find_static_equilibrium(found, mass=known, seals=seals, compression=compression)
     lines = comparison.measured.frequency[comparison.measured.frequency > 0]
     formal = formal_limits(found, rests.point, mass=known, frequency=lines, seals=seals)
     limits = None
-    circular = fitted_to(found, frf)
+    circular = find_fitted_files(found, frf)
     if tests and not circular:  # the unseen arms of a joint fit have no bound
         refuse_others(tests, found)
         about = np.linspace(lines[0], lines[-1], min(len(lines), LIMIT_LINES))
@@ -440,7 +443,7 @@ def agreement(
     )  # fmt: skip
 
 
-def fitted_to(found: Fit, frf: FRF) -> frozenset[str]:
+def find_fitted_files(found: Fit, frf: FRF) -> frozenset[str]:
     """The files of an FRF, by what they hold, that a fit was made from."""
     return frozenset(one.sha256 for one in found.source) & {one.sha256 for one in frf.source} - {""}
 
@@ -453,7 +456,7 @@ class Changes(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Direct(Documented):
+class DirectStiffness(Serialisable):
     """Stiffness and damping of a seal straight from the FRF, each with all its errors."""
 
     keys = (
@@ -489,7 +492,7 @@ class Direct(Documented):
 
 
 @dataclass(frozen=True, repr=False)
-class Identified(Judged, Documented):
+class Identified(HasVerdict, Serialisable):
     """What ``dashpot fit`` found.
 
     Attributes
@@ -510,9 +513,9 @@ class Identified(Judged, Documented):
     )  # fmt: skip
 
     fit: Fit
-    direct: Direct
+    direct: DirectStiffness
     noted: tuple[Check, ...]
-    at_rest: AtRest
+    at_rest: StaticEquilibrium
     vibration: ImpactResult | None = None
 
     @property
@@ -521,7 +524,7 @@ class Identified(Judged, Documented):
         return self.fit.with_checks(self.checks)
 
     @property
-    def facts(self) -> tuple[Fact, ...]:
+    def facts(self) -> tuple[ReportedValue, ...]:
         """Those of the fit."""
         return self.fit.facts
 
@@ -567,7 +570,7 @@ def identify_files(
         What is known of the machine of the tests.
     filter, cuts, method, law, thorough, shifting
         How the tests are prepared and fitted, as in
-        :class:`~dashpot.workflow.fit_bench_tests.BenchAsked`.
+        :class:`~dashpot.workflow.fit_bench_tests.BenchFitOptions`.
     temperatures : sequence of float
         Of the tests, K: one for all of them, or one for each, in their order; without tests, of
         the seals.
@@ -576,10 +579,10 @@ def identify_files(
     options_with : ReadOptions, optional
         What the user said of the files of the tests.
     hammer, mass, band, specimen, asked
-        As of :func:`identified`.
+        As of :func:`identify_solid`.
     """
     on_bench = machine and machine.on_bench
-    known_of_a_test(on_bench, tests=len(tests), add="a relaxation test")
+    require_test_for_machine(on_bench, tests=len(tests), add="a relaxation test")
     _refuse_both(asked.get("fits", ()), tests)
     if impact_temperature is not None and not (tests or asked.get("fits")):
         raise ReadError(
@@ -602,7 +605,7 @@ def identify_files(
     if not tests and temperatures:
         specimen = replace(specimen or Specimen(), temperature=temperatures[0])
     asked["rig"] = (asked.get("rig") or HammerRig()).on(machine)
-    return identified(
+    return identify_solid(
         frf, tests=prepared, mass=mass, band=band,
         temperature=impact_temperature, specimen=specimen, hammer=hammer, bench=bench, **asked,
     )  # fmt: skip
@@ -623,7 +626,7 @@ def _refuse_without_tests(tests: int, bench: BenchFit, cuts: Cuts, filter: str |
         )
 
 
-def identified(
+def identify_solid(
     frf: FRF,
     *,
     tests: Sequence[RampHold] = (),
@@ -674,7 +677,7 @@ def identified(
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
     if seals_assumed:
         noted = (*noted, seals_counted(seals))
-    frf = relieved(frf, total, seal_mass, seals)
+    frf = remove_seal_mass(frf, total, seal_mass, seals)
     mass = total or mass
     straight = dynamic_stiffness(frf, mass, seals=seals, band=band)
     found = identify(
@@ -696,8 +699,8 @@ def identified(
     evidence = replace(found.evidence, checks=(*useless, *found.checks))
     others = tuple(check for check in frf.checks if check not in useless)
     found = replace(found, evidence=evidence)
-    rests = at_rest(found, mass=mass, seals=seals, compression=compression)
-    return Identified(found, Direct(straight), (*others, *noted), rests, vibration)
+    rests = find_static_equilibrium(found, mass=mass, seals=seals, compression=compression)
+    return Identified(found, DirectStiffness(straight), (*others, *noted), rests, vibration)
 
 
 def _refuse_both(fits: Sequence[Fit], tests: Sequence[Any]) -> None:

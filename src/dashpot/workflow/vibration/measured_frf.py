@@ -10,8 +10,8 @@ import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError, ReadError
-from dashpot.base.number_format import counted
-from dashpot.base.option_fields import flag_of, offered
+from dashpot.base.number_format import format_count
+from dashpot.base.option_fields import flag_of, iterate_option_fields
 from dashpot.base.plausibility import SIZES
 from dashpot.base.provenance import Step
 from dashpot.datamodel.base_excitation import ShakenTest
@@ -89,17 +89,17 @@ def measured_frf(
     if isinstance(record, ShakenTest):
         if mass is None:
             raise ReadError(_NO_MASS)
-        return judged_base(record, choices=choices, mass=mass, band=band)[0]
+        return estimate_base_transmissibility(record, choices=choices, mass=mass, band=band)[0]
     if isinstance(record, FRF):
         refuse_choices_of_hits(choices, "the file holds an FRF", but=("motion", "polarity"))
-        frf = _turned(as_measured(record, choices.motion), choices)
+        frf = _apply_polarity(as_measured(record, choices.motion), choices)
         if frf.quantity.over_base and mass is None:
             raise ReadError(_NO_MASS)
-        return judged(frf, band, mass=mass)
+        return add_frf_checks(frf, band, mass=mass)
     return average(record, choices=choices, mass=mass, band=band)
 
 
-def _turned(frf: FRF, choices: HammerChoices) -> FRF:
+def _apply_polarity(frf: FRF, choices: HammerChoices) -> FRF:
     """The FRF with the sign that the user gives it; refuse what else is of hits.
 
     Raises
@@ -122,7 +122,8 @@ def with_polarity(frfs: Sequence[FRF], polarity: Sequence[int] | None) -> tuple[
         return tuple(frfs)
     if len(polarity) != len(frfs):
         raise ReadError(
-            f"--polarity was given {len(polarity)} times for {counted(len(frfs), 'FRF')}; give +1 "
+            f"--polarity was given {len(polarity)} times for {format_count(len(frfs), 'FRF')}; "
+            "give +1 "
             "or -1 for each, in their order"
         )
     step = Step("polarity", (("turned", "FRF"),), "the sign of the FRF was turned, as given")
@@ -132,7 +133,7 @@ def with_polarity(frfs: Sequence[FRF], polarity: Sequence[int] | None) -> tuple[
     )
 
 
-def judged_base(
+def estimate_base_transmissibility(
     test: ShakenTest,
     *,
     choices: HammerChoices,
@@ -160,7 +161,7 @@ def judged_base(
     main = next(iter(modes), None)
     found = [] if main is not None else [resonance(frf, None)]
     resolved = segments_resolve(frf, main)
-    frf = judged(frf, band, mass=mass)
+    frf = add_frf_checks(frf, band, mass=mass)
     return replace(frf, checks=(*frf.checks, whole, *found, resolved)), modes, reason
 
 
@@ -183,14 +184,14 @@ def refuse_choices_of_hits(choices: HammerChoices, why: str, *, but: Sequence[st
     default = HammerChoices()
     odd = [
         flag_of(one)
-        for one in offered(choices)
+        for one in iterate_option_fields(choices)
         if one.name not in but and getattr(choices, one.name) != getattr(default, one.name)
     ]
     if odd:
         raise ReadError(f"{', '.join(odd)}: of hits, and {why}; leave out")
 
 
-def judged(
+def add_frf_checks(
     frf: FRF,
     band: tuple[float, float] | None,
     main: Mode | None = None,
@@ -244,7 +245,7 @@ def total_mass(
     return mass, (check,)
 
 
-def relieved(frf: FRF, mass: float | None, seal_mass: float | None, seals: float) -> FRF:
+def remove_seal_mass(frf: FRF, mass: float | None, seal_mass: float | None, seals: float) -> FRF:
     """Return a transmissibility as seals without mass would show it; another FRF as it is."""
     if not frf.quantity.over_base or mass is None:
         return frf

@@ -9,10 +9,10 @@ from typing import overload
 import numpy as np
 
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.number_format import counted
-from dashpot.base.reported_values import Fact
-from dashpot.base.result_mixins import Pictured, Series, columns
-from dashpot.base.serialisation import Documented
+from dashpot.base.number_format import format_count
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.result_mixins import Plottable, Series, collect_columns
+from dashpot.base.serialisation import Serialisable
 from dashpot.datamodel.frf import FRF, Mode
 
 
@@ -35,7 +35,7 @@ class ImpactMode:
 
 
 @dataclass(frozen=True, repr=False)
-class Modes(Pictured, Documented, Sequence[Mode]):
+class Modes(Plottable, Serialisable, Sequence[Mode]):
     """Natural frequencies, damping ratios and shapes, each with its standard error.
 
     A sequence of :class:`~dashpot.datamodel.frf.Mode`, the one that moves most first.
@@ -83,17 +83,17 @@ class Modes(Pictured, Documented, Sequence[Mode]):
     @property
     def sound(self) -> str:
         """The first mode and how many there are."""
-        return modes_told(self)
+        return format_modes_headline(self)
 
     @property
-    def facts(self) -> tuple[Fact, ...]:
+    def facts(self) -> tuple[ReportedValue, ...]:
         """Frequency, damping ratio and residue of each mode."""
         return tuple(fact for mode in self for fact in mode.facts)
 
     @property
     def series(self) -> Series:
         """The modes as a table."""
-        each = columns(
+        each = collect_columns(
             self, frequency="Hz", frequency_se="Hz", damping_ratio="", damping_ratio_se=""
         )
         return {"mode": (np.arange(1, len(self) + 1), ""), **each}
@@ -108,10 +108,10 @@ class Modes(Pictured, Documented, Sequence[Mode]):
         )
 
 
-def modes_told(modes: Sequence[Mode]) -> str:
+def format_modes_headline(modes: Sequence[Mode]) -> str:
     """Return frequency and damping of the first of some modes, and how many there are."""
     if not modes:
         return "0 modes were found"
     frequency, ratio, _ = (fact.cells.with_unit for fact in modes[0].facts)
-    count = "" if len(modes) == 1 else f", the first of {counted(len(modes), 'mode')}"
+    count = "" if len(modes) == 1 else f", the first of {format_count(len(modes), 'mode')}"
     return f"resonance at {frequency}, damping ratio {ratio}{count}"

@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 
 from dashpot.base.errors import DataError, FitError
-from dashpot.extensions.batch.arrays.batched_solver import solve_each, solve_many
-from dashpot.extensions.batch.arrays.shared_sampling import Family, hold_family, recorded_family
+from dashpot.extensions.batch.arrays.batched_solver import solve_many, solve_separately
+from dashpot.extensions.batch.arrays.shared_sampling import (
+    SharedSampling,
+    hold_family,
+    recorded_family,
+)
 from dashpot.numerics.design_matrices.recorded_motion import recorded_block
 from dashpot.numerics.exponential_fit.variable_projection import solve
 
@@ -22,7 +26,9 @@ FAMILIES = {
 }
 
 
-def records(family: Family, arms: int, count: int, seed: int, *, noise: float = 2e-3) -> np.ndarray:
+def records(
+    family: SharedSampling, arms: int, count: int, seed: int, *, noise: float = 2e-3
+) -> np.ndarray:
     """Random solids seen through the family's own columns, plus noise."""
     generator = np.random.default_rng(seed)
     out = []
@@ -147,7 +153,7 @@ def test_records_that_share_nothing_go_one_by_one() -> None:
     x = np.minimum(time, 1.0)
     force = np.vstack([recorded_block(time, x, 0 * x).exact.evaluate(np.log([2.0]), False).arms.T])
     data = force + x + 1e-3 * np.random.default_rng(2).standard_normal((3, 400))
-    many = solve_each(lambda y: recorded_block(time, x, y), data, 1, fixed_count=1)
+    many = solve_separately(lambda y: recorded_block(time, x, y), data, 1, fixed_count=1)
     assert many.converged.all()
     np.testing.assert_allclose(np.exp(many.log_tau), 2.0, rtol=0.02)
     with pytest.raises(DataError, match="uniform grid"):

@@ -14,7 +14,7 @@ import dashpot as dp
 from dashpot.base.errors import DataError, FitError
 from dashpot.extensions.curves.creep.compliance import measured_compliance
 from dashpot.extensions.curves.creep.fit import fit_creep as fit
-from dashpot.extensions.curves.creep.load_noise import felt
+from dashpot.extensions.curves.creep.load_noise import load_sensitivity
 from dashpot.extensions.curves.creep.preprocess import load_hold
 from dashpot.extensions.curves.creep.read import read_creep
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance, CreepTest
@@ -276,7 +276,9 @@ def test_the_load_is_felt_as_it_is_answered() -> None:
     for creep in (T1, CreepSpectrum(2e-3, (1e-3,), (5.0,), 1e-3)):
         solid = from_creep(creep)
         answers = np.stack([solid.displacement(time, one) for one in np.eye(40)], axis=1)
-        assert felt(columns, time, creep) == pytest.approx(answers.T @ columns, abs=1e-15)
+        assert load_sensitivity(columns, time, creep) == pytest.approx(
+            answers.T @ columns, abs=1e-15
+        )
 
 
 @pytest.mark.slow

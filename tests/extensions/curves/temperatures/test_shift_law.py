@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import dashpot as dp
-from dashpot.extensions.curves.shift_law_fit import law_through
+from dashpot.extensions.curves.shift_law_fit import fit_shift_law
 
 REFERENCE = 293.15
 TEMPERATURES = REFERENCE + np.arange(-40.0, 41.0, 10.0)
@@ -28,7 +28,7 @@ def drawn(law, sd, seed):
 
 @pytest.mark.parametrize("law", [WLF, ARRHENIUS], ids=lambda law: law.kind)
 def test_exact_shifts_give_their_law_back(law):
-    found = law_through(
+    found = fit_shift_law(
         TEMPERATURES, law.log10_a_t(TEMPERATURES), chained(1e-3), reference=REFERENCE
     )
     assert found.law.kind == law.kind
@@ -43,11 +43,11 @@ def test_exact_shifts_give_their_law_back(law):
 def test_bic_tells_the_laws_apart_and_the_intervals_hold_the_constants(law, least):
     right, inside = 0, []
     for seed in range(40):
-        found = law_through(
+        found = fit_shift_law(
             TEMPERATURES, drawn(law, 0.02, seed), chained(0.02), reference=REFERENCE
         )
         right += found.law.kind == law.kind
-        kept = law_through(
+        kept = fit_shift_law(
             TEMPERATURES, drawn(law, 0.02, seed), chained(0.02), reference=REFERENCE, law=law.kind
         )
         error = [getattr(kept.law, name) - getattr(law, name) for name in kept.parameters]
@@ -57,7 +57,7 @@ def test_bic_tells_the_laws_apart_and_the_intervals_hold_the_constants(law, leas
 
 
 def test_the_derivatives_of_wlf_are_those_of_the_law():
-    found = law_through(
+    found = fit_shift_law(
         TEMPERATURES, WLF.log10_a_t(TEMPERATURES), chained(0.02), reference=REFERENCE
     )
     h = 1e-4
@@ -77,7 +77,7 @@ def test_the_derivatives_of_wlf_are_those_of_the_law():
 def test_a_law_that_misses_the_shifts_has_wider_errors():
     shifts = WLF.log10_a_t(TEMPERATURES)
     close, rough = (
-        law_through(TEMPERATURES, shifts, chained(sd), reference=REFERENCE, law="arrhenius")
+        fit_shift_law(TEMPERATURES, shifts, chained(sd), reference=REFERENCE, law="arrhenius")
         for sd in (0.01, 0.02)
     )
     assert close.score.deviance == pytest.approx(4 * rough.score.deviance)
@@ -87,32 +87,34 @@ def test_a_law_that_misses_the_shifts_has_wider_errors():
 def test_two_temperatures_keep_their_shift_and_three_have_a_law():
     t = np.array([273.15, 293.15, 313.15])
     s = ARRHENIUS.log10_a_t(t)
-    two = law_through(t[:2], s[:2], np.diag([1e-4, 0.0]), reference=REFERENCE)
+    two = fit_shift_law(t[:2], s[:2], np.diag([1e-4, 0.0]), reference=REFERENCE)
     assert two.law == dp.solids.FreeShifts(tuple(t[:2]), tuple(s[:2]), REFERENCE)
-    assert law_through(t, s, np.diag([1e-4, 0, 1e-4]), reference=REFERENCE).law.kind == "arrhenius"
-    asked = law_through(t[:2], s[:2], np.diag([1e-4, 0.0]), reference=REFERENCE, law="arrhenius")
+    assert (
+        fit_shift_law(t, s, np.diag([1e-4, 0, 1e-4]), reference=REFERENCE).law.kind == "arrhenius"
+    )
+    asked = fit_shift_law(t[:2], s[:2], np.diag([1e-4, 0.0]), reference=REFERENCE, law="arrhenius")
     assert asked.law.energy == pytest.approx(90e3)
 
 
 def test_shifts_that_rise_with_temperature_have_no_law():
     s = -WLF.log10_a_t(TEMPERATURES)
-    assert law_through(TEMPERATURES, s, chained(0.01), reference=REFERENCE).law.kind == "free"
+    assert fit_shift_law(TEMPERATURES, s, chained(0.01), reference=REFERENCE).law.kind == "free"
     with pytest.raises(dp.FitError, match="must fall as it gets warmer"):
-        law_through(TEMPERATURES, s, chained(0.01), reference=REFERENCE, law="wlf")
+        fit_shift_law(TEMPERATURES, s, chained(0.01), reference=REFERENCE, law="wlf")
     with pytest.raises(dp.FitError, match="expected one of"):
-        law_through(TEMPERATURES, s, chained(0.01), reference=REFERENCE, law="vft")
+        fit_shift_law(TEMPERATURES, s, chained(0.01), reference=REFERENCE, law="vft")
 
 
 @pytest.mark.parametrize("i", [0, 2, 5, 8])
 def test_the_one_temperature_off_the_law_of_all_others_is_named(i):
     shifts, sd = drawn(WLF, 0.005, i), chained(0.005)
-    assert law_through(TEMPERATURES, shifts, sd, reference=REFERENCE).odd is None
+    assert fit_shift_law(TEMPERATURES, shifts, sd, reference=REFERENCE).odd is None
     shifts[i] -= 0.15
-    odd = law_through(TEMPERATURES, shifts, sd, reference=REFERENCE).odd
+    odd = fit_shift_law(TEMPERATURES, shifts, sd, reference=REFERENCE).odd
     assert odd.temperature == TEMPERATURES[i]
     assert odd.missed == pytest.approx(-0.15, abs=0.06)
 
 
 def test_shifts_that_bend_everywhere_name_no_one():
     bent = WLF.log10_a_t(TEMPERATURES) + 0.2 * np.cos(np.arange(9) * np.pi) * AWAY
-    assert law_through(TEMPERATURES, bent, chained(0.005), reference=REFERENCE).odd is None
+    assert fit_shift_law(TEMPERATURES, bent, chained(0.005), reference=REFERENCE).odd is None

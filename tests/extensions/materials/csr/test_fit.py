@@ -413,7 +413,7 @@ def test_the_last_reading_of_a_piece_is_no_neighbour_of_the_first_of_the_next():
     )
     scatter = next(
         one
-        for one in csr_checks.judge(found, read, own, None, drift=0.0)
+        for one in csr_checks.run_checks(found, read, own, None, drift=0.0)
         if one.name == "readings_scatter"
     )
     assert scatter.value == 0.0

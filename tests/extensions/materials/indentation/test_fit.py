@@ -232,7 +232,7 @@ def relaxing(seed, noise=0.003):
 
 def gap(test, starts):
     """By how much chi-squared the best of other starts is lower."""
-    solved = fit._solved(fit._window(test, largest_contact(test)), "hertz-maxwell")
+    solved = fit._fit_law(fit._window(test, largest_contact(test)), "hertz-maxwell")
     best = solved.optimum
     others = []
     for own in starts:
@@ -277,7 +277,7 @@ def test_intervals_of_a_relaxing_contact_cover():
 def test_slopes_are_those_of_the_model(of, pull, law):
     test = hit(of=of, ball_of=replace(BALL, drop_height=0.05 if pull else None))
     window = fit._window(test, largest_contact(test))
-    best = fit._solved(window, law).optimum
+    best = fit._fit_law(window, law).optimum
     theta = best.theta + np.append(np.full(len(best.theta) - 1, 5e-4), 0.0)
     # no sample at the touch or the release, where slopes jump
     ends = theta[-1] + np.array([0.0, window.struck(LAWS[law], theta).duration])

@@ -165,7 +165,9 @@ def test_a_memory_of_another_piece_is_seen() -> None:
         )
         for one in THREE
     ]
-    found = fit_slams(tests, mass=MASS, slam=THREE, memory=wrong, law=SlamLaw.of(relaxed(random)))
+    found = fit_slams(
+        tests, mass=MASS, slam=THREE, memory=wrong, law=SlamLaw.from_fit(relaxed(random))
+    )
     failed = {one.name for one in found.checks if one.failed}
     assert failed & {"memory_kept", "losses_agree", "slam_speeds_agree"}
 
@@ -214,16 +216,17 @@ def test_noise_is_no_slam() -> None:
 
 def test_a_load_deflection_law_is_known_to_one_per_cent_at_best() -> None:
     law = cubic(LAW)
-    known = SlamLaw.of(replace(a_fit(GeneralizedMaxwell(law.stiffness)), elastic_law=law))
+    known = SlamLaw.from_fit(replace(a_fit(GeneralizedMaxwell(law.stiffness)), elastic_law=law))
     P = known.precision * LAW
     sd = LAW[0] * np.sqrt(np.linalg.inv(P.T @ P)[0, 0])
     # the tangent at first contact, as well as one knot, or a little less
     assert 0.01 * LAW[0] < sd < 0.06 * LAW[0]
     straight = replace(a_fit(GeneralizedMaxwell(393.0)), elastic_law=ElasticLaw.linear(393.0, 0.01))
-    assert SlamLaw.of(straight).known is None
+    assert SlamLaw.from_fit(straight).known is None
     # of twice the length
     assert (
-        SlamLaw.of(replace(a_fit(GeneralizedMaxwell(1.0)), elastic_law=law), 2.0).known == 2.0 * law
+        SlamLaw.from_fit(replace(a_fit(GeneralizedMaxwell(1.0)), elastic_law=law), 2.0).known
+        == 2.0 * law
     )
 
 

@@ -13,7 +13,7 @@ import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.materials.slam.approach import Approach
-from dashpot.extensions.materials.slam.motion import slammed
+from dashpot.extensions.materials.slam.motion import simulate_impacts
 from dashpot.extensions.materials.slam.prediction import Slam, predict_slam
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -104,7 +104,7 @@ def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("coarse")
 def test_a_slam_scales_with_its_speed_on_a_straight_law() -> None:
     slow, fast = (
-        slammed([seal(LAWS["linear"]).model], LAWS["linear"], mass=0.2, speed=v)[0]
+        simulate_impacts([seal(LAWS["linear"]).model], LAWS["linear"], mass=0.2, speed=v)[0]
         for v in (0.3, 0.5)
     )
     assert fast.peak.force == pytest.approx(5 / 3 * slow.peak.force, rel=1e-9)
@@ -143,8 +143,8 @@ def test_an_arm_far_faster_than_the_contact_is_a_dashpot() -> None:
     arm = GeneralizedMaxwell(393.0, (393.0 * 2000,), (1e-6,))
     dashpot = GeneralizedMaxwell(393.0, (), (), 393.0 * 2e-3)
     (fast,), (flat,) = (
-        slammed([arm], law, mass=0.2, speed=0.3),
-        slammed([dashpot], law, mass=0.2, speed=0.3),
+        simulate_impacts([arm], law, mass=0.2, speed=0.3),
+        simulate_impacts([dashpot], law, mass=0.2, speed=0.3),
     )
     assert fast.rebound == pytest.approx(flat.rebound, abs=2e-4)
     # of a spring and a dashpot in closed form: zeta = c / (2 sqrt(k m))
@@ -172,7 +172,7 @@ def test_what_lies_beyond_the_test_is_marked() -> None:
 def test_a_mass_meets_the_piece_at_a_speed_or_after_a_fall(
     said: str | float, speed: float, pull: float
 ) -> None:
-    found = Approach.of(said)
+    found = Approach.from_quantity(said)
     assert (found.speed, found.pull) == (pytest.approx(speed, rel=1e-12), pull)
 
 

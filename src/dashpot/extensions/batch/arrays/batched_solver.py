@@ -16,10 +16,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, ByValue, FloatArray, IndexArray
+from dashpot.base.arrays import BoolArray, EqualByValue, FloatArray, IndexArray
 from dashpot.base.errors import FitError
 from dashpot.extensions.batch.arrays.grid_search import POINTS, GridSearch
-from dashpot.extensions.batch.arrays.shared_sampling import Family, Reduced
+from dashpot.extensions.batch.arrays.shared_sampling import ReducedRecords, SharedSampling
 from dashpot.extensions.batch.arrays.simultaneous_descent import descend_together, points_at
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.data_compression import PLAIN
@@ -33,7 +33,7 @@ RIVALS = 3
 
 
 @dataclass(frozen=True, eq=False)
-class ManySolutions(ByValue):
+class ManySolutions(EqualByValue):
     """The optima of many records; rows without a solution hold NaN.
 
     Attributes
@@ -59,7 +59,7 @@ class ManySolutions(ByValue):
     at_bound: BoolArray
 
 
-def solve_many(family: Family, records: FloatArray, arms: int) -> ManySolutions:
+def solve_many(family: SharedSampling, records: FloatArray, arms: int) -> ManySolutions:
     """Fit every row of `records`, shape (R, M), with up to `arms` exponentials.
 
     Nothing is raised by a bad row: it comes back without a solution.
@@ -81,14 +81,14 @@ def solve_many(family: Family, records: FloatArray, arms: int) -> ManySolutions:
             out.finite[index] = finite
             index = index[finite]
             if len(index):
-                sure = _together(family, search, reduced.take(finite), index, out)
+                sure = _solve_chunk(family, search, reduced.take(finite), index, out)
                 index = index[~sure]
         for i in index:
-            _alone(family.block, records[i], arms, int(i), out)
+            _solve_record(family.block, records[i], arms, int(i), out)
     return out
 
 
-def solve_each(
+def solve_separately(
     make: Callable[[FloatArray], DataBlock], records: FloatArray, arms: int, *, fixed_count: int
 ) -> ManySolutions:
     """Fit every row by itself, where nothing can be shared: `make` turns a row into a block."""
@@ -96,7 +96,7 @@ def solve_each(
     out = _empty(len(records), arms, fixed_count)
     out.finite[:] = _usable(records)
     for i in np.flatnonzero(out.finite):
-        _alone(make, records[i], arms, int(i), out)
+        _solve_record(make, records[i], arms, int(i), out)
     return out
 
 
@@ -130,7 +130,7 @@ def _empty(count: int, arms: int, fixed: int) -> ManySolutions:
     )
 
 
-def _alone(
+def _solve_record(
     make: Callable[[FloatArray], DataBlock],
     values: FloatArray,
     arms: int,
@@ -152,17 +152,21 @@ def _alone(
     out.at_bound[row] = found.at_bound.any()
 
 
-def _together(
-    family: Family, search: GridSearch, reduced: Reduced, index: IndexArray, out: ManySolutions
+def _solve_chunk(
+    family: SharedSampling,
+    search: GridSearch,
+    reduced: ReducedRecords,
+    index: IndexArray,
+    out: ManySolutions,
 ) -> BoolArray:
     """Descend all records of a chunk; write the ones that leave no doubt, and say which."""
     gain = search.gains(reduced)
     point, done = descend_together(family, *search.best(gain), reduced)
-    sure = done & _proper(family, point, reduced)
+    sure = done & _is_interior_positive(family, point, reduced)
     weak = np.flatnonzero(sure)
-    weak = weak[~_known(family, point.take(weak), reduced.take(weak))]
+    weak = weak[~_is_well_determined(family, point.take(weak), reduced.take(weak))]
     if len(weak):
-        best, sure[weak] = _compared(
+        best, sure[weak] = _compare_peak_descents(
             family, search, gain[:, weak], point.take(weak), reduced.take(weak)
         )
         point.put(weak, best)
@@ -182,7 +186,9 @@ def _together(
     return sure
 
 
-def _proper(family: Family, point: StackTrial, reduced: Reduced) -> BoolArray:
+def _is_interior_positive(
+    family: SharedSampling, point: StackTrial, reduced: ReducedRecords
+) -> BoolArray:
     """Which points lie inside the window, all coefficients positive."""
     low, high = family.template.bounds
     q, beta = family.fixed_count, point.beta
@@ -192,7 +198,9 @@ def _proper(family: Family, point: StackTrial, reduced: Reduced) -> BoolArray:
     return proper
 
 
-def _known(family: Family, point: StackTrial, reduced: Reduced) -> BoolArray:
+def _is_well_determined(
+    family: SharedSampling, point: StackTrial, reduced: ReducedRecords
+) -> BoolArray:
     """Which records know every relaxation time so well that no other optimum can be better."""
     count, arms = point.log_tau.shape
     spare = family.template.samples - family.fixed_count - 2 * arms
@@ -207,14 +215,18 @@ def _known(family: Family, point: StackTrial, reduced: Reduced) -> BoolArray:
     return np.asarray(known.all(axis=1))
 
 
-def _compared(
-    family: Family, search: GridSearch, gain: FloatArray, found: StackTrial, reduced: Reduced
+def _compare_peak_descents(
+    family: SharedSampling,
+    search: GridSearch,
+    gain: FloatArray,
+    found: StackTrial,
+    reduced: ReducedRecords,
 ) -> tuple[StackTrial, BoolArray]:
     """The best of what was found and of descents from other peaks, and where it is proper."""
     proper = np.ones(len(found.sse), dtype=bool)
     for start, started in search.peaks(gain, RIVALS):
         other, done = descend_together(family, start, started, reduced)
         better = np.flatnonzero(other.sse < found.sse * (1 - 1e-10))
-        proper[better] = (done & _proper(family, other, reduced))[better]
+        proper[better] = (done & _is_interior_positive(family, other, reduced))[better]
         found.put(better, other.take(better))
     return found, proper

@@ -10,15 +10,19 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import FloatArray, Frozen, increasing, samples
+from dashpot.base.arrays import FloatArray, FrozenArrays, increasing, samples
 from dashpot.base.checks import status_of
 from dashpot.base.choices import Method
 from dashpot.base.errors import DataError
 from dashpot.base.status import Status
-from dashpot.extensions.batch.arrays.batched_solver import ManySolutions, solve_each, solve_many
+from dashpot.extensions.batch.arrays.batched_solver import (
+    ManySolutions,
+    solve_many,
+    solve_separately,
+)
 from dashpot.extensions.batch.arrays.batched_standard_errors import many_errors
 from dashpot.extensions.batch.arrays.shared_sampling import (
-    Family,
+    SharedSampling,
     hold_family,
     recorded_family,
     shares_correlation,
@@ -32,7 +36,7 @@ _STACK = 4
 
 
 @dataclass(frozen=True, eq=False)
-class ManyErrors(Frozen):
+class BatchErrors(FrozenArrays):
     """Standard errors of many solids; NaN where there is no arm, infinite where nothing is known.
 
     Of the noise alone: what a machine may have done unseen to a stack of arrays nobody says.
@@ -51,7 +55,7 @@ class ManyErrors(Frozen):
 
 
 @dataclass(frozen=True, eq=False)
-class Many(Frozen):
+class BatchFit(FrozenArrays):
     """One solid per record; a record that could not be fitted holds NaN and a status that says why.
 
     Attributes
@@ -72,7 +76,7 @@ class Many(Frozen):
     tau: FloatArray
     sse: FloatArray
     status: tuple[Status, ...]
-    errors: ManyErrors | None = None
+    errors: BatchErrors | None = None
 
     def __len__(self) -> int:
         """Number of records."""
@@ -88,7 +92,7 @@ def fit_many(
     arms: int = 2,
     method: Method = "full",
     errors: bool = False,
-) -> Many:
+) -> BatchFit:
     r"""Fit every record of a stack that was taken on one clock under one displacement.
 
     The result of each is that of a single fit of the same record. Nothing is raised by one bad
@@ -159,7 +163,7 @@ def fit_many(
         x = samples("displacement", displacement if displacement is not None else ())
         history = _recorded(clock, x, method=method)
     found = history.solved(records, arms)
-    return Many(
+    return BatchFit(
         k_inf=found.fixed[:, 0],
         k=found.arms,
         tau=np.exp(found.log_tau),
@@ -190,13 +194,13 @@ class _SharedMotion(NamedTuple):
     first: int
     given: slice
     block: Callable[[FloatArray], DataBlock]
-    family: Callable[[], Family] | None
+    family: Callable[[], SharedSampling] | None
 
     def solved(self, records: FloatArray, arms: int) -> ManySolutions:
         """Fit every record, side by side where there are enough of them."""
         given = records[:, self.given]
         if self.family is None or len(given) < _STACK:
-            return solve_each(self.block, given, arms, fixed_count=1)
+            return solve_separately(self.block, given, arms, fixed_count=1)
         return solve_many(self.family(), given, arms)
 
 
@@ -257,9 +261,9 @@ def _status(found: ManySolutions, row: int, arms: int) -> Status:
 
 def _errors(
     clock: FloatArray, records: FloatArray, history: _SharedMotion, found: ManySolutions
-) -> ManyErrors:
+) -> BatchErrors:
     error = many_errors(clock, history.x, records, history.first, found)
     arms = found.arms.shape[1]
-    return ManyErrors(
+    return BatchErrors(
         error[:, 0], error[:, 1 : 1 + arms], error[:, 1 + arms :] * np.exp(found.log_tau)
     )

@@ -9,7 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
-from dashpot.extensions.batch.arrays.shared_sampling import Family, Reduced
+from dashpot.extensions.batch.arrays.shared_sampling import ReducedRecords, SharedSampling
 
 #: grid points by number of arms: every set of them is tried; more arms have too many sets, and go
 #: one by one
@@ -19,13 +19,13 @@ POINTS = {1: 72, 2: 40, 3: 24}
 class GridSearch:
     """The best set of grid points for each record: all sets at once, on swept Gram matrices."""
 
-    def __init__(self, family: Family, arms: int) -> None:
+    def __init__(self, family: SharedSampling, arms: int) -> None:
         self.family = family
         self.log_tau = np.linspace(*family.template.bounds, POINTS[arms])
         self.sets = np.array(list(combinations(range(POINTS[arms]), arms)))
         self.inverse: FloatArray | None = None
 
-    def gains(self, reduced: Reduced) -> FloatArray:
+    def gains(self, reduced: ReducedRecords) -> FloatArray:
         """What each set explains of each record, (sets, R); zero without positive coefficients."""
         gram, with_fixed, with_grid = self.family.moments(self.log_tau, reduced)
         q = self.family.fixed_count
@@ -55,14 +55,16 @@ class GridSearch:
 
     def peaks(self, gain: FloatArray, count: int) -> Iterator[tuple[FloatArray, BoolArray]]:
         """Yield what `best` says of the second, third, ... highest local maximum of each record."""
-        left = gain * (gain >= np.maximum.reduce([gain[beside] for beside in self.beside.T]))
+        left = gain * (
+            gain >= np.maximum.reduce([gain[beside] for beside in self.neighbour_sets.T])
+        )
         records = np.arange(gain.shape[1])
         for _ in range(count):
             left[np.argmax(left, axis=0), records] = 0.0
             yield self.best(left)
 
     @cached_property
-    def beside(self) -> IndexArray:
+    def neighbour_sets(self) -> IndexArray:
         """The sets next to each set, shape (sets, 3^N); itself where there is none."""
         size = len(self.log_tau) + 2
         shape = (size,) * self.sets.shape[1]

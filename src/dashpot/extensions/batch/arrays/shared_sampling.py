@@ -14,16 +14,16 @@ from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.base.errors import DataError
 from dashpot.numerics.design_matrices.block import DataBlock, stiffnesses
 from dashpot.numerics.design_matrices.data_compression import (
-    Compression,
+    DataCompression,
     compression,
-    projected,
+    project_values,
     uniform_step,
 )
 from dashpot.numerics.design_matrices.displacement_correlation import (
     ROUNDING,
     ConvolvedMotion,
     Force,
-    convolved,
+    correlate_displacement,
     upper_factor,
 )
 from dashpot.numerics.design_matrices.hold import hold_block
@@ -35,22 +35,22 @@ TIMES_PER_FOLD = 9.5
 RANK = 1e-14
 
 
-class Reduced(NamedTuple):
+class ReducedRecords(NamedTuple):
     """A stack of records through a family: all that a fit needs of them."""
 
     data: tuple[FloatArray, ...]  # arrays whose first axis is the record
     floor: FloatArray  # (R,)
     energy: FloatArray  # (R,) sum of squares of what the rows hold
 
-    def take(self, index: IndexArray | BoolArray) -> Reduced:
+    def take(self, index: IndexArray | BoolArray) -> ReducedRecords:
         """Some of the records."""
-        return Reduced(
+        return ReducedRecords(
             tuple(part[index] for part in self.data), self.floor[index], self.energy[index]
         )
 
 
 @dataclass(frozen=True, eq=False)
-class Family(ABC):
+class SharedSampling(ABC):
     """Records that share a sampling and a history, so that only the data differ.
 
     Attributes
@@ -77,19 +77,19 @@ class Family(ABC):
         """Which fixed coefficients are stiffnesses, shape (q,)."""
         return stiffnesses(self.template.fixed_names)
 
-    def reduce(self, values: FloatArray) -> Reduced:
+    def reduce(self, values: FloatArray) -> ReducedRecords:
         """Reduce records, shape (R, M), a few at a time: they stay in the cache."""
         few = max(1, AT_ONCE // values.shape[1])
-        parts = [self._reduced(values[i : i + few]) for i in range(0, len(values), few)]
+        parts = [self._reduce_records(values[i : i + few]) for i in range(0, len(values), few)]
         data, floor, energy = zip(*parts, strict=True)
         together = tuple(np.concatenate(part) for part in zip(*data, strict=True))
-        return Reduced(together, np.concatenate(floor), np.concatenate(energy))
+        return ReducedRecords(together, np.concatenate(floor), np.concatenate(energy))
 
     @abstractmethod
-    def _reduced(self, values: FloatArray) -> Reduced: ...
+    def _reduce_records(self, values: FloatArray) -> ReducedRecords: ...
 
     @abstractmethod
-    def factor(self, log_tau: FloatArray, reduced: Reduced, *, exact: bool) -> FloatArray:
+    def factor(self, log_tau: FloatArray, reduced: ReducedRecords, *, exact: bool) -> FloatArray:
         """Triangular factors of [fixed, arms, slopes, y] at ln tau (R, N), one per record.
 
         `exact` asks for the factor that does not go through a Gram matrix, if there is one.
@@ -97,7 +97,7 @@ class Family(ABC):
 
     @abstractmethod
     def moments(
-        self, log_tau: FloatArray, reduced: Reduced
+        self, log_tau: FloatArray, reduced: ReducedRecords
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Gram of [fixed, arms] at shared ln tau (G,), products with y: (R, q) and (R, G)."""
 
@@ -110,10 +110,10 @@ def hold_family(
     """
     make = partial(hold_block, depth=depth, ramp_time=ramp_time, ramp=ramp)
     if not ramp:
-        return _compressed(time, (compression(time),), make)
+        return _make_compressed_family(time, (compression(time),), make)
     first = int(np.searchsorted(time, ramp_time))
     plans = compression(time[:first]), compression(time[first:] - ramp_time)
-    return _compressed(time, plans, make, second_from=ramp_time)
+    return _make_compressed_family(time, plans, make, second_from=ramp_time)
 
 
 def recorded_family(
@@ -131,7 +131,7 @@ def recorded_family(
     if not shares_correlation(time, x):
         raise DataError("records share a correlation only on a uniform grid and from x = 0")
     make = partial(recorded_block, time, x, window=slice(start, stop))
-    shared = convolved(time, x, x[start:stop, None], start=start, stop=stop)
+    shared = correlate_displacement(time, x, x[start:stop, None], start=start, stop=stop)
     return RecordedFamily(make, make(np.zeros(len(time))), shared)
 
 
@@ -190,9 +190,9 @@ def _independent(basis: FloatArray) -> IndexArray:
     return np.sort(np.array(chosen))
 
 
-def _compressed(
+def _make_compressed_family(
     time: FloatArray,
-    plans: tuple[Compression, ...],
+    plans: tuple[DataCompression, ...],
     make: Callable[..., DataBlock],
     *,
     second_from: float = 0.0,
@@ -201,34 +201,36 @@ def _compressed(
     nodes = np.concatenate([plan.nodes + at for plan, at in zip(plans, origins, strict=False)])
     root = np.concatenate([plan.root_weight for plan in plans])
 
-    def at_nodes(chosen: IndexArray) -> DataBlock:
+    def make_node_block(chosen: IndexArray) -> DataBlock:
         zeros = np.zeros(len(chosen))
         return make(nodes[chosen], zeros, weights=root[chosen], compress=False)
 
     block = partial(make, time)
     template = block(np.zeros(len(time)))
-    return CompressedFamily(block, template, plans, column_space(template, at_nodes))
+    return CompressedFamily(block, template, plans, column_space(template, make_node_block))
 
 
 @dataclass(frozen=True, eq=False)
-class CompressedFamily(Family):
+class CompressedFamily(SharedSampling):
     """Records of a hold, a ramp and hold, or a plain decay on one sampling.
 
     A record is reduced as its coordinates in the space of the sampling's columns, those along the
     fixed columns apart: Gram matrices of the others then hold no large constant.
     """
 
-    plans: tuple[Compression, ...]
+    plans: tuple[DataCompression, ...]
     space: ColumnSpace
 
-    def _reduced(self, values: FloatArray) -> Reduced:
-        z, floor = projected(self.plans, values)
+    def _reduce_records(self, values: FloatArray) -> ReducedRecords:
+        z, floor = project_values(self.plans, values)
         at = z @ self.space.basis
         rest = z - at @ self.space.basis.T
         along, beside = at[:, : self.fixed_count], at[:, self.fixed_count :]
-        return Reduced((along, beside), floor + np.vecdot(rest, rest), np.vecdot(beside, beside))
+        return ReducedRecords(
+            (along, beside), floor + np.vecdot(rest, rest), np.vecdot(beside, beside)
+        )
 
-    def factor(self, log_tau: FloatArray, reduced: Reduced, *, exact: bool) -> FloatArray:
+    def factor(self, log_tau: FloatArray, reduced: ReducedRecords, *, exact: bool) -> FloatArray:
         """Triangular factors, by a Gram matrix or `exact` by QR."""
         along, beside = reduced.data
         count, arms = log_tau.shape
@@ -249,7 +251,7 @@ class CompressedFamily(Family):
         return out
 
     def moments(
-        self, log_tau: FloatArray, reduced: Reduced
+        self, log_tau: FloatArray, reduced: ReducedRecords
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """In the space of the columns."""
         columns = self.space.inverse @ self.space.chosen.evaluate(log_tau, False).arms
@@ -262,24 +264,24 @@ class CompressedFamily(Family):
 
 
 @dataclass(frozen=True, eq=False)
-class RecordedFamily(Family):
+class RecordedFamily(SharedSampling):
     """Records under one recorded displacement on a uniform grid."""
 
     motion: ConvolvedMotion
     rounding_floor: ClassVar[float] = 100 * ROUNDING
 
-    def _reduced(self, values: FloatArray) -> Reduced:
-        force = Force.of(self.motion, values[:, self.motion.start : self.motion.count])
-        return Reduced(force, np.zeros(len(values)), force.energy)
+    def _reduce_records(self, values: FloatArray) -> ReducedRecords:
+        force = Force.from_motion(self.motion, values[:, self.motion.start : self.motion.count])
+        return ReducedRecords(force, np.zeros(len(values)), force.energy)
 
-    def factor(self, log_tau: FloatArray, reduced: Reduced, *, exact: bool) -> FloatArray:  # noqa: ARG002
+    def factor(self, log_tau: FloatArray, reduced: ReducedRecords, *, exact: bool) -> FloatArray:  # noqa: ARG002
         """Triangular factors by a Gram matrix: it is all that there is."""
         return upper_factor(
             self.motion.gram(np.exp(log_tau), Force(*reduced.data), derivative=True)
         )
 
     def moments(
-        self, log_tau: FloatArray, reduced: Reduced
+        self, log_tau: FloatArray, reduced: ReducedRecords
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """By the correlations."""
         tau, force = np.exp(log_tau), Force(*reduced.data)

@@ -5,20 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
-from dashpot.extensions.batch.arrays.shared_sampling import Family, Reduced
+from dashpot.extensions.batch.arrays.shared_sampling import ReducedRecords, SharedSampling
 from dashpot.numerics.exponential_fit.log_tau_descent import StackTrial
 from dashpot.numerics.least_squares.levenberg_marquardt import (
     FINISHED,
     LINEAR,
     LONGEST_STEP,
     TAIL,
-    accepted,
-    settled,
+    has_converged,
+    is_step_acceptable,
 )
 
 
 def points_at(
-    family: Family, log_tau: FloatArray, reduced: Reduced, *, exact: bool = False
+    family: SharedSampling, log_tau: FloatArray, reduced: ReducedRecords, *, exact: bool = False
 ) -> StackTrial:
     """Return one trial of each record, ln tau (R, N).
 
@@ -31,13 +31,17 @@ def points_at(
     pivot, length = np.diagonal(r, axis1=1, axis2=2) ** 2, (r * r).sum(axis=1)
     dependent = (pivot <= 1e-13 * length).any(axis=1)
     r[dependent] = np.eye(p)
-    point = StackTrial.of(log_tau, factor, q)
+    point = StackTrial.from_factor(log_tau, factor, q)
     point.sse[dependent] = np.inf
     return point
 
 
 def descend_together(
-    family: Family, start: FloatArray, started: BoolArray, reduced: Reduced, limit: int = 40
+    family: SharedSampling,
+    start: FloatArray,
+    started: BoolArray,
+    reduced: ReducedRecords,
+    limit: int = 40,
 ) -> tuple[StackTrial, BoolArray]:
     """Descend from the start of every record; where each ended, and whether at an optimum.
 
@@ -58,7 +62,7 @@ def descend_together(
         step = trial - now.log_tau
         moved, fall = np.abs(step).max(axis=1), np.abs(np.vecdot(now.gradient, step))
         sse = reduced.floor[active] + now.sse
-        over = (damping[active] < LINEAR) & settled(moved, last[active], fall, sse)
+        over = (damping[active] < LINEAR) & has_converged(moved, last[active], fall, sse)
         over |= moved <= FINISHED
         before = now.sse
         if over.any():
@@ -68,7 +72,7 @@ def descend_together(
         if not len(active):
             break
         new = points_at(family, trial, reduced.take(active))
-        tail, better = moved < TAIL, accepted(new.sse, before, moved, rounding[active])
+        tail, better = moved < TAIL, is_step_acceptable(new.sse, before, moved, rounding[active])
         taken = active[better]
         last[taken] = moved[better]
         here.put(taken, new.take(better))

@@ -11,7 +11,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.serialisation import Documented
+from dashpot.base.serialisation import Serialisable
 
 D2 = 1.128
 """Mean range of two normal values, in standard deviations."""
@@ -35,7 +35,7 @@ class Signal(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Chart(Documented):
+class Chart(Serialisable):
     """Points in their order, and what they should keep to.
 
     Attributes
@@ -76,7 +76,7 @@ class Chart(Documented):
         return tuple(found)
 
 
-def by_chance(points: int) -> float:
+def compute_chance_limit(points: int) -> float:
     """How many of so many points break a rule at most where nothing but chance does it.
 
     Points of one run come together, so their number scatters by the root of twice its mean; three
@@ -107,7 +107,7 @@ def individuals(values: FloatArray) -> tuple[Chart, Chart]:
     zero = np.zeros(len(x))
     return (
         _chart("individuals", x, float(x.mean()), sigma),
-        _bounded("moving range", moving, mean_range, zero, zero + _D4 * mean_range),
+        _make_scatter_chart("moving range", moving, mean_range, zero, zero + _D4 * mean_range),
     )
 
 
@@ -140,7 +140,7 @@ def means_and_deviations(groups: Sequence[FloatArray]) -> tuple[Chart, Chart]:
     low = sigma * np.maximum(c4 - 3 * spread, 0)
     return (
         _chart("mean", means, centre, sigma / np.sqrt(sizes)),
-        _bounded(
+        _make_scatter_chart(
             "standard deviation", deviations, float(np.mean((sigma * c4)[several])),
             low, sigma * (c4 + 3 * spread),
         ),
@@ -158,7 +158,7 @@ def _chart(kind: Kind, values: FloatArray, centre: float, sigma: FloatArray) -> 
     return Chart(kind, values, centre, centre - 3 * sigma, centre + 3 * sigma, signals)
 
 
-def _bounded(
+def _make_scatter_chart(
     kind: Kind, values: FloatArray, centre: float, lower: FloatArray, upper: FloatArray
 ) -> Chart:
     """A chart of scatter, which knows no runs: its points are not normal."""

@@ -145,30 +145,39 @@ def gauge(
     )
     p_value = None
     if len(names) > 1:
-        table = _crossed(x, part, operator.reshape(-1), len(names))
-        squares, p_value = _of_crossed(table)
+        table = _extract_balanced_table(x, part, operator.reshape(-1), len(names))
+        squares, p_value = _compute_crossed_squares(table)
         count, used = table.shape[0], table.size
     else:
-        squares, count, used = _of_repeats(x, part)
-    found, ends = squares.solved(squares.square), _drawn(squares)
+        squares, count, used = _compute_repeat_squares(x, part)
+    found, ends = squares.solved(squares.square), _draw_variances(squares)
     tails = [(1 - level) / 2, (1 + level) / 2]
 
-    def between(draws: FloatArray) -> tuple[float, float]:
+    def compute_interval(draws: FloatArray) -> tuple[float, float]:
         low, high = np.quantile(draws, tails)
         return float(low), float(high)
 
     variations = tuple(
         Variation(
-            name, float(found[name]) ** 0.5, between(np.sqrt(ends[name])),
-            _ratio(found[name], found["total"]), between(_ratios(ends[name], ends["total"])),
+            name,
+            float(found[name]) ** 0.5,
+            compute_interval(np.sqrt(ends[name])),
+            _ratio(found[name], found["total"]),
+            compute_interval(_ratios(ends[name], ends["total"])),
         )
         for name in found
-    )  # fmt: skip
+    )
     categories = DISTINCT * _ratio(found["part"], found["gauge"])
     return Gauge(
-        count, len(names), used, len(x) - used, variations, categories,
-        between(DISTINCT * _ratios(ends["part"], ends["gauge"])), p_value,
-    )  # fmt: skip
+        count,
+        len(names),
+        used,
+        len(x) - used,
+        variations,
+        categories,
+        compute_interval(DISTINCT * _ratios(ends["part"], ends["gauge"])),
+        p_value,
+    )
 
 
 def _ratio(one: FloatArray, other: FloatArray) -> float:
@@ -181,7 +190,9 @@ def _ratios(one: FloatArray, other: FloatArray) -> FloatArray:
         return np.where(one == 0, 0.0, np.sqrt(one / other))
 
 
-def _crossed(x: FloatArray, part: Labels, operator: Labels, operators: int) -> FloatArray:
+def _extract_balanced_table(
+    x: FloatArray, part: Labels, operator: Labels, operators: int
+) -> FloatArray:
     """The balanced part of a design, shape (parts, operators, repeats)."""
     tests = np.bincount(part * operators + operator, minlength=(part.max() + 1) * operators)
     tests = tests.reshape(-1, operators)
@@ -202,7 +213,7 @@ def _crossed(x: FloatArray, part: Labels, operator: Labels, operators: int) -> F
     ])  # fmt: skip
 
 
-def _of_repeats(x: FloatArray, part: Labels) -> tuple[_Squares, int, int]:
+def _compute_repeat_squares(x: FloatArray, part: Labels) -> tuple[_Squares, int, int]:
     """One-way: unweighted means of the parts, whatever the number of their repeats."""
     size = np.bincount(part)
     if len(size) < 2 or size.max() < 2:
@@ -214,22 +225,22 @@ def _of_repeats(x: FloatArray, part: Labels) -> tuple[_Squares, int, int]:
     within = float(np.sum((x - means[part]) ** 2)) / (len(x) - len(size))
     each = float(1 / np.mean(1 / size))
 
-    def solved(square: FloatArray) -> _Variances:
+    def solve_variances(square: FloatArray) -> _Variances:
         error = square[0]
-        return _summed({"repeatability": error}, (square[1] - error) / each)
+        return _add_variance_totals({"repeatability": error}, (square[1] - error) / each)
 
     return (
         _Squares(
             np.array([within, each * np.var(means, ddof=1)]),
             np.array([len(x) - len(size), len(size) - 1]),
-            solved,
+            solve_variances,
         ),
         len(size),
         len(x),
     )
 
 
-def _of_crossed(table: FloatArray) -> tuple[_Squares, float]:
+def _compute_crossed_squares(table: FloatArray) -> tuple[_Squares, float]:
     """Two-way, crossed and balanced; shape (parts, operators, repeats)."""
     from scipy.stats import f
 
@@ -248,34 +259,36 @@ def _of_crossed(table: FloatArray) -> tuple[_Squares, float]:
     if p_value > POOLED:
         both = sums[:2].sum() / freedom[:2].sum()
 
-        def pooled(square: FloatArray) -> _Variances:
+        def solve_pooled_variances(square: FloatArray) -> _Variances:
             error, operators, parts = square
             inside = {"repeatability": error, "operator": (operators - error) / (p * r)}
-            return _summed(inside, (parts - error) / (o * r))
+            return _add_variance_totals(inside, (parts - error) / (o * r))
 
         kept = np.array([both, *square[2:]])
-        return _Squares(kept, np.array([freedom[:2].sum(), *freedom[2:]]), pooled), p_value
+        return _Squares(
+            kept, np.array([freedom[:2].sum(), *freedom[2:]]), solve_pooled_variances
+        ), p_value
 
-    def solved(square: FloatArray) -> _Variances:
+    def solve_variances(square: FloatArray) -> _Variances:
         error, crossed, operators, parts = square
         inside = {
             "repeatability": error,
             "operator": (operators - crossed) / (p * r),
             "interaction": (crossed - error) / r,
         }
-        return _summed(inside, (parts - crossed) / (o * r))
+        return _add_variance_totals(inside, (parts - crossed) / (o * r))
 
-    return _Squares(square, freedom, solved), p_value
+    return _Squares(square, freedom, solve_variances), p_value
 
 
-def _summed(inside: _Variances, part: FloatArray) -> _Variances:
+def _add_variance_totals(inside: _Variances, part: FloatArray) -> _Variances:
     """The variances none of which is below 0, with those of the gauge and of all."""
     found = {name: np.maximum(one, 0.0) for name, one in inside.items()}
     of_parts, of_gauge = np.maximum(part, 0.0), np.asarray(sum(found.values()))
     return found | {"gauge": of_gauge, "part": of_parts, "total": of_gauge + of_parts}
 
 
-def _drawn(squares: _Squares) -> _Variances:
+def _draw_variances(squares: _Squares) -> _Variances:
     """Variances that could have given these mean squares."""
     drawn = np.random.default_rng(_SEED).chisquare(squares.freedom, (_DRAWS, len(squares.square)))
     return squares.solved((squares.square * squares.freedom / drawn).T)

@@ -203,14 +203,14 @@ def _estimates(strata: list[_Stratum], level: float) -> list[Component]:
             low, high = stratum.limits(level)
             ends = low * stratum.square, high * stratum.square
         else:
-            ends = _of_difference(stratum, strata[place + 1], below, own, level)
+            ends = _compute_difference_limits(stratum, strata[place + 1], below, own, level)
         known = max(variance, 0.0), ends, stratum.freedom, 0.0, stratum.normal()
         found.insert(0, Component(stratum.source, *known))
         estimates.insert(0, variance)
     return found
 
 
-def _of_difference(
+def _compute_difference_limits(
     outer: _Stratum, inner: _Stratum, below: float, own: float, level: float
 ) -> tuple[float, float]:
     """Modified large-sample limits of (outer mean square - below) / own."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Finding, Remedy, criterion
-from dashpot.base.number_format import rounded
+from dashpot.base.number_format import round_to_error
 from dashpot.extensions.curves.checks import FOLLOWED
 from dashpot.fitting.checks.relaxation import largest_rms
 from dashpot.fitting.checks.solid import arms_said
@@ -135,7 +135,8 @@ def creep_finished(creep: CreepSpectrum, hold: float) -> Finding:
         )
     left = 1 - float(creep.compliance(hold)) / creep.equilibrium
     return Finding(
-        f"When the hold ended, after {rounded(hold)} s, {100 * left:.2g} % of the displacement at "
+        f"When the hold ended, after {round_to_error(hold)} s, {100 * left:.2g} % of the "
+        "displacement at "
         "rest was still to come",
         left,
         "So k_inf is extrapolated, with no lower limit",

@@ -7,7 +7,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import FitError
 from dashpot.datamodel.fit import Fit
-from dashpot.extensions.curves.creep.fit import fit_creep, known_before
+from dashpot.extensions.curves.creep.fit import fit_creep, pre_load_baseline
 from dashpot.extensions.curves.creep.preprocess import load_hold
 from dashpot.extensions.curves.datamodel.creep import (
     COMPLIANCES,
@@ -63,7 +63,7 @@ def measured_compliance(test: CreepTest | LoadHold) -> CreepCompliance:
     record = load_hold(test) if isinstance(test, CreepTest) else test
     fit = fit_creep(record)
     left = record.displacement - fitted_displacement(fit, record)
-    if not known_before(record).told:
+    if not pre_load_baseline(record).told:
         drift = sum(one.value for one in fit.nuisance if one.name == "drift")
         left = left + drift * (record.time - record.time[0])
     left = left[record.hold] / record.level

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.number_format import rounded
+from dashpot.base.number_format import round_to_error
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.curves.creep.compliance import fitted_displacement
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance, LoadHold
 from dashpot.extensions.curves.time_curve_figure import answer_panels
-from dashpot.plot.downsampling import extremes
+from dashpot.plot.downsampling import downsample_to_extremes
 from dashpot.plot.picture import (
     BENEATH,
     FIT,
@@ -21,10 +21,10 @@ from dashpot.plot.picture import (
     Picture,
     Rule,
     Scale,
-    around,
+    compute_padded_limits,
     unit_of,
 )
-from dashpot.plot.provenance_stamp import of_fit
+from dashpot.plot.provenance_stamp import format_fit_stamp
 
 SINCE = "time since the load began, s"
 
@@ -42,7 +42,7 @@ def creep(fit: Fit, data: LoadHold | CreepCompliance, *, stamp: str = "") -> Pic
     """
     panels = _curve(fit, data) if isinstance(data, CreepCompliance) else _test(fit, data)
     caption = "Creep: measured, the fit to it, and what that leaves."
-    return Picture("creep", caption, (panels,), 1, stamp or of_fit(fit))
+    return Picture("creep", caption, (panels,), 1, stamp or format_fit_stamp(fit))
 
 
 def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
@@ -62,19 +62,19 @@ def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
     across = Scale(SINCE, (first, float(t[-1])), log=True)
 
     def line(values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        return extremes(t, scale * values, bins=350, log=True)
+        return downsample_to_extremes(t, scale * values, bins=350, log=True)
 
     upper = Panel(
-        across, Scale(label, around(scale * measured)),
+        across, Scale(label, compute_padded_limits(scale * measured)),
         (Line(*line(said), BENEATH, "fit"), Line(*line(measured), UPON, "measured")),
         height=240,
     )  # fmt: skip
     left = measured - said
     word, small = unit_of(left, "m") if data.unit == "N/m" else ("%", 100.0)
-    x, y = extremes(t, small * left, bins=350, log=True)
-    rms = rounded(small * fit.residual.rms)
+    x, y = downsample_to_extremes(t, small * left, bins=350, log=True)
+    rms = round_to_error(small * fit.residual.rms)
     lower = Panel(
-        across, Scale(f"residual, {word}", around(y, np.zeros(1), margin=0.1)),
+        across, Scale(f"residual, {word}", compute_padded_limits(y, np.zeros(1), margin=0.1)),
         (Rule(0.0, REF, across=True), Line(x, y, FIT)),
         height=90, note=f"rms {rms} {word}",
     )  # fmt: skip

@@ -22,8 +22,8 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Step, sources_of
-from dashpot.base.sentences import lowered
-from dashpot.base.units import written
+from dashpot.base.sentences import decapitalise_sentence
+from dashpot.base.units import format_quantity
 from dashpot.datamodel.band_error import BandError
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.fit import Fit
@@ -37,8 +37,8 @@ from dashpot.extensions.curves.creep.load_noise import load_rows
 from dashpot.extensions.curves.creep.preprocess import OF_A_COUNT, load_hold
 from dashpot.extensions.curves.creep.retardation_spectrum import FLOW, GLASS, Retarded, spectrum_of
 from dashpot.extensions.curves.datamodel.creep import Creep, CreepCompliance, CreepTest, LoadHold
-from dashpot.extensions.curves.datamodel.superposition import AsMeasured, Superposition
-from dashpot.extensions.curves.relaxation_spectrum import shared_where_few_fall_short
+from dashpot.extensions.curves.datamodel.superposition import Superposition, UnshiftedCurve
+from dashpot.extensions.curves.relaxation_spectrum import shared_spectrum_if_needed
 from dashpot.extensions.curves.superposition.superpose import superpose
 from dashpot.fitting.checks.relaxation import residuals_steady
 from dashpot.fitting.checks.solid import (
@@ -50,12 +50,18 @@ from dashpot.fitting.checks.solid import (
     residuals_random,
     tau_inside_window,
 )
-from dashpot.fitting.design_matrix import NUISANCE, evened
-from dashpot.fitting.fit_construction import assembled
-from dashpot.fitting.fit_data import DOUBTED, FitData, determinable_arms
+from dashpot.fitting.design_matrix import NUISANCE, regular_clock
+from dashpot.fitting.fit_construction import build_fit
+from dashpot.fitting.fit_data import DOUBTED, FitData, max_determinable_arms
 from dashpot.fitting.nonlinear_ramp.checks import clocks_agree
-from dashpot.fitting.nuisance_priors import ROUNDING, Prior, Terms, at_rest, delay_prior
-from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
+from dashpot.fitting.nuisance_priors import (
+    ROUNDING,
+    NuisanceTerms,
+    Prior,
+    baseline_of_channel,
+    delay_prior,
+)
+from dashpot.fitting.pipeline import SelectedModel, requested_arms, select_order
 from dashpot.fitting.relaxation_likelihood import noise_power
 from dashpot.fitting.uncertainty.band_limits import band_of_curve
 from dashpot.fitting.uncertainty.curve_data import ENOUGH, CurveData, curve_data
@@ -129,13 +135,13 @@ def fit_creep(
     DataError, FitError
         If no force is held, the compliance falls, or an option makes no sense.
     """
-    asked_arms(arms, max_arms)
+    requested_arms(arms, max_arms)
     if isinstance(test, CreepCompliance) and test.temperature is not None:
         test = superpose(test)
     if isinstance(test, Superposition):
         return _of_master_curve(test, arms, thorough=thorough, max_arms=max_arms)
     if isinstance(test, CreepCompliance):
-        origin = AsMeasured(sources_of([test]))
+        origin = UnshiftedCurve(sources_of([test]))
         return _of_curve(test, origin, arms, thorough=thorough, max_arms=max_arms)
     record = load_hold(test) if isinstance(test, CreepTest) else test
     record, found = _in_step(record, arms, max_arms=max_arms, thorough=thorough)
@@ -170,7 +176,7 @@ def _found_as_recorded(
 ) -> Retarded:
     """The kind of part, and its retardations, with the load where the record has it."""
     each = [
-        chosen_arms(_data(record, flows=flows), one, max_arms=max_arms, thorough=thorough)
+        select_order(_data(record, flows=flows), one, max_arms=max_arms, thorough=thorough)
         for flows, one in _candidates(arms)
     ]
     return _better([_beyond_load_error(record, one) for one in each])
@@ -188,8 +194,8 @@ def _candidates(arms: int | Literal["auto"]) -> list[tuple[bool, int | Literal["
 
 def _data(record: LoadHold, *, flows: bool) -> FitData:
     """The displacement as an answer to the load, with what is known of its zero before it."""
-    known = known_before(record)
-    time = evened(record.time - record.time[0])
+    known = pre_load_baseline(record)
+    time = regular_clock(record.time - record.time[0])
     window = slice(known.first, None)
     block = retarding(
         recorded_block(
@@ -200,7 +206,7 @@ def _data(record: LoadHold, *, flows: bool) -> FitData:
     )  # fmt: skip
     if flows:
         block = block.with_column(FLOW, _impulse(time, record.load)[window])
-    rough = solve([block, *_bound(block, known)], min(_ROUGH, determinable_arms([block])))
+    rough = solve([block, *_bound(block, known)], min(_ROUGH, max_determinable_arms([block])))
     block = block.with_column("delay", _velocity(block, rough, time[window]))
     # what is faster than the load is known answers its noise
     fast, slow = block.window
@@ -211,7 +217,7 @@ def _data(record: LoadHold, *, flows: bool) -> FitData:
     )  # fmt: skip
 
 
-class _BeforeLoad(NamedTuple):
+class _PreloadBaseline(NamedTuple):
     """What the samples before the load say, SI units; the first sample that the fit may use."""
 
     offset: Prior
@@ -225,13 +231,13 @@ class _BeforeLoad(NamedTuple):
     told: bool
 
     @property
-    def terms(self) -> Terms:
+    def terms(self) -> NuisanceTerms:
         """Of the columns, which count from the first sample."""
         each = {"offset": self.offset, "drift": self.drift, "delay": self.delay}
-        return Terms(each, -self.at, self.least)
+        return NuisanceTerms(each, -self.at, self.least)
 
 
-def known_before(record: LoadHold, *, claimed: bool = False) -> _BeforeLoad:
+def pre_load_baseline(record: LoadHold, *, claimed: bool = False) -> _PreloadBaseline:
     """Return what the samples before the load say of its zero, its drift and its clock.
 
     `claimed` for limits, which bear all that a rig may drift unseen.
@@ -249,7 +255,7 @@ def known_before(record: LoadHold, *, claimed: bool = False) -> _BeforeLoad:
     usual = Machine().drift_sd(both, duration, unseen)
     slope = Prior(0.0, np.inf)
     if first >= _FEWEST:
-        offset, at, slope = at_rest(time[:first], x[:first], record.displacement_noise)
+        offset, at, slope = baseline_of_channel(time[:first], x[:first], record.displacement_noise)
         # a reading that stands on one count hides a part of the next
         offset = Prior(offset.mean, max(offset.sd, OF_A_COUNT * count))
         slope = Prior(slope.mean, max(slope.sd, count / float(time[first - 1])))
@@ -260,13 +266,13 @@ def known_before(record: LoadHold, *, claimed: bool = False) -> _BeforeLoad:
     *drift, told_drift = Machine().drift_told(slope, both, duration, unseen)
     # of the load that was moved already, what is left
     delay = Prior(-record.lead, late.sd)
-    return _BeforeLoad(
+    return _PreloadBaseline(
         offset, at, Prior(*drift), delay, first, noise, ROUNDING * travel, usual, told_drift
     )
 
 
 def _bound(
-    block: DataBlock, known: _BeforeLoad, spreads: Sequence[float] | None = None
+    block: DataBlock, known: _PreloadBaseline, spreads: Sequence[float] | None = None
 ) -> tuple[DataBlock, ...]:
     """Rows that bind the nuisance terms of a block."""
     return (known.terms.rows(block, known.noise if spreads is None else spreads[0]),)
@@ -293,7 +299,7 @@ def _velocity(block: DataBlock, rough: Solution, time: FloatArray) -> FloatArray
 # -- a kind of part ------------------------------------------------------------------------------
 
 
-def _better(found: Sequence[Chosen]) -> Retarded:
+def _better(found: Sequence[SelectedModel]) -> Retarded:
     """The kind of part that BIC supports, and by how much."""
     effective = min(one.estimate.effective for one in found)
     scores = []
@@ -314,7 +320,7 @@ def _better(found: Sequence[Chosen]) -> Retarded:
     return Retarded(one.data, one.estimate, one.scores, choice, one.asked, alternative)
 
 
-def _flow_stands_out(found: Chosen) -> bool:
+def _flow_stands_out(found: SelectedModel) -> bool:
     """False if there is a flow and it is not significant, whatever BIC says."""
     if FLOW not in found.solution.fixed_names:
         return True
@@ -351,7 +357,7 @@ def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"])
         loss_factor_known(known),
         clocks_agree([_late(nuisance)]),
     )
-    return assembled(
+    return build_fit(
         found.outcome(replace(found.residual, unit=word), nuisance),
         Evidence(
             band,
@@ -397,11 +403,13 @@ def _moved(record: LoadHold) -> tuple[Step, ...]:
     if not record.lead:
         return ()
     way = "earlier" if record.lead > 0 else "later"
-    says = f"took the load {written(abs(record.lead), 'ms', '.3g')} {way}, as it is answered"
+    says = (
+        f"took the load {format_quantity(abs(record.lead), 'ms', '.3g')} {way}, as it is answered"
+    )
     return (Step("lead", (("lead_s", f"{record.lead:.6g}"),), says),)
 
 
-def _beyond_load_error(record: LoadHold, found: Chosen) -> Chosen:
+def _beyond_load_error(record: LoadHold, found: SelectedModel) -> SelectedModel:
     """The choice with what the noise of the load leaves unknown in its errors.
 
     Where the number was left to the rules, a retardation that is not significant beside that
@@ -422,7 +430,7 @@ def _beyond_load_error(record: LoadHold, found: Chosen) -> Chosen:
     return replace(found, estimate=estimate, choice=choice)
 
 
-def _stand_out(found: Chosen, estimate: SolutionEstimate) -> bool:
+def _stand_out(found: SelectedModel, estimate: SolutionEstimate) -> bool:
     """True if every retardation is significant, and every arm that they make."""
     numbers, known = range(1, estimate.solution.order + 1), estimate.standard_error
     if not significant(
@@ -465,7 +473,7 @@ def _drift_checks(record: LoadHold, found: Retarded) -> list[Check]:
     """Whether a drift may be a flow, where none was taken."""
     if found.flows:
         return []
-    known = known_before(record)
+    known = pre_load_baseline(record)
     drift = found.solution.coefficient("drift")
     return [checks.drift_is_no_flow(drift, known.usual, told=known.told)]
 
@@ -484,17 +492,17 @@ def _end_of_test(
     """
     block, residual = found.data.blocks[0], found.estimate.residuals[0]
     if FLOW not in block.fixed_names:
-        time = evened(record.time - record.time[0])
+        time = regular_clock(record.time - record.time[0])
         own = slice(len(time) - len(residual), None)
         block = block.with_column(FLOW, _impulse(time, record.load)[own])
-    terms = known_before(record, claimed=True).terms
+    terms = pre_load_baseline(record, claimed=True).terms
     if record.unit == "N/m":
         give = Machine().give_sd(float(np.ptp(record.displacement)), record.level)
         terms = terms.beside(**{GLASS: Prior(0.0, give / record.level)})
     power = max(noise_power(residual), block.rounding_floor)
     worth = len(residual) * float(np.mean(residual**2)) / power
     data = CurveData(
-        block.weighted(1 / float(np.sqrt(power))), block.window, worth - len(block.fixed_names),
+        block.scale_rows(1 / float(np.sqrt(power))), block.window, worth - len(block.fixed_names),
         terms=terms,
     )  # fmt: skip
     lam = found.spectrum.lam
@@ -547,7 +555,7 @@ def _step(found: Retarded, to: str, arms: int | Literal["auto"]) -> Step:
 
 def _of_curve(
     curve: CreepCompliance,
-    origin: Superposition | AsMeasured,
+    origin: Superposition | UnshiftedCurve,
     arms: int | Literal["auto"],
     *,
     thorough: bool,
@@ -558,7 +566,7 @@ def _of_curve(
     t, values = curve.time[later], curve.compliance[later]
     rises = checks.compliance_rises(values)
     if rises.failed:
-        raise DataError(f"this is no creep compliance: {lowered(rises.told)}")
+        raise DataError(f"this is no creep compliance: {decapitalise_sentence(rises.told)}")
     bad = np.flatnonzero(values <= 0)
     if bad.size:
         i = int(bad[0])
@@ -566,7 +574,7 @@ def _of_curve(
             f"the compliance at {t[i]:g} s is {values[i]:g}; expected values > 0: leave out what "
             "came before the load was there"
         )
-    most = asked_arms(arms, max_arms)
+    most = requested_arms(arms, max_arms)
     window = ((float(t[min(1, len(t) - 1)]) - float(t[0])) / 3, float(t[-1]))
     if not window[0] > 0:
         raise FitError(f"{len(t)} values of a compliance after the step; expected at least 4")
@@ -579,7 +587,7 @@ def _of_curve(
     for flows, count in _candidates(arms):
         block = _curve_block(t, values, weight, window, flows=flows)
         data = FitData([block], [block])
-        found.append(chosen_arms(data, count, max_arms=max_arms, thorough=thorough))
+        found.append(select_order(data, count, max_arms=max_arms, thorough=thorough))
     best = _better(found)
     creep, unit = best.spectrum, curve.stiffness_unit
     band = 1 / (2 * np.pi * float(t[-1])), 1 / (2 * np.pi * float(t[0]))
@@ -605,7 +613,7 @@ def _of_curve(
         loss_factor_known(known),
     )
     step = _step(best, f"{len(t)} values of a creep compliance", arms)
-    return assembled(
+    return build_fit(
         best.outcome(replace(best.residual, unit="1")),
         Evidence(
             band,
@@ -635,7 +643,7 @@ def _of_master_curve(
     if arms != "auto" or few.creep is None:
         return few
     error = few.creep.spectrum.compliance(curve.time) / curve.compliance - 1
-    found = shared_where_few_fall_short(few, error, moved, moved.checks)
+    found = shared_spectrum_if_needed(few, error, moved, moved.checks)
     if found is few:
         return few
     return replace(found, evidence=replace(found.evidence, creep=None))

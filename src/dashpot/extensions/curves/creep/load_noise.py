@@ -24,10 +24,10 @@ def load_rows(columns: FloatArray, record: LoadHold, creep: CreepSpectrum) -> Fl
     """
     whole = np.zeros((len(record.time), columns.shape[1]))
     whole[len(whole) - len(columns) :] = columns
-    return errors_of_load(record)(felt(whole, record.time, creep))
+    return errors_of_load(record)(load_sensitivity(whole, record.time, creep))
 
 
-def felt(columns: FloatArray, time: FloatArray, creep: CreepSpectrum) -> FloatArray:
+def load_sensitivity(columns: FloatArray, time: FloatArray, creep: CreepSpectrum) -> FloatArray:
     """S transposed, times columns: how each reading of the load moves them, shape (n, r)."""
     step = np.diff(time)[:, None]
     felt = (creep.glass + sum(creep.d)) * columns

@@ -15,13 +15,13 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance, CreepTest
 from dashpot.extensions.curves.modulus.read import over_time
 from dashpot.reading.columns.kind_detection import FileKind
-from dashpot.reading.columns.role_assignment import assign, suited
+from dashpot.reading.columns.role_assignment import assign, score_columns
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels, size_checks
-from dashpot.reading.readers.channels import Channel, Opened
-from dashpot.reading.readers.header_specimen import stated_specimen
-from dashpot.reading.readers.relaxation import recorded
+from dashpot.reading.readers.channels import Channel, OpenedFile
+from dashpot.reading.readers.header_specimen import add_specimen_temperature
+from dashpot.reading.readers.relaxation import load_signals
 from dashpot.reading.readers.time_columns import since_the_step
 
 _CURVE: tuple[Role, ...] = ("time", "creep_compliance")
@@ -49,11 +49,11 @@ def read_creep(
         If the file cannot be read, holds several steps of which none is chosen, or leaves open
         which column is what or in which unit.
     """
-    with channels.opened(path, options) as file:
+    with channels.open_file(path, options) as file:
         return creep_in(file, specimen or Specimen())
 
 
-def roles(file: Opened) -> tuple[Role, ...]:
+def roles(file: OpenedFile) -> tuple[Role, ...]:
     """The columns that a creep test is read from: a compliance, stress and strain, or a part's."""
     for wanted in (_CURVE, _MATERIAL, _PART):
         if any(getattr(file.options, role) for role in wanted[1:]):
@@ -64,7 +64,7 @@ def roles(file: Opened) -> tuple[Role, ...]:
     return _PART
 
 
-def creep_in(file: Opened, specimen: Specimen) -> CreepTest | CreepCompliance:
+def creep_in(file: OpenedFile, specimen: Specimen) -> CreepTest | CreepCompliance:
     """Return the creep test in an opened file."""
     channels.refuse_summary(file)
     wanted = roles(file)
@@ -74,14 +74,14 @@ def creep_in(file: Opened, specimen: Specimen) -> CreepTest | CreepCompliance:
         likely.append("stress-strain")  # what moves in it tells
     channels.expect(file, likely, "a creep test is", named=named)
     if wanted is _CURVE:
-        return _curve(file, *stated_specimen(file, specimen))
-    chosen = channels.choose(file, channels.timed(file, *wanted[1:]))
-    specimen, said = stated_specimen(file, specimen, chosen)
+        return _curve(file, *add_specimen_temperature(file, specimen))
+    chosen = channels.choose(file, channels.add_time_role(file, *wanted[1:]))
+    specimen, said = add_specimen_temperature(file, specimen, chosen)
 
     def source(notes: list[str]) -> Source:
         return channels.source(file, [one.says for one in chosen], [*notes, *said])
 
-    values, notes = recorded(file, chosen)
+    values, notes = load_signals(file, chosen)
     time, moved, pushed = (values[role] for role in wanted)
     if wanted is _PART:
         notes += _refuse_sizes(file, chosen, values)
@@ -90,7 +90,7 @@ def creep_in(file: Opened, specimen: Specimen) -> CreepTest | CreepCompliance:
 
 
 def _refuse_sizes(
-    file: Opened, chosen: Sequence[Channel], values: Mapping[Role, FloatArray]
+    file: OpenedFile, chosen: Sequence[Channel], values: Mapping[Role, FloatArray]
 ) -> list[str]:
     """Ask for the units again that make a size no test of a seal has; notes on unusual ones."""
     asked: dict[str, tuple[str, Callable[[float, str], Check]]] = {
@@ -107,7 +107,7 @@ def _refuse_sizes(
     return channels.refuse_sizes(file, answers)
 
 
-def _curve(file: Opened, specimen: Specimen, said: list[str]) -> CreepCompliance:
+def _curve(file: OpenedFile, specimen: Specimen, said: list[str]) -> CreepCompliance:
     """A compliance over time, where a column of temperature says several, at each of them."""
     curve = assign(file.table, "creep_compliance", file.options)
     columns = channels.answered(file, [since_the_step(file.table, file.options), curve])
@@ -123,5 +123,5 @@ def _curve(file: Opened, specimen: Specimen, said: list[str]) -> CreepCompliance
     )
 
 
-def _suits(file: Opened, role: Role, least: float) -> bool:
-    return max(suited(file.table, role, file.options).values(), default=0.0) >= least
+def _suits(file: OpenedFile, role: Role, least: float) -> bool:
+    return max(score_columns(file.table, role, file.options).values(), default=0.0) >= least

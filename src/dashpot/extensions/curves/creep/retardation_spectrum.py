@@ -10,9 +10,9 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.datamodel.fit_diagnostics import OrderScore
 from dashpot.datamodel.parameter_estimate import CreepEstimate, Profile
-from dashpot.fitting.pipeline import Chosen
+from dashpot.fitting.pipeline import SelectedModel
 from dashpot.numerics.exponential_fit.variable_projection import Solution
-from dashpot.numerics.inference.covariance_estimate import propagated
+from dashpot.numerics.inference.covariance_estimate import propagate_covariance
 from dashpot.solids.interconversion import (
     CreepSpectrum,
     relaxation_sensitivity,
@@ -44,7 +44,7 @@ def _solid(solution: Solution) -> GeneralizedMaxwell:
 
 
 @dataclass(frozen=True, eq=False)
-class Retarded(Chosen):
+class Retarded(SelectedModel):
     """The optimum in compliances, and the solid that it stands for.
 
     Attributes
@@ -97,7 +97,7 @@ class Retarded(Chosen):
     @cached_property
     def covariance(self) -> FloatArray:
         """Of the solid's parameters, by the derivative of the interconversion."""
-        return propagated(self.creep.covariance, np.array(list(self._gradient.values())))
+        return propagate_covariance(self.creep.covariance, np.array(list(self._gradient.values())))
 
     @property
     def every_error(self) -> FloatArray:

@@ -9,10 +9,10 @@ from typing import ClassVar
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, sample_count
-from dashpot.base.units import Quantity, si
-from dashpot.base.validators import not_negative, positive
+from dashpot.base.units import Quantity, convert_to_si
+from dashpot.base.validators import require_nonnegative, require_positive
 from dashpot.extensions.curves.datamodel.creep import CreepTest
-from dashpot.simulation.rig import Climate, Rig, RigTruth, in_steps, piece
+from dashpot.simulation.rig import Climate, Rig, RigTruth, prepare_specimen, round_to_quantum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a loop of more damping does not swing, and follows about as this one
@@ -85,11 +85,15 @@ def simulate_creep(
     DataError
         If the load or a time is not positive.
     """
-    load, ramp_time, hold_time = si(load, "force"), si(ramp_time, "time"), si(hold_time, "time")
-    recovery_time, rig = si(recovery_time, "time"), Rig() if rig is None else rig
-    positive(load=load, ramp_time=ramp_time, hold_time=hold_time)
-    not_negative(recovery_time=recovery_time)
-    model, specimen = piece(model, rig, climate)
+    load, ramp_time, hold_time = (
+        convert_to_si(load, "force"),
+        convert_to_si(ramp_time, "time"),
+        convert_to_si(hold_time, "time"),
+    )
+    recovery_time, rig = convert_to_si(recovery_time, "time"), Rig() if rig is None else rig
+    require_positive(load=load, ramp_time=ramp_time, hold_time=hold_time)
+    require_nonnegative(recovery_time=recovery_time)
+    model, specimen = prepare_specimen(model, rig, climate)
     held = ramp_time + hold_time
     corners, heights = [0.0, ramp_time, held], [0.0, load, load]
     if recovery_time:
@@ -98,11 +102,11 @@ def simulate_creep(
     end = rig.baseline + corners[-1]
     sample_count(end, rig.rate)
     time = np.arange(int(np.floor(end * rig.rate * (1 + 1e-12))) + 1) / rig.rate
-    force = _followed(np.interp(time - rig.baseline, corners, heights), rig)
+    force = _simulate_force_loop(np.interp(time - rig.baseline, corners, heights), rig)
     position = rig.gap + model.displacement(time, force)
     random = np.random.default_rng(seed)
     measured = position + rig.position_noise * random.standard_normal(len(time))
-    displacement, read = in_steps(measured, rig.encoder), rig.read(time, force, random)
+    displacement, read = round_to_quantum(measured, rig.encoder), rig.read(time, force, random)
     test = CreepTest(time, displacement, read, specimen=specimen, units="SI")
     truth = CreepTruth(
         load, ramp_time, hold_time, recovery_time, model=model, rig=rig, seed=seed,
@@ -111,7 +115,7 @@ def simulate_creep(
     return SimulatedCreep(test, truth)
 
 
-def _followed(command: FloatArray, rig: Rig) -> FloatArray:
+def _simulate_force_loop(command: FloatArray, rig: Rig) -> FloatArray:
     """The force that a loop of second order makes of its command, held between samples."""
     damping = min(rig.axis.damping, _LARGEST_DAMPING)
     omega, step = 2 * np.pi * rig.axis.frequency, 1 / rig.rate

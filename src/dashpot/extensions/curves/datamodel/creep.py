@@ -8,18 +8,23 @@ from typing import TypeAlias
 
 import numpy as np
 
-from dashpot.base.array_units import Dimensions, into_si, own_unit, said_units
-from dashpot.base.arrays import ByValue, FloatArray, hold_measured, median
+from dashpot.base.array_units import (
+    Dimensions,
+    convert_arrays_to_si,
+    make_units_field,
+    resolve_unit,
+)
+from dashpot.base.arrays import EqualByValue, FloatArray, hold_measured, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.plausibility import refuse_absurd_record
-from dashpot.base.provenance import Source, Step, of_file
-from dashpot.base.result_mixins import Described, Series, arrays
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import Dimension, Quantity, si, written
-from dashpot.base.validators import positive
+from dashpot.base.provenance import Source, Step, describe_record_source
+from dashpot.base.result_mixins import HasSummary, Series, collect_arrays
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import Dimension, Quantity, convert_to_si, format_quantity
+from dashpot.base.validators import require_positive
 from dashpot.datamodel.machine import Machine
-from dashpot.datamodel.shift_factors import several
+from dashpot.datamodel.shift_factors import has_several_temperatures
 from dashpot.datamodel.specimen import Specimen
 from dashpot.datamodel.step_response import curve_at, described_curve, since_a_step
 
@@ -32,7 +37,7 @@ _ARE = {"N/m": ("m", "N"), "Pa": ("1", "Pa")}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CreepTest(ByValue, Described, Documented):
+class CreepTest(EqualByValue, HasSummary, Serialisable):
     """A creep test as the machine wrote it, in SI units: a force held, and what it moves.
 
     Attributes
@@ -72,16 +77,18 @@ class CreepTest(ByValue, Described, Documented):
     unit: str = "N/m"
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
-    units: str = said_units()
+    units: str = make_units_field()
 
     def __post_init__(self) -> None:
-        said = into_si(
+        said = convert_arrays_to_si(
             self, time="time", displacement=("length", "strain"), force=("force", "stress")
         )
         if said:
-            object.__setattr__(self, "unit", _of_parts(said["displacement"], said["force"]))
+            object.__setattr__(
+                self, "unit", _determine_stiffness_unit(said["displacement"], said["force"])
+            )
         hold_measured(self, "time", "displacement", "force", minimum=8)
-        _known_unit(self.unit, COMPLIANCES)
+        _require_unit(self.unit, COMPLIANCES)
         if self.unit == "N/m":
             refuse_absurd_record(self)
 
@@ -89,20 +96,20 @@ class CreepTest(ByValue, Described, Documented):
     def series(self) -> Series:
         """Displacement and force, or strain and stress, over time."""
         moved, pushed = _ARE[self.unit]
-        return arrays(self, time="s", displacement=moved, force=pushed)
+        return collect_arrays(self, time="s", displacement=moved, force=pushed)
 
     @property
     def described(self) -> tuple[str, ...]:
         """Which record it is, and how far it reaches."""
         moved, pressed = float(np.ptp(self.displacement)), float(np.ptp(self.force))
         return (
-            of_file(self.source, len(self.time)),
+            describe_record_source(self.source, len(self.time)),
             f"{np.ptp(self.time):.5g} s; {_spans(moved, pressed, self.unit)}",
         )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CreepCompliance(ByValue, Described, Documented):
+class CreepCompliance(EqualByValue, HasSummary, Serialisable):
     r"""A curve :math:`J(t)`, measured or shifted together, after a step of the force at t = 0.
 
     Attributes
@@ -141,14 +148,14 @@ class CreepCompliance(ByValue, Described, Documented):
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
     temperature: FloatArray | None = None
-    units: str = said_units()
+    units: str = make_units_field()
 
     def __post_init__(self) -> None:
         of: Dimensions = ("material compliance", "compliance")
-        said = into_si(self, time="time", compliance=of, temperature="temperature")
-        own_unit(self, said, "compliance")
+        said = convert_arrays_to_si(self, time="time", compliance=of, temperature="temperature")
+        resolve_unit(self, said, "compliance")
         since_a_step(self, "compliance")
-        _known_unit(self.unit, COMPLIANCES.values())
+        _require_unit(self.unit, COMPLIANCES.values())
 
     def at(self, temperature: Quantity) -> CreepCompliance:
         """The samples within a kelvin of a temperature, K, in order of time.
@@ -158,12 +165,12 @@ class CreepCompliance(ByValue, Described, Documented):
         DataError
             If there are none, or two at the same time.
         """
-        return curve_at(self, "compliance", si(temperature, "temperature"))
+        return curve_at(self, "compliance", convert_to_si(temperature, "temperature"))
 
     @property
     def several_temperatures(self) -> bool:
         """Whether the samples are too far apart in temperature to be of one solid."""
-        return several(self.temperature)
+        return has_several_temperatures(self.temperature)
 
     @property
     def stiffness_unit(self) -> str:
@@ -173,7 +180,7 @@ class CreepCompliance(ByValue, Described, Documented):
     @property
     def series(self) -> Series:
         """Compliance over time."""
-        return arrays(self, time="s", compliance=self.unit)
+        return collect_arrays(self, time="s", compliance=self.unit)
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -182,7 +189,7 @@ class CreepCompliance(ByValue, Described, Documented):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LoadHold(ByValue, Described, Documented):
+class LoadHold(EqualByValue, HasSummary, Serialisable):
     """A creep test prepared: both signals rise under the load, from the state before it.
 
     Attributes
@@ -250,14 +257,14 @@ class LoadHold(ByValue, Described, Documented):
                 f"the load must rise and be held in that order, found onset {self.onset:g} s, "
                 f"ramp end {self.ramp_end:g} s, hold end {self.hold_end:g} s"
             )
-        positive(level=self.level, expected="a load > 0")
-        _known_unit(self.unit, COMPLIANCES)
+        require_positive(level=self.level, expected="a load > 0")
+        _require_unit(self.unit, COMPLIANCES)
 
     @property
     def series(self) -> Series:
         """Displacement and force over time, and the load without noise."""
         moved, pushed = _ARE[self.unit]
-        return arrays(self, time="s", displacement=moved, force=pushed, load=pushed)
+        return collect_arrays(self, time="s", displacement=moved, force=pushed, load=pushed)
 
     @property
     def step(self) -> float:
@@ -321,7 +328,7 @@ class LoadHold(ByValue, Described, Documented):
         """Which record it is, its load and hold, and what preparation noticed."""
         failed = (f"  {check.name}: {check.says}" for check in self.checks if check.failed)
         return (
-            of_file(self.source, len(self.time)),
+            describe_record_source(self.source, len(self.time)),
             (
                 f"load of {self.level:.4g} {'N' if self.unit == 'N/m' else 'Pa'} in "
                 f"{self.ramp_time:.4g} s from {self.onset:.5g} s, held {self.hold_time:.5g} s"
@@ -334,7 +341,7 @@ Creep: TypeAlias = CreepTest | LoadHold | CreepCompliance
 """What creep is fitted to."""
 
 
-def _of_parts(moved: Dimension, pushed: Dimension) -> str:
+def _determine_stiffness_unit(moved: Dimension, pushed: Dimension) -> str:
     """The unit of a stiffness, by what moves and what pushes."""
     pairs = {("length", "force"): "N/m", ("strain", "stress"): "Pa"}
     if (moved, pushed) not in pairs:
@@ -345,7 +352,7 @@ def _of_parts(moved: Dimension, pushed: Dimension) -> str:
     return pairs[moved, pushed]
 
 
-def _known_unit(unit: str, known: Iterable[str]) -> None:
+def _require_unit(unit: str, known: Iterable[str]) -> None:
     words = tuple(known)
     if unit not in words:
         raise DataError(f"unit = {unit!r}; expected {' or '.join(map(repr, words))}")
@@ -354,4 +361,4 @@ def _known_unit(unit: str, known: Iterable[str]) -> None:
 def _spans(moved: float, pressed: float, unit: str) -> str:
     if unit == "Pa":
         return f"strain spans {moved:.4g}, stress {pressed:.4g} Pa"
-    return f"displacement spans {written(moved, 'mm')}, force {pressed:.4g} N"
+    return f"displacement spans {format_quantity(moved, 'mm')}, force {pressed:.4g} N"

@@ -6,26 +6,35 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from dashpot.base.array_units import Dimensions, into_si, own_unit, said_units
+from dashpot.base.array_units import (
+    Dimensions,
+    convert_arrays_to_si,
+    make_units_field,
+    resolve_unit,
+)
 from dashpot.base.arrays import (
     BoolArray,
-    ByValue,
     ComplexArray,
+    EqualByValue,
     FloatArray,
     IndexArray,
     hold_measured,
 )
 from dashpot.base.errors import DataError
-from dashpot.base.provenance import Source, of_file
-from dashpot.base.result_mixins import Described, Series, arrays
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import Quantity, si
-from dashpot.datamodel.shift_factors import near, several, span
+from dashpot.base.provenance import Source, describe_record_source
+from dashpot.base.result_mixins import HasSummary, Series, collect_arrays
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import Quantity, convert_to_si
+from dashpot.datamodel.shift_factors import (
+    find_near_samples,
+    format_temperature_range,
+    has_several_temperatures,
+)
 from dashpot.datamodel.specimen import Specimen, tested_at
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DynamicTest(ByValue, Described, Documented):
+class DynamicTest(EqualByValue, HasSummary, Serialisable):
     r"""Storage and loss as a machine measured them under a harmonic motion.
 
     :math:`K^*(\omega) = K'(\omega) + j K''(\omega)` with x(t) = Re X e^{+j omega t}: a positive
@@ -69,12 +78,14 @@ class DynamicTest(ByValue, Described, Documented):
     unit: str = "Pa"
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
-    units: str = said_units()
+    units: str = make_units_field()
 
     def __post_init__(self) -> None:
         of: Dimensions = ("stress", "stiffness")
-        said = into_si(self, frequency="frequency", storage=of, loss=of, temperature="temperature")
-        own_unit(self, said, "storage", "loss")
+        said = convert_arrays_to_si(
+            self, frequency="frequency", storage=of, loss=of, temperature="temperature"
+        )
+        resolve_unit(self, said, "storage", "loss")
         hold_measured(self, "frequency", "storage", "loss", "temperature")
         if self.temperature is not None:
             tested_at("temperature", self.temperature.min(), self.temperature.max())
@@ -88,16 +99,18 @@ class DynamicTest(ByValue, Described, Documented):
     @property
     def series(self) -> Series:
         """Storage and loss over frequency."""
-        return arrays(self, frequency="Hz", storage=self.unit, loss=self.unit, temperature="K")
+        return collect_arrays(
+            self, frequency="Hz", storage=self.unit, loss=self.unit, temperature="K"
+        )
 
     @property
     def described(self) -> tuple[str, ...]:
         """Which sweep it is, and what it covers."""
         return (
-            of_file(self.source, len(self.frequency)),
+            describe_record_source(self.source, len(self.frequency)),
             (
                 f"storage and loss in {self.unit}, {self.frequency.min():.4g} to "
-                f"{self.frequency.max():.4g} Hz{span(self.temperature)}"
+                f"{self.frequency.max():.4g} Hz{format_temperature_range(self.temperature)}"
             ),
         )
 
@@ -119,14 +132,14 @@ class DynamicTest(ByValue, Described, Documented):
         DataError
             If there are none.
         """
-        kelvin = si(temperature, "temperature")
-        chosen = self.only(near(self.temperature, kelvin))
+        kelvin = convert_to_si(temperature, "temperature")
+        chosen = self.only(find_near_samples(self.temperature, kelvin))
         return replace(chosen, specimen=replace(self.specimen, temperature=kelvin))
 
     @property
     def several_temperatures(self) -> bool:
         """Whether the sweeps are too far apart in temperature to be of one solid."""
-        return several(self.temperature)
+        return has_several_temperatures(self.temperature)
 
     @property
     def omega(self) -> FloatArray:

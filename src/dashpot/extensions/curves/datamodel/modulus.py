@@ -4,19 +4,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from dashpot.base.array_units import Dimensions, into_si, own_unit, said_units
-from dashpot.base.arrays import ByValue, FloatArray
+from dashpot.base.array_units import (
+    Dimensions,
+    convert_arrays_to_si,
+    make_units_field,
+    resolve_unit,
+)
+from dashpot.base.arrays import EqualByValue, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
-from dashpot.base.result_mixins import Described, Series, arrays
-from dashpot.base.units import Quantity, si
-from dashpot.datamodel.shift_factors import several
+from dashpot.base.result_mixins import HasSummary, Series, collect_arrays
+from dashpot.base.units import Quantity, convert_to_si
+from dashpot.datamodel.shift_factors import has_several_temperatures
 from dashpot.datamodel.specimen import Specimen
 from dashpot.datamodel.step_response import curve_at, described_curve, since_a_step
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RelaxationModulus(ByValue, Described):
+class RelaxationModulus(EqualByValue, HasSummary):
     r"""A curve :math:`E(t)`, measured or shifted together, after a step at t = 0.
 
     Attributes
@@ -53,11 +58,15 @@ class RelaxationModulus(ByValue, Described):
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
     temperature: FloatArray | None = None
-    units: str = said_units()
+    units: str = make_units_field()
 
     def __post_init__(self) -> None:
         of: Dimensions = ("stress", "stiffness")
-        own_unit(self, into_si(self, time="time", modulus=of, temperature="temperature"), "modulus")
+        resolve_unit(
+            self,
+            convert_arrays_to_si(self, time="time", modulus=of, temperature="temperature"),
+            "modulus",
+        )
         since_a_step(self, "modulus")
         if self.unit not in {"Pa", "N/m"}:
             raise DataError(f"unit '{self.unit}' of the modulus; expected 'Pa' or 'N/m'")
@@ -70,17 +79,17 @@ class RelaxationModulus(ByValue, Described):
         DataError
             If there are none, or two at the same time.
         """
-        return curve_at(self, "modulus", si(temperature, "temperature"))
+        return curve_at(self, "modulus", convert_to_si(temperature, "temperature"))
 
     @property
     def several_temperatures(self) -> bool:
         """Whether the samples are too far apart in temperature to be of one solid."""
-        return several(self.temperature)
+        return has_several_temperatures(self.temperature)
 
     @property
     def series(self) -> Series:
         """Modulus over time."""
-        return arrays(self, time="s", modulus=self.unit, temperature="K")
+        return collect_arrays(self, time="s", modulus=self.unit, temperature="K")
 
     @property
     def described(self) -> tuple[str, ...]:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from dashpot.base.arrays import ByValue, FloatArray, same_length, samples
+from dashpot.base.arrays import EqualByValue, FloatArray, same_length, samples
 from dashpot.base.checks import Check
 from dashpot.base.provenance import Source, Step
-from dashpot.base.result_mixins import Pictured, Series
+from dashpot.base.result_mixins import Plottable, Series
 from dashpot.base.units import celsius
 from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance
@@ -17,7 +17,7 @@ from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
-class AsMeasured(NamedTuple):
+class UnshiftedCurve(NamedTuple):
     """What there is to say of a curve that nothing has shifted, as of one that was."""
 
     sources: tuple[Source, ...]
@@ -27,7 +27,7 @@ class AsMeasured(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Superposition(ByValue, Pictured):
+class Superposition(EqualByValue, Plottable):
     """What time-temperature superposition makes of tests at several temperatures.
 
     Attributes

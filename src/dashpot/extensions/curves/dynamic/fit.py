@@ -10,10 +10,10 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.checks import Check
-from dashpot.base.choices import FamilyAsked, refuse_other
+from dashpot.base.choices import FamilyAsked, require_choice
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step, sources_of, steps_of
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.band_error import BandError
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.fit import Fit
@@ -30,13 +30,13 @@ from dashpot.extensions.curves.checks import (
     storage_rises,
 )
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
-from dashpot.extensions.curves.datamodel.superposition import AsMeasured, Superposition
+from dashpot.extensions.curves.datamodel.superposition import Superposition, UnshiftedCurve
 from dashpot.extensions.curves.relaxation_spectrum import (
     BEYOND,
+    dense_spectrum_if_needed,
     dynamic_master_curve,
     passive_misfit,
     relative_scale,
-    spectrum_where_few_fail,
 )
 from dashpot.extensions.curves.superposition.superpose import superpose
 from dashpot.fitting.checks.solid import (
@@ -47,18 +47,18 @@ from dashpot.fitting.checks.solid import (
     residuals_random,
     tau_inside_window,
 )
-from dashpot.fitting.design_matrix import Design, compressed
-from dashpot.fitting.fit_construction import assembled
-from dashpot.fitting.fit_data import DOUBTED, FitData, alone
+from dashpot.fitting.design_matrix import FitSetup, compressed
+from dashpot.fitting.fit_construction import build_fit
+from dashpot.fitting.fit_data import DOUBTED, FitData, fit_single_test
 from dashpot.fitting.fractional_model.family_selection import (
     SWEEPS,
-    ChosenElement,
+    FractionalFit,
     checked_family,
     chosen_family,
-    named,
+    describe_fit,
     refuse_beside_shifts,
 )
-from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
+from dashpot.fitting.pipeline import SelectedModel, requested_arms, select_order
 from dashpot.fitting.replicates import refuse_copies
 from dashpot.fitting.uncertainty.band_limits import band_of_curve
 from dashpot.fitting.uncertainty.curve_data import ENOUGH, curve_data
@@ -143,7 +143,7 @@ def fit_dynamic(
         If sweeps at several temperatures cannot be shifted, a storage is not above 0, or an
         option makes no sense.
     """
-    temperature = si(temperature, "temperature")
+    temperature = convert_to_si(temperature, "temperature")
     checked_family(family, arms)
     data, origin = _at_one_temperature(data, temperature)
     records = _records(tests, data, dashpot=dashpot)
@@ -151,9 +151,9 @@ def fit_dynamic(
     if shifted:
         _refuse_of_one_temperature(family, records)
     weights = weights or _USUAL[shifted]
-    most = asked_arms(arms, max_arms)
+    most = requested_arms(arms, max_arms)
     sets = (_sweep(data, weights, dashpot=dashpot, most=most), *_relaxations(records, most))
-    found = chosen_arms(_stacked(sets), arms, max_arms=max_arms, thorough=thorough)
+    found = select_order(_stacked(sets), arms, max_arms=max_arms, thorough=thorough)
     both = chosen_family(found, family)
     found = both.best
     band, met = _band(data, records, sets[1:], found.model.k_0)
@@ -177,7 +177,7 @@ def fit_dynamic(
     )
     error = _relative_error(found.solid, data, weights if shifted else "relative")
     left = replace(found.residual, unit="sd") if records else _left(error, found.residual)
-    few = assembled(
+    few = build_fit(
         found.outcome(left, found.nuisances()),
         Evidence(
             band,
@@ -207,7 +207,7 @@ def fit_dynamic(
     )
     if records or arms != "auto" or dashpot or few.family != "maxwell":
         return few
-    return spectrum_where_few_fail(few, error, origin, lambda: dynamic_master_curve(data), of_data)
+    return dense_spectrum_if_needed(few, error, origin, lambda: dynamic_master_curve(data), of_data)
 
 
 def _relative_error(solid: Solid, data: DynamicTest, weights: str) -> FloatArray:
@@ -238,7 +238,7 @@ class _Set(NamedTuple):
 
 def _at_one_temperature(
     data: DynamicTest | Superposition, temperature: float | None
-) -> tuple[DynamicTest, Superposition | AsMeasured]:
+) -> tuple[DynamicTest, Superposition | UnshiftedCurve]:
     """Return what is fitted, in order of frequency, and where it comes from."""
     if isinstance(data, DynamicTest) and temperature is None and data.several_temperatures:
         data = superpose(data)
@@ -252,7 +252,7 @@ def _at_one_temperature(
     if temperature is not None:
         data = data.at(temperature)
     data = data.only(np.argsort(data.frequency, kind="stable"))
-    return data, AsMeasured(sources_of([data]), (storage_rises(data),))
+    return data, UnshiftedCurve(sources_of([data]), (storage_rises(data),))
 
 
 def _refuse_of_one_temperature(family: str, records: Sequence[RampHold]) -> None:
@@ -289,7 +289,7 @@ def _sweep(data: DynamicTest, weights: str, *, dashpot: bool, most: int) -> _Set
     _checked(data, weights)
     n = len(data.frequency)
     first = _sweep_block(data, _scale(data, data.value, weights), dashpot=dashpot)
-    best = alone([first], _halves(first, n), most)
+    best = fit_single_test([first], _halves(first, n), most)
     # the size of noisy data is a biased weight: low values would speak loudest
     storage, loss = _scale(data, best.model.complex_stiffness(omega=data.omega), weights)
     scale = (storage * best.scatter[0], loss * best.scatter[1])
@@ -309,7 +309,7 @@ def _sweep_block(
 
 
 def _checked(data: DynamicTest, weights: str) -> None:
-    refuse_other("weights", weights, Weights, FitError)
+    require_choice("weights", weights, Weights, FitError)
     bad = np.flatnonzero(data.storage <= 0)
     if bad.size:
         i = int(bad[0])
@@ -337,26 +337,26 @@ def _halves(block: DataBlock, n: int) -> tuple[DataBlock, DataBlock]:
     """The storage and the loss of a sweep as records of their own, in order of frequency."""
     first, second = slice(0, n), slice(n, 2 * n)
     return (
-        block.changed(lambda part: part[first], samples=n),
-        block.changed(lambda part: part[second], samples=n),
+        block.transform_rows(lambda part: part[first], samples=n),
+        block.transform_rows(lambda part: part[second], samples=n),
     )
 
 
 def _relaxations(records: Sequence[RampHold], most: int) -> list[_Set]:
-    design = Design("full")
+    design = FitSetup("full")
     blocks = compressed(records, design)
     sets = []
     for block in blocks:
-        own = alone([block], [block.exact], most)
+        own = fit_single_test([block], [block.exact], most)
         factor = 1 / own.scatter[0]
-        sets.append(_Set(block.weighted(factor), (block.exact.weighted(factor),), own.freedom))
+        sets.append(_Set(block.scale_rows(factor), (block.exact.scale_rows(factor),), own.freedom))
     return sets
 
 
 def _end(
     data: DynamicTest,
     sweep: _Set,
-    found: Chosen,
+    found: SelectedModel,
     tau: Sequence[float],
     band: tuple[float, float],
 ) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
@@ -391,7 +391,7 @@ def _misfit_in_band(
 
 
 def _checks(
-    found: Chosen,
+    found: SelectedModel,
     data: DynamicTest,
     records: Sequence[RampHold],
     end: EndOfHold | None,
@@ -405,7 +405,7 @@ def _checks(
         longest = max(longest, *(one.hold_time for one in records))
     of_arms = (
         []
-        if isinstance(found, ChosenElement)
+        if isinstance(found, FractionalFit)
         else [
             arms_distinct(model),
             arms_supported(model, error, unit=data.unit),
@@ -454,10 +454,13 @@ def _band(
 def _step(
     data: DynamicTest,
     records: Sequence[RampHold],
-    found: Chosen,
+    found: SelectedModel,
     options: tuple[tuple[str, str], ...],
 ) -> Step:
     n = len(records)
     beside = "" if not n else f" and {n} relaxation test{'s' * (n > 1)}"
-    says = f"fitted {named(found)} to storage and loss at {len(data.frequency)} frequencies{beside}"
+    says = (
+        f"fitted {describe_fit(found)} to storage and loss at {len(data.frequency)} "
+        f"frequencies{beside}"
+    )
     return Step("fit_dynamic", options, says)

@@ -11,8 +11,11 @@ from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.reading.columns.kind_detection import kind_of
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.channels import Opened
-from dashpot.reading.readers.header_specimen import stated_specimen, temperatures_of_segments
+from dashpot.reading.readers.channels import OpenedFile
+from dashpot.reading.readers.header_specimen import (
+    add_specimen_temperature,
+    temperatures_of_segments,
+)
 from dashpot.reading.readers.sweep_columns import (
     NAMED,
     parts_of,
@@ -34,11 +37,11 @@ def read_dynamic(
     ReadError
         If frequency, storage or loss is not found, or has no unit.
     """
-    with channels.opened(path, options) as file:
+    with channels.open_file(path, options) as file:
         return dynamic_in(file, specimen or Specimen())
 
 
-def dynamic_in(file: Opened, specimen: Specimen) -> DynamicTest:
+def dynamic_in(file: OpenedFile, specimen: Specimen) -> DynamicTest:
     """Return the dynamic test in an opened file."""
     # who names the columns says what they are, not what was swept
     by_numbers = kind_of(file.table, file.options)[0] == "strain-sweep"
@@ -54,7 +57,7 @@ def dynamic_in(file: Opened, specimen: Specimen) -> DynamicTest:
             notes.append(f"{len(set(warm.tolist()))} temperatures, from the lines over each block")
     if "temperature" not in values:
         refuse_unlike_blocks(loaded, values)
-        specimen, said = stated_specimen(file, specimen)
+        specimen, said = add_specimen_temperature(file, specimen)
         notes += said
     return DynamicTest(
         values["frequency"],

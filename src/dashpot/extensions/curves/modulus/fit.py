@@ -11,7 +11,7 @@ import numpy.typing as npt
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source, Step, sources_of
-from dashpot.base.sentences import lowered
+from dashpot.base.sentences import decapitalise_sentence
 from dashpot.datamodel.band_error import BandError
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.fit import Fit
@@ -19,8 +19,8 @@ from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.curves.checks import modulus_falls, plateau
 from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
-from dashpot.extensions.curves.datamodel.superposition import AsMeasured, Superposition
-from dashpot.extensions.curves.relaxation_spectrum import master_curve, spectrum_where_few_fail
+from dashpot.extensions.curves.datamodel.superposition import Superposition, UnshiftedCurve
+from dashpot.extensions.curves.relaxation_spectrum import dense_spectrum_if_needed, master_curve
 from dashpot.extensions.curves.superposition.superpose import superpose
 from dashpot.fitting.checks.solid import (
     arms_distinct,
@@ -30,9 +30,9 @@ from dashpot.fitting.checks.solid import (
     residuals_random,
     tau_inside_window,
 )
-from dashpot.fitting.fit_construction import assembled
-from dashpot.fitting.fit_data import DOUBTED, FitData, alone
-from dashpot.fitting.pipeline import asked_arms, chosen_arms
+from dashpot.fitting.fit_construction import build_fit
+from dashpot.fitting.fit_data import DOUBTED, FitData, fit_single_test
+from dashpot.fitting.pipeline import requested_arms, select_order
 from dashpot.fitting.uncertainty.band_limits import BeforeCurve, band_of_curve
 from dashpot.fitting.uncertainty.curve_data import ENOUGH, curve_data
 from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_curve, spectra_of_curve
@@ -107,15 +107,15 @@ def fit_modulus(
         data, origin = _at_one_temperature(time)
     else:
         curve = RelaxationModulus(time, modulus, unit, specimen or Specimen(), source, units="SI")  # type: ignore[arg-type]
-        data, origin = curve, AsMeasured(sources_of([curve]))
+        data, origin = curve, UnshiftedCurve(sources_of([curve]))
     t, values, unit = data.time, data.modulus, data.unit
     falls = modulus_falls(values)
     if falls.failed:
-        raise DataError(f"this is no relaxation modulus: {lowered(falls.told)}")
-    most = asked_arms(arms, max_arms)
+        raise DataError(f"this is no relaxation modulus: {decapitalise_sentence(falls.told)}")
+    most = requested_arms(arms, max_arms)
     window = _window(t)
     block = _weighed(t, values, weights, window, most)
-    found = chosen_arms(FitData([block], [block]), arms, max_arms=max_arms, thorough=thorough)
+    found = select_order(FitData([block], [block]), arms, max_arms=max_arms, thorough=thorough)
     model = found.model
     positive = t[t > 0]
     band = float(1 / (2 * np.pi * positive[-1])), float(1 / (2 * np.pi * positive[0]))
@@ -152,7 +152,7 @@ def fit_modulus(
         "relaxation modulus",
     )
     left = replace(found.residual, unit="1" if weights == "relative" else unit)
-    few = assembled(
+    few = build_fit(
         found.outcome(left),
         Evidence(
             band,
@@ -170,7 +170,7 @@ def fit_modulus(
     if arms != "auto" or weights != "relative" or later.sum() < _LEAST:
         return few
     error = model.relaxation(t) / values - 1.0
-    return spectrum_where_few_fail(
+    return dense_spectrum_if_needed(
         few, error, origin, lambda: master_curve(t[later], values[later]), (*origin.checks, *told)
     )
 
@@ -205,11 +205,11 @@ def _misfit_in_band(
 
 def _at_one_temperature(
     data: RelaxationModulus | Superposition,
-) -> tuple[RelaxationModulus, Superposition | AsMeasured]:
+) -> tuple[RelaxationModulus, Superposition | UnshiftedCurve]:
     """Return what is fitted, and where it comes from."""
     if isinstance(data, RelaxationModulus):
         if data.temperature is None:
-            return data, AsMeasured(sources_of([data]))
+            return data, UnshiftedCurve(sources_of([data]))
         data = superpose(data)
     if not isinstance(data.curve, RelaxationModulus):
         raise FitError("a master curve of storage and loss is fitted with fit_dynamic")
@@ -224,7 +224,7 @@ def _weighed(
     if weights == "uniform":
         return first
     # the size of noisy data is a biased weight: low values would count most
-    expected = alone([first], [first], most).model.relaxation(t)
+    expected = fit_single_test([first], [first], most).model.relaxation(t)
     return _block(t, values, 1 / np.maximum(expected, DOUBTED * values), window)
 
 

@@ -10,17 +10,20 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.units import si_unit
-from dashpot.datamodel.shift_factors import several
+from dashpot.datamodel.shift_factors import has_several_temperatures
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
 from dashpot.reading.columns.kind_detection import RECOGNISED
-from dashpot.reading.columns.role_assignment import Assigned, assign, quoted
+from dashpot.reading.columns.role_assignment import RoleAssignment, assign, format_column
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.channels import Channel, Opened
-from dashpot.reading.readers.header_specimen import stated_specimen, temperatures_of_segments
-from dashpot.reading.readers.relaxation import joined
+from dashpot.reading.readers.channels import Channel, OpenedFile
+from dashpot.reading.readers.header_specimen import (
+    add_specimen_temperature,
+    temperatures_of_segments,
+)
+from dashpot.reading.readers.relaxation import check_joined_segments
 from dashpot.reading.readers.time_columns import since_the_step
 
 
@@ -37,7 +40,7 @@ def read_modulus(
     ReadError
         If time or modulus is not found or has no unit, or time does not increase.
     """
-    with channels.opened(path, options) as file:
+    with channels.open_file(path, options) as file:
         found = [
             since_the_step(file.table, file.options),
             assign(file.table, "modulus", file.options),
@@ -45,7 +48,7 @@ def read_modulus(
         columns = channels.answered(file, found)
         _refuse_compliance(file, columns[1])
         chosen, values, warm, notes = over_time(file, columns)
-        specimen, said = stated_specimen(file, specimen or Specimen())
+        specimen, said = add_specimen_temperature(file, specimen or Specimen())
         return RelaxationModulus(
             values["time"],
             values["modulus"],
@@ -58,35 +61,35 @@ def read_modulus(
 
 
 def over_time(
-    file: Opened, columns: Sequence[Assigned]
+    file: OpenedFile, columns: Sequence[RoleAssignment]
 ) -> tuple[list[Channel], dict[Role, FloatArray], FloatArray | None, Sequence[str]]:
     """Return time and value after a step in SI units, by role, and the temperature, K, of each row.
 
     None for the last unless a column, or the lines over the segments, say several.
     """
-    temperature = file.one_column("temperature")
+    temperature = file.find_unambiguous_column("temperature")
     if temperature is not None and temperature.index not in {one.index for one in columns}:
         columns = [*columns, temperature]
     chosen = channels.with_units(file, columns)
     loaded = channels.load(file.table, [one.index for one in chosen], file.options.segment)
     loaded = channels.filled_down(loaded, [one.role for one in chosen])
-    rows, notes = channels.whole_rows(loaded)
-    values = channels.by_role(rows, chosen)
+    rows, notes = channels.select_complete_rows(loaded)
+    values = channels.convert_signals_to_si(rows, chosen)
     warm = values.get("temperature", temperatures_of_segments(file, loaded))
     if warm is not None:
         warm = warm[np.isfinite(loaded.values).all(axis=1)] if len(warm) > len(rows) else warm
-    if not several(warm):
+    if not has_several_temperatures(warm):
         warm = None
         if len(loaded.starts) > 1:
-            notes = (*notes, joined(loaded.values[:, 0], loaded))
+            notes = (*notes, check_joined_segments(loaded.values[:, 0], loaded))
     return chosen, values, warm, notes
 
 
-def _refuse_compliance(file: Opened, one: Assigned) -> None:
+def _refuse_compliance(file: OpenedFile, one: RoleAssignment) -> None:
     """Refuse a column that is named a compliance, which rises where a modulus falls."""
     if "compliance" in file.table.columns[one.index].name.casefold():
         what, advice, *_ = RECOGNISED["creep"]
         raise ReadError(
-            f"{quoted(file.table.columns, one.index)} is a compliance, of {what}, where a "
+            f"{format_column(file.table.columns, one.index)} is a compliance, of {what}, where a "
             f"relaxation modulus is expected: {advice}"
         )

@@ -11,8 +11,8 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.units import celsius
 from dashpot.datamodel.shift_factors import ABOVE_GLASS
-from dashpot.extensions.curves.shift_law_fit import MAX_MISSED, LawScore, LawThroughShifts, OddOne
-from dashpot.numerics.inference.model_order import needed
+from dashpot.extensions.curves.shift_law_fit import MAX_MISSED, LawScore, ShiftLawFit, ShiftOutlier
+from dashpot.numerics.inference.model_order import is_significant_fall
 from dashpot.solids.shift_laws import WLF, TemperatureLaw
 
 OVERLAP = 0.5
@@ -117,7 +117,7 @@ def thermorheologically_simple(ratio: float | None, by_chance: float, rms: float
     )
 
 
-def of_law(laid: LawThroughShifts, coldest: float, *, asked: bool = False) -> list[Check]:
+def of_law(laid: ShiftLawFit, coldest: float, *, asked: bool = False) -> list[Check]:
     """Return what must hold of a law and of the shifts that it was laid through.
 
     `coldest` is the coldest test, K; `asked` is as in :func:`law_follows_shifts`.
@@ -163,7 +163,7 @@ def law_follows_shifts(
 
 
 @criterion("decades off the law of the others", "|x| <=", MAX_ODD, "our choice: 12 % in time")
-def temperatures_in_line(odd: OddOne | None) -> Finding:
+def temperatures_in_line(odd: ShiftOutlier | None) -> Finding:
     """No one temperature lies off the law that all others follow."""
     if odd is None:
         return Finding("No single temperature lies off a law that all others follow", 0.0)
@@ -242,7 +242,7 @@ def vertical_rule_holds(step: FloatArray, score: float, temperature: FloatArray)
         "That is more than chance. The moduli there differ from the rule of b_T, and the shift "
         "with them",
         "Look for another grip, length or strain, machine compliance, or a glass transition.",
-        excused=not needed(score, max(len(step) - 1, 1)),
+        excused=not is_significant_fall(score, max(len(step) - 1, 1)),
     )
 
 
@@ -250,7 +250,7 @@ def of_shifts(
     temperature: FloatArray,
     log10_a_t: npt.ArrayLike,
     covariance: FloatArray,
-    laid: LawThroughShifts,
+    laid: ShiftLawFit,
     *,
     asked: bool = False,
 ) -> tuple[Check, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.units import in_unit
+from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance
@@ -27,11 +27,11 @@ from dashpot.plot.picture import (
     Rule,
     Scale,
     Tag,
-    around,
-    around_log,
+    compute_padded_limits,
+    compute_padded_log_limits,
     read_as,
 )
-from dashpot.plot.provenance_stamp import of_fit
+from dashpot.plot.provenance_stamp import format_fit_stamp
 from dashpot.plot.provenance_stamp import stamp as stamped
 from dashpot.plot.style import SEQUENTIAL, sequential
 from dashpot.solids.maxwell import Solid
@@ -61,20 +61,24 @@ def superposition(data: Superposition, fit: Fit | None = None, *, stamp: str = "
         What the figure says of its origin; by default files, specimen and date.
     """
     if isinstance(data.curve, DynamicTest):
-        panels = _of_sweeps(data, data.curve, fit)
+        panels = _make_sweep_panels(data, data.curve, fit)
     else:
-        panels = _of_curves(data, data.curve, fit)
+        panels = _make_curve_panels(data, data.curve, fit)
     shifted = shift_panel(data.temperatures)
     caption = (
         "Master curve: every sample where it lies at the reference, from cold to warm, the "
         "spectrum that all share, and the shift factors with their law and two standard errors."
     )
-    said = stamp or (stamped(data.sources, data.curve.specimen) if fit is None else of_fit(fit))
+    said = stamp or (
+        stamped(data.sources, data.curve.specimen) if fit is None else format_fit_stamp(fit)
+    )
     strips = tuple((panel,) for panel in (*panels, shifted))
     return Picture("superposition", caption, strips, 2, said, width=860.0)
 
 
-def _of_sweeps(data: Superposition, curve: DynamicTest, fit: Fit | None) -> tuple[Panel, ...]:
+def _make_sweep_panels(
+    data: Superposition, curve: DynamicTest, fit: Fit | None
+) -> tuple[Panel, ...]:
     word, scale = read_as(curve.unit)
     solid, said = _line(data, fit)
     f = np.geomspace(float(curve.frequency.min()), float(curve.frequency.max()), 400)
@@ -88,22 +92,22 @@ def _of_sweeps(data: Superposition, curve: DynamicTest, fit: Fit | None) -> tupl
         (f"loss {letter}″", np.where(measured.imag > 0, measured.imag, np.nan), value.imag),
     ):
         dots = _dots(data, curve.frequency, one)
-        named = _named(dots) if not panels else ()
+        named = _make_temperature_tags(dots) if not panels else ()
         panels.append(
-            Panel(across, Scale(f"{name}, {word}", around_log(one, line), log=True),
+            Panel(across, Scale(f"{name}, {word}", compute_padded_log_limits(one, line), log=True),
                   (Line(f, line, _THIN, said), *dots, *named), height=220)
         )  # fmt: skip
     size, angle = np.abs(measured), np.degrees(np.angle(measured))
     palmen = Panel(
-        Scale(f"size of the modulus, {word}", around_log(size), log=True),
-        Scale("loss angle, °", around(angle)),
+        Scale(f"size of the modulus, {word}", compute_padded_log_limits(size), log=True),
+        Scale("loss angle, °", compute_padded_limits(angle)),
         (Line(np.abs(value), np.degrees(np.angle(value)), _THIN), *_dots(data, size, angle)),
         title="van Gurp-Palmen", height=220,
     )  # fmt: skip
     return (*panels, palmen)
 
 
-def _of_curves(
+def _make_curve_panels(
     data: Superposition, curve: RelaxationModulus | CreepCompliance, fit: Fit | None
 ) -> tuple[Panel, ...]:
     """A relaxation modulus, or a creep compliance, and what the solid leaves of it."""
@@ -119,11 +123,11 @@ def _of_curves(
     across = Scale(f"reduced {TIME}", (float(t[0]), float(t[-1])), log=True)
     dots = _dots(data, curve.time, measured)
     upper = Panel(
-        across, Scale(f"{name}, {word}", around_log(measured, line), log=True),
-        (Line(t, line, _THIN, said), *dots, *_named(dots)), height=220,
+        across, Scale(f"{name}, {word}", compute_padded_log_limits(measured, line), log=True),
+        (Line(t, line, _THIN, said), *dots, *_make_temperature_tags(dots)), height=220,
     )  # fmt: skip
     lower = Panel(
-        across, Scale("residual, %", around(left, np.zeros(1), margin=0.1)),
+        across, Scale("residual, %", compute_padded_limits(left, np.zeros(1), margin=0.1)),
         (Rule(0.0, REF, across=True), *_dots(data, curve.time, left)), height=220,
     )  # fmt: skip
     return upper, lower
@@ -136,7 +140,7 @@ def shift_panel(moved: TemperatureShifts) -> Panel:
     error = 2 * np.array([one.se for one in moved.shifts])
     dense = np.linspace(t[0], t[-1], 200)
     law = moved.law.log10_a_t(dense)
-    celsius, at = in_unit(dense, "degC"), in_unit(t, "degC")
+    celsius, at = convert_to_unit(dense, "degC"), convert_to_unit(t, "degC")
     named = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(moved.law.kind, "between the shifts")
     marks: list[Mark] = []
     if moved.law_parameters:
@@ -147,15 +151,15 @@ def shift_panel(moved: TemperatureShifts) -> Panel:
         Dots(at, log10, "measured", "shift", error=error),
     ]
     return Panel(
-        Scale("temperature, °C", around(at)),
-        Scale("log₁₀ of the shift factor", around(log10 - error, log10 + error)),
+        Scale("temperature, °C", compute_padded_limits(at)),
+        Scale("log₁₀ of the shift factor", compute_padded_limits(log10 - error, log10 + error)),
         tuple(marks), title=f"shift factors, b = {moved.vertical}", height=220,
     )  # fmt: skip
 
 
 def _dots(data: Superposition, x: FloatArray, y: FloatArray) -> list[Dots]:
     """The samples, in as many colours as there are for temperatures."""
-    celsius = in_unit(data.temperature, "degC")
+    celsius = convert_to_unit(data.temperature, "degC")
     every = np.unique(celsius)
     classes = np.array_split(every, min(len(every), len(SEQUENTIAL)))
     found = []
@@ -167,7 +171,7 @@ def _dots(data: Superposition, x: FloatArray, y: FloatArray) -> list[Dots]:
     return found
 
 
-def _named(dots: list[Dots]) -> list[Tag]:
+def _make_temperature_tags(dots: list[Dots]) -> list[Tag]:
     """The temperatures, each at the middle of its samples."""
     found = []
     for one in dots:

@@ -19,7 +19,13 @@ from dashpot.extensions.curves.superposition.isotherms import Isotherm
 from dashpot.numerics.inference.covariance import white
 from dashpot.numerics.inference.covariance_estimate import white_noise
 from dashpot.numerics.inference.model_order import bic, deviance
-from dashpot.numerics.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
+from dashpot.numerics.least_squares.problem import (
+    Optimum,
+    Parameter,
+    Problem,
+    Rows,
+    require_optimum,
+)
 
 _LN10 = float(np.log(10.0))
 # relaxation times per decade: fewer make the errors of shifts too small; the last descent has more,
@@ -37,7 +43,7 @@ _REGRID = 0.2 * _LN10
 
 
 @dataclass(frozen=True, eq=False)
-class Shifted:
+class ShiftedSpectrum:
     """Isotherms on one spectrum.
 
     Attributes
@@ -94,7 +100,7 @@ class Shifted:
     @property
     def covariance(self) -> FloatArray:
         """Of the free shifts, natural logarithms."""
-        return white(self.optimum.projected, self.variance)
+        return white(self.optimum.projected_jacobian, self.variance)
 
 
 def grid_of(
@@ -112,7 +118,7 @@ def grid_of(
 
 
 @dataclass(frozen=True, eq=False)
-class Search:
+class ShiftSearch:
     """What is shifted, and what may move.
 
     Attributes
@@ -169,19 +175,21 @@ class Search:
         return Rows(y, A, slope)
 
     @property
-    def found(self) -> Shifted:
+    def found(self) -> ShiftedSpectrum:
         """The best there is from the start."""
         start = self.shifts[self.free]
-        best = solved(self.problem, [start], most=_STEPS, finished=_STILL, flat=_LEAST_GAIN)
-        return Shifted(*self.placed(best.theta), self.ln_tau, best)
+        best = require_optimum(
+            self.problem, [start], most=_STEPS, finished=_STILL, flat=_LEAST_GAIN
+        )
+        return ShiftedSpectrum(*self.placed(best.theta), self.ln_tau, best)
 
 
 def spectrum_at(
     isotherms: Sequence[Isotherm], ln_a: FloatArray, ln_b: FloatArray, ln_tau: FloatArray
-) -> Shifted:
+) -> ShiftedSpectrum:
     """Return the spectrum at given shifts."""
     none = np.zeros(0, dtype=np.intp)
-    return Search(isotherms, ln_tau, np.concatenate((ln_a, ln_b)), none).found
+    return ShiftSearch(isotherms, ln_tau, np.concatenate((ln_a, ln_b)), none).found
 
 
 def shifted(
@@ -191,7 +199,7 @@ def shifted(
     *,
     reference: int,
     noise: float = 0.0,
-) -> Shifted:
+) -> ShiftedSpectrum:
     """Return the shifts from a start, all isotherms at once, the grid laid anew as they move.
 
     Parameters
@@ -208,7 +216,7 @@ def shifted(
     free = _free(len(isotherms), reference)
     for _ in range(_GRIDS):
         grid = grid_of(isotherms, ln_a)
-        found = Search(isotherms, grid, np.concatenate((ln_a, ln_b)), free, noise).found
+        found = ShiftSearch(isotherms, grid, np.concatenate((ln_a, ln_b)), free, noise).found
         far = float(np.abs(found.ln_a - ln_a).max())
         ln_a = found.ln_a
         if far < _REGRID:
@@ -218,20 +226,20 @@ def shifted(
 
 def refined(
     isotherms: Sequence[Isotherm],
-    found: Shifted,
+    found: ShiftedSpectrum,
     *,
     reference: int,
     noise: float = 0.0,
     free_b: bool = False,
-) -> Shifted:
+) -> ShiftedSpectrum:
     """Return the shifts from those found, on a finer grid; with `free_b`, ln b moves too."""
     fine = grid_of(isotherms, found.ln_a, per_decade=FINE)
     free = _free(len(isotherms), reference, both=free_b)
-    return Search(isotherms, fine, np.concatenate((found.ln_a, found.ln_b)), free, noise).found
+    return ShiftSearch(isotherms, fine, np.concatenate((found.ln_a, found.ln_b)), free, noise).found
 
 
 def vertical_step(
-    isotherms: Sequence[Isotherm], best: Shifted, *, reference: int, noise: float
+    isotherms: Sequence[Isotherm], best: ShiftedSpectrum, *, reference: int, noise: float
 ) -> tuple[FloatArray, float]:
     """Return by how much ln b_T would move if it could, (n,), and the fall of chi-square: a score.
 
@@ -240,9 +248,9 @@ def vertical_step(
     """
     n, shifts = len(isotherms), np.concatenate((best.ln_a, best.ln_b))
     free = _free(n, reference, both=True)
-    problem = Search(isotherms, best.ln_tau, shifts, free, noise).problem
+    problem = ShiftSearch(isotherms, best.ln_tau, shifts, free, noise).problem
     point = problem.at(shifts[free], best.optimum.beta > 0)
-    step = -np.linalg.lstsq(point.projected, point.every, rcond=None)[0]
+    step = -np.linalg.lstsq(point.projected_jacobian, point.all_residuals, rcond=None)[0]
     moved = np.zeros(2 * n)
     moved[free] = step
     return moved[n:], float(-step @ point.gradient / max(best.variance, 1e-300))

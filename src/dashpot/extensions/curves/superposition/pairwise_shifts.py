@@ -10,14 +10,14 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.extensions.curves.superposition.checks import OVERLAP
 from dashpot.extensions.curves.superposition.isotherms import Isotherm
-from dashpot.extensions.curves.superposition.joint_spectrum import Search, grid_of
+from dashpot.extensions.curves.superposition.joint_spectrum import ShiftSearch, grid_of
 from dashpot.numerics.least_squares.problem import Problem
 
 _LN10 = float(np.log(10.0))
 _STEP, _FARTHEST, _LEAST = 0.2, 4.0, 0.3
 
 
-def chained(pairs: Iterable[tuple[Problem, FloatArray]], reference: int) -> FloatArray:
+def chain_shifts(pairs: Iterable[tuple[Problem, FloatArray]], reference: int) -> FloatArray:
     """Return ln a of each temperature, rising, 0 at the reference.
 
     Parameters
@@ -42,7 +42,7 @@ def _best(problem: Problem, falls: FloatArray) -> float:
 
 def chained_starts(isotherms: Sequence[Isotherm], ln_b: FloatArray, reference: int) -> FloatArray:
     """Return ln a of each isotherm, by rising temperature, 0 at the reference."""
-    return chained(map(_falls, pairwise(isotherms), pairwise(ln_b.tolist())), reference)
+    return chain_shifts(map(_falls, pairwise(isotherms), pairwise(ln_b.tolist())), reference)
 
 
 def _falls(
@@ -53,5 +53,5 @@ def _falls(
     falls = _LN10 * np.arange(0.0, farthest + _STEP / 2, _STEP)
     # of all that are tried, so that each knows where the spectrum of the last had weight
     grid = grid_of((pair[0], *pair), np.array([falls[-1], 0.0, 0.0]))
-    search = Search(pair, grid, np.array([0.0, 0.0, *ln_b]), np.array([0]))
+    search = ShiftSearch(pair, grid, np.array([0.0, 0.0, *ln_b]), np.array([0]))
     return search.problem, falls

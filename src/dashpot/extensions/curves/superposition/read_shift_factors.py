@@ -11,7 +11,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.datamodel.shift_factors import Shift
 from dashpot.reading.columns.role_assignment import assign, list_columns
-from dashpot.reading.columns.vocabulary import plain
+from dashpot.reading.columns.vocabulary import normalise_name
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
 from dashpot.reading.table import Column
@@ -33,12 +33,12 @@ def read_shifts(path: str | Path, *, options: ReadOptions | None = None) -> tupl
     ReadError
         If temperature or shift is not found, a factor is not above 0, or a temperature recurs.
     """
-    with channels.opened(path, options) as file:
+    with channels.open_file(path, options) as file:
         columns = channels.with_units(
             file, channels.answered(file, [assign(file.table, "temperature", file.options)])
         )
-        names = [_joined(column) for column in file.table.columns]
-        found = {role: _found(names, pattern) for role, pattern in _PATTERNS.items()}
+        names = [_join_name_words(column) for column in file.table.columns]
+        found = {role: _find_column(names, pattern) for role, pattern in _PATTERNS.items()}
         known = {role: one for role, one in found.items() if one is not None}
         if "a" not in known:
             raise ReadError(
@@ -46,7 +46,9 @@ def read_shifts(path: str | Path, *, options: ReadOptions | None = None) -> tupl
                 f"{list_columns(file.table.columns)}"
             )
         wanted = [columns[0].index, *(index for index, _ in known.values())]
-        rows, _ = channels.whole_rows(channels.load(file.table, wanted, file.options.segment))
+        rows, _ = channels.select_complete_rows(
+            channels.load(file.table, wanted, file.options.segment)
+        )
         kelvin = channels.si(rows[:, 0].copy(), columns[0].unit)
         if len(set(kelvin.tolist())) < len(kelvin):
             raise ReadError("a temperature stands in the table of shifts twice")
@@ -60,14 +62,14 @@ def read_shifts(path: str | Path, *, options: ReadOptions | None = None) -> tupl
     )
 
 
-def _joined(column: Column) -> str:
+def _join_name_words(column: Column) -> str:
     """A column's name in one word; what looks like a unit in log(a_T) is none."""
-    whole = plain(f"{column.name} {column.unit or ''}").replace(" ", "")
+    whole = normalise_name(f"{column.name} {column.unit or ''}").replace(" ", "")
     parted = _HORIZONTAL.fullmatch(whole) or _VERTICAL.fullmatch(whole)
-    return whole if parted else plain(column.name).replace(" ", "")
+    return whole if parted else normalise_name(column.name).replace(" ", "")
 
 
-def _found(names: list[str], pattern: re.Pattern[str]) -> tuple[int, str] | None:
+def _find_column(names: list[str], pattern: re.Pattern[str]) -> tuple[int, str] | None:
     """Return the index of the first column of such a name, and its logarithm if it has one."""
     for i, name in enumerate(names):
         if found := pattern.fullmatch(name):

@@ -11,15 +11,15 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
-from dashpot.base.choices import ShiftLaw, VerticalAsked, refuse_other
+from dashpot.base.choices import ShiftLaw, VerticalAsked, require_choice
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step
-from dashpot.base.units import Quantity, celsius, si
+from dashpot.base.units import Quantity, celsius, convert_to_si
 from dashpot.datamodel.shift_factors import ONE_TEMPERATURE, Shift, TemperatureShifts, shifts_with
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.datamodel.superposition import Superposition
-from dashpot.extensions.curves.shift_law_fit import LawThroughShifts, law_through
+from dashpot.extensions.curves.shift_law_fit import ShiftLawFit, fit_shift_law
 from dashpot.extensions.curves.superposition.checks import (
     MIN_BIC_MARGIN,
     of_shifts,
@@ -35,7 +35,7 @@ from dashpot.extensions.curves.superposition.isotherms import (
     joined,
 )
 from dashpot.extensions.curves.superposition.joint_spectrum import (
-    Shifted,
+    ShiftedSpectrum,
     grid_of,
     refined,
     shifted,
@@ -97,7 +97,7 @@ def superpose(
         If there are no several temperatures, none is near the reference, or a modulus is not
         above 0.
     """
-    refuse_other("vertical", vertical, VerticalAsked, FitError)
+    require_choice("vertical", vertical, VerticalAsked, FitError)
     test, sources = joined(data)
     isotherms = isotherms_of(test)
     t = np.array([one.temperature for one in isotherms])
@@ -106,7 +106,7 @@ def superpose(
             f"every sample was measured at about {celsius(float(t[0]))}: a master curve needs "
             "several temperatures"
         )
-    at = _reference(t, si(reference, "temperature"))
+    at = _reference(t, convert_to_si(reference, "temperature"))
     alone = _alone(isotherms)
     if shifts:
         best, how, known = _as_given(isotherms, shifts, at)
@@ -115,7 +115,7 @@ def superpose(
     covariance = _decadic(best, at)
     table = shifts_with(t, best.ln_a / _LN10, np.exp(best.ln_b), covariance)
     doubt = covariance[: len(t), : len(t)] if covariance.any() else _BY_EYE**2 * np.eye(len(t))
-    laid = law_through(
+    laid = fit_shift_law(
         t, [one.log10_a_t for one in table], doubt, reference=float(t[at]), law=law
     )  # fmt: skip
     temperatures = TemperatureShifts(
@@ -149,7 +149,7 @@ class _Apart(NamedTuple):
     def variance(self) -> float:
         return self.sse / max(self.dof, 1)
 
-    def beside(self, best: Shifted) -> tuple[float | None, float]:
+    def beside(self, best: ShiftedSpectrum) -> tuple[float | None, float]:
         """Mean square of the joint fit over this, and what that reaches by chance."""
         if self.dof < _LEAST_DOF or self.sse <= 0:
             return None, 1.0
@@ -176,12 +176,12 @@ def _reference(t: FloatArray, asked: float | None) -> int:
 
 def _searched(
     isotherms: Sequence[Isotherm], at: int, vertical: VerticalAsked, noise: float
-) -> tuple[Shifted, str, tuple[Check, ...]]:
+) -> tuple[ShiftedSpectrum, str, tuple[Check, ...]]:
     """Return the shifts by the vertical rule that was asked for, or that BIC takes."""
     t = np.array([one.temperature for one in isotherms])
     rules = {"1": np.zeros(len(t)), "T/T_r": np.log(t / t[at])}
     asked = {"auto": ("1", "T/T_r"), "free": ("1",)}.get(vertical, (vertical,))
-    found: dict[str, Shifted] = {}
+    found: dict[str, ShiftedSpectrum] = {}
     for name in asked:
         start = chained_starts(isotherms, rules[name], at)
         found[name] = shifted(isotherms, start, rules[name], reference=at, noise=noise)
@@ -204,7 +204,7 @@ def _searched(
 
 def _as_given(
     isotherms: Sequence[Isotherm], shifts: Sequence[Shift], at: int
-) -> tuple[Shifted, str, tuple[Check, ...]]:
+) -> tuple[ShiftedSpectrum, str, tuple[Check, ...]]:
     """Return the spectrum at shifts from elsewhere, referred to the isotherm `at`."""
     known = np.array([one.temperature for one in shifts])
     taken = []
@@ -226,7 +226,7 @@ def _as_given(
 # -- what is known of the shifts ------------------------------------------------------------------
 
 
-def _decadic(best: Shifted, at: int) -> FloatArray:
+def _decadic(best: ShiftedSpectrum, at: int) -> FloatArray:
     """Return the covariance of log10 a_T, then ln b_T, of every temperature, shape (2 n, 2 n)."""
     n = len(best.ln_a)
     away = np.delete(np.arange(n), at)
@@ -240,9 +240,9 @@ def _decadic(best: Shifted, at: int) -> FloatArray:
 
 def _judged(
     isotherms: Sequence[Isotherm],
-    best: Shifted,
+    best: ShiftedSpectrum,
     at: int,
-    laid: LawThroughShifts,
+    laid: ShiftLawFit,
     law: ShiftLaw,
 ) -> tuple[Check, ...]:
     t = np.array([one.temperature for one in isotherms])
@@ -253,7 +253,7 @@ def _judged(
     )
 
 
-def _shared(isotherms: Sequence[Isotherm], best: Shifted) -> FloatArray:
+def _shared(isotherms: Sequence[Isotherm], best: ShiftedSpectrum) -> FloatArray:
     """Return the decades of reduced time that neighbours share, negative for a gap, (n - 1,)."""
     ends = np.array([one.window for one in isotherms]) - best.ln_a[:, None]
     return np.array(
@@ -267,7 +267,9 @@ def _shared(isotherms: Sequence[Isotherm], best: Shifted) -> FloatArray:
 # -- the master curve -----------------------------------------------------------------------------
 
 
-def _solid(isotherms: Sequence[Isotherm], best: Shifted) -> tuple[GeneralizedMaxwell, float]:
+def _solid(
+    isotherms: Sequence[Isotherm], best: ShiftedSpectrum
+) -> tuple[GeneralizedMaxwell, float]:
     """Return the spectrum for use, and what it leaves, relative.
 
     Its times end where the data do, but for half a decade where the loss still shows an arm: an
@@ -295,7 +297,7 @@ def _solid(isotherms: Sequence[Isotherm], best: Shifted) -> tuple[GeneralizedMax
 
 
 def _master(
-    test: Measured, isotherms: Sequence[Isotherm], best: Shifted, reference: float
+    test: Measured, isotherms: Sequence[Isotherm], best: ShiftedSpectrum, reference: float
 ) -> tuple[Measured, FloatArray]:
     """Return every sample where it lies at the reference, and where it was measured, K."""
     counts = [len(one.at) for one in isotherms]
@@ -327,7 +329,7 @@ def _master(
 def _step(
     isotherms: Sequence[Isotherm],
     temperatures: TemperatureShifts,
-    laid: LawThroughShifts,
+    laid: ShiftLawFit,
     *,
     given: bool,
 ) -> Step:

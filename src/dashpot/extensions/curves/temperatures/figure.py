@@ -10,9 +10,9 @@ from dashpot.base.units import celsius
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.extensions.curves.superposition.figure import shift_panel
-from dashpot.plot.downsampling import extremes
-from dashpot.plot.picture import Line, Mark, Panel, Pen, Picture, Scale, around
-from dashpot.plot.provenance_stamp import of_fit
+from dashpot.plot.downsampling import downsample_to_extremes
+from dashpot.plot.picture import Line, Mark, Panel, Pen, Picture, Scale, compute_padded_limits
+from dashpot.plot.provenance_stamp import format_fit_stamp
 from dashpot.plot.relaxation import SINCE, fitted_force
 from dashpot.plot.style import sequential
 
@@ -46,19 +46,22 @@ def temperatures(fit: Fit, tests: Sequence[RampHold], *, stamp: str = "") -> Pic
     for test, colour in zip(cold_first, sequential(len(cold_first)), strict=True):
         since = test.time - test.onset
         inside = (since >= shortest) & (since <= test.hold_end - test.onset)
-        x, y = extremes(since[inside], test.force[inside], bins=400, log=True)
+        x, y = downsample_to_extremes(since[inside], test.force[inside], bins=400, log=True)
         said = celsius(test.specimen.temperature or 0.0).replace("deg", "°")
         marks.append(Line(x, y, Pen(colour, 3.2), said))
         at, force = fitted_force(fit, test)
         on = at >= shortest
-        x, y = extremes(at[on], force[on], bins=400, log=True)
+        x, y = downsample_to_extremes(at[on], force[on], bins=400, log=True)
         marks.append(Line(x, y, Pen("fit", 1.2), "" if shown else "one solid"))
         shown.append(y)
-    axes = Scale(SINCE, (shortest, longest), log=True), Scale("force, N", around(*shown))
+    axes = (
+        Scale(SINCE, (shortest, longest), log=True),
+        Scale("force, N", compute_padded_limits(*shown)),
+    )
     force_panel = Panel(*axes, tuple(marks), height=240)
     caption = (
         "One solid at several temperatures: the force of each test, what the solid says of it, and "
         "the shift factors of time with two standard errors."
     )
     strips = ((force_panel,), (shift_panel(fit.temperatures),))
-    return Picture("temperatures", caption, strips, 2, stamp or of_fit(fit), width=860.0)
+    return Picture("temperatures", caption, strips, 2, stamp or format_fit_stamp(fit), width=860.0)

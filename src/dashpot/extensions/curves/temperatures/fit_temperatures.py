@@ -19,12 +19,18 @@ from dashpot.datamodel.fit_diagnostics import Evidence, OrderScore
 from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate, parameter_names
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import TemperatureShifts
-from dashpot.extensions.curves.shift_law_fit import LawThroughShifts
+from dashpot.extensions.curves.shift_law_fit import ShiftLawFit
 from dashpot.extensions.curves.superposition.checks import of_shifts, overlap
 from dashpot.extensions.curves.temperatures import checks
-from dashpot.extensions.curves.temperatures.joint_covariance import Knowledge, known
+from dashpot.extensions.curves.temperatures.joint_covariance import (
+    JointCovariance,
+    joint_covariance,
+)
 from dashpot.extensions.curves.temperatures.joint_optimum import ThermalOptimum, optimum
-from dashpot.extensions.curves.temperatures.marginalised_data import Own, moved
+from dashpot.extensions.curves.temperatures.marginalised_data import (
+    SingleTemperatureTest,
+    shift_block,
+)
 from dashpot.extensions.curves.temperatures.result import (
     elastic_law,
     law_of,
@@ -32,7 +38,7 @@ from dashpot.extensions.curves.temperatures.result import (
     provenance,
     shifts_of,
 )
-from dashpot.fitting.check_suite import RelaxationWindow, Residuals, of_solid
+from dashpot.fitting.check_suite import RelaxationWindow, Residuals, run_solid_checks
 from dashpot.fitting.checks.relaxation import hold_long_enough, same_specimen
 from dashpot.fitting.checks.solid import (
     arms_enough,
@@ -41,27 +47,27 @@ from dashpot.fitting.checks.solid import (
     optimum_found,
     order_agreed,
 )
-from dashpot.fitting.design_matrix import Design, block_of, bound
-from dashpot.fitting.fit_construction import FoundSolid, assembled
+from dashpot.fitting.design_matrix import FitSetup, block_of, bound
+from dashpot.fitting.fit_construction import SolidEstimate, build_fit
 from dashpot.fitting.fit_data import FitData, data_of, weighed
-from dashpot.fitting.fit_options import Asked
-from dashpot.fitting.linearity import Holds, gated
-from dashpot.fitting.pipeline import FURTHER, certified
+from dashpot.fitting.fit_options import FitOptions
+from dashpot.fitting.linearity import HoldBlocks, assess_linearity
+from dashpot.fitting.pipeline import FURTHER, certificate_for
 from dashpot.fitting.relaxation_likelihood import relaxation_data
 from dashpot.fitting.replicates import end_stiffnesses
 from dashpot.fitting.uncertainty.band_limits import band_of_hold
-from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_hold, spectra_of_holds
+from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_hold_limits, spectra_of_holds
 from dashpot.fitting.uncertainty.valid_band import informed_alone, informed_band
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit.variable_projection import Solution, solve
-from dashpot.numerics.inference.model_order import Shortage, chance_beyond
+from dashpot.numerics.inference.model_order import Shortage, chi2_sf
 from dashpot.preprocessing.checks import of_records
 
 # data that narrow what was held before by no more than this part of its variance say nothing
 _LITTLE = 0.01
 
 
-class Thermal(NamedTuple):
+class MultiTemperatureFit(NamedTuple):
     """One solid at several temperatures, found and known.
 
     Attributes
@@ -71,7 +77,7 @@ class Thermal(NamedTuple):
     """
 
     best: ThermalOptimum
-    knowledge: Knowledge
+    knowledge: JointCovariance
 
 
 # arms that a test may have by itself, where it is one of several temperatures
@@ -80,7 +86,7 @@ _OWN_ARMS = 6
 
 def fit_records(
     records: Sequence[RampHold],
-    asked: Asked,
+    asked: FitOptions,
     *,
     vertical: Vertical,
     shift_law: ShiftLaw,
@@ -99,32 +105,37 @@ def fit_records(
     )
 
 
-def _fit_alone(record: RampHold, law: RampLawAsked, *, thorough: bool) -> Own:
+def _fit_alone(record: RampHold, law: RampLawAsked, *, thorough: bool) -> SingleTemperatureTest:
     """Return one test of several temperatures with its own free fit; a bent ramp with its law."""
     kelvin = record.specimen.temperature or 0.0
-    data = data_of([record], Design("full"))
-    gate = gated(Holds([record]), data, Asked("auto", _OWN_ARMS, thorough=thorough))
+    data = data_of([record], FitSetup("full"))
+    gate = assess_linearity(
+        HoldBlocks([record]), data, FitOptions("auto", _OWN_ARMS, thorough=thorough)
+    )
     bend = law == "nonlinear"
     if law == "linear" or record.loading_start is not None or (gate.sound and not bend):
-        return Own.of(record, kelvin, gate.first, None)
+        return SingleTemperatureTest.of(record, kelvin, gate.first, None)
     from dashpot.fitting.nonlinear_ramp.elastic_law_selection import (
-        ramp_law,  # a sound linear fit needs none
+        select_elastic_law,  # a sound linear fit needs none
     )
 
-    bent = ramp_law([record], law=law)
+    bent = select_elastic_law([record], law=law)
     if bent.sound and not bend:
-        return Own.of(record, kelvin, gate.first, None)
+        return SingleTemperatureTest.of(record, kelvin, gate.first, None)
     block = block_of(
         record, terms=("offset", "drift"), index=0, start=record.settled.start, law=bent.law
     )
     held = FitData(
-        [block], [block.exact], in_time=True, bind=partial(bound, [record], [block], Design("full"))
+        [block],
+        [block.exact],
+        in_time=True,
+        bind=partial(bound, [record], [block], FitSetup("full")),
     )
-    return Own.of(record, kelvin, weighed(held, _OWN_ARMS), bent.law)
+    return SingleTemperatureTest.of(record, kelvin, weighed(held, _OWN_ARMS), bent.law)
 
 
 def fit_thermal(
-    tests: Sequence[Own],
+    tests: Sequence[SingleTemperatureTest],
     *,
     arms: int | None,
     max_arms: int,
@@ -151,7 +162,7 @@ def fit_thermal(
     vertical : "free", "T/T_r" or "1"
         What b_T may be.
     shift_law : str
-        As in :func:`~dashpot.extensions.curves.shift_law_fit.law_through`.
+        As in :func:`~dashpot.extensions.curves.shift_law_fit.fit_shift_law`.
     reference : int
         Which of the temperatures the solid is that of.
     intervals : bool
@@ -164,7 +175,7 @@ def fit_thermal(
     )
     if not intervals and arms is not None:
         return point_alone(best, vertical, shift_law, asked=arms)
-    found = Thermal(best, known(best.joint, best.tests, best.point))
+    found = MultiTemperatureFit(best, joint_covariance(best.joint, best.tests, best.point))
     made = _assembled(found, vertical, shift_law, asked=arms)
     end = _end_of_hold(found, made)
     band, error = _known_band(found, made)
@@ -190,7 +201,9 @@ def _arms_enough(best: ThermalOptimum, more: ThermalOptimum) -> Check:
     return arms_enough(shortage, few.order, unit="sd")
 
 
-def _known_band(found: Thermal, made: Fit) -> tuple[tuple[float, float], BandError | None]:
+def _known_band(
+    found: MultiTemperatureFit, made: Fit
+) -> tuple[tuple[float, float], BandError | None]:
     """The valid band, and how well all tests together know the solid there; their ramps linear."""
     tests = found.best.tests
     if made.temperatures is None or any(test.law is not None for test in tests):
@@ -205,7 +218,7 @@ def _known_band(found: Thermal, made: Fit) -> tuple[tuple[float, float], BandErr
     return band_of_hold(spectra, made.model, made.band)
 
 
-def _end_of_hold(found: Thermal, made: Fit) -> EndOfHold | None:
+def _end_of_hold(found: MultiTemperatureFit, made: Fit) -> EndOfHold | None:
     """What the tests at the reference leave open of the end of their hold; their ramps linear."""
     records = [
         test.record
@@ -214,7 +227,7 @@ def _end_of_hold(found: Thermal, made: Fit) -> EndOfHold | None:
     ]
     if not records:
         return None
-    return end_of_hold(
+    return end_of_hold_limits(
         [relaxation_data(record, made) for record in records],
         time=max(record.hold_time for record in records),
         own=made.model,
@@ -226,7 +239,7 @@ def _end_of_hold(found: Thermal, made: Fit) -> EndOfHold | None:
 
 
 def _assembled(
-    found: Thermal, vertical: Vertical, shift_law: ShiftLaw, *, asked: int | None
+    found: MultiTemperatureFit, vertical: Vertical, shift_law: ShiftLaw, *, asked: int | None
 ) -> Fit:
     best, knowledge = found
     tests, point = best.tests, best.point
@@ -249,12 +262,12 @@ def _assembled(
     ).with_rig(knowledge.solid_moved)
     fewer = asked is not None and model.arms < asked
     noticed = [check for record in records for check in record.checks]
-    return assembled(
-        FoundSolid(model, estimate, fewer, bool(solution.at_bound.any())),
+    return build_fit(
+        SolidEstimate(model, estimate, fewer, bool(solution.at_bound.any())),
         Evidence(
             band,
             orders=_orders(found),
-            certificate=certified(_reduced(found), solution),
+            certificate=certificate_for(_reduced(found), solution),
             checks=(*noticed, *_checks(found, shifts, laid, band)),
         ),
         provenance(best, shifts),
@@ -263,21 +276,21 @@ def _assembled(
     )
 
 
-def _reduced(found: Thermal) -> list[DataBlock]:
+def _reduced(found: MultiTemperatureFit) -> list[DataBlock]:
     """Every test in the time of the reference."""
     point = found.best.point
     return [
-        moved(block, float(point.log_a[i]), float(point.log_b[i]), point.slope)
+        shift_block(block, float(point.log_a[i]), float(point.log_b[i]), point.slope)
         for block, i in zip(found.best.joint.blocks, found.best.joint.at, strict=True)
     ]
 
 
-def _solution(found: Thermal) -> Solution:
+def _solution(found: MultiTemperatureFit) -> Solution:
     """The optimum as the engine's, the shifts held."""
     return solve(_reduced(found), found.best.point.order, log_tau_start=found.best.point.log_tau)
 
 
-def _orders(found: Thermal) -> tuple[OrderScore, ...]:
+def _orders(found: MultiTemperatureFit) -> tuple[OrderScore, ...]:
     """Every number tried; sums of squares in the noise of the fit taken."""
     sse = found.knowledge.residual.sse / found.best.point.chi_square
     return tuple(
@@ -289,9 +302,9 @@ def _orders(found: Thermal) -> tuple[OrderScore, ...]:
 
 
 def _checks(
-    found: Thermal,
+    found: MultiTemperatureFit,
     shifts: TemperatureShifts,
-    laid: LawThroughShifts,
+    laid: ShiftLawFit,
     band: tuple[float, float],
 ) -> tuple[Check, ...]:
     """Return every check of the records, of the solid and of its shifts."""
@@ -302,7 +315,7 @@ def _checks(
     answers = [
         optimum_found(stationary=True),
         *of_records(records, method="full", solids=solids),
-        *of_solid(
+        *run_solid_checks(
             records,
             point.solid,
             np.sqrt(np.diag(knowledge.of_solid)),
@@ -321,7 +334,9 @@ def _checks(
     return tuple(answers)
 
 
-def _of_shifts(found: Thermal, shifts: TemperatureShifts, laid: LawThroughShifts) -> list[Check]:
+def _of_shifts(
+    found: MultiTemperatureFit, shifts: TemperatureShifts, laid: ShiftLawFit
+) -> list[Check]:
     temperatures = [shift.temperature for shift in shifts.shifts]
     bands = [_informed_at(found, i) for i in range(len(temperatures))]
     # the colder of two neighbours informs the lower reduced times: the higher frequencies
@@ -363,7 +378,7 @@ def _by_data(one: Nuisance, known: float) -> tuple[float, float] | None:
     return one.value / part, one.standard_error / float(np.sqrt(part))
 
 
-def _informed_at(found: Thermal, i: int) -> tuple[float, float]:
+def _informed_at(found: MultiTemperatureFit, i: int) -> tuple[float, float]:
     """The band that the tests of one temperature inform, Hz at the reference."""
     each = [
         informed_alone(block, stiffness=max(found.best.point.solid.k_0, 1e-300), noise=1.0)
@@ -373,7 +388,7 @@ def _informed_at(found: Thermal, i: int) -> tuple[float, float]:
     return min(low for low, _ in each), max(high for _, high in each)
 
 
-def _misfit(found: Thermal) -> tuple[float, float]:
+def _misfit(found: MultiTemperatureFit) -> tuple[float, float]:
     r"""Return how likely chance makes the joint fit as bad, and its excess over the peak force.
 
     The smaller probability, doubled, of two: what the joint fit leaves in the rows that a solid can
@@ -390,8 +405,8 @@ def _misfit(found: Thermal) -> tuple[float, float]:
         float(np.sqrt(2 * (2 * len(noise.autocovariance) - 1) / noise.samples))
         for noise in found.knowledge.noises
     )
-    absolute = chance_beyond(left / doubt, max(rows - parameters, 1))
-    relative = chance_beyond((left - own) / doubt, max(freed, 1))
+    absolute = chi2_sf(left / doubt, max(rows - parameters, 1))
+    relative = chi2_sf((left - own) / doubt, max(freed, 1))
     spread = max(test.spread for test in tests)
     peak = max(float(np.abs(test.record.force).max()) for test in tests)
     samples = sum(test.effective for test in tests)

@@ -11,17 +11,21 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.datamodel.parameter_estimate import Nuisance, Residual, parameter_names
-from dashpot.extensions.curves.temperatures.joint_problem import JointTests, Part, ShiftedSolid
-from dashpot.extensions.curves.temperatures.marginalised_data import Own
+from dashpot.extensions.curves.temperatures.joint_problem import (
+    JointTests,
+    ShiftedSolid,
+    TestContribution,
+)
+from dashpot.extensions.curves.temperatures.marginalised_data import SingleTemperatureTest
 from dashpot.fitting.fit_construction import nuisances
 from dashpot.fitting.uncertainty.encoder_resolution import Encoder, Kernel, encoder_rows
-from dashpot.fitting.uncertainty.solution_covariance import Known, rounding
+from dashpot.fitting.uncertainty.solution_covariance import ParameterCovariance, rounding
 from dashpot.numerics.inference.covariance import Noise, directions, noise_of, sandwich
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
 @dataclass(frozen=True, eq=False)
-class Knowledge(Known):
+class JointCovariance(ParameterCovariance):
     """All that was fitted together, the noises in units of the spread that each test weighs by.
 
     Attributes
@@ -94,7 +98,7 @@ def of_tests(
     return (*found, Nuisance("shift slope", point.slope, error("slope"), "1/decade"))
 
 
-class Left(NamedTuple):
+class TestResidual(NamedTuple):
     """What a point leaves of one test, N, the coefficients of the test's own columns fitted.
 
     Attributes
@@ -108,11 +112,13 @@ class Left(NamedTuple):
 
     left: FloatArray
     own: FloatArray
-    part: Part
+    part: TestContribution
     columns: FloatArray
 
 
-def left_of(joint: JointTests, test: Own, i: int, point: ShiftedSolid) -> Left:
+def left_of(
+    joint: JointTests, test: SingleTemperatureTest, i: int, point: ShiftedSolid
+) -> TestResidual:
     """Return what a point leaves of every sample of test i."""
     weight, exact = 1 / test.spread, test.block.exact
     part = joint.part(exact, int(joint.at[i]), point)
@@ -123,15 +129,17 @@ def left_of(joint: JointTests, test: Own, i: int, point: ShiftedSolid) -> Left:
         np.concatenate((weight * part.residual, target)),
         rcond=None,
     )[0]
-    return Left(part.residual - columns @ own, own, part, columns)
+    return TestResidual(part.residual - columns @ own, own, part, columns)
 
 
-def own_names(tests: Sequence[Own]) -> tuple[str, ...]:
+def own_names(tests: Sequence[SingleTemperatureTest]) -> tuple[str, ...]:
     """Return the columns of each test, ``"offset@0"``."""
     return tuple(f"{kind}@{i}" for i, test in enumerate(tests) for kind in test.kinds)
 
 
-def known(joint: JointTests, tests: Sequence[Own], point: ShiftedSolid) -> Knowledge:
+def joint_covariance(
+    joint: JointTests, tests: Sequence[SingleTemperatureTest], point: ShiftedSolid
+) -> JointCovariance:
     """Return what all samples say of a point, the columns of every test fitted beside it."""
     shared = joint.names(point.order)
     names = (*shared, *own_names(tests))
@@ -162,10 +170,14 @@ def known(joint: JointTests, tests: Sequence[Own], point: ShiftedSolid) -> Knowl
         for columns, one in zip(told.columns, unseen, strict=False)
     ]
     left, own = tuple(one.left for one in each), np.concatenate([one.own for one in each])
-    return Knowledge(names, covariance, left, tuple(noises), joint, point, own, np.hstack(moved))
+    return JointCovariance(
+        names, covariance, left, tuple(noises), joint, point, own, np.hstack(moved)
+    )
 
 
-def _encoder_rows(test: Own, solid: GeneralizedMaxwell, columns: FloatArray) -> FloatArray:
+def _encoder_rows(
+    test: SingleTemperatureTest, solid: GeneralizedMaxwell, columns: FloatArray
+) -> FloatArray:
     """What errors of a test's encoder make of columns of its Jacobian."""
     kernel = Kernel(solid.k_inf, np.asarray(solid.k), np.asarray(solid.tau))
     return encoder_rows(columns, Encoder.of(test.record), kernel) / test.spread

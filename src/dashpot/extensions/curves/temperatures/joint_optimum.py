@@ -11,15 +11,15 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.choices import Vertical
 from dashpot.extensions.curves.temperatures.joint_problem import JointTests, ShiftedSolid
-from dashpot.extensions.curves.temperatures.marginalised_data import Own
+from dashpot.extensions.curves.temperatures.marginalised_data import SingleTemperatureTest
 from dashpot.extensions.curves.temperatures.starting_points import (
     OrderCandidate,
-    again,
     candidates,
     first_shifts,
+    refine_candidates,
 )
 from dashpot.fitting.tests_at_temperatures import temperatures_of
-from dashpot.numerics.inference.model_order import DECISIVE, Choice, choose
+from dashpot.numerics.inference.model_order import DECISIVE, OrderChoice, select_model_order
 
 # what is known of how arms shift apart: two temperatures hardly tell, three do
 _SLOPE_OF_TWO, _SLOPE = 0.03, 0.3
@@ -42,16 +42,16 @@ class ThermalOptimum(NamedTuple):
         With quasi-random starts.
     """
 
-    tests: tuple[Own, ...]
+    tests: tuple[SingleTemperatureTest, ...]
     joint: JointTests
     tried: tuple[OrderCandidate, ...]
-    choice: Choice | None
+    choice: OrderChoice | None
     point: ShiftedSolid
     thorough: bool
 
 
 def optimum(
-    tests: Sequence[Own],
+    tests: Sequence[SingleTemperatureTest],
     reference: int,
     *,
     arms: int | None,
@@ -68,7 +68,7 @@ def optimum(
     at = np.array([int(np.argmin(np.abs(temperatures - test.temperature))) for test in tests])
     slope = _SLOPE_OF_TWO if len(temperatures) == 2 else _SLOPE
 
-    def joint_of(every: Sequence[Own]) -> JointTests:
+    def joint_of(every: Sequence[SingleTemperatureTest]) -> JointTests:
         blocks = [test.marginal for test in every]
         return JointTests(blocks, at, temperatures, reference, vertical, slope)
 
@@ -84,7 +84,7 @@ def optimum(
             _warmed(test, point, int(i), temperatures) for test, i in zip(tests, at, strict=True)
         )
         joint = joint_of(tests)
-        tried = again(joint, tried, effective)
+        tried = refine_candidates(joint, tried, effective)
         choice = _choice(joint, tried, exhausted=len(tried) - 1 < most)
     best = _ascending(_taken(tried, choice, arms).point)
     return ThermalOptimum(
@@ -92,7 +92,9 @@ def optimum(
     )
 
 
-def _warmed(test: Own, point: ShiftedSolid, i: int, temperatures: FloatArray) -> Own:
+def _warmed(
+    test: SingleTemperatureTest, point: ShiftedSolid, i: int, temperatures: FloatArray
+) -> SingleTemperatureTest:
     by_a, by_b = (np.gradient(one, temperatures)[i] for one in (point.log_a, point.log_b))
     return test.warmed(point.solid_at(i), by_a=float(by_a), by_b=float(by_b))
 
@@ -102,13 +104,15 @@ def _ascending(point: ShiftedSolid) -> ShiftedSolid:
     return replace(point, k=point.k[order], log_tau=point.log_tau[order])
 
 
-def _choice(joint: JointTests, tried: Sequence[OrderCandidate], *, exhausted: bool) -> Choice:
+def _choice(joint: JointTests, tried: Sequence[OrderCandidate], *, exhausted: bool) -> OrderChoice:
     numbers = [one.point.order for one in tried]
     clear = [joint.clear(one.point) for one in tried]
     bics = [one.bic for one in tried]
-    return choose(numbers, bics, clear, exhausted=exhausted, decisive=DECISIVE)
+    return select_model_order(numbers, bics, clear, exhausted=exhausted, decisive=DECISIVE)
 
 
-def _taken(tried: Sequence[OrderCandidate], choice: Choice, asked: int | None) -> OrderCandidate:
+def _taken(
+    tried: Sequence[OrderCandidate], choice: OrderChoice, asked: int | None
+) -> OrderCandidate:
     most = choice.arms if asked is None else asked
     return [one for one in tried if one.point.order <= most][-1]

@@ -25,7 +25,7 @@ from dashpot.datamodel.shift_factors import decades, shifted_log_tau
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.inference.covariance import white
 from dashpot.numerics.inference.model_order import significant
-from dashpot.numerics.least_squares.problem import Parameter, Problem, Rows, solved
+from dashpot.numerics.least_squares.problem import Parameter, Problem, Rows, require_optimum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # target, columns of k_inf and k, and the derivative by theta
@@ -100,7 +100,7 @@ class ShiftedSolid:
         )
 
 
-class Part(NamedTuple):
+class TestContribution(NamedTuple):
     """One test at a point: what it leaves, and the derivatives of the model by what is shared."""
 
     residual: FloatArray
@@ -170,13 +170,15 @@ class JointTests:
                 turn[count + i, names.index(f"ln_b_{i}")] = 1.0
         return turn
 
-    def part(self, block: DataBlock, i: int, point: ShiftedSolid) -> Part:
+    def part(self, block: DataBlock, i: int, point: ShiftedSolid) -> TestContribution:
         """One test of temperature i, in the rows of its block."""
         return _part(self._test(block, i, point), point)
 
     def descend(self, point: ShiftedSolid) -> ShiftedSolid:
         """Return the nearest optimum."""
-        best = solved(self.problem(point), [self.theta(point)], most=_STEPS, flat=_STATIONARY)
+        best = require_optimum(
+            self.problem(point), [self.theta(point)], most=_STEPS, flat=_STATIONARY
+        )
         k_inf, k = float(best.beta[0]), best.beta[1:]
         return replace(self._placed(point, best.theta), k_inf=k_inf, k=k, chi_square=best.cost)
 
@@ -264,6 +266,6 @@ class JointTests:
         return replace(point, log_tau=theta[:n], log_a=log_a, log_b=log_b, slope=slope)
 
 
-def _part(rows: _Rows, point: ShiftedSolid) -> Part:
+def _part(rows: _Rows, point: ShiftedSolid) -> TestContribution:
     (y, A, slope), k = rows, point.stiffnesses
-    return Part(y - A @ k, np.concatenate((A, slope(k)), axis=1))
+    return TestContribution(y - A @ k, np.concatenate((A, slope(k)), axis=1))

@@ -24,9 +24,15 @@ from dashpot.base.arrays import FloatArray
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import shifted_log_tau
 from dashpot.fitting.design_matrix import first_sample, motion
-from dashpot.fitting.fit_data import First
-from dashpot.fitting.nuisance_priors import Terms, kind_of, priors, terms_of, warmed
-from dashpot.fitting.relaxation_likelihood import laid_out, unseen
+from dashpot.fitting.fit_data import InitialFit
+from dashpot.fitting.nuisance_priors import (
+    NuisanceTerms,
+    kind_of,
+    priors,
+    recorded_warming,
+    terms_of,
+)
+from dashpot.fitting.relaxation_likelihood import sample_motion, unmeasured_effects
 from dashpot.numerics.design_matrices.block import DataBlock, Evaluation
 from dashpot.numerics.design_matrices.relaxation_kernels import compact_block
 from dashpot.numerics.inference.whitening import marginal
@@ -42,7 +48,7 @@ _COLUMNS, _WEAKEST = 240, 5e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Own:
+class SingleTemperatureTest:
     """One test by itself: its data, and what its own free fit says of them.
 
     Attributes
@@ -77,7 +83,9 @@ class Own:
     warming: FloatArray | None = None
 
     @classmethod
-    def of(cls, record: RampHold, temperature: float, first: First, law: ElasticLaw | None) -> Own:
+    def of(
+        cls, record: RampHold, temperature: float, first: InitialFit, law: ElasticLaw | None
+    ) -> SingleTemperatureTest:
         """From its own free fit."""
         noise, best = first.noises[0], first.solutions[-1]
         block = first.data.blocks[0]
@@ -102,9 +110,9 @@ class Own:
         return self.bare.with_column(WARMED, self.warming)
 
     @cached_property
-    def terms(self) -> Terms:
+    def terms(self) -> NuisanceTerms:
         """What is known of those columns."""
-        return terms_of(self.record).beside(warming=warmed(self.record.specimen))
+        return terms_of(self.record).beside(warming=recorded_warming(self.record.specimen))
 
     @property
     def own_columns(self) -> list[int]:
@@ -139,7 +147,9 @@ class Own:
         """The first sample that is fitted."""
         return first_sample(self.record) if self.law is None else self.record.settled.start
 
-    def warmed(self, solid: GeneralizedMaxwell, *, by_a: float, by_b: float) -> Own:
+    def warmed(
+        self, solid: GeneralizedMaxwell, *, by_a: float, by_b: float
+    ) -> SingleTemperatureTest:
         """Return the test with the column of a seal that warms while it is recorded.
 
         Parameters
@@ -160,8 +170,8 @@ class Own:
         temperature of the test.
         """
         (time, x), known = self.path, priors(self.record)
-        at = laid_out(self.record, time)
-        found = unseen(self.record, time[at], x[at], solid)
+        at = sample_motion(self.record, time)
+        found = unmeasured_effects(self.record, time[at], x[at], solid)
         # it is sought
         del found["warming"]
         each = [sd * np.interp(time, time[at], column) for column, sd in found.values()]
@@ -200,7 +210,7 @@ def _basis(compact: DataBlock, spread: float) -> _Basis:
     return _Basis(turn, target, turn @ found.fixed, max(aside, 0.0))
 
 
-def _marginal(test: Own) -> DataBlock:
+def _marginal(test: SingleTemperatureTest) -> DataBlock:
     compact = compact_block(test.block, beyond=BEYOND)
     basis, names = _basis(compact, test.spread), compact.fixed_names
     doubts, mean = test.terms.doubts(basis.fixed, names)
@@ -216,14 +226,14 @@ def _marginal(test: Own) -> DataBlock:
     return replace(compact, rows=at, fixed_names=("k_inf",), floor=basis.floor, arm_group="k")
 
 
-def moved(block: DataBlock, log_a: float, log_b: float, slope: float = 0.0) -> DataBlock:
+def shift_block(block: DataBlock, log_a: float, log_b: float, slope: float = 0.0) -> DataBlock:
     """The data of another temperature as those of the reference: at other times, other sizes.
 
     `slope` is how much further each decade of tau shifts.
     """
     low, high = block.window
     a_t = float(np.exp(log_a))
-    return block.elsewhere(
+    return block.map_relaxation_times(
         lambda log_tau: shifted_log_tau(log_tau, log_a, slope),
         float(np.exp(log_b)),
         stretch=1 + log_a * slope / float(np.log(10.0)),

@@ -13,18 +13,18 @@ from dashpot.base.units import celsius
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Provenance
 from dashpot.datamodel.shift_factors import TemperatureShifts, shifts_with
-from dashpot.extensions.curves.shift_law_fit import LawThroughShifts, law_through
+from dashpot.extensions.curves.shift_law_fit import ShiftLawFit, fit_shift_law
 from dashpot.extensions.curves.temperatures.joint_covariance import left_of, of_tests, own_names
 from dashpot.extensions.curves.temperatures.joint_optimum import ThermalOptimum
-from dashpot.extensions.curves.temperatures.marginalised_data import Own
-from dashpot.fitting.fit_construction import UNJUDGED, FoundSolid, assembled, point_estimate
+from dashpot.extensions.curves.temperatures.marginalised_data import SingleTemperatureTest
+from dashpot.fitting.fit_construction import UNJUDGED, SolidEstimate, build_fit, point_estimate
 from dashpot.solids.elastic import ElasticLaw
 
 
-def law_of(best: ThermalOptimum, covariance: FloatArray, law: ShiftLaw) -> LawThroughShifts:
+def law_of(best: ThermalOptimum, covariance: FloatArray, law: ShiftLaw) -> ShiftLawFit:
     """Return the law through the shifts, whose covariance begins with that of log10 a_T."""
     joint, point, count = best.joint, best.point, len(best.joint.temperatures)
-    return law_through(
+    return fit_shift_law(
         joint.temperatures,
         point.log_a / np.log(10.0),
         covariance[:count, :count],
@@ -36,7 +36,7 @@ def law_of(best: ThermalOptimum, covariance: FloatArray, law: ShiftLaw) -> LawTh
 def shifts_of(
     best: ThermalOptimum,
     vertical: Vertical,
-    laid: LawThroughShifts,
+    laid: ShiftLawFit,
     covariance: FloatArray,
     cross: FloatArray,
 ) -> TemperatureShifts:
@@ -55,7 +55,7 @@ def shifts_of(
     )
 
 
-def _deepest(best: ThermalOptimum) -> Own:
+def _deepest(best: ThermalOptimum) -> SingleTemperatureTest:
     """The test at the reference whose elastic law and specimen are those of the solid."""
     joint = best.joint
     there = [test for test, i in zip(best.tests, joint.at, strict=True) if i == joint.reference]
@@ -114,8 +114,8 @@ def point_alone(best: ThermalOptimum, vertical: Vertical, law: ShiftLaw, *, aske
     left, own = (np.concatenate([getattr(one, part) for one in each]) for part in ("left", "own"))
     nuisance = of_tests(own_names(best.tests), own, point, lambda _: np.inf)
     estimate = point_estimate(point.solid, len(left), float(left @ left), nuisance)
-    return assembled(
-        FoundSolid(point.solid, estimate, fewer=point.order < asked),
+    return build_fit(
+        SolidEstimate(point.solid, estimate, fewer=point.order < asked),
         UNJUDGED,
         provenance(best, shifts),
         elastic_law=elastic_law(best),

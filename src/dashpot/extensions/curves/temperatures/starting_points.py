@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.extensions.curves.superposition.pairwise_shifts import chained
+from dashpot.extensions.curves.superposition.pairwise_shifts import chain_shifts
 from dashpot.extensions.curves.temperatures.joint_problem import JointTests, ShiftedSolid
-from dashpot.extensions.curves.temperatures.marginalised_data import moved
+from dashpot.extensions.curves.temperatures.marginalised_data import shift_block
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit.variable_projection import solve_orders
 from dashpot.numerics.inference.model_order import bic_of_deviance
@@ -41,7 +41,7 @@ def first_shifts(joint: JointTests) -> FloatArray:
     """Return ln a_T of every temperature, each on its neighbour, 0 at the reference."""
     falls = np.arange(-_BACK, _FARTHEST + _STEP / 2, _STEP) * np.log(10.0)
     pairs = range(len(joint.temperatures) - 1)
-    return chained(((_pair(joint, i, falls), falls) for i in pairs), joint.reference)
+    return chain_shifts(((_pair(joint, i, falls), falls) for i in pairs), joint.reference)
 
 
 def _pair(joint: JointTests, i: int, falls: FloatArray) -> Problem:
@@ -50,7 +50,9 @@ def _pair(joint: JointTests, i: int, falls: FloatArray) -> Problem:
 
     def of(at: int, fall: float) -> list[DataBlock]:
         every = zip(joint.blocks, joint.at, strict=True)
-        return [moved(one, fall, log_b[at] - log_b[i + 1]) for one, here in every if here == at]
+        return [
+            shift_block(one, fall, log_b[at] - log_b[i + 1]) for one, here in every if here == at
+        ]
 
     ends = [*of(i, falls[0]), *of(i, falls[-1]), *of(i + 1, 0.0)]
     low, high = min(one.bounds[0] for one in ends), max(one.bounds[1] for one in ends)
@@ -85,7 +87,7 @@ def candidates(
     log_a, log_b = start, joint.held_log_b
     for _ in range(_ROUNDS):
         blocks = [
-            moved(block, log_a[i], log_b[i])
+            shift_block(block, log_a[i], log_b[i])
             for block, i in zip(joint.blocks, joint.at, strict=True)
         ]
         for solution in solve_orders(blocks, most, thorough=thorough):
@@ -106,7 +108,7 @@ def candidates(
     return tuple(best[n] for n in sorted(best))
 
 
-def again(
+def refine_candidates(
     joint: JointTests, found: Sequence[OrderCandidate], effective: float
 ) -> tuple[OrderCandidate, ...]:
     """Return candidates descended anew, from where they were, on data that changed a little."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from dashpot.api.fit import kinds_of
+from dashpot.api.fit import identify_record_kinds
 from dashpot.base.units import Quantity, Range, si_range
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.machine import Machine
@@ -32,6 +32,6 @@ def fit_load_deflection(
         limits=si_range(force_limits, "force"),
         memory=[memory] if isinstance(memory, Fit) else list(memory),
         cycle=cycle,
-        names=list(kinds_of(records)),
+        names=list(identify_record_kinds(records)),
         machine=machine,
     )

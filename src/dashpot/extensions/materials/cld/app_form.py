@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from dashpot.base.form_fields import Answers, Ask
+from dashpot.base.form_fields import FormData, FormField
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.materials.cld.fit_files import Pieces, cld_files
 from dashpot.reading.read_options import ReadOptions
 
 ASKS = (
-    Ask("compression", "Compression", "mm", "--compression"),
-    Ask("between", "Asked between", "mm", "--between", form="range"),
-    Ask("length", "Length of a piece", "mm", "--length"),
+    FormField("compression", "Compression", "mm", "--compression"),
+    FormField("between", "Asked between", "mm", "--between", form="range"),
+    FormField("length", "Length of a piece", "mm", "--length"),
 )
 
 
-def answered(files: Sequence[str], said: Answers, options: ReadOptions) -> Pieces:
+def answered(files: Sequence[str], said: FormData, options: ReadOptions) -> Pieces:
     """The figures of the pieces."""
     length = said.number("length", "length")
     return cld_files(

@@ -7,7 +7,7 @@ from math import pi
 
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.status import Status
-from dashpot.base.units import written
+from dashpot.base.units import format_quantity
 from dashpot.extensions.batch.statistics.process_capability import Capability
 from dashpot.preprocessing.zero_point import MOST_PRELOAD
 
@@ -82,8 +82,8 @@ def depth_conditioned(ratio: float | None, cycle: int) -> Finding:
 def compressions_reached(most: float, depth: float) -> Finding:
     """The cycle reaches every compression asked for."""
     return Finding(
-        f"Compressions up to {written(most, 'mm')} are asked for; the cycle goes to "
-        f"{written(depth, 'mm')}",
+        f"Compressions up to {format_quantity(most, 'mm')} are asked for; the cycle goes to "
+        f"{format_quantity(depth, 'mm')}",
         most / depth,
         remedy=Remedy("Press deeper, or ask for less.", "compression"),
     )
@@ -218,7 +218,9 @@ def stroke_within_memory(stroke: float | None, band: tuple[float, float]) -> Fin
 @criterion("relaxed force / k_inf x, less 1", "|x| <=", AGREES, "our choice: pieces scatter so")
 def relaxed_agrees(difference: float | None, depth: float, k_inf: float) -> Finding:
     """The relaxed force is that of the relaxation test at the compression that it was held at."""
-    held = f"At {written(depth, 'mm')} the relaxation test has {k_inf * depth:.4g} N at rest"
+    held = (
+        f"At {format_quantity(depth, 'mm')} the relaxation test has {k_inf * depth:.4g} N at rest"
+    )
     if difference is None:
         return Finding(f"{held}. The cycle does not go so deep")
     return Finding(

@@ -7,15 +7,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.array_units import into_si, said_units
-from dashpot.base.arrays import ByValue, FloatArray, hold_measured
-from dashpot.base.checks import Check, Checked
+from dashpot.base.array_units import convert_arrays_to_si, make_units_field
+from dashpot.base.arrays import EqualByValue, FloatArray, hold_measured
+from dashpot.base.checks import Check, HasChecks
 from dashpot.base.plausibility import refuse_absurd_record
-from dashpot.base.provenance import Source, of_file
-from dashpot.base.reported_values import Fact
-from dashpot.base.result_mixins import Described, Pictured, Series, arrays
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import written
+from dashpot.base.provenance import Source, describe_record_source
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.result_mixins import HasSummary, Plottable, Series, collect_arrays
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import format_quantity
 from dashpot.datamodel.specimen import Specimen
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -28,7 +28,7 @@ SAME_SPEED = 1.5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CompressionTest(ByValue, Described):
+class CompressionTest(EqualByValue, HasSummary):
     """A compression load deflection test as the machine wrote it, in SI units.
 
     Attributes
@@ -62,32 +62,32 @@ class CompressionTest(ByValue, Described):
     time: FloatArray | None = None
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
-    units: str = said_units()
+    units: str = make_units_field()
 
     def __post_init__(self) -> None:
-        into_si(self, displacement="length", force="force", time="time")
+        convert_arrays_to_si(self, displacement="length", force="force", time="time")
         hold_measured(self, "time", "displacement", "force", minimum=8)
         refuse_absurd_record(self)
 
     @property
     def series(self) -> Series:
         """Force over displacement, and time."""
-        return arrays(self, displacement="m", force="N", time="s")
+        return collect_arrays(self, displacement="m", force="N", time="s")
 
     @property
     def described(self) -> tuple[str, ...]:
         """Which record it is, and how far it reaches."""
         return (
-            of_file(self.source, len(self.force)),
+            describe_record_source(self.source, len(self.force)),
             (
-                f"displacement spans {written(np.ptp(self.displacement), 'mm')}, force "
+                f"displacement spans {format_quantity(np.ptp(self.displacement), 'mm')}, force "
                 f"{np.ptp(self.force):.4g} N" + ", no clock" * (self.time is None)
             ),
         )
 
 
 @dataclass(frozen=True, eq=False)
-class Branch(ByValue):
+class Branch(EqualByValue):
     """One way of a cycle, loading or unloading, in the order of recording.
 
     Attributes
@@ -116,7 +116,7 @@ class Branch(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class Cycle(ByValue, Documented):
+class Cycle(EqualByValue, Serialisable):
     """One loading and, where it was recorded, the unloading after it.
 
     Attributes
@@ -177,11 +177,11 @@ def format_hysteresis(cycle: Cycle) -> str:
     lost, error = cycle.hysteresis, cycle.hysteresis_se
     if lost is None:
         return ""
-    return Fact.known("", lost, error or None, unit="1", read="%").cells.with_error + " %"
+    return ReportedValue.known("", lost, error or None, unit="1", read="%").cells.with_error + " %"
 
 
 @dataclass(frozen=True)
-class AtCompression(Documented):
+class AtCompression(Serialisable):
     """What a cycle shows at one compression.
 
     Attributes
@@ -223,7 +223,7 @@ class AtCompression(Documented):
 
 
 @dataclass(frozen=True)
-class Quoted(Documented):
+class Quoted(Serialisable):
     """What a cycle shows at one compression, and of 100 mm, where the length is known."""
 
     keys = ("*at", "per_100mm?")
@@ -242,7 +242,7 @@ class Quoted(Documented):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CLD(ByValue, Pictured, Checked, Documented):
+class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
     """A compression load deflection test as cycles, and what one of them shows.
 
     Made by :func:`dashpot.extensions.materials.cld.preprocess.cld`.
@@ -368,14 +368,14 @@ class CLD(ByValue, Pictured, Checked, Documented):
     @property
     def series(self) -> Series:
         """Force over compression, and time."""
-        return arrays(self, compression="m", force="N", time="s")
+        return collect_arrays(self, compression="m", force="N", time="s")
 
     @property
     def sound(self) -> str:
         """The force at the nominal compression."""
         one = self.nominal
         force = self.per * one.loading
-        return f"{force:.3g} {self.unit} at {written(one.compression, 'mm', '.3g')}"
+        return f"{force:.3g} {self.unit} at {format_quantity(one.compression, 'mm', '.3g')}"
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -385,13 +385,15 @@ class CLD(ByValue, Pictured, Checked, Documented):
         return (
             str(self.verdict),
             (
-                f"{self.per * one.loading:.4g} {self.unit} at {written(one.compression, 'mm')}, "
-                f"slope {written(self.per * one.slope, 'N/mm', '.3g')}"
+                f"{self.per * one.loading:.4g} {self.unit} at "
+                f"{format_quantity(one.compression, 'mm')}, "
+                f"slope {format_quantity(self.per * one.slope, 'N/mm', '.3g')}"
                 + " per 100 mm"
                 * (self.specimen.length is not None)
             ),
             (
-                f"cycle {cycle.number} of {len(self.cycles)}, to {written(cycle.depth, 'mm')}"
+                f"cycle {cycle.number} of {len(self.cycles)}, to "
+                f"{format_quantity(cycle.depth, 'mm')}"
                 + ("" if lost is None else f", hysteresis {format_hysteresis(cycle)}")
             ),
             *(check.told for check in self.checks if check.failed),
@@ -399,7 +401,7 @@ class CLD(ByValue, Pictured, Checked, Documented):
 
 
 @dataclass(frozen=True)
-class RelaxedLaw(Documented):
+class RelaxedLaw(Serialisable):
     """The elastic law under a cycle that was driven at a finite speed.
 
     Made by :func:`dashpot.extensions.materials.cld.equilibrium_curve.relaxed_law`.
@@ -456,7 +458,7 @@ class RateArm(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class RateLaw(ByValue, Documented):
+class RateLaw(EqualByValue, Serialisable):
     r"""A spring and a dashpot that depend on compression, and Maxwell arms beside them.
 
     .. math:: F = F_e(x) + c(x)\,\dot x + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j}\,dx(u)

@@ -23,12 +23,12 @@ from dashpot.base.errors import FitError
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.materials.cld import checks
 from dashpot.extensions.materials.cld.datamodel import CLD, Branch, RelaxedLaw
-from dashpot.extensions.materials.cld.local_stiffness import WINDOW, local
+from dashpot.extensions.materials.cld.local_stiffness import WINDOW, fit_local_slope
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
 from dashpot.fitting.nuisance_priors import taken_later
 from dashpot.fitting.parameters import memory_of, off_by_error
 from dashpot.numerics.inference.covariance_estimate import Estimate, estimate
-from dashpot.numerics.least_squares.problem import ordinary
+from dashpot.numerics.least_squares.problem import solve_ordinary
 from dashpot.solids.elastic import ElasticLaw
 
 KNOTS = (2, 3, 5, 9, 13, 17)
@@ -48,7 +48,7 @@ def relaxed_law(found: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     fit : Fit or sequence of Fit
         Of a relaxation test of such a seal: the shape of its memory is taken, k_j / k_inf, not its
         stiffness, with which the law is compared at the depth that it was held at. Of several, the
-        memory of the one held nearest to the nominal compression, as `nearest` has it.
+        memory of the one held nearest to the nominal compression, as `find_nearest_fit` has it.
 
     Raises
     ------
@@ -56,16 +56,16 @@ def relaxed_law(found: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
         If the record has no clock, or the fit no stiffness at rest.
     """
     fits = (fit,) if isinstance(fit, Fit) else tuple(fit)
-    fit = nearest(found, fits)
+    fit = find_nearest_fit(found, fits)
     memory = memory_of(fit.model)
     time = clock_of(found)
     e = memory.displacement(time, found.force)
     cycle = found.cycle
-    rows = felt(found)
+    rows = find_loaded_samples(found)
     law, residual = law_through(found.compression[rows], e[rows], depth=cycle.depth)
     raw = cycle.hysteresis
-    left = None if cycle.unloading is None else _lost(found, cycle.unloading, e)
-    first, last = (_at_common(found, e, number) for number in (0, -1))
+    left = None if cycle.unloading is None else _compute_loss_fraction(found, cycle.unloading, e)
+    first, last = (_compute_common_force(found, e, number) for number in (0, -1))
     stroke = cycle.depth / cycle.speed if cycle.speed else None
     knots = np.asarray(law.knots)
     # what it rests on, one standard error off: the memory along each axis, both zeros, the clock
@@ -80,7 +80,7 @@ def relaxed_law(found: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     )
     others = tuple(one[0] for one in laws if one is not None)
     return RelaxedLaw(
-        _widened(law, others),
+        _add_ratio_errors(law, others),
         memory,
         residual,
         raw,
@@ -89,21 +89,21 @@ def relaxed_law(found: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
         (
             checks.memory_explains(raw, left),
             checks.stroke_within_memory(stroke, fit.band),
-            *(check for one in fits for check in _compared(found, law, one)),
-            *([checks.memories_agree(_apart(fits, stroke))] if len(fits) > 1 else ()),
+            *(check for one in fits for check in _check_relaxed_force(found, law, one)),
+            *([checks.memories_agree(_compare_memories(fits, stroke))] if len(fits) > 1 else ()),
         ),
         others,
     )
 
 
-def nearest(found: CLD, fits: Sequence[Fit]) -> Fit:
+def find_nearest_fit(found: CLD, fits: Sequence[Fit]) -> Fit:
     """Return the fit whose test was held nearest to the nominal compression."""
     if not fits:
         raise FitError("no fit of a relaxation test was given, and its memory is what is taken off")
     return min(fits, key=lambda one: abs(depth_of(one) - found.nominal.compression))
 
 
-def _widened(law: ElasticLaw, others: Sequence[ElasticLaw]) -> ElasticLaw:
+def _add_ratio_errors(law: ElasticLaw, others: Sequence[ElasticLaw]) -> ElasticLaw:
     """The law with what errors of memory and zeros make of its bend, beside the scatter."""
     own = np.asarray(law.ratio_se)
     moves = [np.subtract(one.ratio, law.ratio) for one in others]
@@ -111,7 +111,7 @@ def _widened(law: ElasticLaw, others: Sequence[ElasticLaw]) -> ElasticLaw:
     return replace(law, ratio_se=tuple(total.tolist()))
 
 
-def _apart(fits: Sequence[Fit], stroke: float | None) -> float | None:
+def _compare_memories(fits: Sequence[Fit], stroke: float | None) -> float | None:
     """By how much the memories differ over the times of a stroke, of the force over that at rest.
 
     What Lakes asks of a separable material: its normalised relaxation is one at every depth.
@@ -147,7 +147,7 @@ def clock_of(found: CLD) -> FloatArray:
     return found.time
 
 
-def felt(found: CLD) -> IndexArray:
+def find_loaded_samples(found: CLD) -> IndexArray:
     """Return the samples of the chosen cycle at which the plate is on the seal."""
     ways = [one for one in (found.loading, found.unloading) if one is not None]
     rows = np.concatenate([np.arange(one.samples.start, one.samples.stop) for one in ways])
@@ -180,7 +180,7 @@ def knots_over(x: FloatArray, depth: float, count: int) -> FloatArray:
 def _law(x: FloatArray, force: FloatArray, knots: FloatArray) -> tuple[ElasticLaw, float] | None:
     """The law on knots; None where the points do not tell each tangent."""
     hats = hat_integrals(x, knots)
-    best = ordinary(force, hats, positive=True)
+    best = solve_ordinary(force, hats, positive=True)
     known = estimate(best)
     if not np.isfinite(known.standard_error).all():
         return None
@@ -189,7 +189,7 @@ def _law(x: FloatArray, force: FloatArray, knots: FloatArray) -> tuple[ElasticLa
 
 def law_of(known: Estimate, knots: FloatArray, at: slice) -> ElasticLaw:
     """Return the law whose tangents on knots, N/m, stand there among the values of an estimate."""
-    ratio = known.derived(lambda values: values[at] / mean_slope(values[at], knots))
+    ratio = known.derive_quantity(lambda values: values[at] / mean_slope(values[at], knots))
     return ElasticLaw(
         tuple(knots.tolist()),
         tuple(ratio.values.tolist()),
@@ -203,9 +203,9 @@ def mean_slope(slope: FloatArray, knots: FloatArray) -> float:
     return float(0.5 * np.diff(knots) @ (slope[1:] + slope[:-1])) / float(knots[-1])
 
 
-def _lost(found: CLD, back: Branch, e: FloatArray) -> float:
+def _compute_loss_fraction(found: CLD, back: Branch, e: FloatArray) -> float:
     """Part of the energy that relaxed forces lose over the chosen cycle where the seal is felt."""
-    rows = felt(found)
+    rows = find_loaded_samples(found)
     released = rows >= back.first
     x = found.compression
     least = max(float(x[rows[~released]].min()), float(x[rows[released]].min()))
@@ -216,14 +216,14 @@ def _lost(found: CLD, back: Branch, e: FloatArray) -> float:
     return (put + given) / put
 
 
-def _at_common(found: CLD, e: FloatArray, number: int) -> float:
+def _compute_common_force(found: CLD, e: FloatArray, number: int) -> float:
     cycle = found.cycles[number]
     relaxed = replace(cycle.loading, force=e[cycle.loading.samples])
-    here = local(relaxed, found.common, half=WINDOW * cycle.depth, beyond=np.inf)
+    here = fit_local_slope(relaxed, found.common, half=WINDOW * cycle.depth, beyond=np.inf)
     return np.nan if here is None else here.force
 
 
-def _compared(found: CLD, law: ElasticLaw, fit: Fit) -> list[Check]:
+def _check_relaxed_force(found: CLD, law: ElasticLaw, fit: Fit) -> list[Check]:
     """The relaxed force against that of each depth that the relaxation test was held at."""
     held = [(at.depth, at.k_inf) for at in fit.by_depth] or [(depth_of(fit), fit.model.k_inf)]
     times = longer(found, fit)

@@ -8,13 +8,13 @@ from types import MappingProxyType
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
-from dashpot.base.units import in_unit
+from dashpot.base.units import convert_to_unit
 from dashpot.base.version import byline
 from dashpot.registry import Example
 from dashpot.solids.demo_seals import BROAD
 
 
-def _pushed(path: FloatArray, met: BoolArray, step: float) -> FloatArray:
+def _simulate_force(path: FloatArray, met: BoolArray, step: float) -> FloatArray:
     """The force of a path with memory, N: a seal that would pull is left, and recovers."""
     k, tau = np.asarray(BROAD.k), np.asarray(BROAD.tau)
     decay = np.exp(-step / tau)
@@ -30,10 +30,12 @@ def _pushed(path: FloatArray, met: BoolArray, step: float) -> FloatArray:
     return force
 
 
-def _pressed(stiffness: float, seed: int, *, speed: float = 50e-3 / 60) -> Callable[[], str]:
+def _make_cld_writer(
+    stiffness: float, seed: int, *, speed: float = 50e-3 / 60
+) -> Callable[[], str]:
     """A piece of a stiffening seal, pressed 8 mm and released four times, softer each time."""
 
-    def made() -> str:
+    def render_file() -> str:
         depth, gap, cycles = 8e-3, 1e-3, 4
         stroke = (depth + gap) / speed
         turns = np.arange(2 * cycles + 1) * stroke + 2.0
@@ -45,14 +47,14 @@ def _pressed(stiffness: float, seed: int, *, speed: float = 50e-3 / 60) -> Calla
         number = np.searchsorted(turns[2::2], time)
         softer = 1 + 0.1 * np.exp(-2.0 * number)  # the seal of the relaxation test is conditioned
         path = softer * (0.7 * x + 0.3 * x**3 / depth**2)
-        force = stiffness * _pushed(path, plate > 0, float(time[1]))
+        force = stiffness * _simulate_force(path, plate > 0, float(time[1]))
         noise = 4e-3 * np.random.default_rng(seed).standard_normal(len(time))
-        lines = zip(time, in_unit(plate, "mm"), force + 0.03 + noise, strict=True)
+        lines = zip(time, convert_to_unit(plate, "mm"), force + 0.03 + noise, strict=True)
         head = [f"# {byline('simulated compression load deflection test')}", "# simulated"]
         rows = (",".join(f"{value:.6g}" for value in row) for row in lines)
         return "\n".join([*head, "time [s],displacement [mm],force [N]", *rows, ""])
 
-    return made
+    return render_file
 
 
 EXAMPLES: Mapping[str, Example] = MappingProxyType(
@@ -60,17 +62,19 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType(
         "cld_1.csv": Example(
             "cld",
             "100 mm of a seal pressed 8 mm and released four times at 50 mm/min",
-            _pressed(1.0, 1),
+            _make_cld_writer(1.0, 1),
         ),
-        "cld_2.csv": Example("cld", "a second piece of it", _pressed(1.04, 2)),
-        "cld_3.csv": Example("cld", "a third: dashpot fit takes the three", _pressed(0.97, 3)),
+        "cld_2.csv": Example("cld", "a second piece of it", _make_cld_writer(1.04, 2)),
+        "cld_3.csv": Example(
+            "cld", "a third: dashpot fit takes the three", _make_cld_writer(0.97, 3)
+        ),
         "cld_slow.csv": Example(
-            "cld", "the first piece at 5 mm/min", _pressed(1.0, 4, speed=5e-3 / 60)
+            "cld", "the first piece at 5 mm/min", _make_cld_writer(1.0, 4, speed=5e-3 / 60)
         ),
         "cld_fast.csv": Example(
             "cld",
             "and at 500 mm/min: dashpot fit takes the three speeds",
-            _pressed(1.0, 5, speed=500e-3 / 60),
+            _make_cld_writer(1.0, 5, speed=500e-3 / 60),
         ),
     }
 )

@@ -9,9 +9,9 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.provenance import sources_of
-from dashpot.base.units import in_unit, written
+from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.extensions.materials.cld.datamodel import CLD, SAME_SPEED, Branch, Cycle
-from dashpot.plot.downsampling import extremes
+from dashpot.plot.downsampling import downsample_to_extremes
 from dashpot.plot.picture import (
     REF,
     Line,
@@ -23,7 +23,7 @@ from dashpot.plot.picture import (
     Scale,
     Span,
     Tag,
-    around,
+    compute_padded_limits,
 )
 from dashpot.plot.provenance_stamp import stamp as stamped
 from dashpot.plot.style import sequential
@@ -65,14 +65,16 @@ def cld(
     x, y = (np.concatenate([getattr(one, way) for one in lines]) for way in ("x", "y"))
     asked = [one for one in limits or () if one is not None and np.isfinite(one)]
     if asked:
-        marks += _asked(first, asked)
+        marks += _draw_force_limits(first, asked)
         y = np.append(y, asked)
-    start, stop = around(x)
+    start, stop = compute_padded_limits(x)
     longest = max((len(one.text) for one in names), default=0)
     across = Scale(
         "compression since first contact, mm", (start, stop + _LETTER * longest * (stop - start))
     )
-    panel = Panel(across, Scale(f"force, {first.unit}", around(y)), tuple(marks), height=320)
+    panel = Panel(
+        across, Scale(f"force, {first.unit}", compute_padded_limits(y)), tuple(marks), height=320
+    )
     caption = (
         "Compression load deflection: force on the way in and back, with the nominal compression "
         "and its tolerance."
@@ -90,13 +92,13 @@ def draw_pieces(found: Pieces) -> Picture:
 def _curves(pieces: Sequence[CLD]) -> tuple[list[Line], list[Tag]]:
     """The cycle of every piece, over the others where it is alone, and its name at its end."""
     alone = len(pieces) == 1
-    lines = _others(pieces[0]) if alone else []
+    lines = _draw_other_cycles(pieces[0]) if alone else []
     names: list[Tag] = []
-    for one, colour, name in zip(pieces, *_told_apart(pieces), strict=True):
+    for one, colour, name in zip(pieces, *_select_line_styles(pieces), strict=True):
         pens = Pen(colour, 2.0 if alone else 1.6), Pen(colour, 1.4, (6, 3))
         lines += _ways(one, one.cycle, pens, ("pressed", "released"))
         if name:
-            deep, high = in_unit(one.loading.compression, "mm"), one.per * one.loading.force
+            deep, high = convert_to_unit(one.loading.compression, "mm"), one.per * one.loading.force
             deepest = int(np.argmax(deep))
             names.append(Tag(float(deep[deepest]), float(high[deepest]), name, colour,
                              bold=True, end=True))  # fmt: skip
@@ -106,13 +108,13 @@ def _curves(pieces: Sequence[CLD]) -> tuple[list[Line], list[Tag]]:
 def _nominal(one: CLD, *, valued: bool) -> Iterator[Mark]:
     """Each nominal compression, with its force where that is of one piece."""
     for at in one.marked:
-        pressed, force = in_unit(at.compression, "mm"), one.per * at.loading
+        pressed, force = convert_to_unit(at.compression, "mm"), one.per * at.loading
         yield Rule(pressed, REF)
         if valued:
             yield Tag(pressed, force, f"{force:.3g}", "fit", "filled", bold=True)
 
 
-def _told_apart(pieces: Sequence[CLD]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def _select_line_styles(pieces: Sequence[CLD]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Colour and name of each line: of up to three pieces, or of speeds; of more pieces none."""
     speeds = [one.cycle.speed for one in pieces]
     known = [one for one in speeds if one is not None]
@@ -121,7 +123,7 @@ def _told_apart(pieces: Sequence[CLD]) -> tuple[tuple[str, ...], tuple[str, ...]
     if len(known) == len(pieces) and max(known) > SAME_SPEED * min(known):
         rank = np.argsort(np.argsort(known))
         colours = sequential(len(pieces))
-        named = tuple(written(one, "mm/s", ".3g") for one in known)
+        named = tuple(format_quantity(one, "mm/s", ".3g") for one in known)
         return tuple(colours[i] for i in rank.tolist()), named
     if len(pieces) > len(_PIECES):
         return ("ref",) * len(pieces), ("",) * len(pieces)
@@ -135,13 +137,13 @@ def _tolerance(one: CLD) -> list[Mark]:
     """The tolerance of the compression, if it has one."""
     if one.least is None or one.most is None:
         return []
-    low, high = (in_unit(at.compression, "mm") for at in (one.least, one.most))
+    low, high = (convert_to_unit(at.compression, "mm") for at in (one.least, one.most))
     return [Span(low, high, "fit", f"tolerance {low:.4g} to {high:.4g} mm", tint=0.07)]
 
 
-def _asked(one: CLD, ends: Sequence[float]) -> list[Mark]:
+def _draw_force_limits(one: CLD, ends: Sequence[float]) -> list[Mark]:
     """What is asked of the force at the nominal compression, as a bar there."""
-    at = in_unit(one.nominal.compression, "mm")
+    at = convert_to_unit(one.nominal.compression, "mm")
     between = " to ".join(f"{end:.3g}" for end in ends)
     return [
         Line(np.full(len(ends), at), np.array(ends), Pen("bad", 2.5)),
@@ -149,7 +151,7 @@ def _asked(one: CLD, ends: Sequence[float]) -> list[Mark]:
     ]
 
 
-def _others(one: CLD) -> list[Line]:
+def _draw_other_cycles(one: CLD) -> list[Line]:
     """The cycles that the figures are not of."""
     lines = []
     for cycle in one.cycles:
@@ -171,7 +173,7 @@ def _line(one: CLD, way: Branch, pen: Pen, label: str) -> Line:
         x, y = x[::-1], y[::-1]
     # bins need a rising x: noise makes a few readings fall
     order = np.argsort(x, kind="stable")
-    thin: tuple[FloatArray, FloatArray] = extremes(
-        in_unit(x[order], "mm"), one.per * y[order], bins=300
+    thin: tuple[FloatArray, FloatArray] = downsample_to_extremes(
+        convert_to_unit(x[order], "mm"), one.per * y[order], bins=300
     )
     return Line(*thin, pen, label)

@@ -10,14 +10,14 @@ from pathlib import Path
 
 import numpy as np
 
-from dashpot.base.checks import Check, Checked, worst
+from dashpot.base.checks import Check, HasChecks, select_gravest_check
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import sources_of
-from dashpot.base.reported_values import Fact
-from dashpot.base.result_mixins import Judged, Series, columns
-from dashpot.base.serialisation import Documented
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.result_mixins import HasVerdict, Series, collect_columns
+from dashpot.base.serialisation import Serialisable
 from dashpot.base.student_t import t_quantile
-from dashpot.base.units import Quantity, Range, written
+from dashpot.base.units import Quantity, Range, format_quantity
 from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.machine import Machine
@@ -32,12 +32,12 @@ from dashpot.extensions.materials.cld.datamodel import (
     RateLaw,
     RelaxedLaw,
 )
-from dashpot.extensions.materials.cld.equilibrium_curve import longer, nearest, relaxed_law
+from dashpot.extensions.materials.cld.equilibrium_curve import find_nearest_fit, longer, relaxed_law
 from dashpot.extensions.materials.cld.multi_speed_fit import fit_speeds
 from dashpot.extensions.materials.cld.preprocess import cld
 from dashpot.extensions.materials.cld.rate_dependence import fit_rate
 from dashpot.extensions.materials.cld.read import read_cld
-from dashpot.reading.raw_file import about
+from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
 
 _ALIKE = 0.05
@@ -67,7 +67,7 @@ class PieceStatistics:
     deviation: float
 
     @property
-    def fact(self) -> Fact:
+    def fact(self) -> ReportedValue:
         """The mean, with its interval by Student's t."""
         half = math.nan
         if self.count > 1:
@@ -75,11 +75,11 @@ class PieceStatistics:
         ends = self.mean - half, self.mean + half
         unit = self.unit or "1"
         read = "" if self.unit else "%"
-        return Fact(self.name, self.mean, *ends, unit, read=read)
+        return ReportedValue(self.name, self.mean, *ends, unit, read=read)
 
 
 @dataclass(frozen=True, repr=False)
-class Pieces(Checked, Judged, Documented):
+class Pieces(HasChecks, HasVerdict, Serialisable):
     """What ``dashpot fit`` found.
 
     Attributes
@@ -136,19 +136,21 @@ class Pieces(Checked, Judged, Documented):
     def series(self) -> Series:
         """Of each piece what it shows at the nominal compression, as `CLD.per` gives it."""
 
-        def scaled(name: str) -> list[float]:
+        def scale_nominal(name: str) -> list[float]:
             return [one.per * getattr(one.nominal, name) for one in self.pieces]
 
         names = ["" if one.source is None else one.source.file for one in self.pieces]
         unit, slope = self.unit, self.unit.replace("N", "N/m", 1)
         return {
             "piece": (names, ""),
-            **columns((one.nominal for one in self.pieces), compression="m"),
-            "loading": (scaled("loading"), unit), "loading_se": (scaled("loading_se"), unit),
-            "slope": (scaled("slope"), slope), "slope_se": (scaled("slope_se"), slope),
-            **columns((one.cycle for one in self.pieces), hysteresis=""),
-            **columns(self.pieces, set="m"),
-        }  # fmt: skip
+            **collect_columns((one.nominal for one in self.pieces), compression="m"),
+            "loading": (scale_nominal("loading"), unit),
+            "loading_se": (scale_nominal("loading_se"), unit),
+            "slope": (scale_nominal("slope"), slope),
+            "slope_se": (scale_nominal("slope_se"), slope),
+            **collect_columns((one.cycle for one in self.pieces), hysteresis=""),
+            **collect_columns(self.pieces, set="m"),
+        }
 
     @property
     def sound(self) -> str:
@@ -156,7 +158,7 @@ class Pieces(Checked, Judged, Documented):
         if len(self.pieces) == 1 or self.rate is not None:
             return self.pieces[0].sound
         forces = [one.per * one.nominal.loading for one in self.pieces]
-        at = written(self.pieces[0].nominal.compression, "mm", ".3g")
+        at = format_quantity(self.pieces[0].nominal.compression, "mm", ".3g")
         return (
             f"{sum(forces) / len(forces):.3g} {self.unit} at {at} ({len(forces)} pieces: "
             f"{min(forces):.3g} to {max(forces):.3g})"
@@ -231,11 +233,13 @@ def cld_of(
     pieces = _figures(
         tests, names or [""] * len(tests), cycle, at=at, between=between, machine=machine
     )
-    found = Pieces(pieces, (), None, (*_worst(pieces), *caution_checks(sources_of(pieces))))
+    found = Pieces(
+        pieces, (), None, (*_select_worst_checks(pieces), *caution_checks(sources_of(pieces)))
+    )
     if not memory and limits is None and _several_speeds(pieces):
-        return _of_speeds(found)
+        return _add_speed_fit(found)
     if len(pieces) > 1:
-        found = _scattered(found, limits)
+        found = _add_piece_scatter(found, limits)
     return _with_memory(found, memory) if memory else found
 
 
@@ -256,7 +260,7 @@ def _figures(
 
     pieces = []
     for name, test in zip(names, tests, strict=True):
-        with about(name) if name else nullcontext():
+        with add_name_to_errors(name) if name else nullcontext():
             pieces.append(figures(test, at))
     if at is not None or len(pieces) == 1:
         return tuple(pieces)
@@ -264,12 +268,14 @@ def _figures(
     return tuple(figures(test, least) for test in tests)
 
 
-def _worst(pieces: Sequence[CLD]) -> tuple[Check, ...]:
+def _select_worst_checks(pieces: Sequence[CLD]) -> tuple[Check, ...]:
     """The checks of every piece, each at its worst."""
-    return tuple(worst(each) for each in zip(*(one.checks for one in pieces), strict=True))
+    return tuple(
+        select_gravest_check(each) for each in zip(*(one.checks for one in pieces), strict=True)
+    )
 
 
-def _of_speeds(found: Pieces) -> Pieces:
+def _add_speed_fit(found: Pieces) -> Pieces:
     """With the elastic law and the memory of one seal at several speeds."""
     fit = fit_speeds(found.pieces)
     rate = fit_rate(found.pieces, fit)
@@ -278,7 +284,7 @@ def _of_speeds(found: Pieces) -> Pieces:
     return replace(found, checks=(*found.checks, *fit.checks), fit=fit, rate=rate)
 
 
-def _scattered(found: Pieces, limits: tuple[float, float] | None) -> Pieces:
+def _add_piece_scatter(found: Pieces, limits: tuple[float, float] | None) -> Pieces:
     """With how several pieces scatter, and whether their forces keep within limits."""
     pieces, within = found.pieces, None
     asked = [pieces_tested_alike(_otherwise(pieces))]
@@ -292,7 +298,7 @@ def _scattered(found: Pieces, limits: tuple[float, float] | None) -> Pieces:
 def _with_memory(found: Pieces, memory: Sequence[Fit]) -> Pieces:
     """With the elastic law under the first piece."""
     relaxed = relaxed_law(found.pieces[0], memory)
-    near = nearest(found.pieces[0], memory)
+    near = find_nearest_fit(found.pieces[0], memory)
     # the law that is told is the law that is kept, of a piece as long as that of the memory
     stiffness = relaxed.law.stiffness / longer(found.pieces[0], near)
     fed = near.with_elastic_law(relaxed.law, checks=relaxed.checks, stiffness=stiffness)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dashpot import workflow
-from dashpot.cli._command_io import Outcome, typed
-from dashpot.cli.fit_handlers._request import Given
+from dashpot.cli._command_io import CommandResult, format_command
+from dashpot.cli.fit_handlers._request import FitRequest
 
 
-def run(given: Given) -> Outcome:
+def run(given: FitRequest) -> CommandResult:
     """Find force, slope, hysteresis, energy and set of pieces, or the memory of several speeds."""
-    given.kept_as(".json", what="load deflection")
+    given.check_output_suffix(".json", what="load deflection")
     found = workflow.cld_files(
         given.files,
         at=given["compression"],
@@ -21,6 +21,6 @@ def run(given: Given) -> Outcome:
         **given.some("machine"),
     )
     follow = ""
-    if given.kept and found.fit is not None:
-        follow = typed("predict", given.kept, "--mass", "MASS", "--seals", 2)
+    if given.result_path and found.fit is not None:
+        follow = format_command("predict", given.result_path, "--mass", "MASS", "--seals", 2)
     return given.told(found, follow=follow)

@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.extensions.materials.cld.datamodel import AtCompression, Branch, Cycle
 from dashpot.numerics.inference.covariance_estimate import estimate
-from dashpot.numerics.least_squares.problem import ordinary
+from dashpot.numerics.least_squares.problem import solve_ordinary
 
 WINDOW = 0.04
 """Half of the compressions taken, as a part of the depth."""
@@ -18,7 +18,7 @@ _LEAST = 8
 """Samples there; a window with fewer is widened."""
 
 
-class LocalStiffness(NamedTuple):
+class LocalSlope(NamedTuple):
     """Force and slope at a compression, N and N/m, and their standard errors."""
 
     force: float
@@ -27,7 +27,7 @@ class LocalStiffness(NamedTuple):
     slope_se: float
 
 
-def local(branch: Branch, at: float, *, half: float, beyond: float) -> LocalStiffness | None:
+def fit_local_slope(branch: Branch, at: float, *, half: float, beyond: float) -> LocalSlope | None:
     """Return force and slope at a compression, m: a parabola over what lies within `half` of it.
 
     None where the branch ends more than `beyond` before.
@@ -40,16 +40,16 @@ def local(branch: Branch, at: float, *, half: float, beyond: float) -> LocalStif
     near = away <= half
     u, y = (x[near] - at) / half, f[near]
     A = np.column_stack((np.ones_like(u), u, u**2))
-    known = estimate(ordinary(y, A))
+    known = estimate(solve_ordinary(y, A))
     c, error = known.optimum.beta, known.standard_error
     least = _DIGITS * abs(float(c[0]))  # what follows without a rest still has a file's digits
-    return LocalStiffness(
+    return LocalSlope(
         float(c[0]), max(float(error[0]), least), float(c[1]) / half,
         max(float(error[1]), least) / half,
     )  # fmt: skip
 
 
-def at_compression(
+def evaluate_cycle(
     cycle: Cycle, at: float, *, beyond: float, contact_se: float, force_se: float
 ) -> AtCompression | None:
     """Return what a cycle shows at a compression, m; None where its loading does not reach it.
@@ -57,10 +57,14 @@ def at_compression(
     The error of the force holds those of the two zeros.
     """
     half = WINDOW * cycle.depth
-    way_in = local(cycle.loading, at, half=half, beyond=beyond)
+    way_in = fit_local_slope(cycle.loading, at, half=half, beyond=beyond)
     if way_in is None:
         return None
-    back = None if cycle.unloading is None else local(cycle.unloading, at, half=half, beyond=beyond)
+    back = (
+        None
+        if cycle.unloading is None
+        else fit_local_slope(cycle.unloading, at, half=half, beyond=beyond)
+    )
     error = _error(way_in, contact_se=contact_se, force_se=force_se)
     return AtCompression(
         at,
@@ -74,7 +78,7 @@ def at_compression(
     )
 
 
-def _error(one: LocalStiffness, *, contact_se: float, force_se: float) -> float:
+def _error(one: LocalSlope, *, contact_se: float, force_se: float) -> float:
     """Standard error of a force, N: its own, and those of the two zeros."""
     return float(np.linalg.norm([one.force_se, one.slope * contact_se, force_se]))
 

@@ -12,7 +12,7 @@ from dashpot.extensions.materials.cld.read import read_cld
 from dashpot.registry import Piece
 
 
-def row(file: str | Path, piece: Piece) -> tuple[CLD, dict[str, Any]]:
+def build_lot_row(file: str | Path, piece: Piece) -> tuple[CLD, dict[str, Any]]:
     """Return the figures of a load deflection record, and them as the columns of a row.
 
     Raises

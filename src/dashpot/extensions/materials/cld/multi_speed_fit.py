@@ -27,17 +27,23 @@ from dashpot.extensions.materials.cld import checks
 from dashpot.extensions.materials.cld.datamodel import CLD, SAME_SPEED
 from dashpot.extensions.materials.cld.equilibrium_curve import (
     clock_of,
-    felt,
+    find_loaded_samples,
     knots_over,
     law_of,
     mean_slope,
 )
-from dashpot.fitting.fit_construction import FoundSolid, assembled
+from dashpot.fitting.fit_construction import SolidEstimate, build_fit
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
 from dashpot.fitting.nuisance_priors import Prior, taken_later
 from dashpot.numerics.design_matrices.recorded_motion import arm_columns, recursion
 from dashpot.numerics.inference.covariance_estimate import estimate, score
-from dashpot.numerics.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
+from dashpot.numerics.least_squares.problem import (
+    Optimum,
+    Parameter,
+    Problem,
+    Rows,
+    require_optimum,
+)
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 KNOTS = 13
@@ -53,7 +59,7 @@ _SMALLEST, _LARGEST = 1e-3, 20.0
 """Of g."""
 
 
-class Thinned(NamedTuple):
+class DownsampledRecord(NamedTuple):
     """A record thinned, to the end of the chosen cycle; hats of the samples where it is felt."""
 
     time: FloatArray
@@ -95,41 +101,45 @@ def fit_speeds(pieces: Sequence[CLD], *, arms: int | Literal["auto"] = "auto") -
     strokes = [one.cycle.depth / speed for one, speed in zip(pieces, speeds, strict=True)]
     window = min(strokes) / 20, 3 * max(strokes)
     counts = range(MOST_ARMS + 1) if arms == "auto" else [arms]
-    tried = _tried(records, window, counts)
+    tried = _fit_arm_counts(records, window, counts)
     delays = _delays(pieces, records, knots, tried[-1])
     if any(abs(one.mean) > _TELLS * one.sd for one in delays):
         records = [
             _taken_later(record, one, knots, delay.mean)
             for record, one, delay in zip(records, pieces, delays, strict=True)
         ]
-        tried = _tried(records, window, counts)
+        tried = _fit_arm_counts(records, window, counts)
     # what is left of too few arms is no noise: all are weighed by that of the most
     effective = estimate(tried[-1], parts=_parts(records)).effective
     scores = [score(one, effective) for one in tried]
-    best = _supported(records, knots, tried, scores)
+    best = _select_supported_memory(records, knots, tried, scores)
     orders = tuple(
         OrderScore(len(one.theta) // 2, one.sse, bic, number <= best, _model(knots, one))
         for number, (bic, one) in enumerate(zip(scores, tried, strict=True))
     )
-    return _assembled(
+    return _build_fit(
         pieces, records, tried[best], knots=knots, strokes=strokes, orders=orders, delays=delays
     )
 
 
-def _taken_later(record: Thinned, one: CLD, knots: FloatArray, by: float) -> Thinned:
+def _taken_later(
+    record: DownsampledRecord, one: CLD, knots: FloatArray, by: float
+) -> DownsampledRecord:
     """A record whose force comes so much later, s, and shows its first contact so much deeper."""
-    hats = thinned(one, knots, off=-by * (one.cycle.speed or 0.0)).hats
+    hats = downsample_record(one, knots, off=-by * (one.cycle.speed or 0.0)).hats
     return record._replace(force=taken_later(record.time, record.force, by), hats=hats)
 
 
-def _change(records: Sequence[Thinned], index: int, other: Thinned, best: Optimum) -> FloatArray:
+def _change(
+    records: Sequence[DownsampledRecord], index: int, other: DownsampledRecord, best: Optimum
+) -> FloatArray:
     """What another record in the place of one makes of the rows."""
     rows = _rows([*records[:index], other, *records[index + 1 :]], best.theta)
-    return rows.A @ best.beta - rows.y + best.every
+    return rows.A @ best.beta - rows.y + best.all_residuals
 
 
 def _delays(
-    pieces: Sequence[CLD], records: Sequence[Thinned], knots: FloatArray, best: Optimum
+    pieces: Sequence[CLD], records: Sequence[DownsampledRecord], knots: FloatArray, best: Optimum
 ) -> list[Prior]:
     r"""By how much each force must come later for one memory, s, as the records tell it.
 
@@ -144,13 +154,13 @@ def _delays(
         change = _change(records, i, _taken_later(records[i], one, knots, one.delay_sd), best)
         own = change - J @ np.linalg.lstsq(J, change, rcond=1e-12)[0]
         gain = float(own @ own) + power
-        mean, part = float(own @ best.every) / gain, float(np.sqrt(power / gain))
+        mean, part = float(own @ best.all_residuals) / gain, float(np.sqrt(power / gain))
         found.append(Prior(one.delay_sd * mean, one.delay_sd * part))
     return found
 
 
-def _tried(
-    records: Sequence[Thinned], window: tuple[float, float], counts: Sequence[int]
+def _fit_arm_counts(
+    records: Sequence[DownsampledRecord], window: tuple[float, float], counts: Sequence[int]
 ) -> list[Optimum]:
     """The best memory of each number of arms, up to the first that is not worth trying."""
     tried: list[Optimum] = []
@@ -161,40 +171,42 @@ def _tried(
     return tried
 
 
-def _supported(
-    records: Sequence[Thinned],
+def _select_supported_memory(
+    records: Sequence[DownsampledRecord],
     knots: FloatArray,
     tried: Sequence[Optimum],
     scores: Sequence[float],
 ) -> int:
     """The last memory that lowers BIC decisively and whose arms are all known; else the first."""
     for i in range(len(tried) - 1, 0, -1):
-        if scores[i - 1] - scores[i] >= DECISIVE and _told(records, knots, tried[i]):
+        if scores[i - 1] - scores[i] >= DECISIVE and _has_determined_arms(records, knots, tried[i]):
             return i
     return 0
 
 
-def thinned_alike(pieces: Sequence[CLD]) -> tuple[FloatArray, list[Thinned]]:
+def thinned_alike(pieces: Sequence[CLD]) -> tuple[FloatArray, list[DownsampledRecord]]:
     """Return the knots of a law to the least depth of tests, m, and their records to it."""
-    pressed = np.concatenate([one.compression[felt(one)] for one in pieces])
+    pressed = np.concatenate([one.compression[find_loaded_samples(one)] for one in pieces])
     knots = knots_over(pressed, min(one.cycle.depth for one in pieces), KNOTS)
-    return knots, [thinned(one, knots) for one in pieces]
+    return knots, [downsample_record(one, knots) for one in pieces]
 
 
-def _told(records: Sequence[Thinned], knots: FloatArray, best: Optimum) -> bool:
+def _has_determined_arms(
+    records: Sequence[DownsampledRecord], knots: FloatArray, best: Optimum
+) -> bool:
     """Whether every arm is worth three of its errors, and its time is known to a half."""
     arms = len(best.theta) // 2
-    found = estimate(best, parts=_parts(records)).derived(partial(_seal, knots))
+    found = estimate(best, parts=_parts(records)).derive_quantity(partial(_seal, knots))
     k, error = found.values[1 : 1 + arms], found.standard_error[1:]
     return bool((k > 3 * error[:arms]).all() and (error[arms : 2 * arms] < checks.TOLD).all())
 
 
-def thinned(one: CLD, knots: FloatArray, *, off: float = 0.0) -> Thinned:
+def downsample_record(one: CLD, knots: FloatArray, *, off: float = 0.0) -> DownsampledRecord:
     """Means of neighbours, so that a stroke of the chosen cycle has some hundred rows."""
     last = one.unloading or one.loading
     stop = last.samples.stop
     rows = np.zeros(len(one.force), dtype=bool)
-    rows[felt(one)] = True
+    rows[find_loaded_samples(one)] = True
     rows &= one.compression <= 1.005 * knots[-1]
     block = max(1, len(one.loading.force) // _PER_STROKE)
     clock = clock_of(one)
@@ -205,7 +217,7 @@ def thinned(one: CLD, knots: FloatArray, *, off: float = 0.0) -> Thinned:
     pressed = share == 1.0  # a block that holds a turning point is not taken
     first = min(int(np.flatnonzero(pressed)[0]), one.loading.samples.start // block)
     hats = np.where(pressed[:, None], hat_integrals(x + off, knots), 0.0)
-    return Thinned(time, x, velocity, force, pressed, first, hats[first:])
+    return DownsampledRecord(time, x, velocity, force, pressed, first, hats[first:])
 
 
 def _memory(theta: FloatArray) -> GeneralizedMaxwell:
@@ -213,12 +225,12 @@ def _memory(theta: FloatArray) -> GeneralizedMaxwell:
     return GeneralizedMaxwell(1.0, tuple(g.tolist()), tuple(tau.tolist()))
 
 
-def _parts(records: Sequence[Thinned]) -> list[int]:
+def _parts(records: Sequence[DownsampledRecord]) -> list[int]:
     """Rows of each record."""
     return [int(one.felt[one.first :].sum()) for one in records]
 
 
-def _rows(records: Sequence[Thinned], theta: FloatArray) -> Rows:
+def _rows(records: Sequence[DownsampledRecord], theta: FloatArray) -> Rows:
     """The records for a memory, g, then tau, by their logarithms; tangents are linear."""
     memory = _memory(theta)
     columns, targets = [], []
@@ -244,7 +256,7 @@ def _rows(records: Sequence[Thinned], theta: FloatArray) -> Rows:
 
 
 def _best(
-    records: Sequence[Thinned],
+    records: Sequence[DownsampledRecord],
     arms: int,
     window: tuple[float, float],
     before: FloatArray | None,
@@ -258,14 +270,14 @@ def _best(
         positive=True,
     )
     if arms == 0:
-        return solved(problem)
+        return require_optimum(problem)
     known = np.empty((2, 0)) if before is None else before.reshape(2, -1)
     places = np.linspace(low, high, 5)[1:-1]
     if known.shape[1] + 1 < arms:  # a number that was asked for
         known = np.array([np.full(arms - 1, np.log(0.2)), np.linspace(low, high, arms + 1)[1:-1]])
     starts = [np.column_stack((known, [np.log(0.15), place])).ravel() for place in places.tolist()]
     start = min(starts, key=lambda one: problem.at(one).cost)
-    best = solved(problem, [start], most=40, finished=1e-5, flat=1e-6)
+    best = require_optimum(problem, [start], most=40, finished=1e-5, flat=1e-6)
     g, tau = best.theta.reshape(2, -1)
     order = np.argsort(tau)
     return replace(problem.at(np.concatenate((g[order], tau[order]))), stationary=best.stationary)
@@ -283,9 +295,9 @@ def _model(knots: FloatArray, best: Optimum) -> GeneralizedMaxwell:
     return _memory(best.theta) * mean_slope(best.beta, knots)
 
 
-def _assembled(
+def _build_fit(
     pieces: Sequence[CLD],
-    records: Sequence[Thinned],
+    records: Sequence[DownsampledRecord],
     best: Optimum,
     *,
     knots: FloatArray,
@@ -298,12 +310,14 @@ def _assembled(
     # beside the noise, what both zeros and the clock leave unknown: a record with one of them an
     # error off
     for i, one in enumerate(pieces):
-        by = thinned(one, knots, off=one.contact_se)
+        by = downsample_record(one, knots, off=one.contact_se)
         weighed = records[i]._replace(force=records[i].force + one.zero_se)
         late = _taken_later(records[i], one, knots, delays[i].sd)
         for off in (by, weighed, late):
-            known = known.widened(known.moved(_change(records, i, off, best)))
-    covariance = known.derived(partial(_seal, knots)).covariance
+            known = known.add_parameter_error(
+                known.estimate_parameter_shift(_change(records, i, off, best))
+            )
+    covariance = known.derive_quantity(partial(_seal, knots)).covariance
     rms = float(np.sqrt(best.sse / n))
     peak = max(one.cycle.peak for one in pieces)
     law = law_of(known, knots, slice(-len(knots), None))
@@ -324,8 +338,8 @@ def _assembled(
         parameter_names(model.arms), covariance, known.dof, Residual(n, best.sse, rms, known.kappa)
     )
     band = 1 / (2 * np.pi * max(strokes)), 1 / (np.pi * min(strokes))
-    return assembled(
-        FoundSolid(model, told),
+    return build_fit(
+        SolidEstimate(model, told),
         Evidence(band, orders, checks=asked),
         Provenance("cld", sources_of(pieces), (step,), pieces[0].specimen),
         elastic_law=law,

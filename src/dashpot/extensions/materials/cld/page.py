@@ -5,13 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from dashpot import plot
-from dashpot.base.number_format import counted, rounded
+from dashpot.base.number_format import format_count, round_to_error
 from dashpot.base.provenance import sources_of
-from dashpot.base.reported_values import Fact
-from dashpot.base.units import in_unit, written
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.extensions.materials.cld.fit_files import Pieces
 from dashpot.report.first_screen import NBSP, Row
-from dashpot.report.page_content import Fold, Group, KindPage, Topic, lights, row, who
+from dashpot.report.page_content import (
+    CollapsibleSection,
+    Group,
+    KindPage,
+    Topic,
+    format_specimen_header,
+    lights,
+    row,
+)
 from dashpot.report.tables import TextTable
 
 
@@ -25,33 +33,34 @@ def page(found: Pieces) -> KindPage:
         Topic("Pieces", {"pieces_tested_alike"}, f"{several} tested alike"),
         Topic("Capability", {"pieces_capable"}, said, said),
     ]
-    asked_for = [("Nominal", written(first.nominal.compression, "mm"))]
+    asked_for = [("Nominal", format_quantity(first.nominal.compression, "mm"))]
     if first.least is not None and first.most is not None:
         ends = " to ".join(
-            f"{in_unit(one.compression, 'mm'):.4g}" for one in (first.least, first.most)
+            f"{convert_to_unit(one.compression, 'mm'):.4g}" for one in (first.least, first.most)
         )
         asked_for.append(("Tolerance", f"{ends} mm"))
     length = first.specimen.length
-    asked_for.append(("Length", "not given" if length is None else written(length, "mm")))
+    asked_for.append(("Length", "not given" if length is None else format_quantity(length, "mm")))
     limits = None if able is None else (able.lower, able.upper)
     return KindPage(
-        about=f"compression load deflection, {counted(several, 'piece')}",
-        strip=(*who(first.specimen), *asked_for, ("Pieces", str(several))),
+        about=f"compression load deflection, {format_count(several, 'piece')}",
+        strip=(*format_specimen_header(first.specimen), *asked_for, ("Pieces", str(several))),
         lights=lights(found.checks, Topic("Records"), *asked[several < 2 :]),
         answers="Pressed and released",
         picture=plot.cld(found.pieces, limits=limits),
         told=f"Of {'100 mm' if length is not None else 'the piece'}"
-        + (f", mean of {counted(several, 'piece')}" if several > 1 else ""),
-        groups=(Group("", tuple(_of_pieces(found))),),
-        note=f"From and to: 95 % interval of the mean of {counted(several, 'piece')}."
+        + (f", mean of {format_count(several, 'piece')}" if several > 1 else ""),
+        groups=(Group("", tuple(_make_piece_rows(found))),),
+        note=f"From and to: 95 % interval of the mean of {format_count(several, 'piece')}."
         if several > 1 else KindPage.note,
         sources=sources,
-        folds=(Fold("Each piece and cycle", "force, slope, hysteresis, set; one row a cycle",
+        folds=(CollapsibleSection("Each piece and cycle", "force, slope, hysteresis, set; one row "
+                                                          "a cycle",
                     _cycles(found)),),
     )  # fmt: skip
 
 
-def _of_pieces(found: Pieces) -> Iterator[Row]:
+def _make_piece_rows(found: Pieces) -> Iterator[Row]:
     """Mean of each figure with its interval; of one piece its own."""
     if found.scatter:
         for each in found.scatter:
@@ -62,15 +71,15 @@ def _of_pieces(found: Pieces) -> Iterator[Row]:
         return
     one = found.pieces[0]
     for at in one.marked:
-        where = written(at.compression, "mm", ".4g").replace(" ", NBSP)
-        force = Fact.known("", one.per * at.loading, one.per * at.loading_se, unit="N")
-        slope = Fact.known("", one.per * at.slope, one.per * at.slope_se, unit="N/m")
+        where = format_quantity(at.compression, "mm", ".4g").replace(" ", NBSP)
+        force = ReportedValue.known("", one.per * at.loading, one.per * at.loading_se, unit="N")
+        slope = ReportedValue.known("", one.per * at.slope, one.per * at.slope_se, unit="N/m")
         yield row(force, f"Force at {where}")
         yield row(slope, f"Slope at {where}")
     if one.cycle.hysteresis is not None:
-        yield row(Fact("", one.cycle.hysteresis, unit="1", read="%"), "Hysteresis")
+        yield row(ReportedValue("", one.cycle.hysteresis, unit="1", read="%"), "Hysteresis")
     if one.set is not None:
-        yield row(Fact("", one.set, unit="m"), "Set")
+        yield row(ReportedValue("", one.set, unit="m"), "Set")
 
 
 def _cycles(found: Pieces) -> TextTable:
@@ -79,11 +88,16 @@ def _cycles(found: Pieces) -> TextTable:
         name = "" if one.source is None else one.source.file
         for each in one.cycles:
             lost, met = each.hysteresis, each.contact
-            rows.append((
-                name, str(each.number), rounded(in_unit(each.depth, "mm")), rounded(each.peak),
-                rounded(in_unit(each.energy, "mJ")),
-                "" if lost is None else rounded(100 * lost, digits=3),
-                "" if met is None else rounded(in_unit(met, "mm"), digits=3),
-            ))  # fmt: skip
+            rows.append(
+                (
+                    name,
+                    str(each.number),
+                    round_to_error(convert_to_unit(each.depth, "mm")),
+                    round_to_error(each.peak),
+                    round_to_error(convert_to_unit(each.energy, "mJ")),
+                    "" if lost is None else round_to_error(100 * lost, digits=3),
+                    "" if met is None else round_to_error(convert_to_unit(met, "mm"), digits=3),
+                )
+            )
     head = ("piece", "cycle", "depth, mm", "peak, N", "energy, mJ", "hysteresis, %", "met, mm")
     return TextTable(head, tuple(rows))

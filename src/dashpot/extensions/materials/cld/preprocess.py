@@ -12,7 +12,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.base.units import Quantity, Range, si, si_range, written
+from dashpot.base.units import Quantity, Range, convert_to_si, format_quantity, si_range
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import quantum
 from dashpot.extensions.materials.cld import checks
@@ -25,13 +25,13 @@ from dashpot.extensions.materials.cld.datamodel import (
 )
 from dashpot.extensions.materials.cld.local_stiffness import (
     WINDOW,
-    at_compression,
-    local,
+    evaluate_cycle,
+    fit_local_slope,
     unevenness,
 )
 from dashpot.fitting.nuisance_priors import Prior, error_by_delay, taken_later
 from dashpot.preprocessing.strokes import Stroke, inward, strokes_of
-from dashpot.preprocessing.zero_point import Zero, met_again, zero_of
+from dashpot.preprocessing.zero_point import Zero, later_contact, zero_of
 from dashpot.signals.segments import resolution_of
 
 _SMOOTHED, _RARE = 5, 4.0
@@ -99,17 +99,20 @@ def cld(
             "time, too"
         )
     found = _cycles(test)
-    nominal = None if at is None else si(at, "length")
+    nominal = None if at is None else convert_to_si(at, "length")
     index = _chosen(found, cycle, nominal)
     used = found.cycles[index]
     nominal = used.depth if nominal is None else nominal
     ends = (None, None) if between is None else si_range(between, "length")
-    least, middle, most = (_at(found, used, one) for one in (ends[0], nominal, ends[1]))
+    least, middle, most = (
+        _evaluate_record_cycle(found, used, one) for one in (ends[0], nominal, ends[1])
+    )
     if middle is None:
         deepest = max(one.depth for one in found.cycles)
         raise DataError(
-            f"{written(nominal, 'mm')} was asked for; expected a compression > 0 that the seal was "
-            f"pressed to, at most {written(deepest, 'mm')}: --compression gives it, "
+            f"{format_quantity(nominal, 'mm')} was asked for; expected a compression > 0 that the "
+            "seal was "
+            f"pressed to, at most {format_quantity(deepest, 'mm')}: --compression gives it, "
             "--part cycle=N another cycle"
         )
     delay = Prior(0.0, machine.delay_sd(median(np.diff(clock_of_samples(test)))))
@@ -162,7 +165,7 @@ def _with_delay(
         same = len(moved.cycles) == len(found.cycles)
         if not same:  # of noise that is taken for a stroke nothing follows
             return np.full(len(found.cycles) + 3 * len(known), np.nan)
-        at = (_at(moved, moved.cycles[index], one.compression) for one in known)
+        at = (_evaluate_record_cycle(moved, moved.cycles[index], one.compression) for one in known)
         each = (
             (np.nan,) * 3 if one is None else (one.loading, one.unloading, one.slope) for one in at
         )
@@ -204,10 +207,12 @@ def _hysteresis_error(cycle: Cycle, zero: Zero) -> float:
     return float(np.hypot(scatter, shared)) / cycle.energy
 
 
-def _at(found: _RecordCycles, cycle: Cycle, at: float | None) -> AtCompression | None:
+def _evaluate_record_cycle(
+    found: _RecordCycles, cycle: Cycle, at: float | None
+) -> AtCompression | None:
     if at is None or not at > 0:
         return None
-    return at_compression(
+    return evaluate_cycle(
         cycle,
         at,
         beyond=found.beyond,
@@ -271,11 +276,11 @@ def _cycle(
     back = None if unloading is None else _branch(x, force, unloading)
     contact = 0.0
     if number > 1:
-        met = met_again(way_in.compression, way_in.force, noise=zero.noise)
+        met = later_contact(way_in.compression, way_in.force, noise=zero.noise)
         contact = np.nan if met is None else met
     depth = float(x[loading.last])
-    here = local(way_in, common, half=WINDOW * depth, beyond=beyond)
-    peak = local(way_in, depth, half=WINDOW * depth, beyond=beyond)
+    here = fit_local_slope(way_in, common, half=WINDOW * depth, beyond=beyond)
+    peak = fit_local_slope(way_in, depth, half=WINDOW * depth, beyond=beyond)
     if here is None or peak is None:
         raise DataError(
             f"cycle {number}: {len(way_in.force)} samples of loading; expected 4 or more"

@@ -21,12 +21,22 @@ from dashpot.datamodel.fit import Fit
 from dashpot.extensions.materials.cld import checks
 from dashpot.extensions.materials.cld.datamodel import CLD, RateLaw
 from dashpot.extensions.materials.cld.equilibrium_curve import knots_over, law_of
-from dashpot.extensions.materials.cld.multi_speed_fit import DECISIVE, Thinned, thinned_alike
+from dashpot.extensions.materials.cld.multi_speed_fit import (
+    DECISIVE,
+    DownsampledRecord,
+    thinned_alike,
+)
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
 from dashpot.numerics.design_matrices.recorded_motion import arm_columns
 from dashpot.numerics.inference.covariance_estimate import estimate, score
 from dashpot.numerics.inference.model_order import bic
-from dashpot.numerics.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
+from dashpot.numerics.least_squares.problem import (
+    Optimum,
+    Parameter,
+    Problem,
+    Rows,
+    require_optimum,
+)
 
 DAMPING_KNOTS = 7
 MOST_ARMS = 2
@@ -37,7 +47,7 @@ _CONTACT = 0.01
 class _Data(NamedTuple):
     """Records, the knots of c and of the law, the depth, m, and the noise, N."""
 
-    records: Sequence[Thinned]
+    records: Sequence[DownsampledRecord]
     knots: FloatArray
     fine: FloatArray
     depth: float
@@ -72,7 +82,7 @@ def fit_rate(pieces: Sequence[CLD], beside: Fit) -> RateLaw:
     best = 0
     while best + 1 < len(tried) and scores[best] - scores[best + 1] >= DECISIVE:
         best += 1
-    return _assembled(pieces, beside, of, tried[best])
+    return _build_rate_law(pieces, beside, of, tried[best])
 
 
 def _parts(of: _Data) -> list[int]:
@@ -104,7 +114,7 @@ def _rows(of: _Data, theta: FloatArray) -> Rows:
     return Rows(np.concatenate((*targets, -of.noise * off)), A)
 
 
-def _moving(one: Thinned) -> BoolArray:
+def _moving(one: DownsampledRecord) -> BoolArray:
     """The samples of the chosen cycle that are felt, but for those beside a turn."""
     way = np.sign(one.velocity)
     steady = (way == np.roll(way, 1)) & (way == np.roll(way, -1))
@@ -121,10 +131,10 @@ def _best(of: _Data, before: FloatArray, window: FloatArray | None) -> Optimum:
     sought = [Parameter()] * len(starts[0])
     problem = Problem(partial(_rows, of), sought, positive=True, priors=len(of.records))
     start = min(starts, key=lambda one: problem.at(one).cost)
-    return solved(problem, [start], most=40, finished=1e-6, flat=1e-8)
+    return require_optimum(problem, [start], most=40, finished=1e-6, flat=1e-8)
 
 
-def _assembled(pieces: Sequence[CLD], beside: Fit, of: _Data, best: Optimum) -> RateLaw:
+def _build_rate_law(pieces: Sequence[CLD], beside: Fit, of: _Data, best: Optimum) -> RateLaw:
     first = len(of.fine)
     count, arms = first + len(of.knots), len(best.theta) - len(of.records)
     resting = np.zeros(count + arms, dtype=bool)

@@ -15,8 +15,8 @@ from dashpot.extensions.materials.cld.datamodel import CompressionTest
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels, size_checks
-from dashpot.reading.readers.channels import Channel, Opened
-from dashpot.reading.readers.header_specimen import stated_specimen
+from dashpot.reading.readers.channels import Channel, OpenedFile
+from dashpot.reading.readers.header_specimen import add_specimen_temperature
 from dashpot.reading.readers.relaxation import signals
 
 _SIGNALS: tuple[Role, Role] = ("displacement", "force")
@@ -42,11 +42,11 @@ def read_cld(
     ReadError
         If the file cannot be read, or leaves open which column is what or in which unit.
     """
-    with channels.opened(path, options) as file:
+    with channels.open_file(path, options) as file:
         return cld_in(file, specimen or Specimen())
 
 
-def cld_in(file: Opened, specimen: Specimen) -> CompressionTest:
+def cld_in(file: OpenedFile, specimen: Specimen) -> CompressionTest:
     """Return the compression load deflection test in an opened file."""
     channels.refuse_summary(file)
     channels.expect(
@@ -59,7 +59,7 @@ def cld_in(file: Opened, specimen: Specimen) -> CompressionTest:
     if "time" not in values:
         notes.append("the file has no clock: nothing is known of the speed")
     notes += _refuse_sizes(file, chosen, values)
-    specimen, said = stated_specimen(file, specimen, chosen)
+    specimen, said = add_specimen_temperature(file, specimen, chosen)
     source = channels.source(file, [one.says for one in chosen], [*notes, *said])
     return CompressionTest(
         values["displacement"],
@@ -71,12 +71,14 @@ def cld_in(file: Opened, specimen: Specimen) -> CompressionTest:
     )
 
 
-def _refuse_sizes(file: Opened, chosen: list[Channel], values: dict[Role, FloatArray]) -> list[str]:
+def _refuse_sizes(
+    file: OpenedFile, chosen: list[Channel], values: dict[Role, FloatArray]
+) -> list[str]:
     """Ask for the units again that make a size no test of a seal has; notes on unusual ones."""
     travel, rise = (float(np.ptp(values[role])) for role in _SIGNALS)
     lasted = float(np.ptp(values["time"])) if "time" in values else 0.0
 
-    def judged(
+    def check_sizes(
         times: Mapping[Role, float], unit: Mapping[Role, str], _: AbstractSet[Role]
     ) -> list[tuple[Role, list[Check]]]:
         far, push = travel * times["displacement"], rise * times["force"]
@@ -96,4 +98,4 @@ def _refuse_sizes(file: Opened, chosen: list[Channel], values: dict[Role, FloatA
         }
         return [(role, answers[role]) for role in answers if role in unit]
 
-    return channels.refuse_all_sizes(file, chosen, judged)
+    return channels.refuse_all_sizes(file, chosen, check_sizes)

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 from dashpot import workflow
 from dashpot.base.number_format import ascii_only
-from dashpot.base.units import in_unit, read_in, written
+from dashpot.base.units import convert_to_unit, format_quantity, get_display_unit
 from dashpot.extensions.materials.cld.datamodel import format_hysteresis
 from dashpot.text_output import results as text_of
 from dashpot.text_output.layout import Text, table
-from dashpot.text_output.results import cell, rounded, with_error
+from dashpot.text_output.results import cell, format_rounded, with_error
 
 if TYPE_CHECKING:
     from dashpot.extensions.batch.statistics.process_capability import Capability
@@ -39,16 +39,16 @@ def cld(found: workflow.Pieces) -> Text:
         # of a law that explains the speeds worse the numbers are for who asks
         (details if found.rate.bic > 0 else lines).extend(_rate(found.rate))
     if found.relaxed is not None:
-        lines += _relaxed(found.relaxed, found.pieces[0])
+        lines += _format_relaxed_law(found.relaxed, found.pieces[0])
     return Text(lines, details)
 
 
 def _scatter(found: Sequence[PieceStatistics]) -> list[str]:
     rows = [["", "mean", "deviation", "cv, %", "unit"]]
     for each in found:
-        unit = read_in(each.unit) or "%"
-        cv = rounded(100 * each.deviation / each.mean) if each.mean else ""
-        told = (rounded(in_unit(one, unit)) for one in (each.mean, each.deviation))
+        unit = get_display_unit(each.unit) or "%"
+        cv = format_rounded(100 * each.deviation / each.mean) if each.mean else ""
+        told = (format_rounded(convert_to_unit(one, unit)) for one in (each.mean, each.deviation))
         rows.append([each.name, *told, cv, unit])
     return table(rows)
 
@@ -76,7 +76,7 @@ def _rate(rate: workflow.RateLaw) -> list[str]:
         rows.append(
             [
                 cell(knot, "mm"),
-                rounded(float(law.force(knot))),
+                format_rounded(float(law.force(knot))),
                 with_error(stiff, off, "N/m"),
                 with_error(c, error) if c > 2 * error else f"below {c + 2 * error:.2g}",
             ]
@@ -88,7 +88,7 @@ def _rate(rate: workflow.RateLaw) -> list[str]:
     return [*table(rows), f"  arms beside it: {arms or 'none'}"]
 
 
-def _relaxed(found: workflow.RelaxedLaw, one: workflow.CLD) -> list[str]:
+def _format_relaxed_law(found: workflow.RelaxedLaw, one: workflow.CLD) -> list[str]:
     law = found.law
     rows = [["relaxed, mm", "force, N", "secant, N/mm", "tangent, N/mm"]]
     for mark in (at.compression for at in one.marked):
@@ -132,7 +132,7 @@ def _piece(one: workflow.CLD) -> list[str]:
     rows = [["compression, mm", f"loading, {one.unit}", "unloading", f"slope, N/mm{of}",
              f"energy, mJ{of}"]]  # fmt: skip
     for mark in one.marked:
-        back = "" if mark.unloading is None else rounded(per * mark.unloading)
+        back = "" if mark.unloading is None else format_rounded(per * mark.unloading)
         rows.append(
             [
                 cell(mark.compression, "mm"),
@@ -146,16 +146,16 @@ def _piece(one: workflow.CLD) -> list[str]:
     if cycle.hysteresis is not None and cycle.returned is not None:
         said.append(
             f"hysteresis {ascii_only(format_hysteresis(cycle))} of "
-            f"{written(per * cycle.energy, 'mJ')}{of}"
+            f"{format_quantity(per * cycle.energy, 'mJ')}{of}"
         )
     if len(one.cycles) > 1:
         said.append(f"softer than cycle 1 by {100 * one.softening:.3g} %")
     if one.set is not None:
-        said.append(f"set {written(one.set, 'mm', '.3g')} at the next contact")
+        said.append(f"set {format_quantity(one.set, 'mm', '.3g')} at the next contact")
     if cycle.speed is not None:
-        said.append(written(cycle.speed, "mm/s"))
+        said.append(format_quantity(cycle.speed, "mm/s"))
     if one.time is not None:
-        known = written(one.delay_sd, "ms", ".3g")
+        known = format_quantity(one.delay_sd, "ms", ".3g")
         said.append(f"the errors include a delay of 0 ± {known} (dashpot fit --machine sync=0.1ms)")
     return [*table(rows), f"  {'; '.join(said)}"] if said else table(rows)
 
@@ -168,7 +168,7 @@ def _cycles(one: workflow.CLD) -> list[str]:
             [
                 str(each.number),
                 cell(each.depth, "mm"),
-                rounded(each.peak),
+                format_rounded(each.peak),
                 cell(each.energy, "mJ"),
                 cell(back, "mJ"),
                 cell(lost, "%"),

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.checks import Check, Finding, Remedy, criterion
-from dashpot.base.number_format import counted
-from dashpot.base.units import celsius, parse_quantity, written
+from dashpot.base.number_format import format_count
+from dashpot.base.units import celsius, format_quantity, parse_quantity
 from dashpot.extensions.materials.csr.datamodel import Aging
 from dashpot.extensions.materials.csr.law import FIRST
 from dashpot.extensions.materials.csr.preprocess import Readings
@@ -17,7 +17,7 @@ SEEN = 4.0
 LONG = parse_quantity("1000h", "time")
 
 
-def judge(
+def run_checks(
     found: Aging, read: Readings, alone: Estimate, strain: float | None, *, drift: float
 ) -> tuple[Check, ...]:
     """Every check of a fit."""
@@ -35,12 +35,12 @@ def judge(
         chemistry_seen(hottest.significance, hottest.temperature),
         ovens_enough(len(found.ovens)),
         ovens_on_a_line(strain),
-        cell_holds(*_drifted(alone, drift)),
+        cell_holds(*_estimate_drift(alone, drift)),
         aging_beside_drift(None if found.law.bound_alone else coldest.rate, drift),
     )
 
 
-def _drifted(alone: Estimate, drift: float) -> tuple[float | None, float]:
+def _estimate_drift(alone: Estimate, drift: float) -> tuple[float | None, float]:
     """What the readings show of the drift that is believed, and its standard error."""
     if not drift:
         return None, drift
@@ -63,7 +63,7 @@ def force_falls(risen: float) -> Finding:
 def f0_read(first: float) -> Finding:
     """F0 was read of every piece."""
     return Finding(
-        f"The last piece was first read {written(first, 'h', '.3g')} after its compression",
+        f"The last piece was first read {format_quantity(first, 'h', '.3g')} after its compression",
         first / FIRST,
         "Its F0 follows from the law alone, and all its ratios share that error",
         "Read F0 at 30 min.",
@@ -107,7 +107,7 @@ def chemistry_seen(significance: float, hottest: float) -> Finding:
 def ovens_enough(ovens: int) -> Finding:
     """Ovens enough show an activation energy and its error."""
     return Finding(
-        f"The pieces were in {counted(ovens, 'oven')}",
+        f"The pieces were in {format_count(ovens, 'oven')}",
         float(ovens),
         "The error of the activation energy then is that of the ovens alone"
         if ovens == 2
@@ -177,7 +177,8 @@ def cold_bears_lower_energy(moved: float | None, lower: float, coldest: float) -
     if moved is None:
         return Finding("The temperature is that of an oven, or above, so it is not judged")
     return Finding(
-        f"An activation energy of {written(lower, 'kJ/mol', 'g')} below {celsius(coldest)} moves "
+        f"An activation energy of {format_quantity(lower, 'kJ/mol', 'g')} below {celsius(coldest)} "
+        "moves "
         f"the answer by {moved:.2g} standard errors",
         moved,
         "Rubber often has one so low there, and no oven shows it",
@@ -201,7 +202,7 @@ def time_near_readings(decades: float, longest: float) -> Finding:
     """The time that is asked or found lies near the last reading."""
     return Finding(
         f"The answer lies {max(decades, 0.0):.2g} decades of time beyond the last reading, at "
-        f"{written(longest, 'h', '.4g')}",
+        f"{format_quantity(longest, 'h', '.4g')}",
         decades,
         "It rests on the law alone",
         "Read longer.",

@@ -7,23 +7,23 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from dashpot.base.array_units import into_si, said_units
-from dashpot.base.arrays import ByValue, FloatArray, IndexArray, measured, same_length
+from dashpot.base.array_units import convert_arrays_to_si, make_units_field
+from dashpot.base.arrays import EqualByValue, FloatArray, IndexArray, same_length, validate_measured
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.base.number_format import counted
-from dashpot.base.provenance import Source, of_file
-from dashpot.base.reported_values import Fact, Numbered
-from dashpot.base.result_mixins import Described, Judged, Series, arrays, verb
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import Quantity, celsius, written
+from dashpot.base.number_format import format_count
+from dashpot.base.provenance import Source, describe_record_source
+from dashpot.base.reported_values import HasReportedValues, ReportedValue
+from dashpot.base.result_mixins import HasSummary, HasVerdict, Series, collect_arrays, load_function
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import Quantity, celsius, format_quantity
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.specimen import tested_at
 from dashpot.extensions.materials.csr.law import AgingLaw
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CounterforceTest(ByValue, Described):
+class CounterforceTest(EqualByValue, HasSummary):
     """Counterforce of pieces at constant compression over hours to months.
 
     Attributes
@@ -60,12 +60,12 @@ class CounterforceTest(ByValue, Described):
     piece: IndexArray = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     method: str = ""
     source: Source | None = None
-    units: str = said_units()
+    units: str = make_units_field()
 
     def __post_init__(self) -> None:
-        into_si(self, time="time", force="force", temperature="temperature")
+        convert_arrays_to_si(self, time="time", force="force", temperature="temperature")
         for name in ("time", "force", "temperature"):
-            object.__setattr__(self, name, measured(name, getattr(self, name)))
+            object.__setattr__(self, name, validate_measured(name, getattr(self, name)))
         piece = self.piece if len(self.piece) else np.ones(len(self.time))
         object.__setattr__(self, "piece", np.asarray(piece, dtype=np.intp))
         same_length(
@@ -85,18 +85,18 @@ class CounterforceTest(ByValue, Described):
     @property
     def series(self) -> Series:
         """The readings: force, in the unit of the file, over time."""
-        return arrays(self, time="s", force="", temperature="K", piece="")
+        return collect_arrays(self, time="s", force="", temperature="K", piece="")
 
     @property
     def described(self) -> tuple[str, ...]:
         """Which record it is, and how long it lasts."""
-        pieces = counted(len(np.unique(self.piece)), "piece")
-        longest = written(float(self.time.max()), "h", ".4g")
-        return of_file(self.source, len(self.time)), f"{pieces}, read for {longest}"
+        pieces = format_count(len(np.unique(self.piece)), "piece")
+        longest = format_quantity(float(self.time.max()), "h", ".4g")
+        return describe_record_source(self.source, len(self.time)), f"{pieces}, read for {longest}"
 
 
 @dataclass(frozen=True, eq=False)
-class Oven(ByValue):
+class Oven(EqualByValue):
     """What the pieces of one oven tell by themselves.
 
     Attributes
@@ -124,7 +124,7 @@ class Oven(ByValue):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Aging(ByValue, Numbered, Judged, Documented):
+class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     """The law of aging, and how well the ovens tell it.
 
     Attributes
@@ -157,32 +157,32 @@ class Aging(ByValue, Numbered, Judged, Documented):
     sources: tuple[Source, ...] = ()
 
     @property
-    def found(self) -> tuple[Fact, ...]:  # type: ignore[override]  # follows of the law
+    def found(self) -> tuple[ReportedValue, ...]:  # type: ignore[override]  # follows of the law
         """Physical loss in a decade, chemical time at the reference, activation, exponent."""
         law = self.law
         (loss, chemical, activation, exponent), tau = law.errors, law.tau(law.reference)
         named = f"chemical time at {celsius(law.reference)}"
         facts = [
-            Fact.known(
+            ReportedValue.known(
                 "physical_loss", law.physical, loss, law.quantile, unit="1", read="%",
                 words="physical loss in a decade of time",
             ),
-            Fact("chemical_time", math.nan, tau, math.inf, "s", None, "h", named)
+            ReportedValue("chemical_time", math.nan, tau, math.inf, "s", None, "h", named)
             if law.bound_alone
-            else Fact.known(
+            else ReportedValue.known(
                 "chemical_time", tau, chemical, law.quantile, of_log=True, unit="s", read="h",
                 words=named,
             ),
         ]  # fmt: skip
         if law.activation:
             facts.append(
-                Fact.known(
+                ReportedValue.known(
                     "activation_energy", law.activation, activation, law.quantile, unit="J/mol"
                 )
             )
         if law.exponent != 1:
             error = exponent * law.exponent
-            facts.append(Fact.known("exponent", law.exponent, error, law.quantile))
+            facts.append(ReportedValue.known("exponent", law.exponent, error, law.quantile))
         return tuple(facts)
 
     def at(self, fit: Fit, *, temperature: Quantity, time: Quantity) -> Fit:
@@ -198,7 +198,7 @@ class Aging(ByValue, Numbered, Judged, Documented):
         >>> new = dp.fit(dp.read("seal_8mm.csv"))  # doctest: +SKIP
         >>> aging.at(new, temperature="70degC", time="1000h")  # doctest: +SKIP
         """
-        found: Fit = verb("extensions.materials.csr.lifetime_prediction", "aged_fit")(
+        found: Fit = load_function("extensions.materials.csr.lifetime_prediction", "aged_fit")(
             self, fit, temperature=temperature, time=time
         )
         return found
@@ -212,11 +212,14 @@ class Aging(ByValue, Numbered, Judged, Documented):
     def sound(self) -> str:
         """How many ovens, and what drives the aging."""
         last = self.found[-1 if self.law.activation else 1]
-        hours = written(self.longest, "h", ".4g")
-        return f"{stated(last)}, from {counted(len(self.ovens), 'oven')} up to {hours}"
+        hours = format_quantity(self.longest, "h", ".4g")
+        return (
+            f"{format_fact_clause(last)}, from {format_count(len(self.ovens), 'oven')} up to "
+            f"{hours}"
+        )
 
 
-def stated(fact: Fact) -> str:
+def format_fact_clause(fact: ReportedValue) -> str:
     """Return a number with its interval as a sentence has it."""
     cells = fact.cells
     if fact.least_alone or not fact.bounded:

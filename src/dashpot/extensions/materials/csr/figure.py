@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base.units import in_unit, written
+from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.extensions.materials.csr.datamodel import Aging
 from dashpot.extensions.materials.csr.law import FIRST
 from dashpot.extensions.materials.csr.lifetime_prediction import Aged
@@ -22,22 +22,22 @@ def csr(found: Aging, *, stamp: str = "") -> Picture:
         What the figure says of its origin; by default the files.
     """
     time = np.geomspace(FIRST, found.longest, 200)
-    hours = in_unit(time, "h")
+    hours = convert_to_unit(time, "h")
     across = Scale("time, h", (float(hours[0]) / 1.3, float(hours[-1]) * 1.3), log=True)
     least = min(float(one.retained.min()) for one in found.ovens)
     up = Scale("F/F0, %", (max(100 * least - 5, 0.0), 105.0))
     panels = []
     for one in found.ovens:
         kept = np.array([found.law.retained(one.temperature, each) for each in time])
-        dots = Dots(in_unit(one.time, "h"), 100 * one.retained, "measured", "measured")
+        dots = Dots(convert_to_unit(one.time, "h"), 100 * one.retained, "measured", "measured")
         marks = (Line(hours, 100 * kept, FIT, "law"), dots)
-        panels.append(Panel(across, up, marks, title=written(one.temperature, "°C")))
+        panels.append(Panel(across, up, marks, title=format_quantity(one.temperature, "°C")))
     caption = "Force that pieces kept in each oven: measured, and by the law of aging."
     origin = stamped(found.sources) if found.sources else ""
     return Picture("csr", caption, tuple((one,) for one in panels), 3, stamp or origin)
 
 
-def aged(found: Aged, *, stamp: str = "") -> Picture:
+def draw_aged_force(found: Aged, *, stamp: str = "") -> Picture:
     """What is left of the force at a temperature over time, with its 95 % interval.
 
     Parameters
@@ -52,7 +52,7 @@ def aged(found: Aged, *, stamp: str = "") -> Picture:
     left = np.array([law.retained(kelvin, one) for one in time])
     known = np.array([law.error_of(lambda it: it.retained(kelvin, one)) for one in time])  # noqa: B023
     half = 100 * law.quantile * np.where(np.isfinite(known), known, 0.0)
-    hours = in_unit(time, "h")
+    hours = convert_to_unit(time, "h")
     measured = time <= found.aging.longest
     marks = (
         Area(hours, 100 * left - half, 100 * left + half, "fit", "95 % interval"),
@@ -61,7 +61,7 @@ def aged(found: Aged, *, stamp: str = "") -> Picture:
     )
     across = Scale("time, h", (float(hours[0]), float(hours[-1])), log=True)
     up = Scale("F/F0, %", (max(100 * float(left.min()) - 10, 0.0), 105.0))
-    title = written(kelvin, "°C") + (", at least" if law.bound_alone else "")
+    title = format_quantity(kelvin, "°C") + (", at least" if law.bound_alone else "")
     caption = "Force that is left over time at one temperature, with its 95 % interval."
     origin = stamped(found.aging.sources) if found.aging.sources else ""
     panel = Panel(across, up, marks, title=title, height=240)

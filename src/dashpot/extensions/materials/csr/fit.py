@@ -20,10 +20,10 @@ from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.machine import Machine
 from dashpot.extensions.materials.csr import checks
 from dashpot.extensions.materials.csr.datamodel import Aging, CounterforceTest, Oven
-from dashpot.extensions.materials.csr.law import BOUND, AgingLaw, left_over
+from dashpot.extensions.materials.csr.law import BOUND, AgingLaw, retained_fraction
 from dashpot.extensions.materials.csr.preprocess import Readings, readings_of
 from dashpot.numerics.inference.covariance_estimate import Estimate, estimate, score, white_noise
-from dashpot.numerics.least_squares.problem import Parameter, Problem, Rows, solved
+from dashpot.numerics.least_squares.problem import Parameter, Problem, Rows, require_optimum
 from dashpot.solids.shift_laws import GAS
 
 USUAL_OVEN, WORST_OVEN = 1.0, 30.0
@@ -68,7 +68,7 @@ def fit_aging(records: Sequence[CounterforceTest], *, machine: Machine | None = 
     read, sd = readings_of(records), USUAL_OVEN if machine.oven is None else machine.oven
     whole = float(np.mean(np.concatenate([one.force for one in records])))
     drift = USUAL_DRIFT if machine.drift is None else machine.drift * checks.LONG / whole
-    alone = _each_oven(read, drift)
+    alone = _fit_oven_rates(read, drift)
     ovens = read.ovens(alone)
     orders: dict[str, float] = {}
     law, strain = _bound(alone, ovens[-1]), None
@@ -76,14 +76,14 @@ def fit_aging(records: Sequence[CounterforceTest], *, machine: Machine | None = 
         said = machine.oven is not None
         law, orders, strain = _arrhenius(read, alone, ovens, (sd, drift), said=said)
         if machine.drift is None and strain is not None:  # which a drift nobody saw may hide
-            bare = _each_oven(read, 0.0)
+            bare = _fit_oven_rates(read, 0.0)
             bent = _arrhenius(read, bare, read.ovens(bare), (sd, 0.0), said=said)[2]
             strain = max(strain, bent or 0.0)
     found = Aging(
         law, ovens, float(read.time.max()), tuple(orders.items()),
         float(np.sqrt(alone.noises[0].power)), sd, (), sources_of(records),
     )  # fmt: skip
-    judged = checks.judge(found, read, alone, strain, drift=drift)
+    judged = checks.run_checks(found, read, alone, strain, drift=drift)
     return replace(found, checks=(*judged, *caution_checks(found.sources)))
 
 
@@ -106,7 +106,7 @@ def _problem(
 
     def model(theta: FloatArray) -> Rows:
         rate, exponent = rates(theta)
-        shape = left_over(read.time, float(theta[0]), rate[read.oven], exponent)
+        shape = retained_fraction(read.time, float(theta[0]), rate[read.oven], exponent)
         off = theta[len(theta) - len(known) :]
         force = read.force - drifted * off[-1] if doubts[-1] else read.force
         y = np.concatenate((force, -scatter * off))
@@ -116,7 +116,7 @@ def _problem(
     return Problem(model, every, priors=len(known))
 
 
-def _each_oven(read: Readings, drift: float) -> Estimate:
+def _fit_oven_rates(read: Readings, drift: float) -> Estimate:
     """A rate for each oven, over its longest time: they show the scatter of a reading, too."""
     ovens = len(read.temperature)
     parameters = [_PHYSICAL, *(Parameter(-2, 200, 0.1) for _ in range(ovens))]
@@ -132,7 +132,7 @@ def _each_oven(read: Readings, drift: float) -> Estimate:
             [drift],
             scatter,
         )
-        best = solved(problem, [theta])
+        best = require_optimum(problem, [theta])
         noise = white_noise(best)
         theta, scatter = best.theta, float(np.sqrt(noise.power))
     return estimate(best, noises=[noise])
@@ -181,7 +181,7 @@ def _arrhenius(
         problem, still = whole, [*held, *([] if several else [2])]
         for i in still:
             problem = problem.held(i, 0.0)
-        best = solved(problem, [np.delete(start, still)])
+        best = require_optimum(problem, [np.delete(start, still)])
         tried[name] = (still, estimate(best, noises=[white_noise(best, power)]))
     count = len(read.time)
     orders = {name: score(known.optimum, count) for name, (_, known) in tried.items()}

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from dashpot.base.errors import DataError, ReadError
 from dashpot.datamodel.machine import Machine
-from dashpot.datamodel.specimen import each_specimen
+from dashpot.datamodel.specimen import make_file_specimens
 from dashpot.extensions.materials.csr.datamodel import Aging
 from dashpot.extensions.materials.csr.fit import fit_aging
 from dashpot.extensions.materials.csr.read import read_csr
@@ -39,7 +39,7 @@ def csr_files(
         If a file cannot be read, or they are no lot of one test.
     """
     try:
-        each = each_specimen(None, temperatures, len(files))
+        each = make_file_specimens(None, temperatures, len(files))
         tests = [
             read_csr(path, options=options, specimen=one)
             for path, one in zip(files, each, strict=True)

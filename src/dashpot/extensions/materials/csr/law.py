@@ -16,8 +16,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray
-from dashpot.numerics.inference.covariance_estimate import propagated
+from dashpot.base.arrays import EqualByValue, FloatArray
+from dashpot.numerics.inference.covariance_estimate import propagate_covariance
 from dashpot.solids.shift_laws import GAS
 
 FIRST = 1800.0
@@ -29,7 +29,7 @@ BOUND = 1.645
 _STEPS = np.array([1e-4, 1e-3, 10.0, 1e-4])
 
 
-def left_over(
+def retained_fraction(
     time: FloatArray, physical: float, rate: FloatArray | float, exponent: float = 1.0
 ) -> FloatArray:
     """Return F/F0 at times, s, by the physical loss in a decade and the chemical rate, 1/s."""
@@ -39,7 +39,7 @@ def left_over(
 
 
 @dataclass(frozen=True, eq=False)
-class AgingLaw(ByValue):
+class AgingLaw(EqualByValue):
     """The constants of the law, and how well they are known.
 
     Attributes
@@ -85,7 +85,7 @@ class AgingLaw(ByValue):
     def retained(self, temperature: float, time: float) -> float:
         """F/F0 at a temperature, K, after a time, s."""
         rate = 1 / self.tau(temperature)
-        return float(left_over(np.array([time]), self.physical, rate, self.exponent)[0])
+        return float(retained_fraction(np.array([time]), self.physical, rate, self.exponent)[0])
 
     def life(self, temperature: float, part: float) -> float:
         """When F/F0 has fallen to a part, s; infinite if that is never."""
@@ -106,11 +106,11 @@ class AgingLaw(ByValue):
         """Standard error of what follows of the law (delta method); infinite if not known."""
         G = np.zeros((1, 4))
         for i in np.flatnonzero(np.diag(self.covariance)).tolist():
-            down, up = (self._moved(i, sign * _STEPS[i]) for sign in (-1, 1))
+            down, up = (self._shift_parameter(i, sign * _STEPS[i]) for sign in (-1, 1))
             G[0, i] = (what(up) - what(down)) / (2 * _STEPS[i])
-        return float(np.sqrt(propagated(self.covariance, G)[0, 0]))
+        return float(np.sqrt(propagate_covariance(self.covariance, G)[0, 0]))
 
-    def _moved(self, which: int, by: float) -> AgingLaw:
+    def _shift_parameter(self, which: int, by: float) -> AgingLaw:
         name = ("physical", "chemical", "activation", "exponent")[which]
         here = getattr(self, name)
         return replace(self, **{name: here * np.exp(by) if name == "exponent" else here + by})

@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
-from dashpot.base.reported_values import Fact
-from dashpot.base.result_mixins import Judged
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import Quantity, celsius, parse_quantity, si, written
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.result_mixins import HasVerdict
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import Quantity, celsius, convert_to_si, format_quantity, parse_quantity
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.specimen import tested_at
 from dashpot.extensions.materials.csr.checks import (
@@ -21,7 +21,7 @@ from dashpot.extensions.materials.csr.checks import (
     temperature_near_ovens,
     time_near_readings,
 )
-from dashpot.extensions.materials.csr.datamodel import Aging, stated
+from dashpot.extensions.materials.csr.datamodel import Aging, format_fact_clause
 from dashpot.extensions.materials.csr.law import FIRST, NEVER, AgingLaw
 from dashpot.extensions.materials.csr.preprocess import ONE_OVEN
 
@@ -30,7 +30,7 @@ LOWER = 65e3
 
 
 @dataclass(frozen=True, repr=False)
-class Aged(Judged, Documented):
+class Aged(HasVerdict, Serialisable):
     """What is left of the force at a temperature, and when.
 
     Attributes
@@ -55,13 +55,13 @@ class Aged(Judged, Documented):
     checks: tuple[Check, ...]
 
     @property
-    def answers(self) -> tuple[Fact, ...]:
+    def answers(self) -> tuple[ReportedValue, ...]:
         """Each time until a part of F0 is left, s, and each part that is left after a time."""
         every = (_facts(self.aging, self.temperature, *_end(one)) for one in self.until)
         return tuple(fact for facts in every for fact in facts)
 
     @property
-    def facts(self) -> tuple[Fact, ...]:
+    def facts(self) -> tuple[ReportedValue, ...]:
         """The answers."""
         return self.answers
 
@@ -73,7 +73,7 @@ class Aged(Judged, Documented):
     @property
     def verdict(self) -> Verdict:
         """What to make of it."""
-        says = f"at {celsius(self.temperature)} {stated(self.answers[0])}"
+        says = f"at {celsius(self.temperature)} {format_fact_clause(self.answers[0])}"
         return verdict(self.checks, sound=says)
 
 
@@ -99,7 +99,7 @@ def predict_aging(
         raise DataError(
             "aging depends on the temperature. Add that of the seal: --temperature 70degC"
         )
-    temperature = si(temperature, "temperature")
+    temperature = convert_to_si(temperature, "temperature")
     tested_at("--temperature", temperature)
     law, coldest, hottest = found.law, found.ovens[0].temperature, found.ovens[-1].temperature
     tested = [abs(temperature - one.temperature) for one in found.ovens]
@@ -113,9 +113,9 @@ def predict_aging(
             f"one oven, at {celsius(hottest)}, shows nothing of {celsius(temperature)}. Fit two "
             "more ovens together with it, or ask --temperature of the oven"
         )
-    asked = _asked(until) or ("50%",)
-    furthest = max(_reached(law, temperature, *_end(one)) for one in asked)
-    moved = [_moved(found, temperature, *_end(one)) for one in asked]
+    asked = _parse_questions(until) or ("50%",)
+    furthest = max(_compute_question_time(law, temperature, *_end(one)) for one in asked)
+    moved = [_compute_answer_shift(found, temperature, *_end(one)) for one in asked]
     checks = (
         temperature_near_ovens(coldest - temperature, temperature),
         cold_bears_lower_energy(
@@ -142,7 +142,7 @@ def predict_aged(
     """
     if new is None:
         return predict_aging(found, temperature=temperature, until=until)
-    asked = _asked(until)
+    asked = _parse_questions(until)
     if len(asked) != 1 or math.isnan(_end(asked[0])[1]) or temperature is None:
         raise DataError(
             "a seal is aged for one time at one temperature. Add both: --temperature 70degC "
@@ -167,16 +167,16 @@ def aged_fit(found: Aging, fit: Fit, *, temperature: Quantity, time: Quantity) -
     DataError
         If the ovens say nothing of it, or only what is left at least.
     """
-    seconds = si(time, "time")
+    seconds = convert_to_si(time, "time")
     asked = predict_aging(found, temperature=temperature, until=f"{seconds!r}s")
     law, (left, *_) = found.law, asked.answers
     chemical = replace(law, physical=0.0).retained(asked.temperature, seconds)
-    says = f"after {written(seconds, 'h', '.6g')} at {celsius(asked.temperature)}"
+    says = f"after {format_quantity(seconds, 'h', '.6g')} at {celsius(asked.temperature)}"
     checks = (*asked.checks, stiffness_follows_force(1 - chemical))
     return fit.aged(left, says, checks=tuple(one for one in checks if one.failed))
 
 
-def _asked(until: str | Sequence[str] | float) -> tuple[str, ...]:
+def _parse_questions(until: str | Sequence[str] | float) -> tuple[str, ...]:
     """Each question; a number without its sign or unit is refused as a word of it is."""
     return (str(until),) if isinstance(until, str | float | int) else tuple(map(str, until))
 
@@ -203,36 +203,42 @@ def _end(text: str) -> tuple[float, float]:
     return math.nan, time
 
 
-def _reached(law: AgingLaw, temperature: float, part: float, time: float) -> float:
+def _compute_question_time(law: AgingLaw, temperature: float, part: float, time: float) -> float:
     """How far in time a question goes, s."""
     return min(law.life(temperature, part), NEVER) if math.isnan(time) else time
 
 
-def _facts(found: Aging, temperature: float, part: float, time: float) -> list[Fact]:
+def _facts(found: Aging, temperature: float, part: float, time: float) -> list[ReportedValue]:
     """What a question is answered: a number with its interval, or at least so much."""
     law, coldest = found.law, found.ovens[0].temperature
     if math.isnan(part):
-        words = f"F/F0 after {written(time, 'h', '.6g')}"
+        words = f"F/F0 after {format_quantity(time, 'h', '.6g')}"
         if law.bound_alone:
             left = law.at_least().retained(temperature, time)
-            return [Fact("left", math.nan, left, math.inf, "1", None, "%", words)]
+            return [ReportedValue("left", math.nan, left, math.inf, "1", None, "%", words)]
         left = law.retained(temperature, time)
         error = law.error_of(lambda one: one.retained(temperature, time))
-        return [Fact.known("left", left, error, law.quantile, unit="1", read="%", words=words)]
-    words = f"time until F/F0 is {written(part, '%', 'g')}"
+        return [
+            ReportedValue.known("left", left, error, law.quantile, unit="1", read="%", words=words)
+        ]
+    words = f"time until F/F0 is {format_quantity(part, '%', 'g')}"
     if law.bound_alone or math.isinf(law.life(temperature, part)):
         least = min(law.at_least().life(temperature, part), NEVER)
-        return [Fact("life", math.nan, least, math.inf, "s", None, "h", words)]
+        return [ReportedValue("life", math.nan, least, math.inf, "s", None, "h", words)]
     error = law.error_of(lambda one: math.log(one.life(temperature, part)))
     life = law.life(temperature, part)
     facts = [
-        Fact.known("life", life, error, law.quantile, of_log=True, unit="s", read="h", words=words)
+        ReportedValue.known(
+            "life", life, error, law.quantile, of_log=True, unit="s", read="h", words=words
+        )
     ]
     flat = _if_it_falls(found, temperature)
     if flat is not None:
-        below = f"the same, if Ea were {written(LOWER, 'kJ/mol', 'g')} below {celsius(coldest)}"
+        below = (
+            f"the same, if Ea were {format_quantity(LOWER, 'kJ/mol', 'g')} below {celsius(coldest)}"
+        )
         short = flat.life(temperature, part)
-        facts.append(Fact("life_if_Ea_falls", short, unit="s", read="h", words=below))
+        facts.append(ReportedValue("life_if_Ea_falls", short, unit="s", read="h", words=below))
     return facts
 
 
@@ -244,7 +250,9 @@ def _if_it_falls(found: Aging, temperature: float) -> AgingLaw | None:
     return replace(law, chemical=math.log(law.tau(coldest)), activation=LOWER, reference=coldest)
 
 
-def _moved(found: Aging, temperature: float, part: float, time: float) -> float | None:
+def _compute_answer_shift(
+    found: Aging, temperature: float, part: float, time: float
+) -> float | None:
     """By how many standard errors that changes an answer."""
     law, flat = found.law, _if_it_falls(found, temperature)
     if flat is None:

@@ -12,7 +12,7 @@ from dashpot.extensions.materials.csr.read import read_csr
 from dashpot.registry import Piece
 
 
-def row(file: str | Path, piece: Piece) -> tuple[Aging, dict[str, Any]]:
+def build_lot_row(file: str | Path, piece: Piece) -> tuple[Aging, dict[str, Any]]:
     """Return the law of aging of the pieces in one file, and that as the columns of a row.
 
     Raises

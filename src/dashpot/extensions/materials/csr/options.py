@@ -8,7 +8,7 @@ from dashpot.base.option_fields import option
 
 
 @dataclass(frozen=True)
-class AgingAsked:
+class AgingPredictionOptions:
     """How far a prediction of aging goes.
 
     Attributes

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from dashpot.base.units import in_unit, written
+from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.extensions.materials.csr.datamodel import Aging
-from dashpot.report.page_content import KindPage, Topic, group, lights, tried
+from dashpot.report.page_content import KindPage, Topic, group, lights, make_law_ranking
 
 
 def page(found: Aging) -> KindPage:
     """What the page of a law of aging holds."""
     warm = [one.temperature for one in found.ovens]
-    ends = " to ".join(f"{in_unit(one, '°C'):.4g}" for one in (warm[0], warm[-1]))
+    ends = " to ".join(f"{convert_to_unit(one, '°C'):.4g}" for one in (warm[0], warm[-1]))
     return KindPage(
         about="compression stress relaxation",
         strip=(("Ovens", f"{len(warm)}, {ends} °C"),
-               ("Longest", written(found.longest, "h", ".4g")),
+               ("Longest", format_quantity(found.longest, "h", ".4g")),
                ("Scatter", f"{100 * found.scatter:.2g} % of F0")),
         lights=lights(
             found.checks, Topic("Readings"),
@@ -26,5 +26,5 @@ def page(found: Aging) -> KindPage:
         told="The law of aging",
         groups=(group("", found.facts),),
         sources=found.sources,
-        folds=(tried(found.orders),),
+        folds=(make_law_ranking(found.orders),),
     )  # fmt: skip

@@ -18,9 +18,9 @@ from dashpot.extensions.materials.csr.datamodel import CounterforceTest
 from dashpot.extensions.materials.csr.table_rule import counterforce, is_ratio
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.channels import Opened
-from dashpot.reading.readers.header_specimen import stated_specimen
-from dashpot.reading.readers.text_columns import words_of
+from dashpot.reading.readers.channels import OpenedFile
+from dashpot.reading.readers.header_specimen import add_specimen_temperature
+from dashpot.reading.readers.text_columns import read_text_column
 
 _PIECE = {"piece", "specimen", "sample", "ring", "button", "probe", "prüfling", "probekörper"}
 _METHOD = {"method", "methode", "verfahren"}
@@ -49,7 +49,7 @@ def read_csr(
     ReadError
         If the file cannot be read, leaves open which column is what, or contradicts the specimen.
     """
-    with channels.opened(path, options) as opened:
+    with channels.open_file(path, options) as opened:
         named = counterforce(opened.table, opened.options)
         if named is None:
             channels.expect(
@@ -61,10 +61,10 @@ def read_csr(
         chosen = channels.with_units(file, [*wanted, *([warm] if warm else [])])
         loaded = channels.load_test(file, chosen, 1)
         whole = np.isfinite(loaded.values).all(axis=1)
-        pieces, methods = (words_of(file, one, loaded)[whole] for one in (_PIECE, _METHOD))
-        rows, notes = channels.whole_rows(loaded)
+        pieces, methods = (read_text_column(file, one, loaded)[whole] for one in (_PIECE, _METHOD))
+        rows, notes = channels.select_complete_rows(loaded)
         _refuse_parts(file, chosen[1].index, float(rows[:, 1].max()))
-        values = channels.by_role(rows, chosen)
+        values = channels.convert_signals_to_si(rows, chosen)
         kelvin, said = _oven(file, values.get("temperature"), specimen or Specimen(), len(rows))
         number = np.unique(pieces, return_inverse=True)[1]
         if not pieces.any():
@@ -81,7 +81,7 @@ def read_csr(
 
 
 def _oven(
-    file: Opened, column: FloatArray | None, specimen: Specimen, count: int
+    file: OpenedFile, column: FloatArray | None, specimen: Specimen, count: int
 ) -> tuple[FloatArray, list[str]]:
     """The temperature of every row, K: that of the column, of the header, or as given."""
     given = specimen.temperature
@@ -94,7 +94,7 @@ def _oven(
                 f"{celsius(given)}. Leave out --temperature, or mend the file"
             )
         return column, []
-    known, said = stated_specimen(file, specimen)
+    known, said = add_specimen_temperature(file, specimen)
     if known.stated_temperature is not None:
         raise ReadError(
             f"the file says {celsius(known.stated_temperature)}, and --temperature "
@@ -108,10 +108,15 @@ def _oven(
     return np.full(count, known.temperature), said
 
 
-def _refuse_parts(file: Opened, index: int, largest: float) -> None:
+def _refuse_parts(file: OpenedFile, index: int, largest: float) -> None:
     """Refuse per cent that are parts of 1."""
     column = file.table.columns[index]
-    if is_ratio(column) and column.unit and units.same(column.unit, "%") and largest <= _WHOLE:
+    if (
+        is_ratio(column)
+        and column.unit
+        and units.is_same_unit(column.unit, "%")
+        and largest <= _WHOLE
+    ):
         raise ReadError(
             f"'{column.name}' is said to be in %, and its largest value is {largest:.3g}, as of a "
             f"fraction. Write its unit as 1, or the values in %"

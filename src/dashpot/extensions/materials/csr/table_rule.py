@@ -6,7 +6,7 @@ import re
 from dataclasses import replace
 
 from dashpot.base import units
-from dashpot.reading.columns.role_assignment import suited
+from dashpot.reading.columns.role_assignment import score_columns
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.table import Column, FileTable
@@ -30,7 +30,7 @@ def counterforce(table: FileTable, options: ReadOptions) -> ReadOptions | None:
     A column that is called hours or days is a clock of that unit. Parts of F0 are forces in a unit
     that nothing depends on, for the F0 of every piece is free.
     """
-    if any(_suited(table, role, options) for role in _OTHERS):
+    if any(_has_role(table, role, options) for role in _OTHERS):
         return None
     columns = [(str(i), one) for i, one in enumerate(table.columns, 1) if one.content == "number"]
     clock = _clock(table, columns, options)
@@ -38,7 +38,7 @@ def counterforce(table: FileTable, options: ReadOptions) -> ReadOptions | None:
     if not (clock or said):
         return None
     found = clock or options
-    pushed = _suited(table, "force", found)
+    pushed = _has_role(table, "force", found)
     ratios = [number for number, one in columns if is_ratio(one)]
     if not (pushed or ratios):
         return None
@@ -51,14 +51,16 @@ def is_ratio(column: Column) -> bool:
     """Whether a column holds parts of F0."""
     if not _RATIO.search(column.name.casefold()):
         return False
-    return column.unit is None or any(units.same(column.unit, one) for one in ("%", "1"))
+    return column.unit is None or any(units.is_same_unit(column.unit, one) for one in ("%", "1"))
 
 
 def _clock(
     table: FileTable, columns: list[tuple[str, Column]], options: ReadOptions
 ) -> ReadOptions | None:
     """The options with a clock of hours or more; None where there is no such clock."""
-    timed = {str(i + 1) for i, value in suited(table, "time", options).items() if value >= 1.5}
+    timed = {
+        str(i + 1) for i, value in score_columns(table, "time", options).items() if value >= 1.5
+    }
     for number, one in columns:
         if number in timed or options.time in {number, one.name}:
             return options if _long(options.unit_of("time", one.name) or one.unit) else None
@@ -70,10 +72,10 @@ def _clock(
 
 def _long(word: str | None) -> bool:
     # no word for a time holds a digit, and the names of thousands of channels do
-    unit = None if not word or _DIGIT.search(word) else units.find(word, "time")
+    unit = None if not word or _DIGIT.search(word) else units.find_unit(word, "time")
     return unit is not None and unit.factor >= _LONG
 
 
-def _suited(table: FileTable, role: Role, options: ReadOptions) -> bool:
-    best = max(suited(table, role, options).values(), default=0.0)
+def _has_role(table: FileTable, role: Role, options: ReadOptions) -> bool:
+    best = max(score_columns(table, role, options).values(), default=0.0)
     return bool(getattr(options, role)) or best >= 1.5

@@ -8,10 +8,10 @@ from typing import Any, Literal
 
 from dashpot.base.choices import ElasticKindAsked
 from dashpot.base.errors import ReadError
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
-from dashpot.registry import KINDS, load
+from dashpot.registry import KINDS, load_object
 
 
 def fit_stress_strain(
@@ -37,7 +37,7 @@ def fit_stress_strain(
         memory=None if memory is None else memory_of(memory.model),
         cycle=cycle,
         stretches=stretches,
-        temperature=si(temperature, "temperature"),
+        temperature=convert_to_si(temperature, "temperature"),
     )
 
 
@@ -50,5 +50,5 @@ def read_stress_strain_record(
     word = how.get("test", "uniaxial")
     if word not in MODES:
         raise ReadError(f"test='{word}': expected one of {', '.join(MODES)}")
-    read_it = load(KINDS["stress-strain"].reader)
+    read_it = load_object(KINDS["stress-strain"].reader)
     return read_it(path, MODES[word].mode, pressed=MODES[word].pressed, **given)

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from dashpot.base.form_fields import Answers, Ask
+from dashpot.base.form_fields import FormData, FormField
 from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
 from dashpot.extensions.materials.hyperelastic.fit_files import hyperelastic_files
 from dashpot.extensions.materials.hyperelastic.options import MODES
 from dashpot.reading.read_options import ReadOptions
 
-ASKS = (Ask("test", "Kind of test", "", "--test", tuple(MODES), each=True),)
+ASKS = (FormField("test", "Kind of test", "", "--test", tuple(MODES), each=True),)
 
 
-def answered(files: Sequence[str], said: Answers, options: ReadOptions) -> HyperelasticFit:
+def answered(files: Sequence[str], said: FormData, options: ReadOptions) -> HyperelasticFit:
     """The law of the curves."""
     modes: dict[str, list[str]] = {}
     for i, path in enumerate(files):
-        modes.setdefault(said.of(f"test {i}") or next(iter(MODES)), []).append(path)
+        modes.setdefault(said.get_text(f"test {i}") or next(iter(MODES)), []).append(path)
     return hyperelastic_files(modes, options=options)

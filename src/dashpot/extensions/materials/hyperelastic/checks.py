@@ -11,14 +11,17 @@ import numpy as np
 
 from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.extensions.materials.hyperelastic.datamodel import ElasticCurve, HyperelasticFit, Span
-from dashpot.extensions.materials.hyperelastic.law_least_squares import HyperelasticOptimum, closest
+from dashpot.extensions.materials.hyperelastic.law_least_squares import (
+    HyperelasticOptimum,
+    compute_best_stable_misfit,
+)
 from dashpot.extensions.materials.hyperelastic.strain_energy import (
     SHEARING,
     Hyperelastic,
     Mode,
     direction,
 )
-from dashpot.numerics.inference.covariance_estimate import Derived
+from dashpot.numerics.inference.covariance_estimate import DerivedQuantity
 
 FOLLOWED = 0.05
 ALIKE = 0.05
@@ -39,11 +42,11 @@ _SHIFTS = (0.01, 0.02, 0.04, 0.08, 0.16)
 """Parts of the largest strain by which a zero is tried to be off."""
 
 
-def judge(
+def run_checks(
     fit: HyperelasticFit,
     chosen: HyperelasticOptimum,
     tried: Sequence[HyperelasticOptimum],
-    known: Derived,
+    known: DerivedQuantity,
     times: float,
     *,
     asked: Span | None,
@@ -53,9 +56,9 @@ def judge(
     worst = int(np.argmax(fit.residuals))
     foam = fit.law.kind == "hyperfoam"
     through = list(fit.curves) if foam else shaped
-    flexible = closest(through, fit.law.poisson)
+    flexible = compute_best_stable_misfit(through, fit.law.poisson)
     # of a foam that is known to be one its own ratio has been tried
-    still = math.inf if foam else closest(shaped, 0.0)
+    still = math.inf if foam else compute_best_stable_misfit(shaped, 0.0)
     reach = dict(fit.reach)
     least, where = least_drucker(fit.law, reach)
     half = times * known.standard_error[: len(fit.law.constants)]
@@ -74,16 +77,16 @@ def judge(
         stable_in_use(least, where, fit.stable),
         modes_enough(len({one.mode for one in shaped}), both=_both_ways(shaped), foam=foam),
         modes_told(*_untold(fit, chosen, tried, known, times)),
-        modes_in_scale(*_scaled(through, fit.law.poisson, min(flexible, chosen.rms))),
-        use_measured(_beyond(shaped, fit.law.poisson, asked)),
+        modes_in_scale(*_find_better_scale(through, fit.law.poisson, min(flexible, chosen.rms))),
+        use_measured(_compute_extrapolation_ratio(shaped, fit.law.poisson, asked)),
         constants_known(fit.law.constant_names[wide], float(half[wide]) / largest),
         rows_enough(len(chosen.optimum.residual), len(chosen.optimum.values)),
-        files_agree(_apart(fit.curves)),
+        files_agree(_compare_repeat_files(fit.curves)),
         loading_returned(max(lost, default=None), removed=fit.memory is not None),
         conditioned(max(softer, default=None, key=abs)),
         zero_known(*_slack(through, fit.law.poisson, flexible)),
         labels_agree(*_reading(through, fit.law.poisson, flexible)),
-        measures_stated(_unstated(fit.curves)),
+        measures_stated(_estimate_measure_error(fit.curves)),
         volume_known(known=fit.law.bulk_modulus is not None),
     )
 
@@ -107,7 +110,7 @@ def _untold(
     fit: HyperelasticFit,
     chosen: HyperelasticOptimum,
     tried: Sequence[HyperelasticOptimum],
-    known: Derived,
+    known: DerivedQuantity,
     times: float,
 ) -> tuple[float | None, str, str]:
     """The largest doubt of the stress in a mode that was not measured, over the largest there."""
@@ -133,7 +136,9 @@ def _untold(
     return max(doubts, default=(0.0 if measured >= set(SHEARING) else None, "", ""))
 
 
-def _beyond(curves: Sequence[ElasticCurve], poisson: float, asked: Span | None) -> float:
+def _compute_extrapolation_ratio(
+    curves: Sequence[ElasticCurve], poisson: float, asked: Span | None
+) -> float:
     """The largest logarithmic strain of use over the largest principal one of a test, by sign."""
     if asked is None:
         return 1.0
@@ -150,7 +155,7 @@ def _beyond(curves: Sequence[ElasticCurve], poisson: float, asked: Span | None) 
     return max(parts, default=0.0)
 
 
-def _apart(curves: Sequence[ElasticCurve]) -> float | None:
+def _compare_repeat_files(curves: Sequence[ElasticCurve]) -> float | None:
     """The largest mean difference of two files of one mode over what both cover."""
     found = []
     for one, other in combinations(curves, 2):
@@ -163,7 +168,7 @@ def _apart(curves: Sequence[ElasticCurve]) -> float | None:
     return max(found, default=None)
 
 
-def _unstated(curves: Sequence[ElasticCurve]) -> float:
+def _estimate_measure_error(curves: Sequence[ElasticCurve]) -> float:
     """What the stress would be off by if it were the true one, where nothing says which."""
     open_ = [one for one in curves if not one.stated and one.mode != "volumetric"]
     return max((float(np.abs(one.stretch - 1).max()) for one in open_), default=0.0)
@@ -176,7 +181,7 @@ def _slack(curves: Sequence[ElasticCurve], poisson: float, best: float) -> tuple
         far = float(one.stretch[np.argmax(np.abs(one.stretch - 1))] - 1)
         for part in (*_SHIFTS, *(-each for each in _SHIFTS)):
             moved = replace(one, stretch=one.stretch - part * far)
-            left = closest([*curves[:i], moved, *curves[i + 1 :]], poisson)
+            left = compute_best_stable_misfit([*curves[:i], moved, *curves[i + 1 :]], poisson)
             found = min(found, (left, part, _name(one)))
     left, part, name = found
     return (part, name) if left < 0.5 * best and best > SMALL else (0.0, "")
@@ -191,7 +196,7 @@ def _both_ways(curves: Sequence[ElasticCurve]) -> bool:
     )
 
 
-def _scaled(
+def _find_better_scale(
     curves: Sequence[ElasticCurve], poisson: float, best: float
 ) -> tuple[float | None, float, str]:
     """How many times closer a stable law comes if one mode's stress is scaled; how, and which."""
@@ -205,7 +210,7 @@ def _scaled(
                 replace(one, stress=one.stress * math.exp(size)) if one.mode == mode else one
                 for one in curves
             ]
-            found = min(found, (closest(scaled, poisson), size, mode))
+            found = min(found, (compute_best_stable_misfit(scaled, poisson), size, mode))
     left, size, which = found
     return best / max(left, SMALL), math.expm1(size), which
 
@@ -230,7 +235,7 @@ def _reading(
             **{mode: replace(one, mode=mode) for mode in SHEARING if mode != one.mode},
         }
         for says, other in named.items():
-            left = closest([*curves[:i], other, *curves[i + 1 :]], poisson)
+            left = compute_best_stable_misfit([*curves[:i], other, *curves[i + 1 :]], poisson)
             found = min(found, (left, f"{_name(one)} read as {says}"))
     return best / max(found[0], SMALL), found[1], best
 

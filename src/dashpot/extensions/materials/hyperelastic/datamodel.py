@@ -7,15 +7,15 @@ from typing import TypeAlias
 
 import numpy as np
 
-from dashpot.base.array_units import into_si, said_units
-from dashpot.base.arrays import ByValue, FloatArray, hold_measured
+from dashpot.base.array_units import convert_arrays_to_si, make_units_field
+from dashpot.base.arrays import EqualByValue, FloatArray, hold_measured
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.base.number_format import counted
-from dashpot.base.provenance import Source, of_file, sources_of
-from dashpot.base.reported_values import Fact, Numbered
-from dashpot.base.result_mixins import Described, Pictured, Series, arrays
-from dashpot.base.serialisation import Documented
+from dashpot.base.number_format import format_count
+from dashpot.base.provenance import Source, describe_record_source, sources_of
+from dashpot.base.reported_values import HasReportedValues, ReportedValue
+from dashpot.base.result_mixins import HasSummary, Plottable, Series, collect_arrays
+from dashpot.base.serialisation import Serialisable
 from dashpot.extensions.materials.hyperelastic.strain_energy import Hyperelastic, Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -26,7 +26,7 @@ MOST_POISSON = 0.6
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class StressStrainTest(ByValue, Described):
+class StressStrainTest(EqualByValue, HasSummary):
     """Nominal stress over stretch in one mode, in SI units.
 
     Attributes
@@ -72,10 +72,10 @@ class StressStrainTest(ByValue, Described):
     stated: bool = True
     source: Source | None = None
     poisson: float | None = None
-    units: str = said_units()
+    units: str = make_units_field()
 
     def __post_init__(self) -> None:
-        into_si(self, stretch="strain", stress="stress", time="time")
+        convert_arrays_to_si(self, stretch="strain", stress="stress", time="time")
         hold_measured(self, "stretch", "stress", "time", minimum=LEAST_ROWS)
         if self.poisson is not None:
             self._refuse_sideways(self.poisson)
@@ -105,19 +105,19 @@ class StressStrainTest(ByValue, Described):
     @property
     def series(self) -> Series:
         """Stress over stretch, and time."""
-        return arrays(self, stretch="1", stress="Pa", time="s")
+        return collect_arrays(self, stretch="1", stress="Pa", time="s")
 
     @property
     def described(self) -> tuple[str, ...]:
         """Which record it is, and what was done."""
         return (
-            of_file(self.source, len(self.stretch)),
+            describe_record_source(self.source, len(self.stretch)),
             f"{self.mode}, stretch {self.stretch.min():.4g} to {self.stretch.max():.4g}",
         )
 
 
 @dataclass(frozen=True, eq=False)
-class ElasticCurve(ByValue):
+class ElasticCurve(EqualByValue):
     """The part of a test that a law is fitted to.
 
     Attributes
@@ -167,7 +167,7 @@ Limits: TypeAlias = tuple[float | None, float | None]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class HyperelasticFit(ByValue, Pictured, Numbered, Documented):
+class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     """A hyperelastic law, and how well the tests tell it.
 
     Attributes
@@ -204,7 +204,7 @@ class HyperelasticFit(ByValue, Pictured, Numbered, Documented):
     keys = ("verdict", "*")
 
     law: Hyperelastic
-    found: tuple[Fact, ...]
+    found: tuple[ReportedValue, ...]
     orders: tuple[tuple[str, float], ...]
     curves: tuple[ElasticCurve, ...]
     residuals: tuple[float, ...]
@@ -225,7 +225,7 @@ class HyperelasticFit(ByValue, Pictured, Numbered, Documented):
         reach = [span for _, span in self.reach]
         low, high = min(one[0] for one in reach), max(one[1] for one in reach)
         return (
-            f"the {self.law.kind} law follows {counted(len(self.curves), 'curve')} to "
+            f"the {self.law.kind} law follows {format_count(len(self.curves), 'curve')} to "
             f"{100 * max(self.residuals):.2g} % of the stress, for stretches of {low:.3g} to "
             f"{high:.3g}{self._speed}"
         )

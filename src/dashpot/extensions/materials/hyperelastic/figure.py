@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.number_format import rounded
-from dashpot.base.units import in_unit
+from dashpot.base.number_format import round_to_error
+from dashpot.base.units import convert_to_unit
 from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
 from dashpot.extensions.materials.hyperelastic.strain_energy import SHEARING, Mode
 from dashpot.plot.picture import (
@@ -22,7 +22,7 @@ from dashpot.plot.picture import (
     Rule,
     Scale,
     Span,
-    around,
+    compute_padded_limits,
 )
 from dashpot.plot.provenance_stamp import stamp as stamped
 
@@ -66,10 +66,10 @@ def _panel(fit: HyperelasticFit, mode: Mode) -> Panel:
     low, high = float(every.min()), float(every.max())
     pad = _MARGIN * (high - low)
     x = np.linspace(max(low - pad, 0.02), high + pad, 160)
-    law = in_unit(fit.law.nominal(mode, x), "MPa")
+    law = convert_to_unit(fit.law.nominal(mode, x), "MPa")
     within = (x >= low) & (x <= high)
     marks = [Rule(0.0, REF, across=True), *_unstable(fit, mode, x)]
-    measured = [in_unit(one.stress, "MPa") for one in curves]
+    measured = [convert_to_unit(one.stress, "MPa") for one in curves]
     for one, stress in zip(curves, measured, strict=True):
         marks.append(Dots(one.stretch, stress, "measured", "measured", size=3.0))
     marks.append(Line(x, law, PREDICTED, "not measured"))
@@ -78,9 +78,12 @@ def _panel(fit: HyperelasticFit, mode: Mode) -> Panel:
     left = [
         r for one, r in zip(fit.curves, fit.residuals, strict=True) if one.mode == mode
     ]  # fmt: skip
-    note = f"residual {rounded(100 * max(left), digits=2)} %" if left else "not measured"
+    note = f"residual {round_to_error(100 * max(left), digits=2)} %" if left else "not measured"
     across, what = _AXES[mode == "volumetric"]
     return Panel(
-        Scale(across, (float(x[0]), float(x[-1]))), Scale(what, around(law, *measured)),
-        tuple(marks), title=mode, note=note,
-    )  # fmt: skip
+        Scale(across, (float(x[0]), float(x[-1]))),
+        Scale(what, compute_padded_limits(law, *measured)),
+        tuple(marks),
+        title=mode,
+        note=note,
+    )

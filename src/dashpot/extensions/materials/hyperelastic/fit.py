@@ -12,7 +12,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.choices import ElasticKind, ElasticKindAsked
 from dashpot.base.errors import FitError
-from dashpot.base.reported_values import Fact
+from dashpot.base.reported_values import ReportedValue
 from dashpot.datamodel.checks import caution_checks
 from dashpot.extensions.materials.hyperelastic import checks
 from dashpot.extensions.materials.hyperelastic.datamodel import (
@@ -24,7 +24,7 @@ from dashpot.extensions.materials.hyperelastic.datamodel import (
 from dashpot.extensions.materials.hyperelastic.law_least_squares import (
     EXACT,
     HyperelasticOptimum,
-    Weighed,
+    WeightedCurves,
     invariant_law,
     power_law,
     weighed,
@@ -38,7 +38,7 @@ from dashpot.extensions.materials.hyperelastic.strain_energy import (
     direction,
 )
 from dashpot.numerics.inference.covariance_estimate import estimate, score
-from dashpot.numerics.least_squares.problem import ordinary
+from dashpot.numerics.least_squares.problem import solve_ordinary
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 MOST_TERMS = 3
@@ -93,8 +93,8 @@ def fit_hyperelastic(
     if foam and swells and poisson is None and len({one.mode for one in curves}) == 1:
         poisson = told
     _refuse(curves, law, terms, poisson, foam=foam)
-    fitted, volumetric = _parted(curves, foam=foam)
-    tried = _of_foam(fitted, terms, poisson) if foam else _of_rubber(fitted, terms)
+    fitted, volumetric = _split_volumetric_curves(curves, foam=foam)
+    tried = _fit_foam_laws(fitted, terms, poisson) if foam else _fit_rubber_laws(fitted, terms)
     tried = list({one.name: one for one in tried}.values())
     best = min(tried, key=lambda one: one.rms)
     parts = [len(one.stretch) for one in fitted]
@@ -106,9 +106,9 @@ def fit_hyperelastic(
     reach = reach_of(curves, best.law.poisson, stretches)
     chosen = _chosen(tried, scores, law, reach)
     known = estimate(chosen.optimum, parts=parts, rounding=EXACT)
-    derived = known.derived(chosen.numbers)
+    derived = known.derive_quantity(chosen.numbers)
     half = known.quantile() * derived.standard_error
-    found = _found(chosen, derived.values, half)
+    found = _make_law_facts(chosen, derived.values, half)
     bulk = _bulk(volumetric)
     chosen = chosen._replace(law=_with_bulk(chosen, None if bulk is None else bulk.value))
     kept = HyperelasticFit(
@@ -116,20 +116,20 @@ def fit_hyperelastic(
         (*found, bulk) if bulk else found,
         tuple(scores.items()),
         tuple(curves),
-        tuple(_left(chosen, one) for one in curves),
+        tuple(_compute_relative_residual(chosen, one) for one in curves),
         tuple(reach.items()),
         tuple(zip(SHEARING, map(chosen.law.stable_range, SHEARING), strict=True)),
         memory,
         (),
         temperature,
     )
-    judged = checks.judge(kept, chosen, tried, derived, known.quantile(), asked=stretches)
+    judged = checks.run_checks(kept, chosen, tried, derived, known.quantile(), asked=stretches)
     sideways = checks.sideways_agrees(chosen.law.poisson, told, foam=foam)
     judged = (*judged, sideways, *caution_checks(kept.sources))
     return replace(kept, checks=judged)
 
 
-def _parted(
+def _split_volumetric_curves(
     curves: Sequence[ElasticCurve], *, foam: bool
 ) -> tuple[list[ElasticCurve], list[ElasticCurve]]:
     """What the law is fitted to, and what tells the bulk modulus of a rubber alone."""
@@ -141,13 +141,13 @@ def _parted(
     )
 
 
-def _of_foam(
+def _fit_foam_laws(
     curves: Sequence[ElasticCurve], terms: int | Literal["auto"], poisson: float | None
 ) -> list[HyperelasticOptimum]:
     return _power_laws(weighed(curves), "hyperfoam", terms, poisson)
 
 
-def _of_rubber(
+def _fit_rubber_laws(
     curves: Sequence[ElasticCurve], terms: int | Literal["auto"]
 ) -> list[HyperelasticOptimum]:
     rows = weighed(curves)
@@ -158,7 +158,7 @@ def _of_rubber(
 
 
 def _power_laws(
-    rows: Weighed, kind: ElasticKind, terms: int | Literal["auto"], poisson: float | None
+    rows: WeightedCurves, kind: ElasticKind, terms: int | Literal["auto"], poisson: float | None
 ) -> list[HyperelasticOptimum]:
     """The law of so many terms; or of one and two, and of more while each is worth it."""
     if terms != "auto":
@@ -224,30 +224,32 @@ def _sideways(
 # -- how well it is known ---------------------------------------------------------------------
 
 
-def _found(one: HyperelasticOptimum, values: FloatArray, half: FloatArray) -> tuple[Fact, ...]:
+def _make_law_facts(
+    one: HyperelasticOptimum, values: FloatArray, half: FloatArray
+) -> tuple[ReportedValue, ...]:
     """Constants, exponents and the shear modulus with their intervals."""
     law = one.law
     names = [*law.constant_names, *(f"alpha{k}" for k in range(1, len(law.exponents) + 1))]
     names += ["poisson"] * (len(names) < len(values) - 1)
     units = ["Pa"] * len(law.constants) + ["1"] * (len(names) - len(law.constants)) + ["Pa"]
     return tuple(
-        Fact(name, value, value - wide, value + wide, unit)
+        ReportedValue(name, value, value - wide, value + wide, unit)
         for name, value, wide, unit in zip(
             [*names, "shear_modulus"], values.tolist(), half.tolist(), units, strict=True
         )
     )
 
 
-def _bulk(volumetric: Sequence[ElasticCurve]) -> Fact | None:
+def _bulk(volumetric: Sequence[ElasticCurve]) -> ReportedValue | None:
     """The bulk modulus of a rubber."""
     if not volumetric:
         return None
     x = np.concatenate([each.stretch - 1 for each in volumetric])
     y = np.concatenate([each.stress for each in volumetric])
-    best = ordinary(y, x[:, None])
+    best = solve_ordinary(y, x[:, None])
     known = estimate(best, parts=[len(each.stretch) for each in volumetric])
     bulk, wide = float(best.beta[0]), known.quantile() * float(known.standard_error[0])
-    return Fact("bulk_modulus", bulk, bulk - wide, bulk + wide, "Pa")
+    return ReportedValue("bulk_modulus", bulk, bulk - wide, bulk + wide, "Pa")
 
 
 def _with_bulk(one: HyperelasticOptimum, bulk: float | None) -> Hyperelastic:
@@ -261,7 +263,7 @@ def _with_bulk(one: HyperelasticOptimum, bulk: float | None) -> Hyperelastic:
     return replace(one.law, bulk=bulk)
 
 
-def _left(one: HyperelasticOptimum, curve: ElasticCurve) -> float:
+def _compute_relative_residual(one: HyperelasticOptimum, curve: ElasticCurve) -> float:
     """Rms of what the law leaves of a curve, over the rms of its stress."""
     left = curve.stress - one.law.nominal(curve.mode, curve.stretch)
     return float(np.sqrt(np.mean(left**2))) / curve.size

@@ -28,14 +28,14 @@ from dashpot.extensions.materials.hyperelastic.strain_energy import (
     power_slope,
 )
 from dashpot.numerics.least_squares.levenberg_marquardt import triangle
-from dashpot.numerics.least_squares.nnls import linear
+from dashpot.numerics.least_squares.nnls import solve_linear
 from dashpot.numerics.least_squares.problem import (
     Optimum,
     Parameter,
     Problem,
     Rows,
-    ordinary,
-    solved,
+    require_optimum,
+    solve_ordinary,
 )
 
 EXPONENTS = (-12.0, -6.0, -3.0, -1.5, 1.5, 3.0, 6.0, 12.0, 24.0)
@@ -49,7 +49,7 @@ EXACT = 1e-9
 """Part of the stress below which a residual is rounding."""
 
 
-class Weighed(NamedTuple):
+class WeightedCurves(NamedTuple):
     """Curves as rows of one problem.
 
     Attributes
@@ -93,7 +93,7 @@ class HyperelasticOptimum(NamedTuple):
         return np.concatenate((mu, found, [replace(self.law, constants=tuple(mu)).shear_modulus]))
 
 
-def weighed(curves: Sequence[ElasticCurve]) -> Weighed:
+def weighed(curves: Sequence[ElasticCurve]) -> WeightedCurves:
     """Return curves with the weights that give every mode the same say."""
     modes = {one.mode for one in curves}
     total = sum(len(one.stretch) for one in curves)
@@ -103,27 +103,27 @@ def weighed(curves: Sequence[ElasticCurve]) -> Weighed:
         weight[mode] = np.sqrt(total / len(modes) / float(stress @ stress))
     each = tuple(np.full(len(one.stretch), weight[one.mode]) for one in curves)
     target = np.concatenate([w * one.stress for w, one in zip(each, curves, strict=True)])
-    return Weighed(tuple(curves), each, target)
+    return WeightedCurves(tuple(curves), each, target)
 
 
-def invariant_law(rows: Weighed, kind: ElasticKind) -> HyperelasticOptimum:
+def invariant_law(rows: WeightedCurves, kind: ElasticKind) -> HyperelasticOptimum:
     """Return the law of the invariants that follows the curves best: linear least squares."""
     unit = Hyperelastic(kind, (1.0,) * len(POWERS[kind]))
     parts = zip(rows.weights, rows.curves, strict=True)
     A = np.concatenate([w[:, None] * unit.columns(one.mode, one.stretch) for w, one in parts])
-    found = ordinary(rows.target, A)
+    found = solve_ordinary(rows.target, A)
     return HyperelasticOptimum(kind, Hyperelastic(kind, tuple(found.beta.tolist())), found)
 
 
 def power_law(
-    rows: Weighed, terms: int, kind: ElasticKind, poisson: float | None
+    rows: WeightedCurves, terms: int, kind: ElasticKind, poisson: float | None
 ) -> HyperelasticOptimum:
     """Return the law of so many power terms, or fewer if a further one is worth nothing.
 
     Poisson's ratio of a foam is sought where it is None.
     """
     starts = _starts(rows, terms, poisson)
-    best = solved(power_problem(rows, terms, poisson), starts, most=_STEPS)
+    best = require_optimum(power_problem(rows, terms, poisson), starts, most=_STEPS)
     order = [i for i in np.argsort(-best.beta * np.abs(best.theta[:terms])) if best.beta[i] > 0]
     theta = np.concatenate((best.theta[order], best.theta[terms:]))
     found = power_problem(rows, len(order), poisson).at(theta)
@@ -137,7 +137,7 @@ def power_law(
     return HyperelasticOptimum(f"{kind}-{len(order)}", law, found)
 
 
-def power_problem(rows: Weighed, terms: int, poisson: float | None) -> Problem:
+def power_problem(rows: WeightedCurves, terms: int, poisson: float | None) -> Problem:
     """Return the problem of alpha and, where it is None, Poisson's ratio; mu is linear."""
 
     def model(theta: FloatArray) -> Rows:
@@ -159,14 +159,14 @@ def power_problem(rows: Weighed, terms: int, poisson: float | None) -> Problem:
     return Problem(model, sought + [Parameter(0.0, 0.49, 0.1)] * (poisson is None), positive=True)
 
 
-def _starts(rows: Weighed, terms: int, poisson: float | None) -> list[FloatArray]:
+def _starts(rows: WeightedCurves, terms: int, poisson: float | None) -> list[FloatArray]:
     """The best sets of exponents of the grid, as alpha, nu; those that use every term first."""
     found: list[tuple[bool, float, list[float]]] = []
     for v in _POISSONS if poisson is None else (poisson,):
         A = _columns(rows, np.array(EXPONENTS), v)
         factor = triangle(np.concatenate((A.T, rows.target[None])))
         for chosen in map(list, combinations(range(len(EXPONENTS)), terms)):
-            mu, _ = linear(factor[:, chosen], factor[:, -1], positive=True)
+            mu, _ = solve_linear(factor[:, chosen], factor[:, -1], positive=True)
             left = factor[:, -1] - factor[:, chosen] @ mu
             start = [*(EXPONENTS[i] for i in chosen), *[v] * (poisson is None)]
             found.append((bool((mu <= 0).any()), float(left @ left), start))
@@ -174,12 +174,12 @@ def _starts(rows: Weighed, terms: int, poisson: float | None) -> list[FloatArray
     return [np.array(one) for _, _, one in found[:_DESCENTS]]
 
 
-def _paths(rows: Weighed, poisson: float) -> list[Path]:
+def _paths(rows: WeightedCurves, poisson: float) -> list[Path]:
     """Of every curve."""
     return [path(one.mode, one.stretch, poisson) for one in rows.curves]
 
 
-def _columns(rows: Weighed, exponents: FloatArray, poisson: float) -> FloatArray:
+def _columns(rows: WeightedCurves, exponents: FloatArray, poisson: float) -> FloatArray:
     """Weighed stress of a term of each exponent."""
     return np.concatenate(
         [
@@ -189,9 +189,9 @@ def _columns(rows: Weighed, exponents: FloatArray, poisson: float) -> FloatArray
     )
 
 
-def closest(curves: Sequence[ElasticCurve], poisson: float) -> float:
+def compute_best_stable_misfit(curves: Sequence[ElasticCurve], poisson: float) -> float:
     """Return what the most flexible stable law leaves of curves, rms over the rms of the stress."""
     rows = weighed(curves)
     A = _columns(rows, SPECTRUM, poisson)
-    mu, _ = linear(A, rows.target, positive=True)
+    mu, _ = solve_linear(A, rows.target, positive=True)
     return float(np.sqrt(np.mean((rows.target - A @ mu) ** 2)))

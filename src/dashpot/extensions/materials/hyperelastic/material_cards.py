@@ -7,12 +7,12 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from dashpot.base.errors import ExportError
-from dashpot.base.units import Quantity, si, written
+from dashpot.base.units import Quantity, convert_to_si, format_quantity
 from dashpot.base.version import byline
 from dashpot.export import refuse_untaken
 from dashpot.export.deck import NOT_VERIFIED, DeckText
 from dashpot.export.deck_validation import overlooked
-from dashpot.export.unit_systems import UnitSystem, one_line, text, unit_system
+from dashpot.export.unit_systems import UnitSystem, convert_to_printable_ascii, text, unit_system
 from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
 from dashpot.extensions.materials.hyperelastic.strain_energy import POWERS, Hyperelastic
 from dashpot.extensions.solver_inputs.ansys import tbdata
@@ -119,7 +119,7 @@ def hyperelastic_card(
         )
     system, law = unit_system(units), fit.law
     kelvin = fit.temperature if temperature is None else temperature
-    stated = si(bulk_modulus, "stress")
+    stated = convert_to_si(bulk_modulus, "stress")
     missing = [*_missing(law, target, stated, density)]
     overrides = overlooked(_problems(fit, kelvin), allow, "card", units=units, missing=missing)
     bulk, measured = _bulk(law, stated)
@@ -131,13 +131,17 @@ def hyperelastic_card(
     header = [
         byline(f"{law.kind} material for {_NAMES[target]}"),
         f"{fit.verdict.use.upper()}: {fit.verdict.says}",
-        *_described(card, kelvin, measured),
+        *_format_header_lines(card, kelvin, measured),
         *map("OVERRIDE: {}".format, overrides),
         *(f"CHECK FAILED: {check.says}" for check in fit.checks if check.failed),
         {"calculix": VERIFIED}.get(target, NOT_VERIFIED),
         *remarks,
     ]
-    made = DeckText("\n".join([*(f"{comment} {one_line(line)}" for line in header), *body, ""]))
+    made = DeckText(
+        "\n".join(
+            [*(f"{comment} {convert_to_printable_ascii(line)}" for line in header), *body, ""]
+        )
+    )
     made.verdict, made.checks, made.overrides = fit.verdict, fit.checks, overrides
     return made
 
@@ -182,10 +186,12 @@ def _problems(fit: HyperelasticFit, kelvin: float | None) -> dict[str, tuple[str
     return problems
 
 
-def _described(card: _Card, kelvin: float | None, measured: str) -> list[str]:
+def _format_header_lines(card: _Card, kelvin: float | None, measured: str) -> list[str]:
     law, units, fit = card.fit.law, card.units, card.fit
     stress = units.words[4]
-    stated = "not stated" if kelvin is None else f"{kelvin:.6g} K ({written(kelvin, 'degC')})"
+    stated = (
+        "not stated" if kelvin is None else f"{kelvin:.6g} K ({format_quantity(kelvin, 'degC')})"
+    )
     spans = ", ".join(
         f"{one.mode} {one.stretch.min():.4g} to {one.stretch.max():.4g}" for one in fit.curves
     )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
-from dashpot.base.choices import Measure, refuse_other
+from dashpot.base.choices import Measure, require_choice
 from dashpot.base.option_fields import option
 
 if TYPE_CHECKING:
@@ -51,4 +51,4 @@ class Measures:
 
     def __post_init__(self) -> None:
         for name, one in vars(self).items():
-            refuse_other(name, one, Measure)
+            require_choice(name, one, Measure)

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
-from dashpot.base.number_format import counted, rounded
-from dashpot.base.units import written
+from dashpot.base.number_format import format_count, round_to_error
+from dashpot.base.units import format_quantity
 from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
 from dashpot.report.attachments import DeckTerms
-from dashpot.report.page_content import Fold, KindPage, Topic, group, lights, tried
+from dashpot.report.page_content import (
+    CollapsibleSection,
+    KindPage,
+    Topic,
+    group,
+    lights,
+    make_law_ranking,
+)
 from dashpot.report.tables import TextTable
 
 
@@ -24,26 +31,38 @@ def page(found: HyperelasticFit) -> KindPage:
     use = {"stable_in_use", "use_measured", "volume_known"}
     law = {"law_followed", "no_law_closer", "foam_no_closer", "constants_known", "modes_enough",
            "modes_told", "sideways_agrees"}  # fmt: skip
-    left = f"{rounded(100 * max(found.residuals), digits=2)} % left"
+    left = f"{round_to_error(100 * max(found.residuals), digits=2)} % left"
     curves = tuple(
         (one.mode, "" if one.source is None else one.source.file,
          f"{one.stretch.min():.4g} to {one.stretch.max():.4g}", str(one.rows),
-         rounded(100 * residual, digits=3))
+         round_to_error(100 * residual, digits=3))
         for one, residual in zip(found.curves, found.residuals, strict=True)
     )  # fmt: skip
     warm = found.temperature
     return KindPage(
-        about=f"stress over strain, {counted(len(found.curves), 'curve')}",
-        strip=(("Law", found.law.kind), ("Curves", ", ".join(one.mode for one in found.curves)),
-               ("Temperature", "not given" if warm is None else written(warm, "°C", ".1f"))),
-        lights=lights(found.checks, Topic("Curves"), Topic("Law", law, left),
-                      Topic("Use", use, "stable where used")),
+        about=f"stress over strain, {format_count(len(found.curves), 'curve')}",
+        strip=(
+            ("Law", found.law.kind),
+            ("Curves", ", ".join(one.mode for one in found.curves)),
+            ("Temperature", "not given" if warm is None else format_quantity(warm, "°C", ".1f")),
+        ),
+        lights=lights(
+            found.checks,
+            Topic("Curves"),
+            Topic("Law", law, left),
+            Topic("Use", use, "stable where used"),
+        ),
         answers="Stress over stretch",
         picture=found.plot(),
         told=f"The {found.law.kind} law",
         groups=(group("", found.found),),
         sources=found.sources,
-        folds=(Fold("Each curve", "stretches, rows, residual",
-                    TextTable(("test", "file", "stretch", "rows", "residual, %"), curves)),
-               tried(found.orders)),
-    )  # fmt: skip
+        folds=(
+            CollapsibleSection(
+                "Each curve",
+                "stretches, rows, residual",
+                TextTable(("test", "file", "stretch", "rows", "residual, %"), curves),
+            ),
+            make_law_ranking(found.orders),
+        ),
+    )

@@ -50,7 +50,7 @@ def elastic_curve(
     FitError
         If a memory is to be taken off a test without a clock, or there is no such loading.
     """
-    stress = test.stress if memory is None else _without(memory, test)
+    stress = test.stress if memory is None else _remove_memory(memory, test)
     chosen = _chosen(test.stretch, stress, cycle)
     rows = chosen.rows
     x, y = _means(test.stretch[rows], stress[rows])
@@ -60,7 +60,7 @@ def elastic_curve(
     )  # fmt: skip
 
 
-def _without(memory: GeneralizedMaxwell, test: StressStrainTest) -> FloatArray:
+def _remove_memory(memory: GeneralizedMaxwell, test: StressStrainTest) -> FloatArray:
     """The nominal stress at rest: the memory is of the stress on the area as it is, over length."""
     if test.time is None:
         raise FitError(
@@ -88,7 +88,7 @@ def _chosen(stretch: FloatArray, stress: FloatArray, cycle: int | None) -> _Load
     softer = None
     if len(loadings) > 1:
         softer = 1 - _middle(away, stress, loadings[-1]) / _middle(away, stress, loadings[0])
-    lost = _lost(away, stress, taken, strokes)
+    lost = _compute_loss_fraction(away, stress, taken, strokes)
     return _LoadingRows(np.arange(taken.first, taken.last + 1), lost, softer)
 
 
@@ -100,17 +100,21 @@ def _loadings(away: FloatArray, strokes: Sequence[Stroke]) -> list[Stroke]:
     return [one for one in inward if away[one.last] >= whole] or inward or list(strokes[:1])
 
 
-def _along(x: FloatArray, y: FloatArray, one: Stroke) -> tuple[FloatArray, FloatArray]:
+def _sort_stroke_samples(
+    x: FloatArray, y: FloatArray, one: Stroke
+) -> tuple[FloatArray, FloatArray]:
     part = np.argsort(x[one.samples], kind="stable")
     return x[one.samples][part], y[one.samples][part]
 
 
-def _lost(x: FloatArray, y: FloatArray, there: Stroke, strokes: Sequence[Stroke]) -> float | None:
+def _compute_loss_fraction(
+    x: FloatArray, y: FloatArray, there: Stroke, strokes: Sequence[Stroke]
+) -> float | None:
     """Part of the energy of a loading that its unloading does not return, where both were."""
     back = next((one for one in strokes if one.first >= there.last and not one.inward), None)
     if back is None:
         return None
-    (x1, y1), (x2, y2) = _along(x, y, there), _along(x, y, back)
+    (x1, y1), (x2, y2) = _sort_stroke_samples(x, y, there), _sort_stroke_samples(x, y, back)
     at = np.linspace(max(x1[0], x2[0]), min(x1[-1], x2[-1]), 200)
     put, given = (float(np.trapezoid(np.interp(at, a, b), at)) for a, b in ((x1, y1), (x2, y2)))
     return 1 - given / put
@@ -118,7 +122,7 @@ def _lost(x: FloatArray, y: FloatArray, there: Stroke, strokes: Sequence[Stroke]
 
 def _middle(x: FloatArray, y: FloatArray, one: Stroke) -> float:
     """Stress at half the largest strain."""
-    return float(np.interp(0.5 * x.max(), *_along(x, y, one)))
+    return float(np.interp(0.5 * x.max(), *_sort_stroke_samples(x, y, one)))
 
 
 def _means(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:

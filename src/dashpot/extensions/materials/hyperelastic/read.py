@@ -14,11 +14,11 @@ from dashpot.extensions.materials.hyperelastic.datamodel import StressStrainTest
 from dashpot.extensions.materials.hyperelastic.options import Measures
 from dashpot.extensions.materials.hyperelastic.strain_energy import Mode, poisson_of
 from dashpot.reading.columns import vocabulary
-from dashpot.reading.columns.role_assignment import handle, quoted, suited
+from dashpot.reading.columns.role_assignment import format_column, handle, score_columns
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.channels import Channel, Opened
+from dashpot.reading.readers.channels import Channel, OpenedFile
 from dashpot.reading.readers.relaxation import signals
 from dashpot.reading.readers.rubber_limits import refuse_sizes_of_rubber
 from dashpot.reading.table import Column
@@ -55,9 +55,9 @@ def read_stress_strain(
         If the file cannot be read, or leaves open which column is what, in which unit or sense.
     """
     measures, pressed = measures or Measures(), pressed or mode == "volumetric"
-    with channels.opened(path, options) as file:
-        elongated = _elongated(file)
-        _expected(file, elongated)
+    with channels.open_file(path, options) as file:
+        elongated = _select_elongation_role(file)
+        _require_stress_strain_file(file, elongated)
         chosen, values, notes = signals(file, elongated, "stress", least=4, clock_matters=False)
         strain, stress = values[elongated], values["stress"]
         # of a volume a hundredth is much
@@ -69,7 +69,7 @@ def read_stress_strain(
             notes.append(said)
             strain = -np.abs(strain) if pressed else strain
             strain = np.exp(strain) if true else 1 + strain
-        strain, stress, turned = _signed(strain, stress, pressed=pressed)
+        strain, stress, turned = _apply_stress_sign(strain, stress, pressed=pressed)
         notes += turned
         if mode != "volumetric":
             true, said_so, said = _is_true(file, chosen[-1], measures.stress_is)
@@ -90,11 +90,13 @@ def read_stress_strain(
 def _is_sideways(column: Column) -> bool:
     """Whether a column is of a strain square to the force."""
     named = vocabulary.has_word(column.name, vocabulary.SIDEWAYS)
-    return column.content == "number" and named and bool(units.find(column.unit or "", "strain"))
+    return (
+        column.content == "number" and named and bool(units.find_unit(column.unit or "", "strain"))
+    )
 
 
 def _sideways(
-    file: Opened, along: Channel, measures: Measures, *, pressed: bool
+    file: OpenedFile, along: Channel, measures: Measures, *, pressed: bool
 ) -> tuple[float | None, list[str]]:
     """Poisson's ratio of a column of strain square to the force, and what is said of it."""
     columns = file.table.columns
@@ -105,30 +107,30 @@ def _sideways(
     named = replace(file, options=replace(file.options, strain=handle(columns, index)))
     (across,) = channels.choose(named, ["strain"])
     loaded = channels.load(file.table, [along.index, index], file.options.segment)
-    rows, _ = channels.whole_rows(loaded)
+    rows, _ = channels.select_complete_rows(loaded)
     strains = [one.unit.factor * rows[:, j] for j, one in enumerate((along, across))]
     if pressed:  # both are sizes
         strains = [-np.abs(strains[0]), np.abs(strains[1])]
     true = [_is_true(file, one, measures.strain_is)[0] for one in (along, across)]
     ratio = poisson_of(*(np.exp(e) if log else 1 + e for e, log in zip(strains, true, strict=True)))
     more = f"; {len(found) - 1} more such columns are left out" if len(found) > 1 else ""
-    return ratio, [f"{quoted(columns, index)} shows Poisson's ratio {ratio:.3g}{more}"]
+    return ratio, [f"{format_column(columns, index)} shows Poisson's ratio {ratio:.3g}{more}"]
 
 
-def _expected(file: Opened, elongated: Role) -> None:
+def _require_stress_strain_file(file: OpenedFile, elongated: Role) -> None:
     """Refuse another kind of file, unless both columns stand there."""
     if not (file.column(elongated) and file.column("stress")):
         named = ("stress", *_ELONGATED)
         channels.expect(file, ["stress-strain"], "stress over strain is", named=named)
 
 
-def _elongated(file: Opened) -> Role:
+def _select_elongation_role(file: OpenedFile) -> Role:
     """Whether the file has a stretch or a strain."""
     options = file.options
     if options.stretch or options.strain:
         return "stretch" if options.stretch else "strain"
     best = {
-        role: max(suited(file.table, role, options).values(), default=0.0)
+        role: max(score_columns(file.table, role, options).values(), default=0.0)
         for role in _ELONGATED
     }  # fmt: skip
     return max(_ELONGATED, key=lambda role: best[role])
@@ -137,22 +139,22 @@ def _elongated(file: Opened) -> Role:
 _ELONGATED: tuple[Role, Role] = ("strain", "stretch")
 
 
-def _is_true(file: Opened, one: Channel, given: str) -> tuple[bool, bool, str]:
+def _is_true(file: OpenedFile, one: Channel, given: str) -> tuple[bool, bool, str]:
     """Whether a column is over what is, not what was at rest; whether that was said; and why."""
     column = file.table.columns[one.index]
-    name = quoted(file.table.columns, one.index)
+    name = format_column(file.table.columns, one.index)
     if given != "auto":
         return given == "true", True, f"{name} is {given}, as given"
     if vocabulary.has_word(column.name, vocabulary.OF_ACTUAL):
         return True, True, f"{name} is true, as its name says"
     if vocabulary.has_word(column.name, vocabulary.OF_REST):
         return False, True, f"{name} is nominal, as its name says"
-    if column.unit and units.same(column.unit, "%"):
+    if column.unit and units.is_same_unit(column.unit, "%"):
         return False, True, f"{name} is nominal: a logarithm is not written in per cent"
     return False, False, f"{name} is taken to be nominal (--{one.role}-is)"
 
 
-def _signed(
+def _apply_stress_sign(
     stretch: FloatArray, stress: FloatArray, *, pressed: bool
 ) -> tuple[FloatArray, FloatArray, list[str]]:
     """Stretch, and stress with the sign of its strain, tension > 0; of a `pressed` one < 0."""

@@ -33,7 +33,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.choices import ElasticKind, refuse_other
+from dashpot.base.choices import ElasticKind, require_choice
 from dashpot.base.errors import DataError
 
 Mode: TypeAlias = Literal["uniaxial", "equibiaxial", "planar", "volumetric"]
@@ -137,7 +137,7 @@ class Hyperelastic:
     bulk: float | None = None
 
     def __post_init__(self) -> None:
-        refuse_other("law", self.kind, ElasticKind)
+        require_choice("law", self.kind, ElasticKind)
         powers = self.kind not in POWERS
         expected = len(self.exponents) if powers else len(POWERS[self.kind])
         if len(self.constants) != expected or expected < 1 or (self.exponents and not powers):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dashpot as dp
 from dashpot.text_output.layout import Text, facts, table
-from dashpot.text_output.results import rounded, tried
+from dashpot.text_output.results import format_bic_differences, format_rounded
 
 
 def hyperelastic(found: dp.HyperelasticFit) -> Text:
@@ -13,7 +13,7 @@ def hyperelastic(found: dp.HyperelasticFit) -> Text:
     for curve, left in zip(found.curves, found.residuals, strict=True):
         name = curve.mode if curve.source is None else f"{curve.mode}, {curve.source.file}"
         span = f"{curve.stretch.min():.4g} to {curve.stretch.max():.4g}"
-        tests.append([name, span, str(curve.rows), rounded(100 * left, digits=3)])
+        tests.append([name, span, str(curve.rows), format_rounded(100 * left, digits=3)])
     notes = [
         f"  {one.file}: {note}" for one in found.sources for note in one.notes
     ]  # fmt: skip
@@ -21,6 +21,6 @@ def hyperelastic(found: dp.HyperelasticFit) -> Text:
         f"  law: {found.law.kind}",
         *facts(found.found),
         *table(tests),
-        tried(found.orders),
+        format_bic_differences(found.orders),
     ]
     return Text(lines, notes)

@@ -9,7 +9,7 @@ from typing import Any
 from dashpot.base.choices import ImpactLawAsked
 from dashpot.base.errors import FitError, ReadError
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit
-from dashpot.registry import KINDS, load
+from dashpot.registry import KINDS, load_object
 
 
 def fit_hit(records: list[Any], *, model: ImpactLawAsked = "auto") -> IndentationFit:
@@ -37,4 +37,4 @@ def read_hit_record(path: str | Path, given: dict[str, Any], how: Mapping[str, A
             f'Give it: dp.read("{Path(path).name}", mass="5g")'
         )
     indenter = Indenter(**{name: how[name] for name in _INDENTER if name in how})
-    return load(KINDS["indentation"].reader)(path, indenter=indenter, **given)
+    return load_object(KINDS["indentation"].reader)(path, indenter=indenter, **given)

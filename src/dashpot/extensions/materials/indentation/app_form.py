@@ -4,23 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from dashpot.base.form_fields import Answers, Ask
+from dashpot.base.form_fields import FormData, FormField
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit
 from dashpot.extensions.materials.indentation.fit_files import indent_file
 from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.reading.read_options import ReadOptions
 
 ASKS = (
-    Ask("mass", "Moving mass", "g", "--mass"),
-    Ask("radius", "Tip radius", "mm", "--radius"),
-    Ask("drop_height", "Drop height", "mm", "--drop-height"),
+    FormField("mass", "Moving mass", "g", "--mass"),
+    FormField("radius", "Tip radius", "mm", "--radius"),
+    FormField("drop_height", "Drop height", "mm", "--drop-height"),
 )
 
 
-def answered(files: Sequence[str], said: Answers, options: ReadOptions) -> IndentationFit:
+def answered(files: Sequence[str], said: FormData, options: ReadOptions) -> IndentationFit:
     """What the contact says of the surface."""
     indenter = Indenter(
-        mass=said.needed("mass", "mass"),
+        mass=said.require_quantity("mass", "mass"),
         radius=said.number("radius", "length"),
         drop_height=said.number("drop_height", "length"),
     )

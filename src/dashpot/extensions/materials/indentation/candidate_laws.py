@@ -21,7 +21,7 @@ from dashpot.extensions.materials.indentation.collision import (
     Collision,
     Shape,
     relaxing,
-    scaled,
+    scale_collision,
     stiffness_of,
     viscous,
 )
@@ -81,7 +81,9 @@ class Law:
         ends = [[first - _REACH, first + _REACH], *own, [last - _REACH, last + _REACH]]
         return [Parameter(float(low), float(high)) for low, high in ends]
 
-    def begun(self, lasts: float, own: Sequence[float], change: float) -> FloatArray:
+    def make_starting_parameters(
+        self, lasts: float, own: Sequence[float], change: float
+    ) -> FloatArray:
         """The parameters, but for the touch."""
         first, last = np.log((lasts, change))
         return np.array([first, *np.arcsinh(own / _SLIGHT[: len(own)]), last])
@@ -104,7 +106,7 @@ class Law:
         """The motion of a fit's parameters."""
         unit, own, speed = self._read(theta)
         shape = self.shape(*own, pull * unit / speed)
-        return scaled(shape, unit=unit, mass=mass, velocity=speed, pull=pull)
+        return scale_collision(shape, unit=unit, mass=mass, velocity=speed, pull=pull)
 
 
 def _maxwell(loss: float, time: float) -> tuple[float, float]:
@@ -152,7 +154,7 @@ class Recorded(NamedTuple):
     stretched: FloatArray
 
 
-def recorded(hit: Collision, of: Motion, since: FloatArray, step: float) -> Recorded:
+def simulate_sensor_signal(hit: Collision, of: Motion, since: FloatArray, step: float) -> Recorded:
     """Return what a sensor would record, positive for a push, at times since the touch, s.
 
     An acceleration is the specific force F/m, for what falls freely weighs nothing. A force that
@@ -163,20 +165,22 @@ def recorded(hit: Collision, of: Motion, since: FloatArray, step: float) -> Reco
     t, end, F = hit.time, hit.duration, hit.force
     inside = (since > 0) & (since < end)
 
-    def seen(what: FloatArray, rate: FloatArray, at: FloatArray = since) -> tuple[FloatArray, ...]:
+    def interpolate_cubic(
+        what: FloatArray, rate: FloatArray, at: FloatArray = since
+    ) -> tuple[FloatArray, ...]:
         """By the cubics of value and rate, which bend as a motion does, and their rate."""
         cubic = CubicHermiteSpline(t, what, rate)
         at = np.clip(at, 0.0, end)
         return cubic(at), cubic(at, 1)
 
-    push, rate = (one * inside for one in seen(F, np.gradient(F, t, edge_order=2)))
+    push, rate = (one * inside for one in interpolate_cubic(F, np.gradient(F, t, edge_order=2)))
     if of in {"acceleration", "force"}:
         scale = 1.0 if of == "force" else 1 / hit.mass
         value, stretched = push, -push - since * rate
         if F[0] > 0:
             lost = hit.velocity[0] + hit.pull * t - hit.velocity  # the force's integral over mass
             edge = np.stack((since - step / 2, since + step / 2))
-            value, force = seen(lost * hit.mass, F, edge)
+            value, force = interpolate_cubic(lost * hit.mass, F, edge)
             force *= (edge > 0) & (edge < end)
             value, rate, stretched = (
                 np.diff(one, axis=0)[0] / step for one in (value, force, -edge * force)
@@ -186,9 +190,9 @@ def recorded(hit: Collision, of: Motion, since: FloatArray, step: float) -> Reco
     # in flight with the speed of approach, or of release
     slowed = push / hit.mass - hit.pull
     if of == "velocity":
-        speed = seen(hit.velocity, hit.acceleration)[0] + hit.pull * (before + after)
+        speed = interpolate_cubic(hit.velocity, hit.acceleration)[0] + hit.pull * (before + after)
         return Recorded(-speed, slowed, -since * slowed)
-    way, speed = seen(hit.displacement, hit.velocity)
+    way, speed = interpolate_cubic(hit.displacement, hit.velocity)
     speed += hit.pull * (before + after)
     way += hit.velocity[0] * before + hit.velocity[-1] * after
     way += hit.pull * (before**2 + after**2) / 2

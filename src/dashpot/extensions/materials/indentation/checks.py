@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.base.checks import Check, Finding, Remedy, criterion
-from dashpot.base.reported_values import Fact
+from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import GRAVITY
 from dashpot.extensions.materials.indentation.collision import Collision
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit, IndentationTest
@@ -29,14 +29,14 @@ _UNKNOWN = 100.0
 _COMPARED = ("restitution", "modulus", "depth")
 
 
-def judge(
+def run_checks(
     fit: IndentationFit,
     hit: Collision,
     test: IndentationTest,
     *,
     contact: ContactInterval,
     clipped: int,
-    others: Sequence[tuple[str, Sequence[Fact]]],
+    others: Sequence[tuple[str, Sequence[ReportedValue]]],
 ) -> tuple[Check, ...]:
     """Every check of a contact."""
     since, T = fit.time, fit.duration
@@ -236,7 +236,9 @@ def _leading(fit: IndentationFit) -> float:
 
 
 @criterion("largest difference between laws", "<=", ALIKE, "our choice: 5 %")
-def laws_agree(fit: IndentationFit, others: Sequence[tuple[str, Sequence[Fact]]]) -> Finding:
+def laws_agree(
+    fit: IndentationFit, others: Sequence[tuple[str, Sequence[ReportedValue]]]
+) -> Finding:
     """Laws that explain the contact as well say the same of restitution, modulus and depth."""
     if not others:
         return Finding(f"No other law explains the contact as well as {fit.law}", 0.0)

@@ -19,9 +19,9 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray
+from dashpot.base.arrays import EqualByValue, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.validators import positive
+from dashpot.base.validators import require_positive
 from dashpot.extensions.materials.indentation.contact_law import ContactLaw, ViscousContact
 
 _STEP, _RELAXING_STEP = 0.03, 0.05
@@ -40,7 +40,7 @@ State: TypeAlias = tuple[float, ...]
 
 
 @dataclass(frozen=True, eq=False)
-class Collision(ByValue):
+class Collision(EqualByValue):
     """One contact, from touch to release.
 
     Attributes
@@ -111,7 +111,7 @@ def collide(law: ContactLaw, *, mass: float, velocity: float, pull: float = 0.0)
     DataError
         If a number is not above zero, or the body is never let go.
     """
-    positive(mass=mass, velocity=velocity, expected="a finite number above 0")
+    require_positive(mass=mass, velocity=velocity, expected="a finite number above 0")
     n = law.exponent
     unit = ((n + 1) / 2 * mass * velocity ** (1 - n) / law.k) ** (1 / (n + 1))
     fall = pull * unit / velocity
@@ -119,7 +119,7 @@ def collide(law: ContactLaw, *, mass: float, velocity: float, pull: float = 0.0)
         shape = viscous(n, law.viscous_time / unit, fall)
     else:
         shape = relaxing(law.g, law.tau / unit, fall)
-    return scaled(shape, unit=unit, mass=mass, velocity=velocity, pull=pull)
+    return scale_collision(shape, unit=unit, mass=mass, velocity=velocity, pull=pull)
 
 
 def stiffness_of(exponent: float, *, unit: float, mass: float, velocity: float) -> float:
@@ -139,7 +139,7 @@ class Shape(NamedTuple):
     force: FloatArray
 
 
-def scaled(
+def scale_collision(
     shape: Shape, *, unit: float, mass: float, velocity: float, pull: float = 0.0
 ) -> Collision:
     """Return the collision of a shape, with its unit of time, s."""
@@ -170,14 +170,14 @@ def viscous(n: float, A: float, pull: float = 0.0) -> Shape:
     step = _STEP / (1 + A)
     if n == 1:
         # the force changes sign at the release
-        t, x, v = _marched(
+        t, x, v = _integrate_contact(
             lambda _, x, v: (1.0, v, pull - x - A * v), (0.0, 0.0, 1.0),
             lambda _, x, v: x + A * v, step,
         )  # fmt: skip
         F = x + A * v
     else:
         # x^(1/2) is a factor of the force, x + 3/2 A v the rest of it
-        t, y, v = _marched(
+        t, y, v = _integrate_contact(
             lambda _, y, v: (y, v / 2, y * (pull - 1.25 * y * (y * y + 1.5 * A * v))),
             (0.0, 0.0, 1.0), lambda _, y, v: y - sqrt(1.5 * abs(A) * max(-v, 0.0)), step,
         )  # fmt: skip
@@ -206,7 +206,7 @@ def relaxing(g: float, tau: float, pull: float = 0.0) -> Shape:
         force = 1.25 * (y**3 + g * q)
         return y, v / 2, y * (pull - force), y * (1.5 * y * v - q / tau)
 
-    t, y, v, q = _marched(loading, (0.0, 0.0, 1.0, 0.0), lambda *state: state[2], step)
+    t, y, v, q = _integrate_contact(loading, (0.0, 0.0, 1.0, 0.0), lambda *state: state[2], step)
     top, at = float(y[-1]), float(t[-1])
     from scipy.interpolate import CubicSpline
 
@@ -227,7 +227,9 @@ def relaxing(g: float, tau: float, pull: float = 0.0) -> Shape:
         falls = ((1 + g) * v - (w * w - x) / tau) / (1 + faded)
         return w, falls / 2, w * (pull - force), w * v
 
-    later, w, u, x = _marched(unloading, (at, top, 0.0, top**2), lambda *state: state[1], step)
+    later, w, u, x = _integrate_contact(
+        unloading, (at, top, 0.0, top**2), lambda *state: state[1], step
+    )
     t1, q1 = earlier(_angle(w, top)).T
     F = 1.25 * (w**3 + g * np.exp((t1 - later) / tau) * q1)
     F[-1] = 0.0
@@ -243,7 +245,7 @@ def _angle(y: FloatArray, top: float) -> FloatArray:
     return np.arctan2(y, np.sqrt(np.maximum(top**2 - y**2, 0.0)))
 
 
-def _marched(
+def _integrate_contact(
     rate: Callable[..., State],
     start: State,
     ends: Callable[..., float],
@@ -255,7 +257,7 @@ def _marched(
     steps and by the cubics between them.
     """
 
-    def stepped(y: State, k1: State, h: float) -> State:
+    def compute_next_state(y: State, k1: State, h: float) -> State:
         k2 = rate(*[a + h / 2 * b for a, b in zip(y, k1, strict=True)])
         k3 = rate(*[a + h / 2 * b for a, b in zip(y, k2, strict=True)])
         k4 = rate(*[a + h * b for a, b in zip(y, k3, strict=True)])
@@ -269,14 +271,14 @@ def _marched(
                 f"the body is still in contact after {_LONGEST:g} times the time of a lossless "
                 "one: it is not let go; expected less damping or less pull"
             )
-        states.append(stepped(states[-1], rates[-1], step))
+        states.append(compute_next_state(states[-1], rates[-1], step))
         rates.append(rate(*states[-1]))
         before, now = now, ends(*states[-1])
     # the last step ends where the function is zero: false position, its stale end halved
     low, high, part = 0.0, step, 0.0
     for _ in range(_ROUNDS):
         part = high - now * (high - low) / (now - before)
-        states[-1] = stepped(states[-2], rates[-2], part)
+        states[-1] = compute_next_state(states[-2], rates[-2], part)
         value = ends(*states[-1])
         if value * now < 0:
             low, before = high, now

@@ -26,7 +26,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.validators import positive
+from dashpot.base.validators import require_positive
 
 SPHERE = 1.5
 """Exponent of a sphere on a half-space."""
@@ -51,7 +51,7 @@ class ViscousContact:
     exponent: float = SPHERE
 
     def __post_init__(self) -> None:
-        positive(k=self.k, expected="a finite number above 0")
+        require_positive(k=self.k, expected="a finite number above 0")
         if not 0 <= self.viscous_time < np.inf:
             raise DataError(f"viscous_time = {self.viscous_time!r} s; expected 0 or more")
         if self.exponent not in {1.0, SPHERE}:
@@ -91,7 +91,7 @@ class RelaxingContact:
     exponent = SPHERE
 
     def __post_init__(self) -> None:
-        positive(k=self.k, tau=self.tau, expected="a finite number above 0")
+        require_positive(k=self.k, tau=self.tau, expected="a finite number above 0")
         if not 0 <= self.g < np.inf:
             raise DataError(f"g = {self.g!r}; expected 0 or more")
 

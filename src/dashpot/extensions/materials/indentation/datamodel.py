@@ -7,14 +7,14 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from dashpot.base.array_units import into_si, said_units
-from dashpot.base.arrays import ByValue, FloatArray, hold_measured, median
+from dashpot.base.array_units import convert_arrays_to_si, make_units_field
+from dashpot.base.arrays import EqualByValue, FloatArray, hold_measured, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.base.provenance import Source, of_file
-from dashpot.base.reported_values import Fact, Numbered
-from dashpot.base.result_mixins import Described, Pictured, Series, arrays
-from dashpot.base.serialisation import Documented
+from dashpot.base.provenance import Source, describe_record_source
+from dashpot.base.reported_values import HasReportedValues, ReportedValue
+from dashpot.base.result_mixins import HasSummary, Plottable, Series, collect_arrays
+from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import Dimension
 from dashpot.extensions.materials.indentation.contact_law import ContactLaw
 from dashpot.extensions.materials.indentation.indenter import Indenter
@@ -30,7 +30,7 @@ _DIMENSIONS: dict[str, Dimension] = {
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class IndentationTest(ByValue, Described):
+class IndentationTest(EqualByValue, HasSummary):
     """The motion of an indenter through one contact or several, in SI units.
 
     Attributes
@@ -70,12 +70,12 @@ class IndentationTest(ByValue, Described):
     indenter: Indenter
     force: FloatArray | None = None
     source: Source | None = None
-    units: str = said_units()
+    units: str = make_units_field()
 
     def __post_init__(self) -> None:
         if self.of not in UNITS:
             raise DataError(f"of = '{self.of}'; expected one of {', '.join(UNITS)}")
-        into_si(self, time="time", signal=_DIMENSIONS[self.of], force="force")
+        convert_arrays_to_si(self, time="time", signal=_DIMENSIONS[self.of], force="force")
         hold_measured(self, "time", "signal", "force", minimum=16)
         steps = np.diff(self.time)
         worst = int(np.argmax(np.abs(steps - self.step)))
@@ -93,13 +93,13 @@ class IndentationTest(ByValue, Described):
     @property
     def series(self) -> Series:
         """The motion, and the force recorded beside it, over time."""
-        return {**arrays(self, time="s", force="N"), self.of: (self.signal, UNITS[self.of])}
+        return {**collect_arrays(self, time="s", force="N"), self.of: (self.signal, UNITS[self.of])}
 
     @property
     def described(self) -> tuple[str, ...]:
         """Which record it is, and what was recorded."""
         return (
-            of_file(self.source, len(self.time)),
+            describe_record_source(self.source, len(self.time)),
             (
                 f"{self.of} of an indenter at {1 / self.step:.6g} Hz, to "
                 f"{np.abs(self.signal).max():.4g} {UNITS[self.of]}"
@@ -112,7 +112,7 @@ _CAME_FOR = ("modulus", "k")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class IndentationFit(ByValue, Pictured, Numbered, Documented):
+class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     """What one contact says of a surface.
 
     Attributes
@@ -156,7 +156,7 @@ class IndentationFit(ByValue, Pictured, Numbered, Documented):
 
     law: str
     contact: ContactLaw
-    found: tuple[Fact, ...]
+    found: tuple[ReportedValue, ...]
     orders: tuple[tuple[str, float], ...]
     indenter: Indenter
     of: str

@@ -4,10 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base.number_format import rounded
-from dashpot.base.units import in_unit
+from dashpot.base.number_format import round_to_error
+from dashpot.base.units import convert_to_unit
 from dashpot.extensions.materials.indentation.datamodel import UNITS, IndentationFit
-from dashpot.plot.picture import FIT, REF, Dots, Line, Panel, Picture, Rule, Scale, Span, around
+from dashpot.plot.picture import (
+    FIT,
+    REF,
+    Dots,
+    Line,
+    Panel,
+    Picture,
+    Rule,
+    Scale,
+    Span,
+    compute_padded_limits,
+)
 from dashpot.plot.provenance_stamp import stamp as stamped
 
 
@@ -20,13 +31,13 @@ def indentation(fit: IndentationFit, *, stamp: str = "") -> Picture:
     stamp : str
         What the figure says of its origin; by default the file.
     """
-    t, unit = in_unit(fit.time, "ms"), "mm" if fit.of == "displacement" else UNITS[fit.of]
-    measured, modelled = in_unit(fit.measured, unit), in_unit(fit.modelled, unit)
+    t, unit = convert_to_unit(fit.time, "ms"), "mm" if fit.of == "displacement" else UNITS[fit.of]
+    measured, modelled = convert_to_unit(fit.measured, unit), convert_to_unit(fit.modelled, unit)
     left, word = measured - modelled, unit.replace("^2", "²")
     across = Scale("time since the touch, ms", (float(t[0]), float(t[-1])))
-    contact = Span(0.0, in_unit(fit.duration, "ms"), "fit", "in contact")
+    contact = Span(0.0, convert_to_unit(fit.duration, "ms"), "fit", "in contact")
     upper = Panel(
-        across, Scale(f"{fit.of} (push > 0), {word}", around(measured, modelled)),
+        across, Scale(f"{fit.of} (push > 0), {word}", compute_padded_limits(measured, modelled)),
         (
             contact, Dots(t, measured, "measured", "measured", size=2.5),
             Line(t, modelled, FIT, "fit"),
@@ -34,9 +45,9 @@ def indentation(fit: IndentationFit, *, stamp: str = "") -> Picture:
         height=240, note=fit.law,
     )  # fmt: skip
     lower = Panel(
-        across, Scale(f"residual, {word}", around(left, np.zeros(1), margin=0.1)),
+        across, Scale(f"residual, {word}", compute_padded_limits(left, np.zeros(1), margin=0.1)),
         (contact, Rule(0.0, REF, across=True), Dots(t, left, "fit", size=2.5)),
-        height=90, note=f"{rounded(100 * fit.residual)} % of the push in contact",
+        height=90, note=f"{round_to_error(100 * fit.residual)} % of the push in contact",
     )  # fmt: skip
     caption = "Motion of the indenter: recorded, the law's, and what that leaves."
     origin = stamped((fit.source,), mass=fit.indenter.mass) if fit.source else ""

@@ -20,12 +20,12 @@ from itertools import product
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
-from dashpot.base.choices import ImpactLawAsked, refuse_other
+from dashpot.base.choices import ImpactLawAsked, require_choice
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.plausibility import SIZES
 from dashpot.base.provenance import sources_of
-from dashpot.base.reported_values import Fact
-from dashpot.base.units import read_in
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.units import get_display_unit
 from dashpot.datamodel.checks import caution_checks
 from dashpot.extensions.materials.indentation import checks
 from dashpot.extensions.materials.indentation.candidate_laws import (
@@ -33,7 +33,7 @@ from dashpot.extensions.materials.indentation.candidate_laws import (
     STEP,
     Law,
     Recorded,
-    recorded,
+    simulate_sensor_signal,
 )
 from dashpot.extensions.materials.indentation.collision import Collision
 from dashpot.extensions.materials.indentation.contact_law import (
@@ -45,7 +45,7 @@ from dashpot.extensions.materials.indentation.contact_law import (
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit, IndentationTest
 from dashpot.extensions.materials.indentation.preprocess import ContactInterval, largest_contact
 from dashpot.numerics.inference.covariance import noise_of
-from dashpot.numerics.inference.covariance_estimate import Estimate, Slice, estimate, score
+from dashpot.numerics.inference.covariance_estimate import Estimate, ProfileSlice, estimate, score
 from dashpot.numerics.least_squares.problem import Optimum, Parameter, Problem, Rows
 
 _ABOUT = 1.0
@@ -95,34 +95,36 @@ class _NearHit:
     fixed: FloatArray
     prior: FloatArray  # inverse standard deviation of each column, over the noise's
 
-    def seen(self, hit: Collision, touch: float) -> Recorded:
-        whole = recorded(hit, self.test.of, self.time - touch, self.test.step)
+    def sample_collision(self, hit: Collision, touch: float) -> Recorded:
+        whole = simulate_sensor_signal(hit, self.test.of, self.time - touch, self.test.step)
         return Recorded(*(one[self.kept] for one in whole))
 
-    def struck(self, law: Law, theta: FloatArray) -> Collision:
+    def simulate_collision(self, law: Law, theta: FloatArray) -> Collision:
         return law.collision(theta, self.mass, self.test.indenter.pull)
 
-    def modelled(self, law: Law, theta: FloatArray, pull: float) -> Recorded:
-        return self.seen(law.collision(theta, self.mass, pull), float(theta[-1]))
+    def simulate_signal(self, law: Law, theta: FloatArray, pull: float) -> Recorded:
+        return self.sample_collision(law.collision(theta, self.mass, pull), float(theta[-1]))
 
     def rows(self, law: Law, pull: float, theta: FloatArray) -> Rows:
         """The record less a motion, and what the sensor adds, beside what is known of that."""
         none = np.zeros(len(self.prior))
-        value, rate, stretched = self.modelled(law, theta, pull)
+        value, rate, stretched = self.simulate_signal(law, theta, pull)
 
         def slope(_: FloatArray) -> FloatArray:
             """Exact but for what a motion is marched again for: the law's own numbers, the pull."""
 
-            def changed(theta: FloatArray, pull: float) -> FloatArray:
-                return (self.modelled(law, theta, pull).value - value) / STEP
+            def differentiate_signal(theta: FloatArray, pull: float) -> FloatArray:
+                return (self.simulate_signal(law, theta, pull).value - value) / STEP
 
             J = np.zeros((len(value) + len(none), len(theta)))
             J[: len(value), [0, -2, -1]] = np.stack((stretched, value, -rate), axis=1)
             for i in range(1, len(theta) - 2):
-                J[: len(value), i] = changed(theta + STEP * np.eye(len(theta))[i], pull)
+                J[: len(value), i] = differentiate_signal(
+                    theta + STEP * np.eye(len(theta))[i], pull
+                )
             if pull > 0:
                 # in units of the contact it is proportional to the unit of time over the speed
-                pulled = changed(theta, pull * (1 + STEP))
+                pulled = differentiate_signal(theta, pull * (1 + STEP))
                 J[: len(value), [0, -2]] += np.stack((pulled, -pulled), axis=1)
             return J
 
@@ -183,13 +185,13 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
     FitError
         If no law can follow the record.
     """
-    refuse_other("law", law, ImpactLawAsked)
+    require_choice("law", law, ImpactLawAsked)
     window = _window(test, largest_contact(test))
     tried = []
     for name in [law] if law != "auto" else LAWS:
         # beside a valley the body may never be let go
         with suppress(DataError):
-            tried += [one] if (one := _solved(window, name)) else []
+            tried += [one] if (one := _fit_law(window, name)) else []
     if not tried:
         raise FitError(
             "no law of contact follows the record: expected one push, in flight before and after; "
@@ -204,28 +206,28 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
     }
     tried.sort(key=lambda one: scores[one.name])
     best = tried[0]
-    found = _found(window, best)
+    found = _make_contact_facts(window, best)
     _refuse_absurd(found, test.indenter.radius)
-    in_contact = _in_contact(window, best)
+    in_contact = _select_contact_samples(window, best)
     flight = best.residual[~in_contact]
     noise = float(np.sqrt(np.mean(flight**2))) if len(flight) > 8 else 0.0
     left = float(np.sqrt(np.mean(best.residual[in_contact] ** 2)))
     size = float(np.ptp(best.model)) or 1.0
     touch = best.touch
     near = [one for one in tried[1:] if scores[one.name] - scores[best.name] < _DECIDED]
-    others = [(one.name, _found(window, one)) for one in near]
+    others = [(one.name, _make_contact_facts(window, one)) for one in near]
     fitted = IndentationFit(
         best.name, best.contact, found, tuple((one.name, scores[one.name]) for one in tried),
         test.indenter, test.of, window.time[window.kept] - touch, best.model + best.residual,
         best.model, noise, left / size, touch, best.hit.duration, (), test.source,
     )  # fmt: skip
-    judged = checks.judge(
+    judged = checks.run_checks(
         fitted, best.hit, test, contact=window.contact, clipped=window.clipped, others=others
     )
     return replace(fitted, checks=(*judged, *caution_checks(sources_of([test]))))
 
 
-def _refuse_absurd(found: Sequence[Fact], radius: float | None) -> None:
+def _refuse_absurd(found: Sequence[ReportedValue], radius: float | None) -> None:
     """Refuse what mass and radius make of a contact where no rubber does so."""
     known = {one.name: one.value for one in found}
     remedy = "Check the mass and the radius of the indenter, and their units."
@@ -245,7 +247,7 @@ def _window(test: IndentationTest, contact: ContactInterval) -> _NearHit:
         test.time <= contact.start + contact.duration + reach
     )
     time, signal = test.time[inside], contact.sign * test.signal[inside]
-    kept = ~_clipped(signal, test.of)
+    kept = ~_detect_clipped_samples(signal, test.of)
     clipped = int(np.count_nonzero(~kept))
     centred = (time - time.mean()) / max(float(np.ptp(time)), 1e-300)
     columns = {
@@ -261,7 +263,7 @@ def _window(test: IndentationTest, contact: ContactInterval) -> _NearHit:
     return _NearHit(test, contact, time, signal, kept, clipped, mass, columns[kept], prior)
 
 
-def _clipped(signal: FloatArray, of: str) -> BoolArray:
+def _detect_clipped_samples(signal: FloatArray, of: str) -> BoolArray:
     """Samples at the limit of a sensor: several in a row of one and the same largest value."""
     if of in {"velocity", "displacement"}:
         return np.zeros(len(signal), dtype=bool)
@@ -286,7 +288,7 @@ def _change(window: _NearHit) -> float:
     return max(change, 1e-12) / (window.mass if of == "force" else 1.0)
 
 
-def _solved(window: _NearHit, name: str) -> _LawOptimum | None:
+def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
     """Least squares from each start of a law; None if none leads to a motion."""
     law, change, duration = LAWS[name], _change(window), window.contact.duration
     begin, far = window.contact.start, _FAR * duration
@@ -298,7 +300,7 @@ def _solved(window: _NearHit, name: str) -> _LawOptimum | None:
 
     def nearly(own: Sequence[float]) -> tuple[float, FloatArray]:
         """The cost of a loss and a time, as motions know it that all records share."""
-        start = np.append(law.begun(duration, own, change), begin)
+        start = np.append(law.make_starting_parameters(duration, own, change), begin)
         rest = [0, len(start) - 2, len(start) - 1]
         found = problem(law.held(own), 0.0).solve([start[rest]], most=_NEAR, flat=_ROUGHLY)
         if found is None:
@@ -319,7 +321,7 @@ def _solved(window: _NearHit, name: str) -> _LawOptimum | None:
         beside = np.outer(_TOUCHES, np.eye(len(best.theta))[-1]) * window.test.step
         near = whole.solve([*best.theta + beside], most=_TRIES, finished=_FLAT, flat=_FLAT)
         best = near or best
-    return _known(window, name, best, found)
+    return _estimate_law_errors(window, name, best, found)
 
 
 def _valleys(cost: FloatArray) -> list[int]:
@@ -334,10 +336,12 @@ def _valleys(cost: FloatArray) -> list[int]:
     return order[: min(int(np.count_nonzero(~beaten)), _STARTS)]
 
 
-def _known(window: _NearHit, name: str, best: Optimum, found: Sequence[Optimum]) -> _LawOptimum:
+def _estimate_law_errors(
+    window: _NearHit, name: str, best: Optimum, found: Sequence[Optimum]
+) -> _LawOptimum:
     """A law with what its residual says of its noise, and so of its parameters."""
-    hit = window.struck(LAWS[name], best.theta)
-    seen = window.seen(hit, float(best.theta[-1]))
+    hit = window.simulate_collision(LAWS[name], best.theta)
+    seen = window.sample_collision(hit, float(best.theta[-1]))
     model = seen.value
     count = len(best.residual)
     noise = noise_of(best.residual, best.jacobian[:count], rounding=_rounding(model))
@@ -345,9 +349,9 @@ def _known(window: _NearHit, name: str, best: Optimum, found: Sequence[Optimum])
     if hit.force[0] > 0 and window.test.of in {"acceleration", "force"}:
         # how a recorder takes a jump is not known: the touch lies between two samples
         at = int(np.argmin(np.abs(window.time[window.kept] - float(best.theta[-1]))))
-        change = np.zeros(len(best.every))
+        change = np.zeros(len(best.all_residuals))
         change[at] = _AT_TOUCH * window.test.step * seen.rate[at]
-        known = known.widened(known.moved(change))
+        known = known.add_parameter_error(known.estimate_parameter_shift(change))
     return _LawOptimum(name, hit, model, known, tuple(found))
 
 
@@ -356,12 +360,12 @@ def _rounding(model: FloatArray) -> float:
     return _ROUNDING * float(np.ptp(model))
 
 
-def _in_contact(window: _NearHit, one: _LawOptimum) -> BoolArray:
+def _select_contact_samples(window: _NearHit, one: _LawOptimum) -> BoolArray:
     since = window.time[window.kept] - one.touch
     return np.asarray((since >= 0) & (since <= one.hit.duration))
 
 
-def _found(window: _NearHit, one: _LawOptimum) -> tuple[Fact, ...]:
+def _make_contact_facts(window: _NearHit, one: _LawOptimum) -> tuple[ReportedValue, ...]:
     """The law's parameters and what follows from them, each with its interval."""
     named = _follows(window, one.law, one.optimum.theta)
 
@@ -369,9 +373,11 @@ def _found(window: _NearHit, one: _LawOptimum) -> tuple[Fact, ...]:
         theta = values[: len(one.optimum.theta)]
         return np.array([value for value, _ in _follows(window, one.law, theta).values()])
 
-    slices = _slices(one) if len(one.law.starts) > 1 else [Slice(0.0, one.estimate)]
+    slices = _slices(one) if len(one.law.starts) > 1 else [ProfileSlice(0.0, one.estimate)]
     widest = one.estimate.quantile(_LEVEL)
-    derived = [(root, known.derived(numbers)) for root, known in slices if root <= _ENDS * widest]
+    derived = [
+        (root, known.derive_quantity(numbers)) for root, known in slices if root <= _ENDS * widest
+    ]
 
     def ends(level: float) -> tuple[FloatArray, FloatArray]:
         """Of all slices together, as parts of the value; of a loss, and of all others."""
@@ -407,12 +413,12 @@ def _found(window: _NearHit, one: _LawOptimum) -> tuple[Fact, ...]:
         strict=True,
     )  # fmt: skip
     return tuple(
-        Fact(name, value, low, high, unit, read=read_in(unit, fine=unit == "s"))
+        ReportedValue(name, value, low, high, unit, read=get_display_unit(unit, fine=unit == "s"))
         for (name, (value, unit)), low, high in rows
     )
 
 
-def _slices(one: _LawOptimum) -> list[Slice]:
+def _slices(one: _LawOptimum) -> list[ProfileSlice]:
     """Of all valleys that the record does not rule out.
 
     A loss and a time trade along a valley that bends: across it all is normal, along it nothing.
@@ -424,13 +430,13 @@ def _slices(one: _LawOptimum) -> list[Slice]:
         if other is best or worse > one.estimate.quantile() ** 2:
             continue
         each = estimate(other, noises=[noise]).profile(_TIME)
-        found += [Slice(float(np.sqrt(root**2 + worse)), known) for root, known in each]
+        found += [ProfileSlice(float(np.sqrt(root**2 + worse)), known) for root, known in each]
     return found
 
 
 def _follows(window: _NearHit, law: Law, theta: FloatArray) -> dict[str, tuple[float, str]]:
     """Each number that a law's parameters give, by name, with its unit."""
-    contact, hit = law.contact(theta, window.mass), window.struck(law, theta)
+    contact, hit = law.contact(theta, window.mass), window.simulate_collision(law, theta)
     radius = window.test.indenter.radius
     known: dict[str, tuple[float, str]] = {"k": (contact.k, f"N/m^{contact.exponent:g}")}
     sphere = radius is not None and contact.exponent != 1

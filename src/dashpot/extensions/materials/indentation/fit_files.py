@@ -10,7 +10,7 @@ from dashpot.extensions.materials.indentation.datamodel import IndentationFit
 from dashpot.extensions.materials.indentation.fit import fit_indentation
 from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.extensions.materials.indentation.read import read_indentation
-from dashpot.reading.raw_file import about
+from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
 
 
@@ -38,7 +38,7 @@ def indent_file(
             "an indenter's mass makes forces of its motion; give it, for example --mass 5g"
         )
     test = read_indentation(path, indenter=indenter, options=options)
-    with about(Path(path).name):
+    with add_name_to_errors(Path(path).name):
         try:
             return fit_indentation(test, law=law)
         except DataError as error:

@@ -8,13 +8,13 @@ import click
 
 from dashpot import workflow
 from dashpot.base.choices import ImpactLawAsked
-from dashpot.cli._command_io import Outcome
-from dashpot.cli.fit_handlers._request import Given
+from dashpot.cli._command_io import CommandResult
+from dashpot.cli.fit_handlers._request import FitRequest
 
 
-def run(given: Given) -> Outcome:
+def run(given: FitRequest) -> CommandResult:
     """Find stiffness, damping, modulus and restitution from the motion of an indenter."""
-    given.kept_as(".json", what="an indenter's hit")
+    given.check_output_suffix(".json", what="an indenter's hit")
     if len(given.files) > 1:
         raise click.UsageError(
             f"one hit of an indenter is fitted at a time, and there are {len(given.files)} files. "

@@ -9,7 +9,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.option_fields import option
 from dashpot.base.plausibility import SIZES
 from dashpot.base.units import GRAVITY, si_fields
-from dashpot.base.validators import positive
+from dashpot.base.validators import require_positive
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Indenter:
     def __post_init__(self) -> None:
         si_fields(self)
         known = {name: value for name, value in vars(self).items() if name != "radius_error"}
-        positive(**known, expected="a number > 0 in SI units", optional=True)
+        require_positive(**known, expected="a number > 0 in SI units", optional=True)
         if not 0 <= self.radius_error < 1:
             raise DataError(
                 f"radius_error = {self.radius_error:g}; expected a part from 0 to below 1"

@@ -12,7 +12,7 @@ from dashpot.extensions.materials.indentation.read import read_indentation
 from dashpot.registry import Piece
 
 
-def row(file: str | Path, piece: Piece) -> tuple[IndentationFit, dict[str, Any]]:
+def build_lot_row(file: str | Path, piece: Piece) -> tuple[IndentationFit, dict[str, Any]]:
     """Return what a hit says of the surface, and that as the columns of a row.
 
     Raises

@@ -2,22 +2,32 @@
 
 from __future__ import annotations
 
-from dashpot.base.number_format import duration, rounded, shown
+from dashpot.base.number_format import duration, format_with_error, round_to_error
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit
-from dashpot.report.page_content import KindPage, Topic, group, lights, sources_behind, tried
+from dashpot.report.page_content import (
+    KindPage,
+    Topic,
+    group,
+    lights,
+    make_law_ranking,
+    sources_behind,
+)
 
 
 def page(found: IndentationFit) -> KindPage:
     """What the page of a contact holds."""
     law = {"law_followed", "parameters_known", "laws_agree", "indentation_shallow"}
-    left = f"{rounded(100 * found.residual, digits=2)} % left"
+    left = f"{round_to_error(100 * found.residual, digits=2)} % left"
     return KindPage(
         about="contact of an indenter",
         strip=(
             ("Law", found.law),
             ("Recorded", found.of),
             ("Contact", duration(found.duration)),
-            ("Indenter", "" if found.indenter.mass is None else shown(found.indenter.mass, "g")),
+            (
+                "Indenter",
+                "" if found.indenter.mass is None else format_with_error(found.indenter.mass, "g"),
+            ),
         ),
         lights=lights(found.checks, Topic("Record"), Topic("Law", law, left)),
         answers="The contact, recorded and fitted",
@@ -25,5 +35,5 @@ def page(found: IndentationFit) -> KindPage:
         told=f"The {found.law} law",
         groups=(group("", found.found),),
         sources=sources_behind(found),
-        folds=(tried(found.orders),),
+        folds=(make_law_ranking(found.orders),),
     )

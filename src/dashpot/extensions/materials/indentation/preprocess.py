@@ -93,8 +93,8 @@ def _push(test: IndentationTest) -> tuple[FloatArray, int]:
         width = 2**power
         push = test.signal.astype(float)
         for _ in range(_DERIVATIVES[test.of]):
-            push = np.gradient(_smoothed(push, width))
-        push = _smoothed(push, width)
+            push = np.gradient(_apply_moving_average(push, width))
+        push = _apply_moving_average(push, width)
         # beyond its ends a record is not known
         edge = min(width * (_DERIVATIVES[test.of] + 1), len(push) // 4) if width > 1 else 0
         push[:edge], push[len(push) - edge :] = push[edge], push[-edge - 1]
@@ -107,7 +107,7 @@ def _push(test: IndentationTest) -> tuple[FloatArray, int]:
     return best
 
 
-def _smoothed(values: FloatArray, width: int) -> FloatArray:
+def _apply_moving_average(values: FloatArray, width: int) -> FloatArray:
     if width < 2:
         return values
     wide = np.pad(values, (width // 2, width - 1 - width // 2), mode="edge")

@@ -11,10 +11,15 @@ from dashpot.base.errors import ReadError
 from dashpot.extensions.materials.indentation.datamodel import IndentationTest, Motion
 from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.reading.columns.kind_detection import FileKind
-from dashpot.reading.columns.role_assignment import Assigned, accelerations, list_columns, quoted
+from dashpot.reading.columns.role_assignment import (
+    RoleAssignment,
+    accelerations,
+    format_column,
+    list_columns,
+)
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels, size_checks
-from dashpot.reading.readers.channels import Channel, Opened
+from dashpot.reading.readers.channels import Channel, OpenedFile
 
 _NAMED: tuple[Motion, ...] = ("acceleration", "velocity", "displacement", "force")
 
@@ -32,18 +37,18 @@ def read_indentation(
     ReadError
         If the file cannot be read, or leaves open which column is what or in which unit.
     """
-    with channels.opened(path, options) as file:
-        beside, noted = channels.beside(file, "force")
+    with channels.open_file(path, options) as file:
+        beside, noted = channels.find_optional_column(file, "force")
         # an acceleration beside a force is a hammer's, unless the file speaks of an indenter
         kinds: list[FileKind] = ["indentation"] if beside else ["indentation", "impact"]
         channels.expect(file, kinds, "the motion of an indenter is", named=_NAMED)
         motion, of = _motion(file)
         forces = [beside] if beside and of != "force" and beside.index != motion.index else []
-        ticks = channels.chosen(file, channels.timed(file))
+        ticks = channels.chosen(file, channels.add_time_role(file))
         chosen = channels.with_units(file, [*ticks, motion, *forces])
         channels.refuse_other_rate(file)
-        rows, gaps = channels.whole_rows(channels.load_test(file, chosen, least=16))
-        values = channels.by_role(rows, chosen)
+        rows, gaps = channels.select_complete_rows(channels.load_test(file, chosen, least=16))
+        values = channels.convert_signals_to_si(rows, chosen)
         rate = file.options.rate
         time = np.arange(len(rows)) / rate if rate else values["time"]
         _refuse_sizes(file, chosen, time, float(np.abs(values[of]).max()))
@@ -54,11 +59,13 @@ def read_indentation(
         )  # fmt: skip
 
 
-def _motion(file: Opened) -> tuple[Assigned, Motion]:
+def _motion(file: OpenedFile) -> tuple[RoleAssignment, Motion]:
     """The column that is fitted, and what it is."""
     named = [role for role in _NAMED if getattr(file.options, role)]
     for role in named or _NAMED:
-        answer = _acceleration(file) if role == "acceleration" else file.one_column(role)
+        answer = (
+            _acceleration(file) if role == "acceleration" else file.find_unambiguous_column(role)
+        )
         if answer is not None:
             return answer, role
     raise ReadError(
@@ -68,20 +75,22 @@ def _motion(file: Opened) -> tuple[Assigned, Motion]:
     )
 
 
-def _acceleration(file: Opened) -> Assigned | None:
+def _acceleration(file: OpenedFile) -> RoleAssignment | None:
     """The only acceleration, if there is one."""
     found = accelerations(file.table, (), file.options)
     if len(found) > 1:
-        listed = ", ".join(quoted(file.table.columns, i) for i in found)
+        listed = ", ".join(format_column(file.table.columns, i) for i in found)
         raise ReadError(
             f"{listed} are accelerations, and one indenter has one; name it with "
             "--column acceleration=NAME"
         )
     says = "its name or unit says acceleration"
-    return Assigned("acceleration", found[0], says) if found else None
+    return RoleAssignment("acceleration", found[0], says) if found else None
 
 
-def _refuse_sizes(file: Opened, chosen: list[Channel], time: np.ndarray, largest: float) -> None:
+def _refuse_sizes(
+    file: OpenedFile, chosen: list[Channel], time: np.ndarray, largest: float
+) -> None:
     """Ask for the units again that make a size no indenter has."""
     asked = []
     for one in chosen:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dashpot.text_output.layout import Text, facts
-from dashpot.text_output.results import tried
+from dashpot.text_output.results import format_bic_differences
 
 if TYPE_CHECKING:
     from dashpot.extensions.materials.indentation.datamodel import IndentationFit
@@ -13,4 +13,4 @@ if TYPE_CHECKING:
 
 def indentation(found: IndentationFit) -> Text:
     """Return the law of a contact, its numbers with their intervals, and the laws tried."""
-    return Text([f"  law: {found.law}", *facts(found.found), tried(found.orders)])
+    return Text([f"  law: {found.law}", *facts(found.found), format_bic_differences(found.orders)])

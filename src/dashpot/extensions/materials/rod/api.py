@@ -8,7 +8,7 @@ from typing import Any
 from dashpot.api.fit import Arms, frf_of, shape_words
 from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import FitError
-from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.datamodel.fit import Fit
 from dashpot.solids.part_geometry import Block, Disc
 from dashpot.workflow.job import HammerChoices, RodChoices
@@ -36,7 +36,7 @@ def fit_rod(
             "a rod's density and shape turn motion into a modulus. Give both: density=1100, "
             'shape="disc:20mm,20mm"'
         )
-    kilograms, hertz = si(mass, "mass"), si_range(band, "frequency")
+    kilograms, hertz = convert_to_si(mass, "mass"), si_range(band, "frequency")
     if poisson is None and not isinstance(shape, str):
         own = {one.name: one.default for one in fields(shape)}.get("poisson")
         poisson = None if getattr(shape, "poisson", own) == own else shape.poisson
@@ -48,7 +48,7 @@ def fit_rod(
         arms=arms,
         family=model,
         band=hertz,
-        mass_sd=si(mass_sd, "mass"),
+        mass_sd=convert_to_si(mass_sd, "mass"),
         poisson=poisson,
     )
     if found.fit is None:

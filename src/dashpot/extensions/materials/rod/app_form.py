@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from dashpot.base.errors import DataError
-from dashpot.base.form_fields import Answers, Ask
+from dashpot.base.form_fields import FormData, FormField
 from dashpot.extensions.materials.rod.fit_files import Rod, rod_files
 from dashpot.reading.read_options import ReadOptions
 from dashpot.workflow.job import RodChoices
@@ -13,18 +13,18 @@ from dashpot.workflow.job import RodChoices
 _WATER = 1000.0
 """Density of a rod of which none is given, kg/m^3."""
 ASKS = (
-    Ask("mass", "Mass on it", "g", "--mass"),
-    Ask("density", "Density", "kg/m^3", "--density", form="bare"),
-    Ask("disc", "\u2300, length", "mm", "--shape", form="sizes", before="disc:"),
+    FormField("mass", "Mass on it", "g", "--mass"),
+    FormField("density", "Density", "kg/m^3", "--density", form="bare"),
+    FormField("disc", "\u2300, length", "mm", "--shape", form="sizes", before="disc:"),
 )
 
 
-def answered(files: Sequence[str], said: Answers, options: ReadOptions) -> Rod:
+def answered(files: Sequence[str], said: FormData, options: ReadOptions) -> Rod:
     """The modulus of the rod's material."""
-    disc = said.worded("disc").removeprefix("disc:")
+    disc = said.get_option_value("disc").removeprefix("disc:")
     if not disc:
         raise DataError("the shape is not given: type diameter and length, such as 20, 20")
     return rod_files(
-        files, mass=said.needed("mass", "mass"),
+        files, mass=said.require_quantity("mass", "mass"),
         density=said.bare("density") or _WATER, rod=RodChoices(disc=disc), options=options,
     )  # fmt: skip

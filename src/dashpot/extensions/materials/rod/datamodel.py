@@ -6,9 +6,9 @@ from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, IndexArray
+from dashpot.base.arrays import BoolArray, ComplexArray, EqualByValue, FloatArray, IndexArray
 from dashpot.base.checks import Check
-from dashpot.vibration.modal.sensitivity import changed
+from dashpot.vibration.modal.sensitivity import compute_stiffness_change
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ _PER_LINE = ("frequency", "modulus", "wave", "by_", "storage_sd", "loss_factor_s
 
 
 @dataclass(frozen=True, eq=False)
-class RodModulus(ByValue):
+class RodModulus(EqualByValue):
     r"""Modulus of a rod's material against frequency, and what spoils it.
 
     Attributes
@@ -97,7 +97,7 @@ class RodModulus(ByValue):
     def changes(self, of: str, by: float) -> tuple[FloatArray, FloatArray]:
         """Relative change of the storage, and change of the loss factor, by an error of `of`."""
         slope: ComplexArray = getattr(self, f"by_{of}")
-        return changed(by * slope, self.loss_factor)
+        return compute_stiffness_change(by * slope, self.loss_factor)
 
     @property
     def by_errors(self) -> tuple[ComplexArray, ...]:

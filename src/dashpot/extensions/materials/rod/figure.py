@@ -6,11 +6,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dashpot.base.units import in_unit
+from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.materials.rod.datamodel import RodModulus
 from dashpot.plot.dynamic_stiffness_figure import FREQUENCY
-from dashpot.plot.picture import FIT, Area, Dots, Line, Mark, Panel, Picture, Scale, Span, around
+from dashpot.plot.picture import (
+    FIT,
+    Area,
+    Dots,
+    Line,
+    Mark,
+    Panel,
+    Picture,
+    Scale,
+    Span,
+    compute_padded_limits,
+)
 from dashpot.plot.provenance_stamp import stamp as stamped
 
 if TYPE_CHECKING:
@@ -38,8 +49,8 @@ def rod(found: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Pictur
     rows = (
         (
             "storage modulus E′, MPa",
-            in_unit(found.storage, "MPa"),
-            in_unit(found.storage_sd, "MPa"),
+            convert_to_unit(found.storage, "MPa"),
+            convert_to_unit(found.storage_sd, "MPa"),
         ),
         ("loss factor E″/E′, 1", found.loss_factor, found.loss_factor_sd),
     )
@@ -59,15 +70,19 @@ def rod(found: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Pictur
             solid = (
                 fit.solid.loss_factor(omega=omega)
                 if number
-                else in_unit(fit.solid.storage(omega=omega), "MPa")
+                else convert_to_unit(fit.solid.storage(omega=omega), "MPa")
             )
             marks.append(Line(dense, solid, FIT, "fit"))
         marks.append(Dots(x, y, "measured", "from the FRF"))
         shown = (value - error)[near], (value + error)[near]
         panels.append(
-            Panel(Scale(FREQUENCY, span, log=True), Scale(label, around(*shown)), tuple(marks),
-                  height=210)
-        )  # fmt: skip
+            Panel(
+                Scale(FREQUENCY, span, log=True),
+                Scale(label, compute_padded_limits(*shown)),
+                tuple(marks),
+                height=210,
+            )
+        )
     caption = (
         "Modulus of the rod's material by its wave equation, line by line, with the errors of "
         "sensors, masses and lengths together."

@@ -57,7 +57,7 @@ def fit_rod(
             f"{len(lines.frequency)} lines of the rod are usable; expected {ROD_LINES} or more "
             "for a fit: measure more lines about the resonance"
         )
-    frequency, modulus = _averaged(lines, lines.modulus)
+    frequency, modulus = _average_lines(lines, lines.modulus)
     test = DynamicTest(
         frequency,
         modulus.real,
@@ -71,8 +71,8 @@ def fit_rod(
         return fit
     added = np.zeros_like(fit.covariance)
     for relative in lines.by_errors:
-        _, moved = _averaged(lines, lines.modulus * (1 + relative))
-        there = _refitted(fit, replace(test, storage=moved.real, loss=moved.imag))
+        _, moved = _average_lines(lines, lines.modulus * (1 + relative))
+        there = _fit_same_solid(fit, replace(test, storage=moved.real, loss=moved.imag))
         by = np.zeros(len(here)) if there is None else there - here
         added += np.outer(by, by)
     scatter = np.diag(fit.covariance)
@@ -87,7 +87,7 @@ def fit_rod(
     return replace(fit, estimate=estimate)
 
 
-def _refitted(fit: Fit, test: DynamicTest) -> FloatArray | None:
+def _fit_same_solid(fit: Fit, test: DynamicTest) -> FloatArray | None:
     """The parameters of the same solid under another test; None where it is not found."""
     try:
         other = fit_dynamic(test, arms=_order(fit), family=fit.family)
@@ -100,7 +100,7 @@ def _order(fit: Fit) -> int | Literal["auto"]:
     return "auto" if fit.family == "fractional" else fit.model.arms
 
 
-def _averaged(lines: RodModulus, modulus: ComplexArray) -> tuple[FloatArray, ComplexArray]:
+def _average_lines(lines: RodModulus, modulus: ComplexArray) -> tuple[FloatArray, ComplexArray]:
     """Means over a twenty-fourth of an octave, by what each line is worth."""
     part = np.floor(_PER_OCTAVE * np.log2(lines.frequency / lines.frequency[0]))
     first = np.flatnonzero(np.diff(part, prepend=-1.0))

@@ -14,9 +14,9 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Step
-from dashpot.base.result_mixins import Judged, Series, arrays
-from dashpot.base.serialisation import Documented, plain
-from dashpot.base.units import written
+from dashpot.base.result_mixins import HasVerdict, Series, collect_arrays
+from dashpot.base.serialisation import Serialisable, to_plain_value
+from dashpot.base.units import format_quantity
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.specimen import Specimen
@@ -39,7 +39,7 @@ _OF_THE_PLATEAU = frozenset({plateau_told.name, end_level.name})
 
 
 @dataclass(frozen=True, repr=False)
-class Rod(Judged, Documented):
+class Rod(HasVerdict, Serialisable):
     """What ``dashpot fit`` found.
 
     Attributes
@@ -92,7 +92,7 @@ class Rod(Judged, Documented):
     @property
     def series(self) -> Series:
         """The modulus over frequency."""
-        return arrays(
+        return collect_arrays(
             self.modulus, frequency="Hz", storage="Pa", storage_sd="Pa", loss_factor="",
             loss_factor_sd="",
         )  # fmt: skip
@@ -108,7 +108,7 @@ class Rod(Judged, Documented):
     @property
     def shape(self) -> dict[str, Any]:
         """Which shape, and its lengths."""
-        return {"kind": type(self.part).__name__.lower(), **plain(self.part)}
+        return {"kind": type(self.part).__name__.lower(), **to_plain_value(self.part)}
 
     @property
     def sensitivity(self) -> dict[str, FloatArray]:
@@ -213,7 +213,8 @@ def rod_under(
         "rod_modulus",
         (("mass", f"{mass:.6g} kg"), ("density", f"{density:.6g} kg/m^3"), ("shape", str(part)),
          ("bonded", str(bonded).lower())),
-        f"inverted the wave equation of a rod of {written(own, 'g')} under {written(mass, 'g')}",
+        f"inverted the wave equation of a rod of {format_quantity(own, 'g')} under "
+        f"{format_quantity(mass, 'g')}",
     )  # fmt: skip
     provenance = replace(
         fit.provenance, source=frf.source, steps=(*frf.steps, step, *fit.provenance.steps)

@@ -7,13 +7,13 @@ import click
 from dashpot import workflow
 from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import ReadError
-from dashpot.cli._command_io import Outcome, grams, typed
-from dashpot.cli.fit_handlers._request import Given
+from dashpot.cli._command_io import CommandResult, format_command, grams
+from dashpot.cli.fit_handlers._request import FitRequest
 
 
-def run(given: Given) -> Outcome:
+def run(given: FitRequest) -> CommandResult:
     """Find the modulus and the loss factor of a rod's material from the motion of a mass on it."""
-    given.kept_as(".json", what="the fit of a rod")
+    given.check_output_suffix(".json", what="the fit of a rod")
     asked = {
         "--shape disc:20mm,20mm": given["rod"].disc or given["rod"].block,
         "--density 1000": given["density"],
@@ -40,8 +40,8 @@ def run(given: Given) -> Outcome:
     return given.told(found, follow=_follow(found, given))
 
 
-def _follow(found: workflow.Rod, given: Given) -> str:
-    if found.fit is None or not given.kept:
+def _follow(found: workflow.Rod, given: FitRequest) -> str:
+    if found.fit is None or not given.result_path:
         return ""
     part = ("--shape", "disc:20mm,10mm", "--mass", grams(found.mass), "--base")
-    return typed("predict", given.kept, *part)
+    return format_command("predict", given.result_path, *part)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base.number_format import rounded, shown
-from dashpot.base.reported_values import Fact
+from dashpot.base.number_format import format_with_error, round_to_error
+from dashpot.base.reported_values import ReportedValue
 from dashpot.extensions.materials.rod.fit_files import Rod
 from dashpot.report.first_screen import NBSP
 from dashpot.report.page_content import Group, KindPage, Topic, lights, row
-from dashpot.report.result_pages.solid_page import OF_LOSS, OF_REST, of_solid
+from dashpot.report.result_pages.solid_page import OF_LOSS, OF_REST, make_solid_groups
 
 
 def page(found: Rod) -> KindPage:
@@ -28,19 +28,36 @@ def page(found: Rod) -> KindPage:
     if usable:
         lines = np.flatnonzero(of.usable)
         for i in dict.fromkeys((lines[0], lines[len(lines) // 2], lines[-1])):
-            hz = f"At {rounded(float(of.frequency[i]), digits=3)}{NBSP}Hz"
-            groups.append(Group(hz, (
-                row(Fact.known("E′", float(of.storage[i]), float(of.storage_sd[i]), unit="Pa")),
-                row(Fact.known("Loss factor", float(of.loss_factor[i]),
-                                float(of.loss_factor_sd[i]))),
-            )))  # fmt: skip
+            hz = f"At {round_to_error(float(of.frequency[i]), digits=3)}{NBSP}Hz"
+            groups.append(
+                Group(
+                    hz,
+                    (
+                        row(
+                            ReportedValue.known(
+                                "E′", float(of.storage[i]), float(of.storage_sd[i]), unit="Pa"
+                            )
+                        ),
+                        row(
+                            ReportedValue.known(
+                                "Loss factor", float(of.loss_factor[i]), float(of.loss_factor_sd[i])
+                            )
+                        ),
+                    ),
+                )
+            )
     if found.fit is not None:
-        groups += [one for one in of_solid(found.fit) if one.title.startswith(("Arms", "Modulus"))]
+        groups += [
+            one for one in make_solid_groups(found.fit) if one.title.startswith(("Arms", "Modulus"))
+        ]
     return KindPage(
         about="rod under a mass",
-        strip=(("Mass", shown(found.mass, "g", digits=4)), ("Rod", shown(found.own_mass, "g")),
-               ("Ends", "bonded" if found.bonded else "sliding"),
-               ("Known to 10 %", f"{low:.3g} to {high:.3g} Hz" if usable else "nowhere")),
+        strip=(
+            ("Mass", format_with_error(found.mass, "g", digits=4)),
+            ("Rod", format_with_error(found.own_mass, "g")),
+            ("Ends", "bonded" if found.bonded else "sliding"),
+            ("Known to 10 %", f"{low:.3g} to {high:.3g} Hz" if usable else "nowhere"),
+        ),
         lights=lights(found.checks, Topic("Record"), modulus, Topic("Solid", solid)),
         answers="The modulus of the material",
         picture=found.plot(),
@@ -48,4 +65,4 @@ def page(found: Rod) -> KindPage:
         groups=tuple(groups),
         note="From and to: 95 %, of all errors of the test together.",
         sources=tuple(dict.fromkeys(found.frf.source)),
-    )  # fmt: skip
+    )

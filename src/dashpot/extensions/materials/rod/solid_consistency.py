@@ -19,14 +19,14 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
 from dashpot.extensions.materials.rod.datamodel import RodModulus
-from dashpot.numerics.least_squares.nnls import linear
+from dashpot.numerics.least_squares.nnls import solve_linear
 
 _PER_DECADE, _BEYOND = 12, 30.0
 """Of relaxation times, and how many bands beyond the lines they go."""
 _FEW = 8
 
 
-def misfit_of_one_solid(lines: RodModulus, scatter: FloatArray) -> float | None:
+def compute_single_solid_misfit(lines: RodModulus, scatter: FloatArray) -> float | None:
     """Return chi square over the degrees of freedom of the nearest solid; None of few lines.
 
     Parameters
@@ -53,7 +53,7 @@ def misfit_of_one_solid(lines: RodModulus, scatter: FloatArray) -> float | None:
     ))  # fmt: skip
     y = np.concatenate((_parts(np.asarray(E * weight)), np.zeros(known)))
     must = np.arange(A.shape[1]) < solid.shape[1]
-    beta, _ = linear(A, y, must)
+    beta, _ = solve_linear(A, y, must)
     left = y - A @ beta
     free = len(y) - known - int(np.count_nonzero(beta[must]))
     return float(left @ left) / max(free, 1)

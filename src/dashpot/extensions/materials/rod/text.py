@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dashpot import workflow
-from dashpot.base.units import written
+from dashpot.base.units import format_quantity
 from dashpot.text_output import results as text_of
 from dashpot.text_output.frequency_table import sensitive
 from dashpot.text_output.layout import Text
@@ -22,7 +22,8 @@ def rod(found: workflow.Rod) -> Text:
     ends = f"bonded, so {stiffer:.4g} times as stiff as its material" if found.bonded else "sliding"
     lines = [
         (
-            f"a rod of {written(found.own_mass, 'g')} under {written(found.mass, 'g')} "
+            f"a rod of {format_quantity(found.own_mass, 'g')} under "
+            f"{format_quantity(found.mass, 'g')} "
             f"({found.mass / found.own_mass:.3g} times its own), shape factor "
             f"{found.part.shape_factor:.3g}: its ends are {ends}"
         )

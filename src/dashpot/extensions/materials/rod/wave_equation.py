@@ -25,8 +25,8 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.base.units import Quantity, Range, si, si_range
-from dashpot.base.validators import positive
+from dashpot.base.units import Quantity, Range, convert_to_si, si_range
+from dashpot.base.validators import require_positive
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.extensions.materials.rod.checks import (
     PLANE,
@@ -38,7 +38,7 @@ from dashpot.extensions.materials.rod.checks import (
     waves_plane,
 )
 from dashpot.extensions.materials.rod.datamodel import RodErrors, RodModulus
-from dashpot.extensions.materials.rod.solid_consistency import misfit_of_one_solid
+from dashpot.extensions.materials.rod.solid_consistency import compute_single_solid_misfit
 from dashpot.solids.part_geometry import Block, Disc
 
 _ROUNDS = 50
@@ -101,8 +101,8 @@ def rod_modulus(
     DataError
         If a number cannot be, the FRF was windowed, or a line has no modulus.
     """
-    top, limits = float(si(mass, "mass")), si_range(band, "frequency")
-    positive(mass=top, density=density, expected="a finite number above 0")
+    top, limits = float(convert_to_si(mass, "mass")), si_range(band, "frequency")
+    require_positive(mass=top, density=density, expected="a finite number above 0")
     if frf.shift:
         raise DataError("a rod's waves need an FRF without an exponential window")
     over_base, relative_sensor = (
@@ -114,11 +114,11 @@ def rod_modulus(
     measured = measured.only(measured.usable)
     own = density * part.area * part.height
     rod = _Setup(part, top / own, own, density, bonded)
-    found = _inverted(measured, rod, errors or RodErrors(), relative_sensor=relative_sensor)
+    found = _invert_lines(measured, rod, errors or RodErrors(), relative_sensor=relative_sensor)
     # a sensor between both ends is not seen at rest
     beside = []
     if over_base and not relative_sensor:
-        found, seen = _at_one(found, measured, rod)
+        found, seen = _remove_sensor_offset(found, measured, rod)
         beside = [seen]
     return replace(found, checks=(*found.checks, mass_beside_rod(rod.ratio), *beside))
 
@@ -134,11 +134,13 @@ class _Setup:
     bonded: bool
 
 
-def _at_one(found: RodModulus, measured: FRF, rod: _Setup) -> tuple[RodModulus, Check]:
+def _remove_sensor_offset(
+    found: RodModulus, measured: FRF, rod: _Setup
+) -> tuple[RodModulus, Check]:
     """The modulus without the gain and phase that sensors show at rest, and what they show."""
     said, whole = found.errors, 0j
     known = max(said.gain, _EXACT), max(said.phase, _EXACT)
-    seen_first = _at_rest(found, measured, rod.ratio)
+    seen_first = _estimate_rest_offset(found, measured, rod.ratio)
     if seen_first is None:
         return found, sensors_agree(None, 0.0, known=known)
     off, error = seen_first
@@ -153,8 +155,8 @@ def _at_one(found: RodModulus, measured: FRF, rod: _Setup) -> tuple[RodModulus, 
     for _ in range(_TURNS):  # it moves the modulus, and so what is expected at rest
         whole += complex(by_gain * off.real, by_phase * off.imag)
         seen = replace(measured, value=measured.value * np.exp(-whole))
-        found = _inverted(seen, rod, left, relative_sensor=False)
-        again = _at_rest(found, seen, rod.ratio)
+        found = _invert_lines(seen, rod, left, relative_sensor=False)
+        again = _estimate_rest_offset(found, seen, rod.ratio)
         if again is None:
             off = 0j
             break
@@ -163,7 +165,7 @@ def _at_one(found: RodModulus, measured: FRF, rod: _Setup) -> tuple[RodModulus, 
     return found, sensors_agree(whole.real, whole.imag, known=known)
 
 
-def _inverted(
+def _invert_lines(
     measured: FRF, rod: _Setup, errors: RodErrors, *, relative_sensor: bool
 ) -> RodModulus:
     """E* line by line, and all that is asked of its lines."""
@@ -171,7 +173,7 @@ def _inverted(
     omega = 2 * np.pi * measured.frequency
     y = 1 / measured.value if over_base else measured.value / (rod.own * omega**2)
     equation = _base if over_base else _force
-    w = _tracked(equation, y, omega, ratio)
+    w = _solve_line_roots(equation, y, omega, ratio)
     told = np.isfinite(w)
     measured, omega, y, w = measured.only(told), omega[told], y[told], w[told]
     _, by_w, by_ratio = equation(w, ratio)
@@ -193,7 +195,9 @@ def _inverted(
         "by_area": steep / 2 - heavy + own,
         "by_density": 1 - heavy + own,
         "by_poisson": np.full_like(y, -by_poisson),
-        "by_glue": _by_glue(w, by_w, ratio, over_base=over_base) * E / np.abs(E.real),
+        "by_glue": _compute_glue_sensitivity(w, by_w, ratio, over_base=over_base)
+        * E
+        / np.abs(E.real),
     }
     spread = [getattr(errors, name.removeprefix("by_")) * d for name, d in sensitivity.items()]
     random = measured.random_sd
@@ -208,16 +212,20 @@ def _inverted(
         storage_sd=none, loss_factor_sd=none, band=(np.nan, np.nan), checks=(), errors=errors,
     )  # fmt: skip
     response = np.abs(measured.value if over_base else 1 / measured.value)
-    found = _judged(found, spread, response, np.abs(w) / part.height**2 * _across(part))
+    found = _estimate_errors_and_band(
+        found, spread, response, np.abs(w) / part.height**2 * _across(part)
+    )
     usable = found.usable
     scatter = np.hypot(np.abs(part_of), _EXACT * np.abs(relative))
     # a solid in a row with a spring is one solid again
     solid = replace(found.only(usable), errors=replace(errors, glue=0.0))
-    left = misfit_of_one_solid(solid, scatter[usable])
+    left = compute_single_solid_misfit(solid, scatter[usable])
     return replace(found, checks=(*found.checks, lines_of_one_solid(left)))
 
 
-def _by_glue(w: ComplexArray, by_w: ComplexArray, ratio: float, *, over_base: bool) -> ComplexArray:
+def _compute_glue_sensitivity(
+    w: ComplexArray, by_w: ComplexArray, ratio: float, *, over_base: bool
+) -> ComplexArray:
     r"""Return d ln E* for a glue that gives as much as the rod's storage modulus lets it.
 
     Between base and rod it gives under the force there, so that
@@ -233,7 +241,7 @@ def _by_glue(w: ComplexArray, by_w: ComplexArray, ratio: float, *, over_base: bo
     return np.asarray(-z * (np.sin(z) + ratio * z * np.cos(z)) / (by_w * w))
 
 
-def _judged(
+def _estimate_errors_and_band(
     found: RodModulus, spread: list[ComplexArray], response: FloatArray, bulging: FloatArray
 ) -> RodModulus:
     """With its errors, the band in which they are small, and what else limits it."""
@@ -245,7 +253,7 @@ def _judged(
     plane = good & (bulging <= PLANE)
     if np.count_nonzero(plane) >= ROD_LINES:  # what is beyond is not the rod's wave equation
         good = plane
-    band = _about(found.frequency, good, int(response.argmax()))
+    band = _find_good_band(found.frequency, good, int(response.argmax()))
     found = replace(found, storage_sd=storage_sd, loss_factor_sd=loss_sd, band=band)
     widest = float(bulging[found.usable].max()) if found.usable.any() else None
     return replace(
@@ -253,7 +261,9 @@ def _judged(
     )
 
 
-def _at_rest(found: RodModulus, measured: FRF, ratio: float) -> tuple[complex, complex] | None:
+def _estimate_rest_offset(
+    found: RodModulus, measured: FRF, ratio: float
+) -> tuple[complex, complex] | None:
     """The logarithm of T below the band over what the modulus where it begins makes of it.
 
     The middle of its lines, and the standard error of either part.
@@ -314,7 +324,9 @@ def _force(w: ComplexArray, ratio: float) -> tuple[ComplexArray, ComplexArray, C
     return cotangent / z - ratio, by_z / (2 * z), -np.ones_like(z)
 
 
-def _tracked(equation: _Equation, y: ComplexArray, omega: FloatArray, ratio: float) -> ComplexArray:
+def _solve_line_roots(
+    equation: _Equation, y: ComplexArray, omega: FloatArray, ratio: float
+) -> ComplexArray:
     """The root w of every line: from the resonance outwards, each from its neighbour's.
 
     nan where noise leaves none: far from the resonance T hardly depends on the modulus.
@@ -353,7 +365,7 @@ def _root(equation: _Equation, w: complex, y: complex, ratio: float) -> complex:
     return complex(np.nan, np.nan)
 
 
-def _about(frequency: FloatArray, good: np.ndarray, peak: int) -> tuple[float, float]:
+def _find_good_band(frequency: FloatArray, good: np.ndarray, peak: int) -> tuple[float, float]:
     """The run of good lines nearest to the peak."""
     if not good.any():
         return np.nan, np.nan

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from dashpot.base.form_fields import Answers, Ask
+from dashpot.base.form_fields import FormData, FormField
 from dashpot.extensions.materials.slam.datamodel import SlamFit
 from dashpot.extensions.materials.slam.fit_files import slam_files
 from dashpot.reading.read_options import ReadOptions
 
 ASKS = (
-    Ask("mass", "Moving mass", "g", "--mass"),
-    Ask("slam", "Speed or fall", "", "--slam", form="words"),
+    FormField("mass", "Moving mass", "g", "--mass"),
+    FormField("slam", "Speed or fall", "", "--slam", form="words"),
 )
 
 
-def answered(files: Sequence[str], said: Answers, options: ReadOptions) -> SlamFit:
+def answered(files: Sequence[str], said: FormData, options: ReadOptions) -> SlamFit:
     """What the slams say of the piece."""
     mass = said.number("mass", "mass")
-    return slam_files(files, mass=mass, slam=said.of("slam").split(), options=options)
+    return slam_files(files, mass=mass, slam=said.get_text("slam").split(), options=options)

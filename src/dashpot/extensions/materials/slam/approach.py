@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from dashpot.base.errors import DataError
 from dashpot.base.units import GRAVITY, Quantity, parse_quantity
-from dashpot.base.validators import positive
+from dashpot.base.validators import require_positive
 
 
 @dataclass(frozen=True)
@@ -26,10 +26,10 @@ class Approach:
     pull: float = 0.0
 
     def __post_init__(self) -> None:
-        positive("slam: ", speed=self.speed, unit=" m/s")
+        require_positive("slam: ", speed=self.speed, unit=" m/s")
 
     @classmethod
-    def of(cls, said: Quantity) -> Approach:
+    def from_quantity(cls, said: Quantity) -> Approach:
         r"""What is said of it: a speed, m/s or ``"0.6m/s"``, or how far it fell, ``"18.4mm"``.
 
         After a fall from rest :math:`v = \sqrt{2 g h}`, and gravity pulls on.
@@ -48,7 +48,7 @@ class Approach:
                 continue
             if dimension == "velocity":
                 return cls(value)
-            positive("slam: ", fall=value, unit=" m")
+            require_positive("slam: ", fall=value, unit=" m")
             return cls(math.sqrt(2 * GRAVITY * value), GRAVITY)
         raise DataError(
             f"--slam {said}: expected the speed at the touch with its unit, 0.6m/s, or the height "

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from dashpot.base.checks import Finding, Remedy, criterion
-from dashpot.base.units import written
+from dashpot.base.units import format_quantity
 
 MAX_SHAPE = 2.5
 
@@ -13,7 +13,7 @@ MAX_SHAPE = 2.5
 @criterion("compression / depth of the law", "<=", 1.0, "the law was measured to there")
 def slam_within_law(deepest: float, depth: float | None) -> Finding:
     """The mass presses the piece no deeper than its elastic law was measured."""
-    pressed = f"The mass presses the piece by {written(deepest, 'mm', '.3g')}"
+    pressed = f"The mass presses the piece by {format_quantity(deepest, 'mm', '.3g')}"
     if depth is None:
         return Finding(
             f"{pressed}, and the fit holds no elastic law of a pressed piece",
@@ -22,7 +22,7 @@ def slam_within_law(deepest: float, depth: float | None) -> Finding:
             faulted=True,
         )
     return Finding(
-        f"{pressed}, and its law was measured to {written(depth, 'mm', '.3g')}",
+        f"{pressed}, and its law was measured to {format_quantity(depth, 'mm', '.3g')}",
         deepest / depth,
         "Beyond it the law goes on with its last slope, and a bulb that bottoms is stiffer",
         "Press a piece deeper in the load deflection test.",
@@ -44,7 +44,8 @@ def slam_within_band(frequency: float, highest: float) -> Finding:
 def air_escapes(speed: float) -> Finding:
     """The mass is slow enough for the air of a bulb to leave."""
     return Finding(
-        f"At {written(speed, 'm/s', '.3g')} the air in a bulb adds force unless it leaves at "
+        f"At {format_quantity(speed, 'm/s', '.3g')} the air in a bulb adds force unless it leaves "
+        "at "
         "open ends or holes",
         speed,
         "It is not part of the law",

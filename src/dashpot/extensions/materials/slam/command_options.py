@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dashpot.cli._command import Opt, of
-from dashpot.extensions.materials.slam.options import SlamAsked
+from dashpot.cli._command import CommandOption, build_options
+from dashpot.extensions.materials.slam.options import SlamOptions
 
 
-def list_of_prediction(kinds: str) -> list[Opt]:
+def list_of_prediction(kinds: str) -> list[CommandOption]:
     """Return the options of ``dashpot predict`` on slams."""
-    return [*of(SlamAsked, kinds=kinds)]
+    return [*build_options(SlamOptions, kinds=kinds)]

@@ -6,21 +6,21 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from dashpot.base.array_units import into_si, said_units
-from dashpot.base.arrays import ByValue, FloatArray, hold_measured, median
+from dashpot.base.array_units import convert_arrays_to_si, make_units_field
+from dashpot.base.arrays import EqualByValue, FloatArray, hold_measured, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.base.number_format import counted
-from dashpot.base.provenance import Source, of_file
-from dashpot.base.reported_values import Fact, Numbered
-from dashpot.base.result_mixins import Described, Judged, Series, arrays
-from dashpot.base.serialisation import Documented
+from dashpot.base.number_format import format_count
+from dashpot.base.provenance import Source, describe_record_source
+from dashpot.base.reported_values import HasReportedValues, ReportedValue
+from dashpot.base.result_mixins import HasSummary, HasVerdict, Series, collect_arrays
+from dashpot.base.serialisation import Serialisable
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.specimen import Specimen
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SlamTest(ByValue, Described):
+class SlamTest(EqualByValue, HasSummary):
     """Force on a piece, or acceleration of the mass, through one slam or several.
 
     Attributes
@@ -53,10 +53,10 @@ class SlamTest(ByValue, Described):
     acceleration: FloatArray | None = None
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
-    units: str = said_units()
+    units: str = make_units_field()
 
     def __post_init__(self) -> None:
-        into_si(self, time="time", force="force", acceleration="acceleration")
+        convert_arrays_to_si(self, time="time", force="force", acceleration="acceleration")
         hold_measured(self, "time", "force", "acceleration", minimum=16)
         if self.force is None and self.acceleration is None:
             raise DataError("a slam is a force, or the acceleration of the mass. Give one of them")
@@ -76,18 +76,20 @@ class SlamTest(ByValue, Described):
     @property
     def series(self) -> Series:
         """Force and acceleration over time."""
-        return arrays(self, time="s", force="N", acceleration="m/s^2")
+        return collect_arrays(self, time="s", force="N", acceleration="m/s^2")
 
     @property
     def described(self) -> tuple[str, ...]:
         """Which record it is, and what was recorded."""
         both = {"force": self.force, "acceleration": self.acceleration}
         named = " and ".join(name for name, one in both.items() if one is not None)
-        return of_file(self.source, len(self.time)), f"{named} at {1 / self.step:.6g} Hz"
+        return describe_record_source(
+            self.source, len(self.time)
+        ), f"{named} at {1 / self.step:.6g} Hz"
 
 
 @dataclass(frozen=True, eq=False)
-class SlamHit(ByValue, Documented):
+class SlamHit(EqualByValue, Serialisable):
     """One slam as it was fitted.
 
     Attributes
@@ -106,7 +108,7 @@ class SlamHit(ByValue, Documented):
     keys = ("name", "speed", "peak", "compression", "contact", "rebound", "lost_part")
 
     name: str
-    speed: Fact
+    speed: ReportedValue
     peak: float
     compression: float
     contact: float
@@ -118,7 +120,7 @@ class SlamHit(ByValue, Documented):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SlamFit(ByValue, Numbered, Judged, Documented):
+class SlamFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     """What slams say of a piece: its loss factor, and the arm that a ramp is too slow for.
 
     Attributes
@@ -141,7 +143,7 @@ class SlamFit(ByValue, Numbered, Judged, Documented):
     read_back = False
 
     frequency: float
-    found: tuple[Fact, ...]
+    found: tuple[ReportedValue, ...]
     hits: tuple[SlamHit, ...]
     mass: float
     fit: Fit
@@ -159,9 +161,12 @@ class SlamFit(ByValue, Numbered, Judged, Documented):
         return next(iter(self.sources), None)
 
     @property
-    def facts(self) -> tuple[Fact, ...]:
+    def facts(self) -> tuple[ReportedValue, ...]:
         """What was found, and of every hit its speed, force, contact and rebound."""
-        return (*self.found, *(fact for one in self.hits for fact in _told(one, len(self.hits))))
+        return (
+            *self.found,
+            *(fact for one in self.hits for fact in _make_hit_facts(one, len(self.hits))),
+        )
 
     @property
     def sound(self) -> str:
@@ -170,17 +175,19 @@ class SlamFit(ByValue, Numbered, Judged, Documented):
         between = f" ({loss.interval})" if loss.interval else ""
         return (
             f"the loss factor at {self.frequency:.3g} Hz is {loss.with_error}{between}, from "
-            f"{counted(len(self.hits), 'slam')}"
+            f"{format_count(len(self.hits), 'slam')}"
         )
 
 
-def _told(one: SlamHit, of: int) -> tuple[Fact, ...]:
+def _make_hit_facts(one: SlamHit, of: int) -> tuple[ReportedValue, ...]:
     """The numbers of a hit as rows."""
     words = f"{one.name}: " if of > 1 else ""
     return (
         replace(one.speed, words=f"{words}speed"),
-        Fact("peak_force", one.peak, unit="N", words=f"{words}peak force"),
-        Fact("contact", one.contact, unit="s", read="ms", words=f"{words}contact"),
-        Fact("rebound", one.rebound, unit="1", read="%", words=f"{words}rebound speed"),
-        Fact("lost_part", one.lost_part, unit="1", read="%", words=f"{words}energy absorbed"),
+        ReportedValue("peak_force", one.peak, unit="N", words=f"{words}peak force"),
+        ReportedValue("contact", one.contact, unit="s", read="ms", words=f"{words}contact"),
+        ReportedValue("rebound", one.rebound, unit="1", read="%", words=f"{words}rebound speed"),
+        ReportedValue(
+            "lost_part", one.lost_part, unit="1", read="%", words=f"{words}energy absorbed"
+        ),
     )

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray
+from dashpot.base.arrays import EqualByValue, FloatArray
 from dashpot.datamodel.fit import Fit
 from dashpot.solids.elastic import ElasticLaw
 
@@ -23,7 +23,7 @@ _KNOTS = 17
 
 
 @dataclass(frozen=True, eq=False)
-class SlamLaw(ByValue):
+class SlamLaw(EqualByValue):
     """What is known of the elastic law before the slams.
 
     Attributes
@@ -43,7 +43,7 @@ class SlamLaw(ByValue):
         return cls(None, np.zeros((0, len(POWERS))))
 
     @classmethod
-    def of(cls, fit: Fit, longer: float = 1.0) -> SlamLaw:
+    def from_fit(cls, fit: Fit, longer: float = 1.0) -> SlamLaw:
         """That of a load deflection test, in a fit; free where the fit holds one depth alone.
 
         Its tangent at each knot is known to its standard error, or to 1 %; three numbers are each
@@ -67,10 +67,12 @@ class SlamLaw(ByValue):
 
     def piecewise(self, c: FloatArray, depth: float) -> ElasticLaw:
         """The law to a depth, m, on knots."""
-        knots, ratio, stiffness = self.knotted(c, depth)
+        knots, ratio, stiffness = self.compute_knot_tangents(c, depth)
         return ElasticLaw(tuple(knots.tolist()), tuple(ratio.tolist()), stiffness)
 
-    def knotted(self, c: FloatArray, depth: float) -> tuple[FloatArray, FloatArray, float]:
+    def compute_knot_tangents(
+        self, c: FloatArray, depth: float
+    ) -> tuple[FloatArray, FloatArray, float]:
         """Knots, m, the tangent there over the secant, and that secant at the depth, N/m."""
         knots = np.linspace(0.0, depth, _KNOTS)
         slope = (POWERS * knots[:, None] ** (POWERS - 1)) @ c

@@ -8,7 +8,7 @@ from types import MappingProxyType
 import numpy as np
 
 from dashpot.base.version import byline
-from dashpot.extensions.materials.slam.motion import slammed
+from dashpot.extensions.materials.slam.motion import simulate_impacts
 from dashpot.registry import Example
 from dashpot.solids.demo_seals import BROAD
 from dashpot.solids.elastic import ElasticLaw
@@ -23,7 +23,7 @@ def _slams() -> str:
     law, random = ElasticLaw.linear(BROAD.k_inf, _DEPTH), np.random.default_rng(1)
     force = []
     for speed in (0.3, 0.45, 0.6):
-        (one,) = slammed([_SEALS * BROAD], law, mass=0.2, speed=speed)
+        (one,) = simulate_impacts([_SEALS * BROAD], law, mass=0.2, speed=speed)
         time = np.arange(0.0, 0.6, 1e-4)
         own = np.interp(time - 0.05, one.time, np.maximum(one.force, 0.0), left=0.0, right=0.0)
         force.append(own + 0.01 * own.max() * random.standard_normal(len(own)))

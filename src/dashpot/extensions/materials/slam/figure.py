@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base.units import in_unit
+from dashpot.base.units import convert_to_unit
 from dashpot.extensions.materials.slam.datamodel import SlamFit
 from dashpot.extensions.materials.slam.prediction import Slam
 from dashpot.plot.picture import BENEATH, FIT, PREDICTED, UPON, Line, Panel, Picture, Scale
@@ -25,7 +25,7 @@ def slams(found: SlamFit, *, stamp: str = "") -> Picture:
     """
     panels = []
     for one in found.hits[:_MOST]:
-        ms = in_unit(one.time, "ms")
+        ms = convert_to_unit(one.time, "ms")
         top = 1.08 * float(one.measured.max())
         marks = (
             Line(ms, one.modelled, BENEATH, "fitted"),
@@ -49,7 +49,7 @@ def slam(found: Slam, *, stamp: str = "") -> Picture:
         What the figure says of its origin; by default the files of the fit.
     """
     motion = found.motion
-    ms, mm = in_unit(motion.time, "ms"), in_unit(motion.compression, "mm")
+    ms, mm = convert_to_unit(motion.time, "ms"), convert_to_unit(motion.compression, "mm")
     up = Scale("force, N", (0.0, 1.08 * float(motion.force.max())))
     whole = Panel(
         Scale("time, ms", (0.0, float(ms[-1]))),

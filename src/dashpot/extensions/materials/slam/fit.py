@@ -22,8 +22,8 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Step, sources_of
-from dashpot.base.reported_values import Fact
-from dashpot.base.units import Quantity, si
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
@@ -35,9 +35,9 @@ from dashpot.extensions.materials.slam.elastic_law import POWERS, SlamLaw
 from dashpot.extensions.materials.slam.least_squares_problem import Memory, Slams
 from dashpot.extensions.materials.slam.motion import SlamMotion
 from dashpot.extensions.materials.slam.preprocess import slams_of
-from dashpot.extensions.materials.slam.residual_shapes import shapes_left
-from dashpot.fitting.fit_construction import FoundSolid, assembled
-from dashpot.numerics.inference.covariance_estimate import Derived, Estimate, estimate
+from dashpot.extensions.materials.slam.residual_shapes import compute_residual_shapes
+from dashpot.fitting.fit_construction import SolidEstimate, build_fit
+from dashpot.numerics.inference.covariance_estimate import DerivedQuantity, Estimate, estimate
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 SPEED_SD = 0.05
@@ -82,7 +82,7 @@ def fit_slams(
     fits = (memory,) if isinstance(memory, Fit) else tuple(memory)
     if len(fits) > 1:
         raise DataError(f"--memory was given {len(fits)} times, and slams take one. Give it once")
-    kg, fit = si(mass, "mass"), fits[0] if fits else None
+    kg, fit = convert_to_si(mass, "mass"), fits[0] if fits else None
     hits = tuple(
         one
         for place, test in enumerate(records, 1)
@@ -91,16 +91,16 @@ def fit_slams(
     speeds, pulls = _approaches(slam, len(hits))
     longer = _longer(records, fit)
     if law is None:
-        law = SlamLaw.free() if fit is None else SlamLaw.of(fit, longer)
-    slams = Slams(hits, kg, pulls, speeds, speed_sd, law, Memory.of(fit))
-    best = slams.solved()
+        law = SlamLaw.free() if fit is None else SlamLaw.from_fit(fit, longer)
+    slams = Slams(hits, kg, pulls, speeds, speed_sd, law, Memory.from_fit(fit))
+    best = slams.find_optimum()
     if best is None:
         raise FitError(
             "no motion of the mass follows the slams. Check the mass and the speeds, or look at "
             "the record with dashpot inspect"
         )
     found = estimate(best, parts=[len(one.time) for one in hits], prior_variance=1.0)
-    return _SlamsSolved(tuple(records), slams, found, fit).whole
+    return _SlamsSolved(tuple(records), slams, found, fit).slam_fit
 
 
 def _approaches(slam: Quantity | Sequence[Quantity], count: int) -> tuple[FloatArray, FloatArray]:
@@ -111,7 +111,7 @@ def _approaches(slam: Quantity | Sequence[Quantity], count: int) -> tuple[FloatA
             f"--slam was given {len(said)} times, and {count} slams were found. Give the speed "
             "of each slam, in their order"
         )
-    known = [Approach.of(one) for one in said]
+    known = [Approach.from_quantity(one) for one in said]
     pulls, free = [one.pull for one in known], count - len(known)
     pulls += [pulls[-1] if pulls else 0.0] * free
     return np.array([*(one.speed for one in known), *[np.nan] * free]), np.array(pulls)
@@ -134,19 +134,21 @@ class _SlamsSolved:
     fit: Fit | None
 
     @property
-    def whole(self) -> SlamFit:
+    def slam_fit(self) -> SlamFit:
         """All of it, judged."""
         known, slams, frequency = self.known, self.slams, self.frequency
-        arm = known.derived(lambda values: values[slams.shared - 2 : slams.shared])
+        arm = known.derive_quantity(
+            lambda values: values[slams.shared_parameter_count - 2 : slams.shared_parameter_count]
+        )
         found = [
             self._fact("loss_factor", self.loss, 0, f"loss factor at {frequency:.3g} Hz"),
             self._fact("arm", arm, 0, "fast arm, over the relaxed force"),
             self._fact("arm_time", arm, 1, "its relaxation time"),
         ]
         if len(slams.memory.g):
-            before = known.derived(lambda values: self._loss(values, arm=False))
+            before = known.derive_quantity(lambda values: self._loss(values, arm=False))
             found.insert(1, self._fact("loss_before", before, 0, "the same without the fast arm"))
-        judged = self._judged()
+        judged = self._run_checks()
         return SlamFit(
             frequency, tuple(found), self.hits, slams.mass, self._piece(judged), judged,
             sources_of(self.records),
@@ -156,21 +158,23 @@ class _SlamsSolved:
     def theta(self) -> FloatArray:
         return self.known.optimum.theta
 
-    def _fact(self, name: str, of: Derived, place: int, words: str) -> Fact:
+    def _fact(self, name: str, of: DerivedQuantity, place: int, words: str) -> ReportedValue:
         """One of several numbers with its interval; of a time, by its logarithm."""
         value, error = float(of.values[place]), float(of.standard_error[place])
         times = self.known.quantile()
         if name != "arm_time":
-            return Fact.known(name, value, error, times, words=words)
+            return ReportedValue.known(name, value, error, times, words=words)
         time = float(np.exp(value))
-        return Fact.known(name, time, error, times, of_log=True, unit="s", read="ms", words=words)
+        return ReportedValue.known(
+            name, time, error, times, of_log=True, unit="s", read="ms", words=words
+        )
 
     @cached_property
     def motions(self) -> tuple[SlamMotion, ...]:
         """Of every slam, to its release."""
         slams = self.slams
         rows = np.repeat(self.theta[None, :], len(slams.hits), axis=0)
-        x, v, force, relaxed = slams.marched(rows, slams.speeds(self.theta), slams.pulls)
+        x, v, force, relaxed = slams.integrate_motion(rows, slams.speeds(self.theta), slams.pulls)
         ends = np.minimum((force > 0).cumsum(axis=0).argmax(axis=0) + 2, len(force))
         time = slams.step * np.arange(float(len(force)))
         return tuple(
@@ -193,16 +197,16 @@ class _SlamsSolved:
 
     def _loss(self, values: FloatArray, *, arm: bool = True) -> FloatArray:
         """Loss factor of the memory, whatever the compression."""
-        g, tau = self.slams.arms(values[: self.slams.shared])
+        g, tau = self.slams.arms(values[: self.slams.shared_parameter_count])
         g, tau = (g, tau) if arm else (g[:-1], tau[:-1])
         turn = 2j * np.pi * self.frequency * tau
         K = 1 + (g * turn / (1 + turn)).sum()
         return np.array([K.imag / K.real])
 
     @cached_property
-    def loss(self) -> Derived:
+    def loss(self) -> DerivedQuantity:
         """That, with its error."""
-        return self.known.derived(self._loss)
+        return self.known.derive_quantity(self._loss)
 
     @cached_property
     def hits(self) -> tuple[SlamHit, ...]:
@@ -211,9 +215,9 @@ class _SlamsSolved:
         reach, found = self.known.quantile(), []
         modelled = self.slams.forces(self.theta)
         for i, (one, motion) in enumerate(zip(self.slams.hits, self.motions, strict=True)):
-            place = self.slams.shared + 2 * i
+            place = self.slams.shared_parameter_count + 2 * i
             speed, error = float(self.theta[place]), float(errors[place])
-            told = Fact.known("speed", speed, error, reach, unit="m/s", read="m/s")
+            told = ReportedValue.known("speed", speed, error, reach, unit="m/s", read="m/s")
             time = one.time - self.theta[place + 1]
             hit = SlamHit(
                 one.name, told, motion.peak.force, motion.deepest.compression,
@@ -223,7 +227,7 @@ class _SlamsSolved:
             found.append(hit)
         return tuple(found)
 
-    def _judged(self) -> tuple[Check, ...]:
+    def _run_checks(self) -> tuple[Check, ...]:
         """Every check."""
         slams, hits, known = self.slams, self.hits, self.slams.law.known
         value, sd = float(self.loss.values[0]), float(self.loss.standard_error[0])
@@ -242,28 +246,28 @@ class _SlamsSolved:
         return (
             checks.loss_determined(sd / max(value, 1e-300), self.frequency),
             checks.slams_followed(misfit),
-            checks.slams_without_more(shapes_left(slams, self.known.optimum)),
+            checks.slams_without_more(compute_residual_shapes(slams, self.known.optimum)),
             checks.slams_sampled(samples),
             checks.slow_arms_known(given=self.fit is not None),
             checks.slam_speeds_spread(None if known else float(speeds.max() / speeds.min())),
             checks.slam_speeds_agree(float(off.max()) if len(off) else None),
             checks.slams_apart(min(apart, default=None)),
             checks.slam_mass_agrees(max(ratios, key=lambda one: abs(one - 1), default=None)),
-            *self._against(value, sd),
+            *self._check_memory_agreement(value, sd),
             *([] if known is None else [checks.slam_within_law(self.depth, known.depth)]),
             checks.air_escapes(float(speeds.max())),
             checks.piece_length_given(given=self.records[0].specimen.length is not None),
             *caution_checks(sources_of(self.records)),
         )
 
-    def _against(self, value: float, sd: float) -> list[Check]:
+    def _check_memory_agreement(self, value: float, sd: float) -> list[Check]:
         """What the slams and the test of the memory say of one another."""
         memory, fit = self.slams.memory, self.fit
         if fit is None or not len(memory.g):
             return []
         moved, about = None, np.concatenate((memory.g, np.log(memory.tau)))
         if memory.free:
-            here = self.theta[len(POWERS) : len(POWERS) + self.slams.known]
+            here = self.theta[len(POWERS) : len(POWERS) + self.slams.memory_parameter_count]
             moved = float(np.abs(memory.precision @ (here - about)).max())
         turn = 2j * np.pi * self.frequency * memory.tau
         K = 1 + (memory.g * turn / (1 + turn)).sum()
@@ -282,17 +286,19 @@ class _SlamsSolved:
     def _piece(self, judged: tuple[Check, ...]) -> Fit:
         """The piece as a solid: the law, the memory that was known, and the arm."""
         slams, depth, cubic = self.slams, self.depth, slice(0, len(POWERS))
-        g, tau = slams.arms(self.theta[: slams.shared])
+        g, tau = slams.arms(self.theta[: slams.shared_parameter_count])
         order = [i for i in np.argsort(tau).tolist() if g[i] > 0]
         arms = len(order)
 
         def seal(values: FloatArray) -> FloatArray:
-            own_g, own_tau = slams.arms(values[: slams.shared])
-            k_inf = slams.law.knotted(values[cubic], depth)[2]
+            own_g, own_tau = slams.arms(values[: slams.shared_parameter_count])
+            k_inf = slams.law.compute_knot_tangents(values[cubic], depth)[2]
             return np.concatenate(([k_inf], k_inf * own_g[order], np.log(own_tau[order])))
 
-        told = self.known.derived(seal)
-        ratio = self.known.derived(lambda values: slams.law.knotted(values[cubic], depth)[1])
+        told = self.known.derive_quantity(seal)
+        ratio = self.known.derive_quantity(
+            lambda values: slams.law.compute_knot_tangents(values[cubic], depth)[1]
+        )
         ratio_se = np.nan_to_num(ratio.standard_error, posinf=0.0)
         k_inf, *rest = told.values.tolist()
         taus = np.exp(rest[arms:]).tolist()
@@ -308,8 +314,8 @@ class _SlamsSolved:
             f"fitted {len(contact)} slams of {slams.mass:.4g} kg",
         )
         model = GeneralizedMaxwell(k_inf, tuple(rest[:arms]), tuple(taus))
-        return assembled(
-            FoundSolid(model, estimated),
+        return build_fit(
+            SolidEstimate(model, estimated),
             Evidence((low, 2 / (np.pi * min(contact))), checks=judged),
             Provenance("slam", sources_of(self.records), (step,), self.records[0].specimen),
             elastic_law=replace(law, ratio_se=tuple(ratio_se.tolist())),

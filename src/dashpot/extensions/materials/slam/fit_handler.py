@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dashpot import workflow
-from dashpot.cli._command_io import Outcome, grams, typed
-from dashpot.cli.fit_handlers._request import Given
+from dashpot.cli._command_io import CommandResult, format_command, grams
+from dashpot.cli.fit_handlers._request import FitRequest
 
 
-def run(given: Given) -> Outcome:
+def run(given: FitRequest) -> CommandResult:
     """Find loss factor and arms from slams, with a fit of the piece where one is given."""
-    given.kept_as(".json", what="this fit")
+    given.check_output_suffix(".json", what="this fit")
     found = workflow.slam_files(
         given.files,
         mass=given.mass,
@@ -19,7 +19,7 @@ def run(given: Given) -> Outcome:
         options=given.reading,
     )
     follow = ""
-    if given.kept:
+    if given.result_path:
         how = ("--slam", "1m/s", "--mass", grams(found.mass))
-        follow = typed("predict", given.kept, *how)
+        follow = format_command("predict", given.result_path, *how)
     return given.told(found, follow=follow)

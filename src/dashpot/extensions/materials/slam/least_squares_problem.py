@@ -13,8 +13,8 @@ from dashpot.base.errors import DataError
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.parameter_estimate import parameter_names
 from dashpot.extensions.materials.slam.elastic_law import POWERS, SlamLaw
-from dashpot.extensions.materials.slam.motion import Masses, march
-from dashpot.extensions.materials.slam.preprocess import Struck
+from dashpot.extensions.materials.slam.motion import Masses, integrate_impact
+from dashpot.extensions.materials.slam.preprocess import RecordedSlam
 from dashpot.fitting.parameters import memory_of, own
 from dashpot.numerics.least_squares.problem import Optimum, Parameter, Problem, Rows
 
@@ -55,7 +55,7 @@ class Memory:
     fit: Fit | None = None
 
     @classmethod
-    def of(cls, fit: Fit | None) -> Memory:
+    def from_fit(cls, fit: Fit | None) -> Memory:
         """Those of a fit: of a relaxation test, or with the law of a load deflection test."""
         if fit is None:
             return cls()
@@ -102,7 +102,7 @@ class Slams:
     memory : Memory
     """
 
-    hits: tuple[Struck, ...]
+    hits: tuple[RecordedSlam, ...]
     mass: float
     pulls: FloatArray
     said: FloatArray
@@ -116,14 +116,14 @@ class Slams:
         return max(one.contact for one in self.hits) * 1.3 / STEPS
 
     @property
-    def known(self) -> int:
+    def memory_parameter_count(self) -> int:
         """Places of the memory that moves."""
         return 2 * len(self.memory.g) if self.memory.free else 0
 
     @property
-    def shared(self) -> int:
+    def shared_parameter_count(self) -> int:
         """Thetas that all slams share."""
-        return len(POWERS) + self.known + 2
+        return len(POWERS) + self.memory_parameter_count + 2
 
     def arms(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
         """G and tau of every arm, the sought one last, shape (..., arms)."""
@@ -133,20 +133,20 @@ class Slams:
         if self.memory.free:
             g, tau = theta[..., first : first + n], np.exp(theta[..., first + n : first + 2 * n])
         own_g, own_tau = (
-            theta[..., self.shared - 2, None],
-            np.exp(theta[..., self.shared - 1, None]),
+            theta[..., self.shared_parameter_count - 2, None],
+            np.exp(theta[..., self.shared_parameter_count - 1, None]),
         )
         return np.concatenate((g, own_g), axis=-1), np.concatenate((tau, own_tau), axis=-1)
 
     def speeds(self, theta: FloatArray) -> FloatArray:
         """Of every slam, m/s."""
-        return theta[self.shared :: 2]
+        return theta[self.shared_parameter_count :: 2]
 
     def touches(self, theta: FloatArray) -> FloatArray:
         """Of every slam, s."""
-        return theta[self.shared + 1 :: 2]
+        return theta[self.shared_parameter_count + 1 :: 2]
 
-    def marched(
+    def integrate_motion(
         self, theta: FloatArray, speed: FloatArray, pull: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """x, v, force, relaxed force by steps, shape (steps + 1, n), of rows of theta, (n, p)."""
@@ -158,29 +158,29 @@ class Slams:
         )
         # a trial law that pulls runs away, and is refused for it
         with np.errstate(over="ignore", invalid="ignore"):
-            x, v, force, relaxed = march(masses, self.step, STEPS)
+            x, v, force, relaxed = integrate_impact(masses, self.step, STEPS)
         gone = np.maximum.accumulate((force <= 0) & (v < 0), axis=0)
         return x, v, np.where(gone, 0.0, force), relaxed
 
     def forces(self, theta: FloatArray) -> list[FloatArray]:
         """What every slam is modelled as."""
         rows = np.repeat(theta[None, :], len(self.hits), axis=0)
-        force = self.marched(rows, self.speeds(theta), self.pulls)[2]
+        force = self.integrate_motion(rows, self.speeds(theta), self.pulls)[2]
         return [
-            self.seen(force[:, i], one.time - touch)
+            self.sample_force(force[:, i], one.time - touch)
             for i, (one, touch) in enumerate(
                 zip(self.hits, self.touches(theta).tolist(), strict=True)
             )
         ]
 
-    def seen(self, force: FloatArray, since: FloatArray) -> FloatArray:
+    def sample_force(self, force: FloatArray, since: FloatArray) -> FloatArray:
         """Of a force by steps what is sampled at times since the touch, s."""
         nodes = self.step * np.arange(len(force))
         return np.interp(since, nodes, force, left=0.0, right=0.0)
 
     def slopes(self, theta: FloatArray) -> FloatArray:
         """Derivative of all forces by theta, all slams and all differences marched as one."""
-        shared, many = self.shared, len(self.hits)
+        shared, many = self.shared_parameter_count, len(self.hits)
         scale = np.array([one.scale for one in self.parameters])
         # up and down of what all share, and of the own speed
         moves = np.zeros((2 * (shared + 1), shared + 1))
@@ -195,7 +195,7 @@ class Slams:
             at = slice(i * each + 1, (i + 1) * each)
             rows[at] += moves[:, :shared] * scale[:shared]
             speed[at] += moves[:, shared] * scale[shared + 2 * i]
-        force = self.marched(rows, speed, pull)[2]
+        force = self.integrate_motion(rows, speed, pull)[2]
         J = []
         for i, one in enumerate(self.hits):
             since = one.time - self.touches(theta)[i]
@@ -204,24 +204,24 @@ class Slams:
             for j in range(shared + 1):
                 up, down = (force[:, i * each + 1 + j + k * (shared + 1)] for k in (0, 1))
                 place = j if j < shared else shared + 2 * i
-                own[:, place] = self.seen(up - down, since) / (2 * _STEP * scale[place])
-            own[:, shared + 2 * i + 1] = -self.seen(np.gradient(here, self.step), since)
+                own[:, place] = self.sample_force(up - down, since) / (2 * _STEP * scale[place])
+            own[:, shared + 2 * i + 1] = -self.sample_force(np.gradient(here, self.step), since)
             J.append(own / one.noise)
         return np.concatenate(J)
 
     @property
     def priors(self) -> tuple[FloatArray, FloatArray]:
         """Rows P and what P theta is about, in standard deviations."""
-        first, places = len(POWERS), self.shared + 2 * len(self.hits)
+        first, places = len(POWERS), self.shared_parameter_count + 2 * len(self.hits)
         law = np.zeros((len(self.law.precision), places))
         law[:, :first] = self.law.precision
         memory = np.zeros((len(self.memory.precision), places))
-        memory[:, first : first + self.known] = self.memory.precision
+        memory[:, first : first + self.memory_parameter_count] = self.memory.precision
         about = self.memory.precision @ np.concatenate((self.memory.g, np.log(self.memory.tau)))
         told = np.flatnonzero(np.isfinite(self.said))
         speeds = np.zeros((len(told), places))
         sd = self.said_sd * self.said[told]
-        speeds[np.arange(len(told)), self.shared + 2 * told] = 1 / sd
+        speeds[np.arange(len(told)), self.shared_parameter_count + 2 * told] = 1 / sd
         rows = np.concatenate((law, memory, speeds))
         return rows, np.concatenate((np.zeros(len(law)), about, self.said[told] / sd))
 
@@ -249,7 +249,7 @@ class Slams:
         )
 
     @property
-    def begun(self) -> FloatArray:
+    def initial_speeds_and_touches(self) -> FloatArray:
         """Speeds and touches to begin with, interleaved."""
         impulse = np.array(
             [float(np.trapezoid(np.maximum(one.force, 0.0), one.time)) for one in self.hits]
@@ -276,7 +276,7 @@ class Slams:
         ]
         own: list[Parameter] = []
         for i, one in enumerate(self.hits):
-            speed = float(self.begun[2 * i])
+            speed = float(self.initial_speeds_and_touches[2 * i])
             own.append(Parameter(0.2 * speed, 5 * speed, 0.05 * speed))
             far = 0.3 * one.contact
             own.append(Parameter(one.touch - far, one.touch + far, 0.02 * one.contact))
@@ -287,21 +287,26 @@ class Slams:
         """Largest compression, roughly, m: a fast mass is brought to rest over half a contact."""
         return max(
             2 / np.pi * 0.5 * one.contact * float(speed)
-            for one, speed in zip(self.hits, self.begun[::2], strict=True)
+            for one, speed in zip(self.hits, self.initial_speeds_and_touches[::2], strict=True)
         )
 
-    def solved(self) -> Optimum | None:
+    def find_optimum(self) -> Optimum | None:
         """The best of some arms: each held at first, for beside a poor law it would go to 0."""
         problem = Problem(self.rows, self.parameters, priors=len(self.priors[0]))
-        arm = slice(self.shared - 2, self.shared)
+        arm = slice(self.shared_parameter_count - 2, self.shared_parameter_count)
         held = []
         for start in self.starts:
-            still = problem.held(self.shared - 1, start[arm][1]).held(
-                self.shared - 2, start[arm][0]
+            still = problem.held(self.shared_parameter_count - 1, start[arm][1]).held(
+                self.shared_parameter_count - 2, start[arm][0]
             )
             rest = np.delete(start, arm)
             if (near := still.solve([rest], most=_NEAR, flat=_ROUGHLY)) is not None:
-                held.append((near.cost, np.insert(near.theta, [self.shared - 2] * 2, start[arm])))
+                held.append(
+                    (
+                        near.cost,
+                        np.insert(near.theta, [self.shared_parameter_count - 2] * 2, start[arm]),
+                    )
+                )
         held.sort(key=lambda one: one[0])
         starts = [one for _, one in held[:_STARTS]]
         return problem.solve(starts, most=_TRIES, finished=_FINISHED, flat=_FLAT)
@@ -317,7 +322,9 @@ class Slams:
         )
         cubic = np.zeros(len(POWERS)) if self.law.known else self._cubic()
         return [
-            np.concatenate((cubic, memory, [g, np.log(part * contact)], self.begun))
+            np.concatenate(
+                (cubic, memory, [g, np.log(part * contact)], self.initial_speeds_and_touches)
+            )
             for g, part in _PLACES
         ]
 
@@ -325,7 +332,9 @@ class Slams:
         """A free law, by the force over the path that it gives the mass, less what the arms add."""
         slow = 1 + float(self.memory.g.sum()) + 0.1
         columns, forces = [], []
-        for one, speed, pull in zip(self.hits, self.begun[::2], self.pulls, strict=True):
+        for one, speed, pull in zip(
+            self.hits, self.initial_speeds_and_touches[::2], self.pulls, strict=True
+        ):
             inside = one.time >= one.touch
             time, force = one.time[inside], one.force[inside]
             step = np.diff(time, prepend=time[0])

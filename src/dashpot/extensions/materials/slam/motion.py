@@ -18,9 +18,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray
+from dashpot.base.arrays import EqualByValue, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.validators import positive
+from dashpot.base.validators import require_positive
 from dashpot.solids.constant_rate_step import EvenStep
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -63,7 +63,7 @@ class Masses(NamedTuple):
     factor: Callable[[FloatArray], FloatArray] | None = None
 
 
-class Marched(NamedTuple):
+class MotionHistory(NamedTuple):
     """Step by step, from touch on, shape (steps + 1, n): m, m/s, N, and the path, m."""
 
     x: FloatArray
@@ -72,7 +72,7 @@ class Marched(NamedTuple):
     path: FloatArray
 
 
-def march(masses: Masses, step: float, most: int) -> Marched:
+def integrate_impact(masses: Masses, step: float, most: int) -> MotionHistory:
     """Return the motion until every mass is let go, some steps beyond, or so many are done.
 
     Parameters
@@ -87,7 +87,7 @@ def march(masses: Masses, step: float, most: int) -> Marched:
     even = EvenStep.of(step / tau)
     viscous = b is not None and factor is not None
     force = b * factor(x) * v if viscous else np.zeros(len(m))  # type: ignore[operator,misc]
-    found = Marched(*np.empty((4, most + 1, len(m))))
+    found = MotionHistory(*np.empty((4, most + 1, len(m))))
     half = 0.5 * step
     pulls = np.broadcast_to(pull, (most + 1, len(m)))
     pushed, i = pulls[0] - force / m, 0
@@ -108,11 +108,11 @@ def march(masses: Masses, step: float, most: int) -> Marched:
         found.x[i], found.v[i], found.force[i], found.path[i] = x, v, force, u
         if not i % _LOOK and ((force <= 0) & (v < 0)).all():
             break
-    return Marched(*(one[: i + 1] for one in found))
+    return MotionHistory(*(one[: i + 1] for one in found))
 
 
 @dataclass(frozen=True, eq=False)
-class SlamMotion(ByValue):
+class SlamMotion(EqualByValue):
     """One mass on one piece, from touch to release.
 
     Attributes
@@ -136,21 +136,21 @@ class SlamMotion(ByValue):
     @property
     def peak(self) -> Instant:
         """Where the force is largest."""
-        return self._at(_vertex(self.force))
+        return self._interpolate_instant(_vertex(self.force))
 
     @property
     def deepest(self) -> Instant:
         """Where the compression is."""
-        return self._at(_vertex(self.compression))
+        return self._interpolate_instant(_vertex(self.compression))
 
     @property
     def release(self) -> Instant:
         """Where the force is back at zero."""
-        return self._at(_falls_to_zero(self.force))
+        return self._interpolate_instant(_falls_to_zero(self.force))
 
-    def _at(self, place: tuple[int, float]) -> Instant:
+    def _interpolate_instant(self, place: tuple[int, float]) -> Instant:
         every = (self.time, self.compression, self.velocity, self.force, self.relaxed)
-        return Instant(*(_between(one, *place) for one in every))
+        return Instant(*(_interpolate_parabola(one, *place) for one in every))
 
     @property
     def energy(self) -> float:
@@ -158,7 +158,7 @@ class SlamMotion(ByValue):
         return 0.5 * self.mass * float(self.velocity[0]) ** 2
 
     @property
-    def taken(self) -> float:
+    def loading_work(self) -> float:
         """Work of the piece to the largest compression, J."""
         return self.energy + self.mass * self.pull * self.deepest.compression
 
@@ -199,7 +199,7 @@ class Instant(NamedTuple):
     relaxed: float
 
 
-def slammed(
+def simulate_impacts(
     models: Sequence[GeneralizedMaxwell],
     law: ElasticLaw,
     *,
@@ -231,7 +231,7 @@ def slammed(
     -----
     Right to 1e-6 of each number, by solutions of DOP853 that this code has no part in.
     """
-    positive(mass=mass, speed=speed, expected="a finite number above 0")
+    require_positive(mass=mass, speed=speed, expected="a finite number above 0")
     count, arms = len(models), max(one.arms for one in models)
     k, tau = np.zeros((count, arms)), np.ones((count, arms))
     for i, one in enumerate(models):
@@ -242,7 +242,7 @@ def slammed(
         np.array([one.k_inf for one in models]), k, tau, b if b.any() else None, law.factor,
     )  # fmt: skip
     length = _length(masses, models[0], law)
-    rough = march(masses, length / _ROUGH, int(_LONGEST * _ROUGH))
+    rough = integrate_impact(masses, length / _ROUGH, int(_LONGEST * _ROUGH))
     released = (rough.force <= 0) & (rough.v <= 0)
     if not released[-1].all():
         raise DataError(
@@ -250,7 +250,7 @@ def slammed(
             "contact: it is not thrown back. Expected a lighter mass, or a faster one"
         )
     step = length * int(released[:, 0].argmax()) / _ROUGH / _FINE
-    whole = march(masses, step, 3 * _FINE)
+    whole = integrate_impact(masses, step, 3 * _FINE)
     found = []
     for i, one in enumerate(models):
         end = int(((whole.force[:, i] <= 0) & (whole.v[:, i] <= 0)).argmax()) + 1
@@ -292,7 +292,7 @@ def _falls_to_zero(y: FloatArray) -> tuple[int, float]:
     return i, min(max(-2 * here / (slope - root), 0.0), 1.0)
 
 
-def _between(y: FloatArray, i: int, part: float) -> float:
+def _interpolate_parabola(y: FloatArray, i: int, part: float) -> float:
     """A value beyond a sample, by the parabola through it and its neighbours."""
     i, part = (i, part) if i else (1, part - 1)
     before, here, after = map(float, y[i - 1 : i + 2])

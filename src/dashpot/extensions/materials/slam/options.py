@@ -8,7 +8,7 @@ from dashpot.base.option_fields import option
 
 
 @dataclass(frozen=True)
-class SlamAsked:
+class SlamOptions:
     """How a mass meets the piece.
 
     Attributes

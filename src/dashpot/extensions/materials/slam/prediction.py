@@ -7,19 +7,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray
+from dashpot.base.arrays import EqualByValue, FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
-from dashpot.base.reported_values import Fact
-from dashpot.base.result_mixins import Judged
-from dashpot.base.serialisation import Documented
-from dashpot.base.units import Quantity, si, written
-from dashpot.base.validators import positive
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.result_mixins import HasVerdict
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import Quantity, convert_to_si, format_quantity
+from dashpot.base.validators import require_positive
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.materials.slam import checks
 from dashpot.extensions.materials.slam.approach import Approach
-from dashpot.extensions.materials.slam.motion import SlamMotion, slammed
+from dashpot.extensions.materials.slam.motion import SlamMotion, simulate_impacts
 from dashpot.fitting.parameters import off_by_error
 from dashpot.solids.elastic import ElasticLaw
 
@@ -28,7 +28,7 @@ _STRAIGHT = 1e-3
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Slam(ByValue, Judged, Documented):
+class Slam(EqualByValue, HasVerdict, Serialisable):
     """What a mass does that is slammed on a piece.
 
     Attributes
@@ -56,13 +56,13 @@ class Slam(ByValue, Judged, Documented):
     approach: Approach
     mass: float
     seals: float
-    answers: tuple[Fact, ...]
+    answers: tuple[ReportedValue, ...]
     motion: SlamMotion
     checks: tuple[Check, ...]
     sources: tuple[Source, ...] = ()
 
     @property
-    def facts(self) -> tuple[Fact, ...]:
+    def facts(self) -> tuple[ReportedValue, ...]:
         """The answers."""
         return self.answers
 
@@ -73,27 +73,28 @@ class Slam(ByValue, Judged, Documented):
         return verdict(
             self.checks,
             sound=f"the peak force is {force.with_unit} at "
-            f"{written(self.motion.peak.compression, 'mm', '.3g')}, and {lost:.2g} % of the energy "
+            f"{format_quantity(self.motion.peak.compression, 'mm', '.3g')}, and {lost:.2g} % of "
+            "the energy "
             "is absorbed",
         )
 
     @property
     def time(self) -> FloatArray:
         """Some hundred instants, s."""
-        return self.motion.time[:: self._every]
+        return self.motion.time[:: self._sample_stride]
 
     @property
     def compression(self) -> FloatArray:
         """There, m."""
-        return self.motion.compression[:: self._every]
+        return self.motion.compression[:: self._sample_stride]
 
     @property
     def force(self) -> FloatArray:
         """There, N."""
-        return self.motion.force[:: self._every]
+        return self.motion.force[:: self._sample_stride]
 
     @property
-    def _every(self) -> int:
+    def _sample_stride(self) -> int:
         return max(len(self.motion.time) // 300, 1)
 
 
@@ -125,9 +126,9 @@ def predict_slam(
     """
     if mass is None:
         raise DataError("a slam needs the mass of what moves. Add it: --mass 200g")
-    said = slam if isinstance(slam, str | float | int) else _one(slam)
-    approach, kg = Approach.of(said), si(mass, "mass")
-    positive(mass=kg, seals=seals)
+    said = slam if isinstance(slam, str | float | int) else _require_single_slam(slam)
+    approach, kg = Approach.from_quantity(said), convert_to_si(mass, "mass")
+    require_positive(mass=kg, seals=seals)
     if found.unit != "N/m":
         raise DataError(
             "the fit is of a material, and a slam is of a piece. Fit a test of the piece, in N and "
@@ -137,7 +138,7 @@ def predict_slam(
     known = piece.elastic_law
     law = known or ElasticLaw.linear(max(piece.model.k_inf, 1e-9), _STRAIGHT)
     models = [piece.model, *(one.maxwell for one in off_by_error(piece))]
-    motions = slammed(models, law, mass=kg, speed=approach.speed, pull=approach.pull)
+    motions = simulate_impacts(models, law, mass=kg, speed=approach.speed, pull=approach.pull)
     motion = motions[0]
     checked = (
         checks.slam_within_law(motion.deepest.compression, None if known is None else known.depth),
@@ -151,7 +152,7 @@ def predict_slam(
     )  # fmt: skip
 
 
-def _one(said: Sequence[str]) -> str:
+def _require_single_slam(said: Sequence[str]) -> str:
     if len(said) != 1:
         raise DataError(
             f"--slam was given {len(said)} times, and one slam is predicted at a time. Give it once"
@@ -176,7 +177,7 @@ _NAMED = (
 """Name, unit, unit that people read, and words of every number."""
 
 
-def _answers(motions: Sequence[SlamMotion]) -> tuple[Fact, ...]:
+def _answers(motions: Sequence[SlamMotion]) -> tuple[ReportedValue, ...]:
     """The numbers of the first motion, with the errors that the others show."""
     first, *others = map(_numbers, motions)
     off = np.array([np.subtract(one, first) for one in others])
@@ -184,7 +185,7 @@ def _answers(motions: Sequence[SlamMotion]) -> tuple[Fact, ...]:
     size = np.linalg.norm(off, axis=0) if others else np.zeros(len(first))
     errors = [one or None for one in size.tolist()]
     return tuple(
-        Fact.known(name, value, error, unit=unit, read=read, words=words)
+        ReportedValue.known(name, value, error, unit=unit, read=read, words=words)
         for (name, unit, read, words), value, error in zip(_NAMED, first, errors, strict=True)
     )
 
@@ -194,6 +195,6 @@ def _numbers(one: SlamMotion) -> list[float]:
     peak, deepest, release = one.peak, one.deepest, one.release
     return [
         peak.force, peak.time, deepest.compression, deepest.time, release.time,
-        release.compression, one.rebound, one.taken, one.lost, one.lost / one.energy,
-        peak.force / deepest.relaxed, one.taken / one.elastic,
+        release.compression, one.rebound, one.loading_work, one.lost, one.lost / one.energy,
+        peak.force / deepest.relaxed, one.loading_work / one.elastic,
     ]  # fmt: skip

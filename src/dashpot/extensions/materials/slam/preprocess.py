@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, median, runs
+from dashpot.base.arrays import FloatArray, find_true_runs, median
 from dashpot.base.errors import DataError
 from dashpot.extensions.materials.slam.datamodel import SlamTest
 
@@ -24,7 +24,7 @@ _SCATTER = 20**0.5
 """Rms of third differences of white noise of 1."""
 
 
-class Struck(NamedTuple):
+class RecordedSlam(NamedTuple):
     """One slam of a record.
 
     Attributes
@@ -54,7 +54,7 @@ class Struck(NamedTuple):
     ratio: float | None
 
 
-def slams_of(test: SlamTest, mass: float, name: str) -> list[Struck]:
+def slams_of(test: SlamTest, mass: float, name: str) -> list[RecordedSlam]:
     """Return the slams of a record in their order.
 
     Raises
@@ -74,7 +74,7 @@ def slams_of(test: SlamTest, mass: float, name: str) -> list[Struck]:
             f"{name}: no slam stands out of the scatter: the largest force is {top:.3g} N, the "
             f"scatter {noise:.3g} N. Cut the record about the slams, or use a stiffer sensor"
         )
-    found: list[Struck] = []
+    found: list[RecordedSlam] = []
     over = _contacts(push, max(_OTHER * top, _CLEAR * noise), _CLEAR * noise)
     if not over:
         raise DataError(f"{name}: the longest push has fewer than {_FEWEST} samples. Sample faster")
@@ -89,7 +89,7 @@ def slams_of(test: SlamTest, mass: float, name: str) -> list[Struck]:
         rows = slice(low, min(last + reach, high) + 1)
         inside = slice(first, last + 1)
         found.append(
-            Struck(
+            RecordedSlam(
                 f"{name}, slam {number + 1}" if len(over) > 1 else name,
                 time[rows],
                 push[rows],
@@ -119,7 +119,7 @@ def _push(signal: FloatArray) -> FloatArray:
 def _contacts(push: FloatArray, level: float, least: float) -> list[tuple[int, int]]:
     """First and last sample of each slam, down to where the force begins."""
     found: list[tuple[int, int]] = []
-    for first, last in runs(push > level).tolist():
+    for first, last in find_true_runs(push > level).tolist():
         # noise about the level breaks a run in two
         if found and first - found[-1][1] < max(0.2 * (last - found[-1][0]), 3):
             found[-1] = (found[-1][0], last)

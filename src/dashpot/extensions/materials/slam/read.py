@@ -9,11 +9,16 @@ import numpy as np
 from dashpot.base.errors import ReadError
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.materials.slam.datamodel import SlamTest
-from dashpot.reading.columns.role_assignment import Assigned, accelerations, list_columns, quoted
+from dashpot.reading.columns.role_assignment import (
+    RoleAssignment,
+    accelerations,
+    format_column,
+    list_columns,
+)
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.channels import Opened
-from dashpot.reading.readers.header_specimen import stated_specimen
+from dashpot.reading.readers.channels import OpenedFile
+from dashpot.reading.readers.header_specimen import add_specimen_temperature
 
 
 def read_slams(
@@ -26,25 +31,29 @@ def read_slams(
     ReadError
         If the file cannot be read, or leaves open which column is what or in which unit.
     """
-    with channels.opened(path, options) as file:
+    with channels.open_file(path, options) as file:
         channels.expect(
             file, ["slam"], "a mass slammed on a piece is",
             named=("force", "acceleration"),
         )  # fmt: skip
-        wanted = [one for one in (file.one_column("force"), _acceleration(file)) if one is not None]
+        wanted = [
+            one
+            for one in (file.find_unambiguous_column("force"), _acceleration(file))
+            if one is not None
+        ]
         if not wanted:
             raise ReadError(
                 "no force and no acceleration is recognised. Name the column of one, such as "
                 f"--column force=NAME; the columns are {list_columns(file.table.columns)}"
             )
-        ticks = channels.chosen(file, channels.timed(file))
+        ticks = channels.chosen(file, channels.add_time_role(file))
         chosen = channels.with_units(file, [*ticks, *wanted])
         channels.refuse_other_rate(file)
-        rows, gaps = channels.whole_rows(channels.load_test(file, chosen, least=16))
-        values = channels.by_role(rows, chosen)
+        rows, gaps = channels.select_complete_rows(channels.load_test(file, chosen, least=16))
+        values = channels.convert_signals_to_si(rows, chosen)
         rate = file.options.rate
         time = np.arange(len(rows)) / rate if rate else values["time"]
-        known, said = stated_specimen(file, specimen or Specimen())
+        known, said = add_specimen_temperature(file, specimen or Specimen())
         source = channels.source(
             file, [one.says for one in chosen], [*file.table.notes, *gaps, *said]
         )
@@ -53,13 +62,13 @@ def read_slams(
         )
 
 
-def _acceleration(file: Opened) -> Assigned | None:
+def _acceleration(file: OpenedFile) -> RoleAssignment | None:
     """The only acceleration, if there is one."""
     found = accelerations(file.table, (), file.options)
     if len(found) > 1:
-        listed = ", ".join(quoted(file.table.columns, i) for i in found)
+        listed = ", ".join(format_column(file.table.columns, i) for i in found)
         raise ReadError(
             f"{listed} are accelerations, and one mass has one. Name it: --column acceleration=NAME"
         )
     says = "its name or unit says acceleration"
-    return Assigned("acceleration", found[0], says) if found else None
+    return RoleAssignment("acceleration", found[0], says) if found else None

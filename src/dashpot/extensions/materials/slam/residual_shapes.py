@@ -24,7 +24,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, median
 from dashpot.extensions.materials.slam.elastic_law import POWERS
 from dashpot.extensions.materials.slam.least_squares_problem import Slams
-from dashpot.extensions.materials.slam.motion import Masses, march
+from dashpot.extensions.materials.slam.motion import Masses, integrate_impact
 from dashpot.numerics.inference.covariance import noise_of
 from dashpot.numerics.least_squares.problem import Optimum
 from dashpot.solids.constant_rate_step import EvenStep
@@ -43,16 +43,18 @@ _TAKEN = 1e-6
 """Part of a column below which the fit has taken all of it up."""
 
 
-def shapes_left(slams: Slams, best: Optimum) -> dict[str, float]:
+def compute_residual_shapes(slams: Slams, best: Optimum) -> dict[str, float]:
     """Return by how many standard deviations each shape shows in what is left, by its words."""
     theta = best.theta
     rows = np.repeat(theta[None, :], len(slams.hits), axis=0)
-    x, v, force, relaxed = slams.marched(rows, slams.speeds(theta), slams.pulls)
+    x, v, force, relaxed = slams.integrate_motion(rows, slams.speeds(theta), slams.pulls)
     touched = np.cumsum((force <= 0) & (v < 0), axis=0) == 0
     forces = _besides(slams, np.maximum(x, 0.0), relaxed)
     seen = {
         words: np.where(touched, slope, 0.0)
-        for words, slope in zip(forces, _answered(slams, rows, forces, touched), strict=True)
+        for words, slope in zip(
+            forces, _compute_force_responses(slams, rows, forces, touched), strict=True
+        )
     }
     bend = np.gradient(np.gradient(force, slams.step, axis=0), slams.step, axis=0)
     seen["a sensor that filters"] = np.where(touched, bend, 0.0)
@@ -61,13 +63,13 @@ def shapes_left(slams: Slams, best: Optimum) -> dict[str, float]:
     size = np.maximum(np.linalg.norm(J, axis=0), 1e-300)
     basis, weight, _ = np.linalg.svd(J / size, full_matrices=False)
     basis = basis[:, weight > _TAKEN * weight[0]]
-    flights = _Flights.of(slams, theta, best.residual)
-    deviation = np.sqrt(flights.alike)
+    flights = _Flights.from_residual(slams, theta, best.residual)
+    deviation = np.sqrt(flights.noise_correlation_factor)
     found = {}
     for words, each in seen.items():
         column = np.concatenate(
             [
-                slams.seen(each[:, i], one.time - touch) / one.noise
+                slams.sample_force(each[:, i], one.time - touch) / one.noise
                 for i, (one, touch) in enumerate(zip(slams.hits, slams.touches(theta), strict=True))
             ]
             + [np.zeros(best.problem.priors)]
@@ -75,7 +77,7 @@ def shapes_left(slams: Slams, best: Optimum) -> dict[str, float]:
         apart = column - basis @ (basis.T @ column)
         size = float(np.linalg.norm(apart))
         if size > _TAKEN * np.linalg.norm(column):
-            found[words] = float(apart @ best.every / size / deviation)
+            found[words] = float(apart @ best.all_residuals / size / deviation)
     if (louder := flights.louder) is not None:
         found["a sensor or a mass that rings on"] = max(louder, 0.0)
     return found
@@ -102,7 +104,7 @@ def _besides(slams: Slams, x: FloatArray, relaxed: FloatArray) -> dict[str, Floa
     }
 
 
-def _answered(
+def _compute_force_responses(
     slams: Slams, rows: FloatArray, forces: dict[str, FloatArray], touched: FloatArray
 ) -> FloatArray:
     """What is measured of each force, to first order, shape (forces, steps + 1, slams), N."""
@@ -117,7 +119,7 @@ def _answered(
         np.tile(slams.pulls, many // n) - both / slams.mass,
         partial(slams.law.force, c=theta[:, : len(POWERS)]), np.ones(many), g, tau,
     )  # fmt: skip
-    force = march(masses, slams.step, each.shape[1] - 1).force
+    force = integrate_impact(masses, slams.step, each.shape[1] - 1).force
     up, down = (part.reshape(len(force), -1, n) for part in np.split(force, 2, axis=1))
     steps = min(len(force), each.shape[1])
     answer = np.zeros_like(each)
@@ -132,7 +134,7 @@ class _Flights(NamedTuple):
     after: FloatArray
 
     @classmethod
-    def of(cls, slams: Slams, theta: FloatArray, left: FloatArray) -> _Flights:
+    def from_residual(cls, slams: Slams, theta: FloatArray, left: FloatArray) -> _Flights:
         since = np.concatenate(
             [one.time - touch for one, touch in zip(slams.hits, slams.touches(theta), strict=True)]
         )
@@ -140,14 +142,14 @@ class _Flights(NamedTuple):
         return cls(left[away & (since <= 0)], left[away & (since > 0)])
 
     @property
-    def alike(self) -> float:
+    def noise_correlation_factor(self) -> float:
         """How many rows before a touch are worth one."""
         return noise_of(self.before).kappa if len(self.before) else 1.0
 
     @property
     def louder(self) -> float | None:
         """By how many standard deviations of chance it is louder after; None if rows are few."""
-        n = np.array([len(self.before), len(self.after)]) / self.alike
+        n = np.array([len(self.before), len(self.after)]) / self.noise_correlation_factor
         if n.min() < _FEWEST:
             return None
         return float(
