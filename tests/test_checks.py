@@ -443,7 +443,7 @@ PREPARATION = [
     Case("baseline_recorded", whole(baseline), 5, 4),
     Case(
         "contact_found",
-        lambda x: preparation.contact_found(Touch(0.0, 1e-3, DEPTH * x), DEPTH, given=False),
+        lambda x: preparation.contact_found(Touch(0.0, 1e-3, DEPTH * x), DEPTH, provided=False),
         0.00999,
         0.01001,
     ),
@@ -451,7 +451,7 @@ PREPARATION = [
     Case("ramp_recorded", lambda x: preparation.ramp_recorded(-2.0, 2 * x), 1.0999, 1.1001),
     Case(
         "single_loading",
-        whole(lambda n: preparation.single_loading(0, loadings(n), asked=False)),
+        whole(lambda n: preparation.single_loading(0, loadings(n), requested=False)),
         1,
         2,
     ),
@@ -677,7 +677,7 @@ CURVES = [
     Case(
         "plateau_seen",
         lambda x: curves.plateau_seen(
-            GeneralizedMaxwell(x, (), ()), 1.0, unit="Pa", further="Measure longer."
+            GeneralizedMaxwell(x, (), ()), 1.0, unit="Pa", extra="Measure longer."
         ),
         3.001,
         2.999,
@@ -685,7 +685,7 @@ CURVES = [
     Case(
         "plateau_seen",
         lambda x: curves.plateau_seen(
-            GeneralizedMaxwell(x, (1.0,), (1.0,)), 0.0, unit="Pa", further="Measure longer."
+            GeneralizedMaxwell(x, (1.0,), (1.0,)), 0.0, unit="Pa", extra="Measure longer."
         ),
         1.1e-12,
         0.9e-12,
@@ -748,7 +748,7 @@ CREEP = [
     Case("flow_told", lambda x: creep.flow_told(True, x, 0.01), 10.01, 9.99),
     Case(
         "drift_is_no_flow",
-        lambda x: creep.drift_is_no_flow(-x * 1e-6, 1e-6, told=False),
+        lambda x: creep.drift_is_no_flow(-x * 1e-6, 1e-6, reported=False),
         1.99,
         2.01,
     ),
@@ -990,7 +990,7 @@ SEALS = [
     Case("door_held", whole(seals.door_held), 0, 1),
     Case(
         "closing_informed",
-        lambda x: seals.closing_informed(1 / (4 * x), (0.1, 1.0), glassy=1.7, known=(0.4, 0.5)),
+        lambda x: seals.closing_informed(1 / (4 * x), (0.1, 1.0), glassy=1.7, values=(0.4, 0.5)),
         0.99,
         1.01,
     ),
@@ -1112,7 +1112,7 @@ MODAL = [
     Case("modes_stable", whole(lambda n: modal.modes_stable([shape(1.0)], charted(n))), 5, 4),
     Case(
         "modes_explain_lines",
-        lambda x: modal.modes_explain_lines([shape(0.5), shape(x)], known=True),
+        lambda x: modal.modes_explain_lines([shape(0.5), shape(x)], certain=True),
         3.999,
         4.001,
     ),
@@ -1129,10 +1129,10 @@ ROD = [
     Case("lines_of_one_solid", rod.lines_of_one_solid, 1.499, 1.501),
     Case("waves_plane", lambda x: rod.waves_plane(x, 300.0), 0.0499, 0.0501),
     Case(
-        "sensors_agree", lambda x: rod.sensors_agree(x / 100, 0.0, known=(0.01, 0.02)), 2.99, 3.01
+        "sensors_agree", lambda x: rod.sensors_agree(x / 100, 0.0, values=(0.01, 0.02)), 2.99, 3.01
     ),
     Case(
-        "sensors_agree", lambda x: rod.sensors_agree(0.0, -x / 50, known=(0.01, 0.02)), 2.99, 3.01
+        "sensors_agree", lambda x: rod.sensors_agree(0.0, -x / 50, values=(0.01, 0.02)), 2.99, 3.01
     ),
 ]
 
@@ -1166,7 +1166,7 @@ SLAM = [
     Case("slams_without_more", lambda x: slam.slams_without_more({"friction": -x}), 2.499, 2.501),
     Case("slams_sampled", slam.slams_sampled, 50.1, 49.9),
     Case("slam_speeds_spread", slam.slam_speeds_spread, 2.001, 1.999),
-    Case("slow_arms_known", lambda x: slam.slow_arms_known(given=bool(x)), 1, 0),
+    Case("slow_arms_known", lambda x: slam.slow_arms_known(provided=bool(x)), 1, 0),
     Case("slam_speeds_agree", slam.slam_speeds_agree, 2.999, 3.001),
     Case("slams_apart", slam.slams_apart, 10.01, 9.99),
     Case("slam_mass_agrees", lambda x: slam.slam_mass_agrees(1 + x), 0.0299, 0.0301),
@@ -1175,7 +1175,7 @@ SLAM = [
     Case("spectrum_has_gaps", slam.spectrum_has_gaps, 4, 5),
     Case("losses_agree", lambda x: slam.losses_agree(-x, 0.08, 0.1, within=True), 2.999, 3.001),
     Case("losses_agree", lambda x: slam.losses_agree(x, 0.1, 0.08, within=True), 2.999, 3.001),
-    Case("piece_length_given", lambda x: slam.piece_length_given(given=bool(x)), 1, 0),
+    Case("piece_length_given", lambda x: slam.piece_length_given(provided=bool(x)), 1, 0),
 ]
 
 IMPACT = [
@@ -1369,7 +1369,7 @@ HYPERELASTIC = [
     Case("zero_known", lambda x: hyper.zero_known(x, "planar"), 0.0049, 0.0051),
     Case("labels_agree", lambda x: hyper.labels_agree(x, "planar", 0.03), 2.99, 3.01),
     Case("measures_stated", hyper.measures_stated, 0.0999, 0.1001),
-    Case("volume_known", lambda x: hyper.volume_known(known=bool(x)), 1, 0),
+    Case("volume_known", lambda x: hyper.volume_known(certain=bool(x)), 1, 0),
 ]
 
 LEVEL = [
@@ -1422,7 +1422,7 @@ CLD = [
     Case("released_freely", cld.released_freely, 0.0099, 0.0101),
     Case("energy_lost", cld.energy_lost, -0.0199, -0.0201),
     Case("unloading_recorded", lambda x: cld.unloading_recorded(recorded=bool(x)), 1, 0),
-    Case("length_given", lambda x: cld.length_given(given=bool(x)), 1, 0),
+    Case("length_given", lambda x: cld.length_given(provided=bool(x)), 1, 0),
     Case("memory_explains", lambda x: cld.memory_explains(0.2, x), 0.0299, 0.0301),
     Case("memory_explains", lambda x: cld.memory_explains(0.2, -x), 0.0299, 0.0301),
     Case(
@@ -2210,8 +2210,8 @@ def test_what_cannot_be_judged_neither_passes_nor_fails() -> None:
     spring = GeneralizedMaxwell(1.0)
     unknown = held(measured_damping=None)
     for found in (
-        preparation.contact_found(Touch(0.0, 1e-3), DEPTH, given=True),
-        preparation.contact_found(Touch(0.0, 0.0), DEPTH, given=False),
+        preparation.contact_found(Touch(0.0, 1e-3), DEPTH, provided=True),
+        preparation.contact_found(Touch(0.0, 0.0), DEPTH, provided=False),
         preparation.overshoot_small(RECORD, moves=2),
         preparation.force_resolved(RECORD.force),
         preparation.strain_small(RECORD),
@@ -2243,7 +2243,7 @@ def test_what_cannot_be_judged_neither_passes_nor_fails() -> None:
         impact.coherence(measured(coherence=None), 75),
         impact.mass_line(None, 1.0),
         curves.instrument_stiff(sweep()),
-        modal.modes_explain_lines([shape(9.0)], known=False),
+        modal.modes_explain_lines([shape(9.0)], certain=False),
         modal.points_share_modes([shape(1.0)]),
     ):
         assert found.passed is None, found
@@ -2279,7 +2279,7 @@ def test_a_contradiction_too_small_to_matter_is_none() -> None:
 def test_what_the_method_bears_is_excused() -> None:
     creeping = plate(np.where((TIME > 1) & (TIME < 2), 0.9, 1.0))
     assert preparation.hold_is_still(creeping, method="full").passed
-    assert preparation.single_loading(0, loadings(3), asked=True).passed
+    assert preparation.single_loading(0, loadings(3), requested=True).passed
     for share, moving, grade in (
         (0.099, True, "note"),
         (0.101, True, "limit"),

@@ -71,4 +71,6 @@ def _read(
     except DashpotError as error:
         raise AssertionError(str(error)) from error
     values = table.load(range(len(table.columns))).values
-    return [(one.name, one.unit, values[:, i].tobytes()) for i, one in enumerate(table.columns)]
+    return [
+        (column.name, column.unit, values[:, i].tobytes()) for i, column in enumerate(table.columns)
+    ]

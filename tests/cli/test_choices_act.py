@@ -184,7 +184,7 @@ def test_the_light_of_stiffness_sees_a_wrong_mass(
     """A joint fit peaks where the hammer does with any mass; its stiffness is then wrong."""
     files = (str(place / "seal_8mm.csv"), (str(place / "hammer.csv"),))
     study = workflow.run(Job(files[0], impact=files[1], mass=grams / 1000, seals=2))
-    _, stiffness, _ = lights(study, recommendation(study, asked=True))
+    _, stiffness, _ = lights(study, recommendation(study, requested=True))
     assert {stiffness.mark} == marks, stiffness
     assert stiffness.says.startswith("agrees" if marks == {"good"} else "misses")
 

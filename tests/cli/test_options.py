@@ -135,7 +135,7 @@ def test_the_list_of_commands_needs_none_of_them():
 
 
 def test_the_next_command_says_each_of_several_temperatures() -> None:
-    @verb("asked", "Say it again.", piece(each=True))
+    @verb("asked", "Say it again.", piece(flag=True))
     def asked(**_: object) -> None:
         click.echo(" ".join(get_typed_options()))
 

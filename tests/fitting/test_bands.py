@@ -130,7 +130,7 @@ LINES = np.geomspace(0.004, 50, 61)
 @pytest.fixture(scope="module")
 def spectra(broad_fit: Fit, broad_test: RampHold) -> AdmissibleSpectra:
     data = [relaxation_data(broad_test, broad_fit)]
-    return AdmissibleSpectra(data, fastest=2 * np.pi * 50, limit=5.0, further=broad_fit.model.tau)
+    return AdmissibleSpectra(data, fastest=2 * np.pi * 50, limit=5.0, extra=broad_fit.model.tau)
 
 
 def deviance(spectra: AdmissibleSpectra, s: np.ndarray) -> float:
@@ -192,7 +192,7 @@ def test_a_finer_grid_moves_no_limit(
     data = [relaxation_data(broad_test, broad_fit)]
 
     def limits() -> np.ndarray:
-        found = AdmissibleSpectra(data, fastest=320.0, limit=5.0, further=broad_fit.model.tau)
+        found = AdmissibleSpectra(data, fastest=320.0, limit=5.0, extra=broad_fit.model.tau)
         at = [found.stiffness_at(2 * np.pi * f) for f in (0.01, 0.1, 1.0, 5.0, 12.7, 50.0)]
         return np.array([found.reach(v) for pair in at for v in pair])
 

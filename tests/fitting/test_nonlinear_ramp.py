@@ -91,7 +91,7 @@ def test_columns_are_the_force_of_the_linear_solid() -> None:
 def test_the_slope_is_the_derivative(knots: int, apart: bool) -> None:
     rows = downsample([qlv(cubic, QUICK, seed=1), qlv(cubic, QUICK, depth=5e-3, seed=2)])
     solid = QuasiLinear(rows, DEPTH * np.linspace(0, 1, knots))
-    weighted = Weighted(solid, np.full(len(rows.time), 4e-3), nuisances(rows), apart=apart)
+    weighted = Weighted(solid, np.full(len(rows.time), 4e-3), nuisances(rows), separate=apart)
     problem, shape = weighted.problem(2), np.array([0.8, 0.9, 1.0, 1.2])[:knots]
     for size in (1.0, 1.1):
         theta = solid.theta(np.log(PAPER.tau), size * shape / (solid.weights @ shape))

@@ -110,14 +110,14 @@ def identify_record_kinds(records: Sequence[Any]) -> Mapping[str, str]:
     """
     if not records:
         raise DataError("there is nothing to fit. Give a record: dp.fit(dp.read(FILE))")
-    found: dict[str, str] = {}
+    entries: dict[str, str] = {}
     for place, record in enumerate(records, 1):
         if isinstance(record, list | tuple):
             raise DataError(
                 "records are given one by one, not as a list: dp.fit(one, two), or dp.fit(*them)"
             )
-        found[_name(record, place, found)] = kind_of(record)
-    return found
+        entries[_name(record, place, entries)] = kind_of(record)
+    return entries
 
 
 def kind_of(record: object) -> str:
@@ -138,17 +138,17 @@ def kind_of(record: object) -> str:
         return "impact"
     row = row_of(record)
     if row is None:
-        said = f"'{record}'" if isinstance(record, str) else f"a {type(record).__name__}"
+        text = f"'{record}'" if isinstance(record, str) else f"a {type(record).__name__}"
         read = " Read a file first: dp.read(FILE)" if isinstance(record, str) else ""
-        raise DataError(f"{said} is no record that is fitted.{read}")
+        raise DataError(f"{text} is no record that is fitted.{read}")
     return row.name
 
 
-def _name(record: Any, place: int, known: Mapping[str, str]) -> str:
+def _name(record: Any, place: int, entries: Mapping[str, str]) -> str:
     source = getattr(record, "source", None)
-    one = source[0] if isinstance(source, tuple) and source else source
-    name = getattr(one, "file", "") or f"record {place}"
-    return name if name not in known else f"{name} ({place})"
+    group = source[0] if isinstance(source, tuple) and source else source
+    name = getattr(group, "file", "") or f"record {place}"
+    return name if name not in entries else f"{name} ({place})"
 
 
 VIBRATION_RECORDS = (ImpactTest, ShakenTest, FRF, FRFSet)
@@ -181,22 +181,22 @@ def fit_bench_tests(
         law=shift,
         vertical=vertical,
     )
-    asked = BenchFitOptions(
+    options = BenchFitOptions(
         arms=arms, method=method, depth_law=by_depth, thorough=thorough,
         law="auto" if elastic == "by-depth" else elastic, family=model, filter=filter,
         cuts=cuts or Cuts(), machine=machine, cycle=cycle, shifting=shifting,
     )  # fmt: skip
-    return fit_records(records, asked)[0]
+    return fit_records(records, options)[0]
 
 
 def fit_hits(
     records: list[Any], *, band: Range | None = None, hammer: HammerChoices | None = None
 ) -> Modes:
     """Fit modes to hits without a mass."""
-    found, _ = modes_of_hits(
+    result, _ = modes_of_hits(
         _require_single_measurement(records), hammer=hammer, band=si_range(band, "frequency")
     )
-    return found
+    return result
 
 
 def fit_jointly(
@@ -219,13 +219,13 @@ def fit_jointly(
     (block,) = mass if isinstance(mass, list | tuple) else (mass,)
     kilograms, hertz = convert_to_si(block, "mass"), si_range(band, "frequency")
     bench = machine and machine.on_bench
-    tests = [prepare_ramp_hold(one, bench) for one in records if kind_of(one) in BENCH]
-    struck = [one for one in records if isinstance(one, VIBRATION_RECORDS)]
+    tests = [prepare_ramp_hold(record, bench) for record in records if kind_of(record) in BENCH]
+    struck = [record for record in records if isinstance(record, VIBRATION_RECORDS)]
     frf = frf_of(struck, mass=kilograms, band=hertz, hammer=hammer)
-    found = identify_solid(
+    result = identify_solid(
         frf,
         tests=tests,
-        fits=[one for one in records if isinstance(one, Fit)],
+        fits=[record for record in records if isinstance(record, Fit)],
         mass=kilograms,
         seal_mass=convert_to_si(seal_mass, "mass"),
         seals=1.0 if seals is None else seals,
@@ -239,7 +239,7 @@ def fit_jointly(
         known=known or KnownSolid(),
         rig=(rig or HammerRig()).on(machine),
     )
-    return replace(found.fit, evidence=replace(found.fit.evidence, checks=found.checks))
+    return replace(result.fit, evidence=replace(result.fit.evidence, checks=result.checks))
 
 
 # -- what several verbs make of a record ----------------------------------------------------------
@@ -273,17 +273,17 @@ def frf_of(
     hammer: HammerChoices | None = None,
 ) -> FRF:
     """Return the FRF of hits, or one that was measured elsewhere, with what it says of itself."""
-    one = _require_single_measurement(measured)
-    if isinstance(one, FRFSet):
+    measurement = _require_single_measurement(measured)
+    if isinstance(measurement, FRFSet):
         raise FitError("one FRF is fitted under a mass, that of the block: choose its point")
-    return measured_frf(one, choices=hammer or HammerChoices(), mass=mass, band=band)
+    return measured_frf(measurement, choices=hammer or HammerChoices(), mass=mass, band=band)
 
 
 def _require_single_measurement(measured: Sequence[Any]) -> Any:
     """What was measured: one record, or hits in several."""
     if len(measured) == 1:
         return measured[0]
-    if all(isinstance(one, ImpactTest) for one in measured):
+    if all(isinstance(item, ImpactTest) for item in measured):
         return list(measured)
     raise FitError(
         f"{len(measured)} records of vibration are no one measurement. Give one FRF, or hits alone"
@@ -294,7 +294,11 @@ def merge_frf_set(records: Sequence[Any]) -> FRFSet:
     """Return FRFs as one set of points."""
     if len(records) == 1 and isinstance(records[0], FRFSet):
         return records[0]
-    frfs = [one for each in records for one in (each.frfs if isinstance(each, FRFSet) else (each,))]
+    frfs = [
+        frf
+        for record in records
+        for frf in (record.frfs if isinstance(record, FRFSet) else (record,))
+    ]
     return FRFSet(tuple(frfs))
 
 
@@ -307,8 +311,8 @@ def shape_words(shape: str | Any) -> dict[str, Any]:
         If it is no shape.
     """
     if not isinstance(shape, str):
-        metres = (getattr(shape, one.name) for one in fields(shape) if not one.kw_only)
-        return {type(shape).__name__.lower(): ",".join(f"{one!r}m" for one in metres)}
+        metres = (getattr(shape, field.name) for field in fields(shape) if not field.kw_only)
+        return {type(shape).__name__.lower(): ",".join(f"{metre!r}m" for metre in metres)}
     name, colon, lengths = shape.partition(":")
     if not colon or name not in {"disc", "block", "bush", "bulb"}:
         raise DataError(f"shape='{shape}': expected a shape with its lengths, disc:20mm,20mm")

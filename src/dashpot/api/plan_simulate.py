@@ -88,7 +88,7 @@ def plan(
         at=frequency,
         seal=SupposedSeal(model=solid.maxwell, law=law),
         hammer=HammerPlan(mass=convert_to_si(mass, "mass"), seals=seals, hits=hits),
-        cold=[convert_to_si(one, "temperature") for one in cold],
+        cold=[convert_to_si(item, "temperature") for item in cold],
         wanted=wanted,
     )
 
@@ -143,26 +143,26 @@ def simulate(
     if strange:
         raise DataError(f"{strange[0]}= is not of a test of {what}. It takes {', '.join(words)}")
     solid, law, block = _get_seal_model(seal)
-    given = {words[name]: value for name, value in how.items()}
+    options = {words[name]: value for name, value in how.items()}
     if what == "impact":
-        given = {"mass": block, "seals": 2.0} | given
-        if given["mass"] is None:
+        options = {"mass": block, "seals": 2.0} | options
+        if options["mass"] is None:
             raise DataError('the mass under the hammer is not known for this seal: mass="104g"')
-        given["mass"] = convert_to_si(given["mass"], "mass")
+        options["mass"] = convert_to_si(options["mass"], "mass")
     rig: Any = getattr(simulation, instrument)()
     stated = {
         "rate": convert_to_si(rate, "frequency"),
-        "record": convert_to_si(given.pop("record", None), "time"),
+        "record": convert_to_si(options.pop("record", None), "time"),
     }
     rig = replace(
         rig.noise_free() if noise_free else rig,
-        **{name: one for name, one in stated.items() if one is not None},
+        **{name: item for name, item in stated.items() if item is not None},
     )
     climate = None
     if temperature is not None:
         climate = simulation.Climate(convert_to_si(temperature, "temperature"), law)
     made = getattr(simulation, f"simulate_{what}")
-    return made(solid, rig=rig, seed=seed, climate=climate, **given).test
+    return made(solid, rig=rig, seed=seed, climate=climate, **options).test
 
 
 _TIMES = {"ramp": "ramp_time", "hold": "hold_time"}

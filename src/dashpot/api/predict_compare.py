@@ -108,7 +108,7 @@ def _predict_solid_frf(
 
 
 def _under_mass(
-    found: Fit,
+    fit: Fit,
     *,
     mass: Quantity,
     seals: float = 1.0,
@@ -128,18 +128,18 @@ def _under_mass(
     machine: Machine | None = None,
 ) -> Prediction:
     part = PartChoices(**shape_words(shape)) if shape is not None else None
-    said = (level,) if isinstance(level, str | float | int) else tuple(level)
-    levels = tuple(f"{one!r}{'m/s^2' if base else 'N'}" if not isinstance(one, str) else one
-                   for one in said)  # fmt: skip
+    stated = (level,) if isinstance(level, str | float | int) else tuple(level)
+    levels = tuple(f"{item!r}{'m/s^2' if base else 'N'}" if not isinstance(item, str) else item
+                   for item in stated)  # fmt: skip
     choices = LevelChoices(levels=levels, height=convert_to_si(height, "length"))
     if sweep is not None and not levels:
         raise DataError("sweep= is what a level does to the part: add level=")
     swept = None
     if sweep is not None:
         fit_sweep = find_handler("predict with sweep", sweep)
-        swept = fit_sweep(sweep, choices, unit=found.unit, part=part)
+        swept = fit_sweep(sweep, choices, unit=fit.unit, part=part)
     return prediction(
-        found,
+        fit,
         _prepare_tests(record, machine),
         mass=convert_to_si(mass, "mass"),
         seal_mass=convert_to_si(seal_mass, "mass"),
@@ -161,15 +161,15 @@ def _under_mass(
 def _prepare_tests(record: Records, machine: Machine | None = None) -> list[RampHold]:
     """The tests behind a fit, prepared."""
     tests = (record,) if isinstance(record, RelaxationTest | RampHold) else record
-    return [prepare_ramp_hold(one, machine) for one in tests]
+    return [prepare_ramp_hold(test, machine) for test in tests]
 
 
-def compare(one: Any, other: Any, /, **how: Any) -> Any:
+def compare(frf: Any, other: Any, /, **how: Any) -> Any:
     """Hold a prediction against a measurement, an FRF against an FRF, or a lot against a lot.
 
     Parameters
     ----------
-    one : Fit, Prediction, FRF or Lot
+    frf : Fit, Prediction, FRF or Lot
     other : ImpactTest, FRF or Lot
     mass, seals : optional
         Of the block, and how many carry it; a prediction knows both. Without a mass it is taken
@@ -189,30 +189,30 @@ def compare(one: Any, other: Any, /, **how: Any) -> Any:
     >>> dp.compare(found, hits, mass="114.8g", seals=2).verdict.use
     'do not use'
     """
-    special = find_handler("compare", one)
-    if special is not None and type(one) is type(other):
-        return special(one, other, **how)
-    if isinstance(one, FRF) and isinstance(other, FRF):
+    special = find_handler("compare", frf)
+    if special is not None and type(frf) is type(other):
+        return special(frf, other, **how)
+    if isinstance(frf, FRF) and isinstance(other, FRF):
         from dashpot.vibration.comparison import compare as room
 
         band = si_range(how.pop("band", None), "frequency")
-        return room.compare(one, other, band=band, **how)
+        return room.compare(frf, other, band=band, **how)
     measured = isinstance(other, ImpactTest | FRF) or (
         not isinstance(other, FRFSet)
         and find_handler("compare", other) is None
         and kind_of(other) == "impact"
     )
-    if isinstance(one, Fit | Prediction) and measured:
-        return _agreement(one, other, **how)
+    if isinstance(frf, Fit | Prediction) and measured:
+        return _agreement(frf, other, **how)
     raise DataError(
-        f"a {type(one).__name__} is not compared with a {type(other).__name__}. Compare a fit or a "
+        f"a {type(frf).__name__} is not compared with a {type(other).__name__}. Compare a fit or a "
         "prediction with hits or an FRF, an FRF with an FRF, or a lot with a lot"
     )
 
 
 def _agreement(
-    one: Fit | Prediction,
-    other: Any,
+    first: Fit | Prediction,
+    second: Any,
     *,
     mass: Quantity | None = None,
     seals: float | None = None,
@@ -223,16 +223,16 @@ def _agreement(
     hammer: HammerChoices | None = None,
 ) -> Agreement:
     kilograms, at = convert_to_si(mass, "mass"), convert_to_si(compression, "length")
-    if isinstance(one, Prediction):
-        kilograms = one.moving_mass if kilograms is None else kilograms
-        seals = one.seals if seals is None else seals
-        point = one.at_rest.point
+    if isinstance(first, Prediction):
+        kilograms = first.moving_mass if kilograms is None else kilograms
+        seals = first.seals if seals is None else seals
+        point = first.at_rest.point
         at = point.compression if at is None and point.given else at
-        one = one.fit
+        first = first.fit
     hertz = si_range(band, "frequency")
     return agreement(
-        one,
-        frf_of([other], mass=kilograms, band=hertz, hammer=hammer),
+        first,
+        frf_of([second], mass=kilograms, band=hertz, hammer=hammer),
         tests=_prepare_tests(record),
         mass=kilograms,
         seal_mass=convert_to_si(seal_mass, "mass"),
@@ -290,8 +290,8 @@ def report(
     """
     from dashpot.workflow.study import characterise
 
-    tests = [one for one in records if isinstance(one, RelaxationTest)]
-    struck = [one for one in records if not isinstance(one, RelaxationTest)]
+    tests = [record for record in records if isinstance(record, RelaxationTest)]
+    struck = [record for record in records if not isinstance(record, RelaxationTest)]
     if not tests:
         raise DataError("a report is of a relaxation test. Give one: dp.report(test, hits)")
     kilograms, hertz = convert_to_si(mass, "mass"), si_range(band, "frequency")
@@ -299,10 +299,10 @@ def report(
     if struck:
         measured = frf_of(struck, mass=kilograms, band=hertz, hammer=hammer)
         impact = struck[0] if isinstance(struck[0], ImpactTest) and len(struck) == 1 else None
-    found = characterise(
+    study = characterise(
         tests[0],
         measured,
-        further=tests[1:],
+        tests=tests[1:],
         impact=impact,
         mass=kilograms,
         seals=seals,
@@ -319,7 +319,7 @@ def report(
         compression=compression,
         impact_temperature=impact_temperature,
     )
-    return replace(found, title=title)
+    return replace(study, title=title)
 
 
 def export(
@@ -377,10 +377,10 @@ def export(
     from dashpot.export import deck_for
     from dashpot.solids.maxwell import Solid
 
-    found: Any = getattr(solid, "fit", solid) if not isinstance(solid, Fit) else solid
+    contact_length: Any = getattr(solid, "fit", solid) if not isinstance(solid, Fit) else solid
     kelvin, metres = convert_to_si(temperature, "temperature"), convert_to_si(length, "length")
     if metres is not None:
-        found = _set_contact_length(found, metres)
+        contact_length = _set_contact_length(contact_length, metres)
     choices: dict[str, Any] = {
         "form": form,
         "frequency_range": si_range(band, "frequency"),
@@ -389,11 +389,11 @@ def export(
         "units": unit_system,
         **of_solver,
     }
-    if isinstance(found, Solid):
+    if isinstance(contact_length, Solid):
         choices["specimen"] = Specimen(temperature=kelvin, length=metres)
     deck = deck_for(
         to,
-        found,
+        contact_length,
         seals=seals,
         compression=convert_to_si(compression, "length"),
         temperature=kelvin,
@@ -406,11 +406,11 @@ def export(
     return str(deck)
 
 
-def _set_contact_length(found: Any, metres: float) -> Any:
+def _set_contact_length(result: Any, metres: float) -> Any:
     """The fit of a piece whose length in contact is known; a bare solid has no piece."""
-    if hasattr(found, "provenance"):
-        piece = replace(found.specimen, length=metres)
-        return replace(found, provenance=replace(found.provenance, specimen=piece))
-    if hasattr(found, "specimen"):
-        return replace(found, specimen=replace(found.specimen, length=metres))
-    return found
+    if hasattr(result, "provenance"):
+        piece = replace(result.specimen, length=metres)
+        return replace(result, provenance=replace(result.provenance, specimen=piece))
+    if hasattr(result, "specimen"):
+        return replace(result, specimen=replace(result.specimen, length=metres))
+    return result

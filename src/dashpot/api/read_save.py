@@ -113,18 +113,18 @@ def read(path: Place | Sequence[Place], *, kind: str | None = None, **how: Any) 
     """
     options = _options(how, kind)
     if not isinstance(path, str | Path):
-        return _several([Path(one) for one in path], options, how)
-    found = recognise(path, options)
-    if found.stored:
+        return _several([Path(name) for name in path], options, how)
+    detection = recognise(path, options)
+    if detection.stored:
         from dashpot.workflow.json_files import read_json_document
 
         return read_json_document(path)
-    if found.kind == "profile":
+    if detection.kind == "profile":
         return load_profile(path)
-    read_whole = find_handler("read", found.kind)
+    read_whole = find_handler("read", detection.kind)
     if read_whole is not None:
         return read_whole(path)
-    return _record(path, found.kind, options, how)
+    return _record(path, detection.kind, options, how)
 
 
 def _options(how: Mapping[str, Any], kind: str | None) -> ReadOptions:
@@ -134,25 +134,25 @@ def _options(how: Mapping[str, Any], kind: str | None) -> ReadOptions:
         raise DataError(
             f"{unknown[0]}= says nothing of a file. Known are {', '.join(How.__annotations__)}"
         )
-    columns = {role: _column(role, one) for role, one in (how.get("columns") or {}).items()}
+    columns = {role: _column(role, item) for role, item in (how.get("columns") or {}).items()}
     stated: dict[str, Any] = {**columns, **(how.get("part") or {})}
     stated |= {_TEXT.get(name, name): value for name, value in (how.get("text") or {}).items()}
     stated |= {name: taken(how[name]) for name, taken in _TAKEN.items() if name in how}
-    known = ReadOptions.__dataclass_fields__
-    strange = next((name for name in stated if name not in known), None)
+    fields = ReadOptions.__dataclass_fields__
+    strange = next((name for name in stated if name not in fields), None)
     if strange is not None:
         raise DataError(
-            f"'{strange}' is no role and no key of a file. Known are {', '.join(known)}"
+            f"'{strange}' is no role and no key of a file. Known are {', '.join(fields)}"
         )
     options = ReadOptions(**stated | {"kind": kind})
     return options.over(load_profile(how["profile"])) if "profile" in how else options
 
 
-def _column(role: str, said: Any) -> str | tuple[str, ...]:
+def _column(role: str, stated: Any) -> str | tuple[str, ...]:
     """The name or number of a role's column as text; of accelerations there may be several."""
-    if not isinstance(said, str | int):
-        return tuple(map(str, said))
-    return (str(said),) if role == "acceleration" else str(said)
+    if not isinstance(stated, str | int):
+        return tuple(map(str, stated))
+    return (str(stated),) if role == "acceleration" else str(stated)
 
 
 def _record(path: Place, kind: str, options: ReadOptions, how: Mapping[str, Any]) -> Any:
@@ -163,25 +163,25 @@ def _record(path: Place, kind: str, options: ReadOptions, how: Mapping[str, Any]
             f"{name} is {get_kind_label(kind)}, which holds no record. To see what is in it: "
             f'dp.inspect("{path}")'
         )
-    given: dict[str, Any] = {"options": options}
+    arguments: dict[str, Any] = {"options": options}
     special = _SPECIAL.get(kind) or find_handler("read record", kind)
     if special is not None:
-        return special(path, given, how)
+        return special(path, arguments, how)
     if "specimen" in how:
-        given["specimen"] = how["specimen"]
-    return load_object(KINDS[kind].reader)(path, **given)
+        arguments["specimen"] = how["specimen"]
+    return load_object(KINDS[kind].reader)(path, **arguments)
 
 
-def _impact(path: Place, given: dict[str, Any], _: Mapping[str, Any]) -> Any:
-    if given["options"].base_acceleration is not None:
+def _impact(path: Place, options: dict[str, Any], _: Mapping[str, Any]) -> Any:
+    if options["options"].base_acceleration is not None:
         from dashpot.reading.readers.base_excitation import read_shaken
 
-        return read_shaken([path], given["options"])
-    return load_object(KINDS["impact"].reader)(path, **given)
+        return read_shaken([path], options["options"])
+    return load_object(KINDS["impact"].reader)(path, **options)
 
 
-def _transmissibility(path: Place, given: dict[str, Any], _: Mapping[str, Any]) -> Any:
-    return load_object(KINDS["transmissibility"].reader)(path, **given)
+def _transmissibility(path: Place, options: dict[str, Any], _: Mapping[str, Any]) -> Any:
+    return load_object(KINDS["transmissibility"].reader)(path, **options)
 
 
 _SPECIAL = {"impact": _impact, "transmissibility": _transmissibility}
@@ -203,9 +203,9 @@ def _several(paths: Sequence[Path], options: ReadOptions, how: Mapping[str, Any]
         return read_set(paths, options=options)
     if len(paths) == 1:
         return read(paths[0], kind=options.kind, **how)
-    said = "; ".join(f"{path.name} is {get_kind_label(kind)}" for path, kind in kinds.items())
+    text = "; ".join(f"{path.name} is {get_kind_label(kind)}" for path, kind in kinds.items())
     raise ReadError(
-        f"only hits, or FRFs at several points, are one record in several files: {said}. Read "
+        f"only hits, or FRFs at several points, are one record in several files: {text}. Read "
         "each file by itself, and fit them together: dp.fit(one, two)"
     )
 

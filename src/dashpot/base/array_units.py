@@ -26,12 +26,12 @@ def make_units_field() -> Any:
     return field(default="", kw_only=True, repr=False, compare=False, metadata={EDGE: SI})
 
 
-def convert_arrays_to_si(noun: Any, **of: Dimensions) -> Mapping[str, Dimension]:
+def convert_arrays_to_si(result: Any, **of: Dimensions) -> Mapping[str, Dimension]:
     """Put the arrays of a frozen noun into SI by the units that were said of them, in this order.
 
     Parameters
     ----------
-    noun : dataclass
+    result : dataclass
         With a field of :func:`make_units_field`; an array that is None has no unit.
     **of
         What each array can be of, by the name of its field.
@@ -46,65 +46,65 @@ def convert_arrays_to_si(noun: Any, **of: Dimensions) -> Mapping[str, Dimension]
     DataError
         If no unit was said, or too few or too many, or one is unknown or of another dimension.
     """
-    if noun.units == SI:
+    if result.units == SI:
         return {}
-    given = {name: own for name, own in of.items() if getattr(noun, name) is not None}
-    found = {
-        name: _unit(noun, name, word, own)
-        for (name, own), word in zip(given.items(), words_of(noun, given), strict=True)
+    options = {name: item for name, item in of.items() if getattr(result, name) is not None}
+    units = {
+        name: _unit(result, name, word, option)
+        for (name, option), word in zip(options.items(), words_of(result, options), strict=True)
     }
-    for name, unit in found.items():
-        convert_field_to_si(noun, name, unit)
-    object.__setattr__(noun, "units", SI)
-    return {name: unit.dimension for name, unit in found.items()}
+    for name, unit in units.items():
+        convert_field_to_si(result, name, unit)
+    object.__setattr__(result, "units", SI)
+    return {name: unit.dimension for name, unit in units.items()}
 
 
-def words_of(noun: Any, given: Mapping[str, Dimensions]) -> list[str]:
+def words_of(result: Any, options: Mapping[str, Dimensions]) -> list[str]:
     """Return the words of the units, one for each array."""
-    kind, names = _get_type_label(noun), ", ".join(given)
-    example = ", ".join(get_default_unit(_several(own)[0]) for own in given.values())
-    if not noun.units:
+    kind, names = _get_type_label(result), ", ".join(options)
+    example = ", ".join(get_default_unit(_several(option)[0]) for option in options.values())
+    if not result.units:
         raise DataError(
             f'{kind} is made of arrays, and no array says its unit. Add units="SI", or the unit '
             f'of each in this order ({names}): units="{example}"'
         )
-    words = [word.strip() for word in str(noun.units).split(",")]
-    if len(words) != len(given):
+    words = [word.strip() for word in str(result.units).split(",")]
+    if len(words) != len(options):
         raise DataError(
-            f'{kind}: units="{noun.units}" names {len(words)} units for {len(given)} arrays '
+            f'{kind}: units="{result.units}" names {len(words)} units for {len(options)} arrays '
             f'({names}). Name one for each, in this order: units="{example}"'
         )
     return words
 
 
-def _get_type_label(noun: Any) -> str:
-    return "a batch" if isinstance(noun, SimpleNamespace) else type(noun).__name__
+def _get_type_label(result: Any) -> str:
+    return "a batch" if isinstance(result, SimpleNamespace) else type(result).__name__
 
 
-def _several(own: Dimensions) -> tuple[Dimension, ...]:
-    return (own,) if isinstance(own, str) else own
+def _several(value: Dimensions) -> tuple[Dimension, ...]:
+    return (value,) if isinstance(value, str) else value
 
 
-def _unit(noun: Any, name: str, word: str, own: Dimensions) -> Unit:
-    known = (find_unit(word, one) for one in _several(own))
-    unit = next((one for one in known if one is not None), None)
+def _unit(result: Any, name: str, word: str, value: Dimensions) -> Unit:
+    units = (find_unit(word, text) for text in _several(value))
+    unit = next((unit for unit in units if unit is not None), None)
     if unit is None:
-        wanted = " or ".join(_several(own))
-        example = " or ".join(dict.fromkeys(map(get_default_unit, _several(own))))
+        wanted = " or ".join(_several(value))
+        example = " or ".join(dict.fromkeys(map(get_default_unit, _several(value))))
         raise DataError(
-            f"{_get_type_label(noun)}: '{word}' is no unit of {wanted}, and {name} is one. "
+            f"{_get_type_label(result)}: '{word}' is no unit of {wanted}, and {name} is one. "
             f"Write for example {example}"
         )
     return unit
 
 
-def convert_field_to_si(noun: Any, name: str, unit: Unit) -> None:
+def convert_field_to_si(result: Any, name: str, unit: Unit) -> None:
     """Put one array of a frozen noun into SI."""
-    values = np.asarray(getattr(noun, name))
-    object.__setattr__(noun, name, from_unit(values, unit))
+    values = np.asarray(getattr(result, name))
+    object.__setattr__(result, name, from_unit(values, unit))
 
 
-def resolve_unit(noun: Any, said: Mapping[str, Dimension], *names: str) -> None:
+def resolve_unit(value: Any, stated: Mapping[str, Dimension], *names: str) -> None:
     """Set the unit of a noun that may be of a part or of a material by what was said of it.
 
     Raises
@@ -112,15 +112,15 @@ def resolve_unit(noun: Any, said: Mapping[str, Dimension], *names: str) -> None:
     DataError
         If one of the arrays was said to be of a part, another of a material.
     """
-    if not said:
+    if not stated:
         return
-    found = {si_unit(said[one]).word for one in names if one in said}
-    if len(found) > 1:
+    lines = {si_unit(stated[name]).word for name in names if name in stated}
+    if len(lines) > 1:
         raise DataError(
-            f"{type(noun).__name__}: {' and '.join(names)} are in units of {' and '.join(found)}. "
+            f"{type(value).__name__}: {' and '.join(names)} are in units of {' and '.join(lines)}. "
             "Give both as a modulus, or both as a stiffness"
         )
-    object.__setattr__(noun, "unit", found.pop())
+    object.__setattr__(value, "unit", lines.pop())
 
 
 def arrays_in_si(units: str, **given: tuple[Any, Dimension]) -> list[Any]:

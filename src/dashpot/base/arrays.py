@@ -72,10 +72,10 @@ def cache_on_record(function: Callable[[T], R]) -> Callable[[T], R]:
 
     @wraps(function)
     def once(record: T) -> R:
-        known: dict[str, R] = vars(record)
-        if key not in known:
-            known[key] = function(record)
-        return known[key]
+        entries: dict[str, R] = vars(record)
+        if key not in entries:
+            entries[key] = function(record)
+        return entries[key]
 
     key = f"_{function.__name__}"
     return once
@@ -87,10 +87,10 @@ def replace_notes(record: T, **words: object) -> T:
     As :func:`dataclasses.replace`, but what was kept with the record (:func:`cache_on_record`,
     cached properties) stays with it.
     """
-    found = copy(record)
+    result = copy(record)
     for name, value in words.items():
-        object.__setattr__(found, name, value)
-    return found
+        object.__setattr__(result, name, value)
+    return result
 
 
 def samples(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> FloatArray:
@@ -128,7 +128,7 @@ def validate_measured(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> 
     return array
 
 
-def hold_measured(noun: object, *names: str, minimum: int = 1) -> None:
+def hold_measured(result: object, *names: str, minimum: int = 1) -> None:
     """Hold named fields of a frozen noun as :func:`validate_measured` arrays of one length; none is None.
 
     A ``time`` among them must rise.
@@ -138,12 +138,12 @@ def hold_measured(noun: object, *names: str, minimum: int = 1) -> None:
     DataError
         As for :func:`validate_measured`, :func:`same_length` and :func:`increasing`.
     """
-    given = {name: getattr(noun, name) for name in names if getattr(noun, name) is not None}
+    options = {name: getattr(result, name) for name in names if getattr(result, name) is not None}
     held = {
-        name: validate_measured(name, values, minimum=minimum) for name, values in given.items()
+        name: validate_measured(name, values, minimum=minimum) for name, values in options.items()
     }
     for name, values in held.items():
-        object.__setattr__(noun, name, values)
+        object.__setattr__(result, name, values)
     same_length(**held)
     if "time" in held:
         increasing("time", held["time"])
@@ -199,14 +199,14 @@ def compute_single_dft(values: FloatArray, turn: float) -> complex:
     rows = len(values) // len(fine)
     whole, rest = values[: rows * len(fine)].reshape(rows, -1), values[rows * len(fine) :]
     sums = whole @ np.stack((fine.real, fine.imag), axis=1)
-    found = coarse[:rows] @ (sums[:, 0] + 1j * sums[:, 1])
-    return complex(found + np.exp(1j * turn * rows * len(fine)) * (fine[: len(rest)] @ rest))
+    result = coarse[:rows] @ (sums[:, 0] + 1j * sums[:, 1])
+    return complex(result + np.exp(1j * turn * rows * len(fine)) * (fine[: len(rest)] @ rest))
 
 
 def _tables(count: int, turn: float) -> tuple[ComplexArray, ComplexArray]:
     """A stretch of exp(j turn i), and where such stretches begin, to make `count` of."""
     short = max(int(np.ceil(np.sqrt(count))), 1)
-    fine, coarse = (np.exp(1j * turn * np.arange(short) * each) for each in (1, short))
+    fine, coarse = (np.exp(1j * turn * np.arange(short) * index) for index in (1, short))
     return fine, coarse
 
 
@@ -241,8 +241,8 @@ def distinct(values: npt.NDArray[Scalar]) -> npt.NDArray[Scalar]:
     >>> distinct(np.array([3, 1, 3])).tolist()
     [1, 3]
     """
-    found = np.sort(values, axis=None)
-    return found[np.append(True, found[1:] != found[:-1])] if len(found) else found
+    result = np.sort(values, axis=None)
+    return result[np.append(True, result[1:] != result[:-1])] if len(result) else result
 
 
 def block_means(values: FloatArray, count: int) -> FloatArray:

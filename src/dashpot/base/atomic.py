@@ -48,9 +48,9 @@ def is_partial_file(name: str) -> bool:
 
 def find_partial_files(folder: str | Path) -> list[Path]:
     """Return the files that runs which were killed left in a folder and below it."""
-    found = (one for one in Path(folder).rglob(f".*{PART}") if is_partial_file(one.name))
+    paths = (path for path in Path(folder).rglob(f".*{PART}") if is_partial_file(path.name))
     until = time.time() - _SURELY
-    return sorted(one for one in found if one.is_file() and one.lstat().st_mtime < until)
+    return sorted(path for path in paths if path.is_file() and path.lstat().st_mtime < until)
 
 
 def write_atomic(path: str | Path, content: bytes) -> None:
@@ -78,17 +78,17 @@ def write_atomic(path: str | Path, content: bytes) -> None:
             "ends, or "
             "give another name"
         )
-    beside = place.with_name(f".{os.urandom(8).hex()}{PART}")
+    parallel_path = place.with_name(f".{os.urandom(8).hex()}{PART}")
     try:
-        with beside.open("xb") as file:
+        with parallel_path.open("xb") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
         if mode is not None:
-            beside.chmod(stat.S_IMODE(mode))
-        beside.replace(place)
+            parallel_path.chmod(stat.S_IMODE(mode))
+        parallel_path.replace(place)
     except BaseException as error:
-        beside.unlink(missing_ok=True)
+        parallel_path.unlink(missing_ok=True)
         if isinstance(error, OSError) and error.filename is None:
             error.filename = str(path)  # a full disk names no file
         raise

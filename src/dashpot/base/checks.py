@@ -180,13 +180,13 @@ class Verdict(Serialisable):
 
 def format_check_tally(checks: Iterable[Check]) -> str:
     """Return how many of some checks passed, in a sentence; nothing where none was judged."""
-    judged = [check for check in dict.fromkeys(checks) if check.passed is not None]
-    passed = sum(bool(check.passed) for check in judged)
-    notes = sum(check.failed and check.grade == "note" for check in judged)
-    failed = len(judged) - passed - notes
-    if not judged:
+    checked_checks = [check for check in dict.fromkeys(checks) if check.passed is not None]
+    passed = sum(bool(check.passed) for check in checked_checks)
+    notes = sum(check.failed and check.grade == "note" for check in checked_checks)
+    failed = len(checked_checks) - passed - notes
+    if not checked_checks:
         return ""
-    if passed == len(judged) > 1:
+    if passed == len(checked_checks) > 1:
         return f"All {passed} checks passed."
     parts = [f"{passed} check{'s' * (passed != 1)} passed"]
     parts += [f"{failed} failed"] if failed else []
@@ -194,24 +194,24 @@ def format_check_tally(checks: Iterable[Check]) -> str:
     return f"{', '.join(parts)}."
 
 
-def verdict(checks: Iterable[Check], *, sound: str = "") -> Verdict:
+def verdict(checks: Iterable[Check], *, headline: str = "") -> Verdict:
     """Return the verdict of some checks: of the gravest that failed.
 
     Parameters
     ----------
     checks : iterable of Check
-    sound : str
+    headline : str
         What to say where nothing of weight failed: the number that the reader came for, and where
         it holds. How many checks passed follows, and is all where nothing is given.
     """
-    asked = tuple(checks)
-    failed = [check for check in asked if check.failed]
+    all_checks = tuple(checks)
+    failed = [check for check in all_checks if check.failed]
     stops = tuple(check for check in failed if check.grade == "stop")
     limits = tuple(check for check in failed if check.grade == "limit")
     because = stops + limits
     if not because:
-        told = [*sentences(sentence(sound)), format_check_tally(asked)]
-        return Verdict("use", clip_sentences(MOST_WORDS - 1, [one for one in told if one]))
+        lines = [*sentences(sentence(headline)), format_check_tally(all_checks)]
+        return Verdict("use", clip_sentences(MOST_WORDS - 1, [line for line in lines if line]))
     use: Use = "do not use" if stops else "use with care"
     more = len(because) - 1
     others = f"{more} more check{'s' * (more > 1)} failed." if more else ""
@@ -219,7 +219,7 @@ def verdict(checks: Iterable[Check], *, sound: str = "") -> Verdict:
     if stops or re.search(r"\d", says):
         return Verdict(use, says, because)
     # a reader who may use the number is told it
-    first = sentences(sentence(sound))[:1]
+    first = sentences(sentence(headline))[:1]
     return Verdict(use, clip_sentences(VERDICT_WORDS, [*first, *sentences(says)]), because)
 
 
@@ -229,9 +229,9 @@ def format_short_message(check: Check, most: int = VERDICT_WORDS, then: str = ""
     What explains it, and the second thing to do, give way first.
     """
     remedy = sentences(check.remedy.words) if check.remedy else []
-    said = clip_sentences(most, sentences(sentence(check.says)), (*remedy[:1], then))
+    text = clip_sentences(most, sentences(sentence(check.says)), (*remedy[:1], then))
     longer = clip_sentences(most, sentences(sentence(check.says)), (*remedy, then))
-    return longer if len(longer.split()) <= most else said
+    return longer if len(longer.split()) <= most else text
 
 
 class HasChecks:
@@ -247,36 +247,36 @@ class HasChecks:
     @property
     def verdict(self) -> Verdict:
         """What to make of it."""
-        return verdict(self.checks, sound=self.sound)
+        return verdict(self.checks, headline=self.sound)
 
 
-def status_of(checks: Iterable[Check], found: Mapping[Status, bool] | None = None) -> Status:
+def status_of(checks: Iterable[Check], entries: Mapping[Status, bool] | None = None) -> Status:
     """Return how a fit ended: the gravest of what its checks and its optimum say.
 
     Parameters
     ----------
     checks : iterable of Check
         Each that failed says how such a fit ends, if its criterion does.
-    found : mapping of Status to bool, optional
+    entries : mapping of Status to bool, optional
         What the optimum itself shows, and no check asks.
     """
-    said = {check.ends for check in checks if check.failed}
-    said |= {status for status, shown in (found or {}).items() if shown}
-    return next((status for status in reversed(Status) if status in said), Status.CONVERGED)
+    statuses = {check.ends for check in checks if check.failed}
+    statuses |= {status for status, shown in (entries or {}).items() if shown}
+    return next((status for status in reversed(Status) if status in statuses), Status.CONVERGED)
 
 
 def select_gravest_check(checks: Iterable[Check]) -> Check:
     """Return one check of one question to several tests: the gravest, with its test's number."""
-    asked = tuple(checks)
+    all_checks = tuple(checks)
     failed = [
         (GRADES.index(check.grade), -number, check)
-        for number, check in enumerate(asked, start=1)
+        for number, check in enumerate(all_checks, start=1)
         if check.failed
     ]
-    if not failed or len(asked) == 1:
-        return next((check for check in asked if check.passed is not None), asked[0])
-    _, number, check = max(failed, key=lambda one: one[:2])
-    return check.within(f"in test {-number} of {len(asked)}")
+    if not failed or len(all_checks) == 1:
+        return next((check for check in all_checks if check.passed is not None), all_checks[0])
+    _, number, check = max(failed, key=lambda pair: pair[:2])
+    return check.within(f"in test {-number} of {len(all_checks)}")
 
 
 class Finding(NamedTuple):
@@ -318,8 +318,10 @@ class Finding(NamedTuple):
     @property
     def advice(self) -> Remedy | None:
         """The remedy, its words as sentences; None where there is none."""
-        found = Remedy(self.remedy) if isinstance(self.remedy, str) else self.remedy
-        return replace(found, words=sentence(expand_powers(found.words))) if found.words else None
+        remedy = Remedy(self.remedy) if isinstance(self.remedy, str) else self.remedy
+        return (
+            replace(remedy, words=sentence(expand_powers(remedy.words))) if remedy.words else None
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -367,25 +369,28 @@ class Criterion(Generic[P]):
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> Check:
         """Return the answer; here alone a value meets its limit."""
-        found = self.judge(*args, **kwargs)
-        limit = self.limit if isinstance(found.limit, EllipsisType) else found.limit
-        passed = self._evaluate_rule(found, limit)
-        told, remedy = found.says, None
+        finding = self.judge(*args, **kwargs)
+        limit = self.limit if isinstance(finding.limit, EllipsisType) else finding.limit
+        passed = self._evaluate_rule(finding, limit)
+        text, remedy = finding.says, None
         if passed is False:
-            told, remedy = paragraph(found.instead or found.says, found.because), found.advice
+            text, remedy = (
+                paragraph(finding.instead or finding.says, finding.because),
+                finding.advice,
+            )
         return Check(
-            self.name, passed, expand_powers(sentence(told)), found.value, limit,
-            found.grade or self.grade, remedy, self.ends,
+            self.name, passed, expand_powers(sentence(text)), finding.value, limit,
+            finding.grade or self.grade, remedy, self.ends,
         )  # fmt: skip
 
-    def _evaluate_rule(self, found: Finding, limit: float | None) -> bool | None:
-        if found.faulted or found.excused:
-            return not found.faulted
+    def _evaluate_rule(self, finding: Finding, limit: float | None) -> bool | None:
+        if finding.faulted or finding.excused:
+            return not finding.faulted
         if not self.rule:
-            return None if self.measure and found.value is None else True
-        if found.value is None or limit is None:
+            return None if self.measure and finding.value is None else True
+        if finding.value is None or limit is None:
             return None
-        return bool(RULES[self.rule](found.value, limit))
+        return bool(RULES[self.rule](finding.value, limit))
 
 
 #: every criterion whose `checks` file has been imported, by stage and name

@@ -52,7 +52,7 @@ def get_choice_values(choice: Any) -> tuple[str, ...]:
 
 
 def require_choice(
-    name: str, given: object, choice: Any, error: type[DashpotError] = DataError
+    name: str, value: object, choice: Any, error: type[DashpotError] = DataError
 ) -> None:
     """Refuse what is none of the words of a choice.
 
@@ -61,6 +61,6 @@ def require_choice(
     DataError
         Or another `error`, if it is none.
     """
-    known = get_choice_values(choice)
-    if given not in known:
-        raise error(f"{name} = {given!r}; expected one of {', '.join(known)}")
+    values = get_choice_values(choice)
+    if value not in values:
+        raise error(f"{name} = {value!r}; expected one of {', '.join(values)}")

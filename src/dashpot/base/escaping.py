@@ -24,13 +24,13 @@ def escape_terminal_text(text: str, *, colours: bool = False) -> str:
     'seal\\x1b[2J.csv\n'
     """
     if colours:
-        return _COLOUR.sub(lambda found: found[1] or _escape_character(found[0]), text)
-    return _OBEYED.sub(lambda found: _escape_character(found[0]), text)
+        return _COLOUR.sub(lambda match: match[1] or _escape_character(match[0]), text)
+    return _OBEYED.sub(lambda match: _escape_character(match[0]), text)
 
 
 def escaped_json(text: str) -> str:
     """Return a JSON document with those signs as JSON escapes: it holds the same."""
-    return re.sub(f"(?!\n)[{_CONTROL}]", lambda found: f"\\u{ord(found[0]):04x}", text)
+    return re.sub(f"(?!\n)[{_CONTROL}]", lambda match: f"\\u{ord(match[0]):04x}", text)
 
 
 def escape_formula(cell: str) -> str:
@@ -43,7 +43,7 @@ def escape_formula(cell: str) -> str:
     return "'" + line if _FORMULA.match(line) else line
 
 
-def format_csv_comment(said: str) -> str:
+def format_csv_comment(text: str) -> str:
     """Return a comment of a CSV file on one line, with no formula behind a comma in it.
 
     A spreadsheet parts a comment into cells like any other line.
@@ -51,7 +51,7 @@ def format_csv_comment(said: str) -> str:
     >>> format_csv_comment("seal, =1+1, -0.5 mN")
     "seal, '=1+1, '-0.5 mN"
     """
-    return _CELL.sub(r"\1'", " ".join(said.split()))
+    return _CELL.sub(r"\1'", " ".join(text.split()))
 
 
 def _escape_character(sign: str) -> str:

@@ -49,7 +49,9 @@ class FormField(NamedTuple):
         if not text:
             return ()
         if self.form == "sizes":
-            text = ",".join(f"{one.strip()}{self.unit}" for one in text.split(",") if one.strip())
+            text = ",".join(
+                f"{part.strip()}{self.unit}" for part in text.split(",") if part.strip()
+            )
         elif self.form == "range":
             text = f"{text.replace(' to ', ':').replace('-', ':')}{self.unit}"
         elif self.form == "number" and text[-1].isdigit():
@@ -74,10 +76,10 @@ class FormData:
     @classmethod
     def from_fields(cls, asks: tuple[FormField, ...], fields: Mapping[str, str]) -> FormData:
         """The fields as they were typed; those that are not asked, and empty ones, fall away."""
-        of = {one.name: one for one in asks}
-        said = ((name, of[name.split(" ")[0]].read(text)) for name, text in fields.items()
+        of = {form_field.name: form_field for form_field in asks}
+        stated = ((name, of[name.split(" ")[0]].read(text)) for name, text in fields.items()
                 if name.split(" ")[0] in of)  # fmt: skip
-        return cls(asks, tuple(sorted((name, text) for name, text in said if text)))
+        return cls(asks, tuple(sorted((name, text) for name, text in stated if text)))
 
     def get_text(self, name: str) -> str:
         """What stands in a field; empty where nothing does."""
@@ -100,9 +102,9 @@ class FormData:
         try:
             return float(text) if text else None
         except ValueError:
-            one = self._ask(name)
+            item = self._ask(name)
             raise DataError(
-                f"{one.label.lower()} is '{text}'; expected a number of {one.unit}, without it"
+                f"{item.label.lower()} is '{text}'; expected a number of {item.unit}, without it"
             ) from None
 
     def range(self, name: str, dimension: Dimension) -> tuple[float, float] | None:
@@ -118,25 +120,31 @@ class FormData:
         DataError
             If it is not.
         """
-        found = self.number(name, dimension)
-        if found is None:
+        value = self.number(name, dimension)
+        if value is None:
             label = self._ask(name).label.lower()
             raise DataError(f"{label} is not given: type it beside the files")
-        return found
+        return value
 
     def options(self, files: int) -> tuple[str, ...]:
         """The words of a shell that say the same of so many files."""
-        found: list[str] = []
-        for one in self.asks:
-            names = [f"{one.name} {i}" for i in range(files)] if one.each else [one.name]
+        results: list[str] = []
+        for form_field in self.asks:
+            names = (
+                [f"{form_field.name} {i}" for i in range(files)]
+                if form_field.each
+                else [form_field.name]
+            )
             for name in names:
-                for word in one.words(self.get_text(name) or next(iter(one.choices), "")):
-                    found += [one.flag, word]
-        return tuple(found)
+                for word in form_field.words(
+                    self.get_text(name) or next(iter(form_field.choices), "")
+                ):
+                    results += [form_field.flag, word]
+        return tuple(results)
 
     def get_option_value(self, name: str) -> str:
         """What stands in a field, as a value of its option."""
         return next(iter(self._ask(name).words(self.get_text(name))), "")
 
     def _ask(self, name: str) -> FormField:
-        return next(one for one in self.asks if one.name == name)
+        return next(form_field for form_field in self.asks if form_field.name == name)

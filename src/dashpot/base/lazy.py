@@ -40,12 +40,12 @@ def build_lazy_exports(
     def find(name: str) -> Any:
         if name not in homes:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        module, own = homes[name]
+        module, text = homes[name]
         if module == package:  # a submodule
-            return import_module(f"{package}.{own}")
+            return import_module(f"{package}.{text}")
         home = import_module(module)
         # a submodule that nobody has imported yet is no attribute of its package
-        return getattr(home, own) if hasattr(home, own) else import_module(f"{module}.{own}")
+        return getattr(home, text) if hasattr(home, text) else import_module(f"{module}.{text}")
 
     names = sorted(homes)
     return find, lambda: names, names
@@ -58,8 +58,8 @@ class LazyPackage(ModuleType):
     """
 
     def __setattr__(self, name: str, value: object) -> None:
-        room = isinstance(value, ModuleType) and value.__name__ == f"{self.__name__}.{name}"
-        if not (room and name in self.VERBS):
+        fits = isinstance(value, ModuleType) and value.__name__ == f"{self.__name__}.{name}"
+        if not (fits and name in self.VERBS):
             super().__setattr__(name, value)
 
 

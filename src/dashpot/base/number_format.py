@@ -44,9 +44,9 @@ def format_with_error(
     ...     120.0), format_with_error(0.104, "g", digits=4)
     ('8.30 mm', '17.43 N/mm', '104.0 g')
     """
-    known = None if error is None else convert_to_unit(error, unit)
+    reference = None if error is None else convert_to_unit(error, unit)
     return (
-        f"{round_to_error(convert_to_unit(value, unit), known, digits=digits)} "
+        f"{round_to_error(convert_to_unit(value, unit), reference, digits=digits)} "
         f"{unit.replace('*', ' ')}"
     )
 
@@ -227,16 +227,16 @@ def expand_powers(sentence: str) -> str:
     'leaves 130 times the scatter, 2e-14 m'
     """
 
-    def expand_match(found: re.Match[str]) -> str:
-        value = float(found[0])
-        return _format_match(found) if value == 0 or 1e-4 <= abs(value) < 1e6 else found[0]
+    def expand_match(match: re.Match[str]) -> str:
+        value = float(match[0])
+        return _format_match(match) if value == 0 or 1e-4 <= abs(value) < 1e6 else match[0]
 
     return _POWER.sub(expand_match, sentence)
 
 
-def _format_match(found: re.Match[str]) -> str:
-    digits = sum(letter.isdigit() for letter in found[0].partition("e")[0])
-    return _format_digits(float(found[0]), digits)
+def _format_match(match: re.Match[str]) -> str:
+    digits = sum(letter.isdigit() for letter in match[0].partition("e")[0])
+    return _format_digits(float(match[0]), digits)
 
 
 def format_typographic(sentence: str) -> str:
@@ -250,7 +250,7 @@ def format_typographic(sentence: str) -> str:
     >>> format_typographic("k_inf moves by -2.5e-09 +- 3e-10 m; widen the band (--band), or wait")
     'k∞ moves by −2.5·10⁻⁹ ± 3·10⁻¹⁰ m; widen the band, or wait'
     """
-    printed = _PARAMETER.sub(lambda found: symbol(found[0]), _COMMAND.sub("", sentence))
+    printed = _PARAMETER.sub(lambda match: symbol(match[0]), _COMMAND.sub("", sentence))
     printed = printed.replace("+-", "±").replace(" degC", " °C")
     printed = _NEGATIVE.sub(MINUS, _POWER.sub(_format_match, printed))
     return _UNIT.sub("\N{NO-BREAK SPACE}", printed)

@@ -31,10 +31,10 @@ def option(default: Any, help: str | None = None, **how: Any) -> Any:
     return field(default=default, metadata={"help": help, **how})
 
 
-def copy_option(noun: type, name: str, **other: Any) -> Any:
+def copy_option(cls: type, name: str, **other: Any) -> Any:
     """Return the field of another noun, but for what is said otherwise here."""
-    one = next(one for one in fields(noun) if one.name == name)
-    return option(**{"default": one.default, **one.metadata, **other})
+    attribute = next(field for field in fields(cls) if field.name == name)
+    return option(**{"default": attribute.default, **attribute.metadata, **other})
 
 
 def make_nested_options(kind: type, **how: Any) -> Any:
@@ -42,48 +42,48 @@ def make_nested_options(kind: type, **how: Any) -> Any:
     return field(default_factory=kind, metadata={"part": kind, **how})
 
 
-def iterate_option_fields(noun: Any) -> Iterator[Field[Any]]:
+def iterate_option_fields(result: Any) -> Iterator[Field[Any]]:
     """Yield the fields of a noun that are options, without those of its parts."""
-    for one in fields(noun):
-        if "help" in one.metadata and "argument" not in one.metadata:
-            yield one
+    for attribute in fields(result):
+        if "help" in attribute.metadata and "argument" not in attribute.metadata:
+            yield attribute
 
 
-def is_path_field(one: Field[Any]) -> bool:
+def is_path_field(attribute: Field[Any]) -> bool:
     """Whether a field holds a path, or several."""
-    return one.metadata.get("metavar") in {"FILE", "FRF"}
+    return attribute.metadata.get("metavar") in {"FILE", "FRF"}
 
 
-def flag_of(one: Field[Any]) -> str:
+def flag_of(attribute: Field[Any]) -> str:
     """Return the option that takes a field, as it is typed: ``--seal-mass``, ``--machine``."""
-    how = one.metadata
-    return "--" + str(how.get("under", how.get("flag", one.name))).replace("_", "-")
+    how = attribute.metadata
+    return "--" + str(how.get("under", how.get("flag", attribute.name))).replace("_", "-")
 
 
-def key_of(one: Field[Any]) -> str:
+def key_of(attribute: Field[Any]) -> str:
     """Return the KEY by which an option of KEY=VALUE takes a field: ``ramp-end``."""
-    return str(one.metadata.get("key", one.name)).replace("_", "-")
+    return str(attribute.metadata.get("key", attribute.name)).replace("_", "-")
 
 
-def format_command_words(one: Field[Any], text: str) -> list[str]:
+def format_command_words(attribute: Field[Any], text: str) -> list[str]:
     """Return the words by which a field is typed: ``["--machine", "sync=0.5ms"]``."""
-    if "under" not in one.metadata:
-        return [flag_of(one), text]
-    return [flag_of(one), f"{key_of(one)}{one.metadata.get('sign', '=')}{text}"]
+    if "under" not in attribute.metadata:
+        return [flag_of(attribute), text]
+    return [flag_of(attribute), f"{key_of(attribute)}{attribute.metadata.get('sign', '=')}{text}"]
 
 
-def flags_of(noun: type) -> str:
+def flags_of(cls: type) -> str:
     """Return the options of a noun as a sentence lists them.
 
     >>> from dashpot.workflow.job import Cuts
     >>> flags_of(Cuts)
     '--cuts'
     """
-    *others, last = dict.fromkeys(map(flag_of, iterate_option_fields(noun)))
+    *others, last = dict.fromkeys(map(flag_of, iterate_option_fields(cls)))
     return f"{', '.join(others)} and {last}" if others else last
 
 
-def words_of(noun: Any, *names: str) -> list[str]:
+def words_of(result: Any, *names: str) -> list[str]:
     """Return the options that say what a noun says, or these fields of it, as they are typed.
 
     Nothing of its defaults; its parts say theirs.
@@ -92,37 +92,37 @@ def words_of(noun: Any, *names: str) -> list[str]:
     >>> words_of(ReadOptions(units={"force": "N"}, skip_rows=3))
     ['--units', 'force=N', '--text', 'skip=3']
     """
-    said: list[str] = []
-    for glob, own in getattr(noun, "own", ()):
-        words = iter(words_of(own))
-        said += [word for flag in words for word in (flag, f"{glob}:{next(words)}")]
-    for one in fields(noun):
-        value = getattr(noun, one.name)
-        if names and one.name not in names:
+    sentences: list[str] = []
+    for glob, item in getattr(result, "own", ()):
+        words = iter(words_of(item))
+        sentences += [word for flag in words for word in (flag, f"{glob}:{next(words)}")]
+    for attribute in fields(result):
+        value = getattr(result, attribute.name)
+        if names and attribute.name not in names:
             continue
-        if "part" in one.metadata:
-            said += words_of(value)
-        elif value != one.default and one in iterate_option_fields(noun):
-            if "is_flag" in one.metadata:
-                said.append(flag_of(one))
+        if "part" in attribute.metadata:
+            sentences += words_of(value)
+        elif value != attribute.default and attribute in iterate_option_fields(result):
+            if "is_flag" in attribute.metadata:
+                sentences.append(flag_of(attribute))
             else:
-                said += [
+                sentences += [
                     word
-                    for text in texts_of(one, value)
-                    for word in format_command_words(one, text)
+                    for text in texts_of(attribute, value)
+                    for word in format_command_words(attribute, text)
                 ]
-    return said
+    return sentences
 
 
-def texts_of(one: Field[Any], value: Any) -> list[str]:
+def texts_of(attribute: Field[Any], value: Any) -> list[str]:
     """Return a field's value as it is typed, one text for every time."""
-    how = one.metadata
+    how = attribute.metadata
     if "typed" in how:
         return list(how["typed"](value))
     if "ends" in how:
         return [f"{value[0]!r}:{format_command_quantity(value[1], how['unit'])}"]
     several = value if isinstance(value, tuple) else (value,)
     if "unit" in how:
-        return [format_command_quantity(each, how["unit"]) for each in several]
-    return [repr(each).removesuffix(".0") if isinstance(each, float) else str(each)
-            for each in several]  # fmt: skip
+        return [format_command_quantity(item, how["unit"]) for item in several]
+    return [repr(number).removesuffix(".0") if isinstance(number, float) else str(number)
+            for number in several]  # fmt: skip

@@ -44,14 +44,14 @@ class PlausibleRange(NamedTuple):
         low, high = self.soft
         return not (size == 0 or low <= abs(size) <= high or math.isnan(size))
 
-    def refuse(self, size: float, told: str = "", *, remedy: str = "Check its unit.") -> None:
+    def refuse(self, size: float, text: str = "", *, remedy: str = "Check its unit.") -> None:
         """Refuse a size that no test has.
 
         Parameters
         ----------
         size : float
             SI.
-        told : str
+        text : str
             The beginning of the sentence; by default what the quantity is, and the size.
         remedy : str
             Its end.
@@ -66,8 +66,8 @@ class PlausibleRange(NamedTuple):
         dashpot.base.errors.DataError: the mass is 5 t; expected 1 ug to 1 t. Check its unit.
         """
         if self.absurd(size):
-            low, high = (format_quantity_short(one, self.unit) for one in self.hard)
-            begun = told or f"{self.what} is {format_quantity_short(size, self.unit)}"
+            low, high = (format_quantity_short(value, self.unit) for value in self.hard)
+            begun = text or f"{self.what} is {format_quantity_short(size, self.unit)}"
             raise DataError(f"{begun}; expected {low} to {high}. {remedy}")
 
 
@@ -100,7 +100,7 @@ SIZES = MappingProxyType(
 read: forces to 40 kN, ramps of 315 s, travels of 401 mm, holds of a day, creep of 1000 h."""
 
 
-def refuse_absurd_record(noun: Any) -> None:
+def refuse_absurd_record(result: Any) -> None:
     """Refuse a record of force over displacement that no one means; its time may be None.
 
     Raises
@@ -108,10 +108,10 @@ def refuse_absurd_record(noun: Any) -> None:
     DataError
     """
     remedy = 'Check the unit: units="s, mm, N" in Python, --units {} in a shell.'
-    largest = float(abs(noun.force).max())
+    largest = float(abs(result.force).max())
     SIZES["force"].refuse(largest, remedy=remedy.format("force=N"))
     for name, size, unit in (("displacement", "travel", "mm"), ("time", "record", "s")):
-        values = getattr(noun, name)
+        values = getattr(result, name)
         if values is not None:
             span = float(values.max() - values.min())
             SIZES[size].refuse(span, remedy=remedy.format(f"{name}={unit}"))

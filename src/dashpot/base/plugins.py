@@ -80,8 +80,8 @@ class Plugin(Serialisable):
             raise ReadError(f"{self.says} is not used: {SWITCH}={OFF}")
         module, _, attribute = self.value.partition(":")
         try:
-            found = import_module(module)
-            return getattr(found, attribute) if attribute else found
+            new_module = import_module(module)
+            return getattr(new_module, attribute) if attribute else new_module
         except BaseException as error:  # noqa: BLE001  others' code may raise anything
             self.failed(error)
 
@@ -94,9 +94,9 @@ class Plugin(Serialisable):
         """
         if isinstance(error, KeyboardInterrupt | MemoryError | DashpotError):
             raise error
-        said = _line(str(error))[:_LONGEST]
+        text = _line(str(error))[:_LONGEST]
         raise ReadError(
-            f"{self.says} failed: {type(error).__name__}{': ' + said if said else ''}. "
+            f"{self.says} failed: {type(error).__name__}{': ' + text if text else ''}. "
             f"Ask who maintains {self.package}"
         ) from error
 
@@ -124,8 +124,8 @@ class Installed(Serialisable):
 
 def plugins(group: Group | None = None) -> tuple[Plugin, ...]:
     """Return every plug-in that is installed, or those of a group; none is imported."""
-    found = _scan_plugins()
-    return tuple(one for one in found if group in {None, one.group})
+    plugins = _scan_plugins()
+    return tuple(plugin for plugin in plugins if group in {None, plugin.group})
 
 
 @cache
@@ -134,15 +134,18 @@ def _scan_plugins() -> tuple[Plugin, ...]:
         return ()
     from importlib.metadata import distributions  # it costs more than all that the scan does
 
-    found: dict[tuple[str, str, str], Plugin] = {}
-    for one in distributions():
-        for entry in one.entry_points:
+    plugins: dict[tuple[str, str, str], Plugin] = {}
+    for distribution in distributions():
+        for entry in distribution.entry_points:
             house, _, group = entry.group.partition(".")
             if house == "dashpot" and group in GROUPS:
                 # the first on the path is the one that is imported, also of one found twice
-                key = (group, entry.name, one.name)
-                found.setdefault(key, Plugin(group, entry.name, entry.value, one.name, one.version))
-    return tuple(sorted(found.values(), key=lambda p: (p.group, p.name, p.package)))
+                key = (group, entry.name, distribution.name)
+                plugins.setdefault(
+                    key,
+                    Plugin(group, entry.name, entry.value, distribution.name, distribution.version),
+                )
+    return tuple(sorted(plugins.values(), key=lambda p: (p.group, p.name, p.package)))
 
 
 def find_plugin(group: Group, name: str) -> Plugin | None:
@@ -153,19 +156,19 @@ def find_plugin(group: Group, name: str) -> Plugin | None:
     ReadError
         If two packages bring one name.
     """
-    found = [one for one in plugins(group) if one.name == name]
-    if len(found) > 1:
+    result = [plugin for plugin in plugins(group) if plugin.name == name]
+    if len(result) > 1:
         raise ReadError(
-            f"'{name}' is brought by {' and by '.join(one.package_version for one in found)}. "
+            f"'{name}' is brought by {' and by '.join(item.package_version for item in result)}. "
             "Uninstall one of "
             "them"
         )
-    return found[0] if found else None
+    return result[0] if result else None
 
 
 def format_plugin_names(group: Group) -> str:
     """Return the names of a group as the end of an error's sentence; empty where there are none."""
-    names = ", ".join(one.name for one in plugins(group))
+    names = ", ".join(plugin.name for plugin in plugins(group))
     return f" By plug-ins: {names}." if names else ""
 
 
@@ -177,16 +180,14 @@ def require_plugin(group: Group, name: str) -> Plugin:
     ReadError
         If there is none.
     """
-    found = find_plugin(group, name)
-    if found is None:
+    plugin = find_plugin(group, name)
+    if plugin is None:
         off = os.environ.get(SWITCH) == OFF
-        known = format_plugin_names(group) or (
+        text = format_plugin_names(group) or (
             " Plug-ins are off here." if off else " To see them: dashpot inspect --plugins."
         )
-        raise ReadError(
-            f"no plug-in brings the {group[:-1]} '{escape_terminal_text(name)}'.{known}"
-        )
-    return found
+        raise ReadError(f"no plug-in brings the {group[:-1]} '{escape_terminal_text(name)}'.{text}")
+    return plugin
 
 
 def items(plugin: Plugin, document: Mapping[str, Any], key: str) -> Sequence[Mapping[str, Any]]:
@@ -214,10 +215,12 @@ def texts(plugin: Plugin, document: Mapping[str, Any], key: str) -> tuple[str, .
 def _get_typed_list(
     plugin: Plugin, document: Mapping[str, Any], key: str, kind: type, expected: str
 ) -> Sequence[Any]:
-    found = document.get(key, [])
-    if not isinstance(found, list | tuple) or not all(isinstance(one, kind) for one in found):
-        plugin.wrong(f"'{key}' of type {type(found).__name__}", expected)
-    return found
+    results = document.get(key, [])
+    if not isinstance(results, list | tuple) or not all(
+        isinstance(result, kind) for result in results
+    ):
+        plugin.wrong(f"'{key}' of type {type(results).__name__}", expected)
+    return results
 
 
 def _line(text: str) -> str:
@@ -233,7 +236,7 @@ def word(plugin: Plugin, item: Mapping[str, Any], key: str, otherwise: str | Non
     ReadError
         If it is no text, or is missing and nothing stands in its place.
     """
-    found = item.get(key, otherwise)
-    if not isinstance(found, str):
-        plugin.wrong(f"'{key}' of type {type(found).__name__}", "a text")
-    return _line(found)
+    text = item.get(key, otherwise)
+    if not isinstance(text, str):
+        plugin.wrong(f"'{key}' of type {type(text).__name__}", "a text")
+    return _line(text)

@@ -116,9 +116,9 @@ class Prepared(Protocol):
 
 def sources_of(records: Iterable[Read]) -> tuple[Source, ...]:
     """Return the files behind records."""
-    return tuple(one.source for one in records if one.source is not None)
+    return tuple(record.source for record in records if record.source is not None)
 
 
 def steps_of(records: Iterable[Prepared]) -> tuple[Step, ...]:
     """Return what was done to records, one after the other."""
-    return tuple(step for one in records for step in one.steps)
+    return tuple(step for record in records for step in record.steps)

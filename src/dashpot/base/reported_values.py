@@ -191,14 +191,14 @@ class ReportedValue(Serialisable):
         if self.least_alone:
             return TableCells(self.called, "", "", f"at least {round_to_error(low)}", self.word)
         if self.topped:
-            told, most = round_to_error(value, self.size), round_to_error(high, self.size)
-            return TableCells(self.called, told, "", f"{AT_MOST} {most}", self.word)
+            text, most = round_to_error(value, self.size), round_to_error(high, self.size)
+            return TableCells(self.called, text, "", f"{AT_MOST} {most}", self.word)
         error = "" if self.error is None else _error(self.size)
         between = ""
         if self.bounded and error not in (HELD, UNKNOWN):
             between = format_interval(value, low, high, self.size)
-        told = round_to_error(value, self.size, digits=4)
-        return TableCells(self.called, told, error, between, self.word)
+        text = round_to_error(value, self.size, digits=4)
+        return TableCells(self.called, text, error, between, self.word)
 
     @property
     def ends(self) -> tuple[str, str, str]:
@@ -216,9 +216,9 @@ class ReportedValue(Serialisable):
             below = above = (high - low) / 2
         else:
             below, above = below or above, above or below
-        known = min(filter(math.isfinite, (below, above)), default=None)
+        reference = min(filter(math.isfinite, (below, above)), default=None)
         return (
-            round_to_error(value, known),
+            round_to_error(value, reference),
             round_to_error(low, below) if math.isfinite(low) else "unknown",
             round_to_error(high, above) if math.isfinite(high) else "no limit",
         )
@@ -231,8 +231,8 @@ class ReportedValue(Serialisable):
             return f"{self.called} {cells.interval} {cells.unit}".rstrip()
         if self.topped:
             return f"{self.called} {cells.with_unit}, {cells.interval}"
-        own = f"{self.called} {cells.with_unit}"
-        return f"{own}, 95 % {cells.interval}" if cells.interval else own
+        name = f"{self.called} {cells.with_unit}"
+        return f"{name}, 95 % {cells.interval}" if cells.interval else name
 
 
 class HasReportedValues(HasChecks):
@@ -247,7 +247,7 @@ class HasReportedValues(HasChecks):
 
     def __getitem__(self, name: str) -> ReportedValue:
         """One of the numbers found, by its name."""
-        return next(one for one in self.found if one.name == name)
+        return next(fact for fact in self.found if fact.name == name)
 
 
 def _error(size: float) -> str:

@@ -27,19 +27,19 @@ LINES = 15
 
 def load_function(module: str, name: str) -> Callable[..., Any]:
     """Return a function of a room above: ``verb("report.notebook", "picture")``."""
-    found: Callable[..., Any] = getattr(import_module(f"dashpot.{module}"), name)
-    return found
+    function: Callable[..., Any] = getattr(import_module(f"dashpot.{module}"), name)
+    return function
 
 
-def collect_arrays(noun: object, **units: str) -> Series:
+def collect_arrays(result: object, **units: str) -> Series:
     """Return arrays of a noun by their names, each with its SI unit."""
-    return {name: (getattr(noun, name), unit) for name, unit in units.items()}
+    return {name: (getattr(result, name), unit) for name, unit in units.items()}
 
 
 def collect_columns(rows: Iterable[object], **units: str) -> Series:
     """Return attributes of several things by their names, each with its SI unit."""
-    each = tuple(rows)
-    return {name: ([getattr(one, name) for one in each], unit) for name, unit in units.items()}
+    group = tuple(rows)
+    return {name: ([getattr(item, name) for item in group], unit) for name, unit in units.items()}
 
 
 class Printable:

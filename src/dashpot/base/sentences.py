@@ -59,10 +59,10 @@ def count_words(text: str) -> int:
     return len(text.split())
 
 
-def clip_sentences(most: int, told: Sequence[str], after: Iterable[str] = ()) -> str:
-    """Return as many sentences of `told` as leave room for all of `after`, but one at least."""
-    end = [one for one in after if one]
-    kept = list(told)
-    while len(kept) > 1 and count_words(" ".join((*kept, *end))) > most:
-        kept.pop()
-    return " ".join((*kept, *end))
+def clip_sentences(most: int, lines: Sequence[str], after: Iterable[str] = ()) -> str:
+    """Return as many sentences of `lines` as leave room for all of `after`, but one at least."""
+    end = [name for name in after if name]
+    retained = list(lines)
+    while len(retained) > 1 and count_words(" ".join((*retained, *end))) > most:
+        retained.pop()
+    return " ".join((*retained, *end))

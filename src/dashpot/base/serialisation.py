@@ -47,12 +47,12 @@ class Serialisable:
     @property
     def document(self) -> dict[str, Any]:
         """Plain dictionaries, lists, texts and numbers, SI units."""
-        found: dict[str, Any] = {"schema": self.schema} if self.schema else {}
+        entries: dict[str, Any] = {"schema": self.schema} if self.schema else {}
         kind: Any = type(self)
         for key in _keys(kind):
-            found |= key.item(self)
-        sealed = found.pop(DIGEST, None) is not None or self.digested
-        return {**found, DIGEST: compute_document_digest(found)} if sealed else found
+            entries |= key.item(self)
+        sealed = entries.pop(DIGEST, None) is not None or self.digested
+        return {**entries, DIGEST: compute_document_digest(entries)} if sealed else entries
 
 
 class _Key(NamedTuple):
@@ -70,9 +70,9 @@ class _Key(NamedTuple):
         way = tuple(path.split("."))
         return cls(name or way[-1], way, body.startswith("*"), "?" in marks, "~" in marks)
 
-    def item(self, noun: object) -> dict[str, Any]:
+    def item(self, result: object) -> dict[str, Any]:
         """What a document has of it: nothing where it is left out, or several items."""
-        value = to_plain_value(reduce(_attribute, self.way, noun))
+        value = to_plain_value(reduce(_attribute, self.way, result))
         if self.known:
             value = replace_nonfinite_numbers(value)
         if self.spread:
@@ -80,19 +80,21 @@ class _Key(NamedTuple):
         return {} if value is None and self.optional else {self.name: value}
 
 
-def _attribute(noun: Any, name: str) -> Any:
-    return None if noun is None else getattr(noun, name)
+def _attribute(result: Any, name: str) -> Any:
+    return None if result is None else getattr(result, name)
 
 
 @cache
 def _keys(kind: Any) -> tuple[_Key, ...]:
-    own = (
-        [one.name for one in fields(kind) if EDGE not in one.metadata] if is_dataclass(kind) else []
+    names = (
+        [field.name for field in fields(kind) if EDGE not in field.metadata]
+        if is_dataclass(kind)
+        else []
     )
     return tuple(
         _Key.parse_key(name)
         for text in kind.keys or ("*",)
-        for name in (own if text == "*" else [text])
+        for name in (names if text == "*" else [text])
     )
 
 
@@ -101,18 +103,18 @@ def decode_fields(kind: Any, document: Mapping[str, Any]) -> dict[str, Any]:
 
     What was spread gets the whole document, and takes of it what it knows.
     """
-    own = {one.name for one in fields(kind)}
-    found: dict[str, Any] = {name: document[name] for name in own & document.keys()}
-    found |= {one.name: one.metadata[EDGE] for one in fields(kind) if EDGE in one.metadata}
+    names = {field.name for field in fields(kind)}
+    value: dict[str, Any] = {name: document[name] for name in names & document.keys()}
+    value |= {field.name: field.metadata[EDGE] for field in fields(kind) if EDGE in field.metadata}
     for key in _keys(kind) if issubclass(kind, Serialisable) else ():
         first = key.way[0]
-        if first not in own or first in document:
+        if first not in names or first in document:
             continue
         if key.spread:
-            found[first] = document
+            value[first] = document
         elif key.name in document:
-            found = _set_nested_value(found, key.way, document[key.name])
-    return found
+            value = _set_nested_value(value, key.way, document[key.name])
+    return value
 
 
 def _set_nested_value(place: Mapping[str, Any], way: tuple[str, ...], value: Any) -> dict[str, Any]:
@@ -136,9 +138,9 @@ def to_plain_value(value: Any) -> Any:
         return value
     if is_dataclass(value):
         return {
-            one.name: to_plain_value(getattr(value, one.name))
-            for one in fields(value)
-            if EDGE not in one.metadata
+            field.name: to_plain_value(getattr(value, field.name))
+            for field in fields(value)
+            if EDGE not in field.metadata
         }
     if isinstance(value, complex) or getattr(getattr(value, "dtype", None), "kind", "") == "c":
         return {"real": to_plain_value(value.real), "imag": to_plain_value(value.imag)}
@@ -156,7 +158,7 @@ def _(value: Any) -> Any:
 
 to_plain_value.register(Serialisable, lambda value: value.document)
 to_plain_value.register(
-    Mapping, lambda value: {str(key): to_plain_value(one) for key, one in value.items()}
+    Mapping, lambda value: {str(key): to_plain_value(item) for key, item in value.items()}
 )
 to_plain_value.register(float, lambda value: json_number(float(value)))
 to_plain_value.register(Enum, lambda value: value.value)

@@ -27,7 +27,7 @@ def stop_process_group(leader: int) -> None:
             os.killpg(leader, signal.SIGKILL)
 
 
-def trim_memory(beyond: int) -> None:
+def trim_memory(excess: int) -> None:
     """Give memory that is free back to the system, if this process holds more than so many bytes.
 
     Where the C library (of GNU) keeps it; elsewhere nothing is done.
@@ -36,7 +36,7 @@ def trim_memory(beyond: int) -> None:
         return
     with suppress(OSError, AttributeError):  # no /proc, or another library of C
         resident = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
-        if resident * os.sysconf("SC_PAGE_SIZE") > beyond:
+        if resident * os.sysconf("SC_PAGE_SIZE") > excess:
             import ctypes  # long records alone need it
 
             ctypes.CDLL(None).malloc_trim(0)

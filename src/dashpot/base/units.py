@@ -199,10 +199,14 @@ def is_same_unit(first: str, second: str) -> bool:
     >>> is_same_unit("sec", "Sekunden"), is_same_unit("N", "kN"), is_same_unit("Pa.s", "pa.s")
     (True, False, True)
     """
-    one, other = find_unit(first), find_unit(second)
-    if one is None or other is None:
+    unit, other = find_unit(first), find_unit(second)
+    if unit is None or other is None:
         return first.casefold().split() == second.casefold().split()
-    return (one.dimension, one.factor, one.offset) == (other.dimension, other.factor, other.offset)
+    return (unit.dimension, unit.factor, unit.offset) == (
+        other.dimension,
+        other.factor,
+        other.offset,
+    )
 
 
 def dimensions(word: str) -> tuple[Dimension, ...]:
@@ -211,8 +215,8 @@ def dimensions(word: str) -> tuple[Dimension, ...]:
     >>> dimensions("g")
     ('mass', 'acceleration')
     """
-    known = dict.fromkeys(unit.dimension for unit in TABLE.values())
-    return tuple(dimension for dimension in known if _find(word, dimension) is not None)
+    entries = dict.fromkeys(unit.dimension for unit in TABLE.values())
+    return tuple(dimension for dimension in entries if _find(word, dimension) is not None)
 
 
 @lru_cache(maxsize=1024)
@@ -250,9 +254,9 @@ def parse_unit(word: str, dimension: Dimension) -> Unit:
     if unit is not None:
         return unit
     other = " or ".join(dimensions(word))
-    known = ", ".join(one.word for one in _filter_units(dimension))
-    found = f"is a unit of {other}" if other else "is not a known unit"
-    raise DataError(f"'{word}' {found}; expected a unit of {dimension}, one of: {known}")
+    text = ", ".join(unit.word for unit in _filter_units(dimension))
+    name = f"is a unit of {other}" if other else "is not a known unit"
+    raise DataError(f"'{word}' {name}; expected a unit of {dimension}, one of: {text}")
 
 
 def si_unit(dimension: Dimension) -> Unit:
@@ -306,10 +310,10 @@ def parse_quantity(text: str, dimension: Dimension) -> float:
     if match[2] is None and dimension == "strain" and float(match[1]) == 0:
         return 0.0  # no part is none in any unit
     if match[2] is None:
-        known = [one.word for one in _filter_units(dimension)]
+        names = [unit.word for unit in _filter_units(dimension)]
         raise DataError(
             f"'{text}' has no unit; add a unit of {dimension} to it, for example '{text.strip()}"
-            f"{_USUAL.get(dimension, known[0])}' (known: {', '.join(known)})"
+            f"{_USUAL.get(dimension, names[0])}' (known: {', '.join(names)})"
         )
     if re.match(r",\d", match[2]):
         bare = text.strip().replace(",", "")
@@ -357,8 +361,8 @@ def get_display_unit(unit: str, *, fine: bool = False) -> str:
     'N/mm per 100 mm'
     """
     word, per, what = unit.partition(" per ")
-    known = find_unit(word)
-    of = word if known is None else known.word
+    resolved_unit = find_unit(word)
+    of = word if resolved_unit is None else resolved_unit.word
     usual = _READ.get(of, word)
     return (_FINE.get(of, usual) if fine else usual) + per + what
 
@@ -379,7 +383,7 @@ def parse_column_title(title: str) -> tuple[str, str]:
     ...     "damping_ratio")
     (('k_inf', 'N/m'), ('tau_1', 's'), ('damping_ratio', ''))
     """
-    unit = next((one for one in _OF_COLUMNS if title.endswith(column("", one))), "")
+    unit = next((name for name in _OF_COLUMNS if title.endswith(column("", name))), "")
     return (title.removesuffix(column("", unit)) if unit else title), unit
 
 
@@ -399,14 +403,18 @@ def convert_to_unit(value: float | FloatArray, unit: str) -> float | FloatArray:
     DataError
         If the unit is not in the table.
     """
-    known = find_unit(re.split(" per | strain", unit)[0])
-    if known is None:
+    resolved_unit = find_unit(re.split(" per | strain", unit)[0])
+    if resolved_unit is None:
         raise DataError(f"'{unit}' is not a known unit")
-    if known.offset:
-        return (value - known.offset) / known.factor
+    if resolved_unit.offset:
+        return (value - resolved_unit.offset) / resolved_unit.factor
     # by the whole number that the inverse of a negative power of ten is: 1e3 * x, not x / 1e-3
-    inverse = round(1 / known.factor)
-    return inverse * value if inverse > 1 and 1 / inverse == known.factor else value / known.factor
+    inverse = round(1 / resolved_unit.factor)
+    return (
+        inverse * value
+        if inverse > 1 and 1 / inverse == resolved_unit.factor
+        else value / resolved_unit.factor
+    )
 
 
 def format_quantity(value: float, unit: str, form: str = ".4g") -> str:
@@ -461,12 +469,12 @@ def convert_to_si(value: Quantity | None, dimension: Dimension) -> float | None:
     return parse_quantity(value, dimension) if isinstance(value, str) else value
 
 
-def si_fields(noun: Any) -> None:
+def si_fields(result: Any) -> None:
     """Put those fields of a frozen dataclass into SI that name their unit and hold a text."""
-    for one in fields(noun):
-        if "unit" in one.metadata:
-            value = convert_to_si(getattr(noun, one.name), one.metadata["unit"])
-            object.__setattr__(noun, one.name, value)
+    for field in fields(result):
+        if "unit" in field.metadata:
+            value = convert_to_si(getattr(result, field.name), field.metadata["unit"])
+            object.__setattr__(result, field.name, value)
 
 
 @overload

@@ -36,18 +36,18 @@ def require_positive(
     dashpot.base.errors.DataError: axis rate = 0.0 Hz; expected a number > 0
     """
     for name, value in named.items():
-        given: Any = value
-        if not (optional and given is None) and not (math.isfinite(given) and given > 0):
-            raise DataError(f"{of}{name} = {given!r}{unit}; expected {expected}")
+        provided: Any = value
+        if not (optional and provided is None) and not (math.isfinite(provided) and provided > 0):
+            raise DataError(f"{of}{name} = {provided!r}{unit}; expected {expected}")
 
 
 def require_nonnegative(of: str = "", /, *, expected: str = "a number >= 0", **named: Any) -> None:
     """Refuse the first of the named numbers that is not finite and >= 0, as :func:`require_positive`."""
     require_positive(
-        of, expected=expected, **{name: one for name, one in named.items() if one != 0}
+        of, expected=expected, **{name: value for name, value in named.items() if value != 0}
     )
 
 
-def select_fields(noun: object, *names: str) -> dict[str, Any]:
+def select_fields(result: object, *names: str) -> dict[str, Any]:
     """Return some of the fields of a record by name."""
-    return {name: getattr(noun, name) for name in names}
+    return {name: getattr(result, name) for name in names}

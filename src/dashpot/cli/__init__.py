@@ -38,8 +38,8 @@ def _suggest_command(name: str, rest: Sequence[str]) -> str:
     from dashpot.cli._param_types import format_suggestion
 
     if name in _ASKED_AS_OPTIONS:
-        known = [word for word in rest[:1] if word in COMMANDS]
-        return f"Type: {shlex.join(['dashpot', *known, _ASKED_AS_OPTIONS[name]])}"
+        names = [word for word in rest[:1] if word in COMMANDS]
+        return f"Type: {shlex.join(['dashpot', *names, _ASKED_AS_OPTIONS[name]])}"
     if Path(name).exists():
         return f"To see what it is: dashpot inspect {shlex.quote(name)}"
     return format_suggestion(name, COMMANDS)

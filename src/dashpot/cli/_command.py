@@ -90,30 +90,30 @@ class CommandOption(click.Option):
         """What a verb receives it as: its fields, or the noun that they fill."""
         if self.fills is None:
             return {str(self.name)}
-        return {self.fills.receives, *(one.name for one in self.fills.fields)}
+        return {self.fills.receives, *(field.name for field in self.fills.fields)}
 
     def told(self, value: Any) -> Iterator[tuple[str, dict[str, Any]]]:
         """Yield what its fields are by what click passes on, for all files ("") or for some."""
         assert self.fills is not None  # noqa: S101
-        one = self.fills.fields[0]
+        field = self.fills.fields[0]
         if isinstance(self.type, Keyed):
             yield from value or ()
         elif isinstance(self.type, Scoped):
-            yield from ((glob, {one.name: each}) for glob, each in value or ())
+            yield from ((glob, {field.name: item}) for glob, item in value or ())
         else:
-            how = one.metadata
-            yield "", {one.name: how["parse"](value) if "parse" in how else value}
+            how = field.metadata
+            yield "", {field.name: how["parse"](value) if "parse" in how else value}
 
     def get_typed_words(self, ctx: click.Context) -> list[str]:
         """Return its words as they were typed; nothing where it was not."""
-        said = ctx.meta.get(TYPED, {})
-        if self.name not in said:
+        stated = ctx.meta.get(TYPED, {})
+        if self.name not in stated:
             return []
-        value = said[self.name]
+        value = stated[self.name]
         if self.is_flag:
             return [self.flag]
         several = value if isinstance(value, list | tuple) else (value,)
-        return [word for each in several for word in (self.flag, str(each))]
+        return [word for item in several for word in (self.flag, str(item))]
 
 
 def opt(*flags: str, kinds: str = "", **how: Any) -> CommandOption:
@@ -124,7 +124,7 @@ def opt(*flags: str, kinds: str = "", **how: Any) -> CommandOption:
 
 
 def build_options(
-    noun: type,
+    cls: type,
     *names: str,
     into: str = "",
     leave: Sequence[str] = (),
@@ -137,30 +137,30 @@ def build_options(
     A verb receives each, or the noun as one argument, `into`. `other` is what these options say
     otherwise here: `help`, `default`, `required`, `metavar`.
     """
-    every = {one.name: one for one in iterate_option_fields(noun) if one.name not in leave}
+    every = {field.name: field for field in iterate_option_fields(cls) if field.name not in leave}
     rows: dict[str, list[Field[Any]]] = {}
     for name in names or every:
         rows.setdefault(flag_of(every[name]), []).append(every[name])
     return [
-        _make_option(flag, TargetFields(noun, into, tuple(asked)), kinds=kinds, more=more, **other)
-        for flag, asked in rows.items()
+        _make_option(flag, TargetFields(cls, into, tuple(row)), kinds=kinds, more=more, **other)
+        for flag, row in rows.items()
     ]
 
 
 def _make_option(
     flag: str, fills: TargetFields, *, kinds: str, more: bool, **other: Any
 ) -> CommandOption:
-    (one, *_), name = fills.fields, f"{fills.receives}_{fills.fields[0].name}"
+    (field, *_), name = fills.fields, f"{fills.receives}_{fills.fields[0].name}"
     how: dict[str, Any] = {}
-    if "under" in one.metadata or len(fills.fields) > 1:
+    if "under" in field.metadata or len(fills.fields) > 1:
         metavar, says = KEYED[flag]
         how = {"type": Keyed(flag, fills.fields), "multiple": True, "metavar": metavar}
         how["help"] = says
     else:
-        how = {key: one.metadata[key] for key in _PASSED if key in one.metadata}
-        how["default"] = _get_default(one)
+        how = {key: field.metadata[key] for key in _PASSED if key in field.metadata}
+        how["default"] = _get_default(field)
         if "is_flag" not in how:
-            kind = how["type"] = type_of(one)
+            kind = how["type"] = type_of(field)
             how.setdefault("metavar", _metavar(kind))
     how |= other
     how["help"] = _with_default(how.get("help") or "", how.get("default"))
@@ -178,13 +178,13 @@ _NUMBERS = {"float": "N", "integer": "N", "integer range": "N", "text": "NAME"}
 _PASSED = ("help", "metavar", "multiple", "is_flag")
 
 
-def _get_default(one: Field[Any]) -> Any:
+def _get_default(field: Field[Any]) -> Any:
     """What click takes where nothing is typed."""
-    if "is_flag" in one.metadata:
+    if "is_flag" in field.metadata:
         return False
-    if one.default is MISSING or "multiple" in one.metadata:
+    if field.default is MISSING or "multiple" in field.metadata:
         return None
-    return one.metadata.get("word") if one.default is None else one.default
+    return field.metadata.get("word") if field.default is None else field.default
 
 
 def _with_default(says: str, default: Any) -> str:
@@ -198,20 +198,24 @@ def _with_default(says: str, default: Any) -> str:
 def group(title: str, *options: CommandOption | Iterable[CommandOption]) -> list[CommandOption]:
     """Return options under one title of the help."""
     flat = list(
-        chain.from_iterable([one] if isinstance(one, CommandOption) else one for one in options)
+        chain.from_iterable(
+            [option] if isinstance(option, CommandOption) else option for option in options
+        )
     )
-    for one in flat:
-        one.group = title
+    for item in flat:
+        item.group = title
     return flat
 
 
 def mark_advanced(*options: CommandOption | Iterable[CommandOption]) -> list[CommandOption]:
     """Return options that the short help leaves out."""
     flat = list(
-        chain.from_iterable([one] if isinstance(one, CommandOption) else one for one in options)
+        chain.from_iterable(
+            [option] if isinstance(option, CommandOption) else option for option in options
+        )
     )
-    for one in flat:
-        one.more = True
+    for item in flat:
+        item.more = True
     return flat
 
 
@@ -233,29 +237,31 @@ class DashpotCommand(click.Command):
         by_kind: Callable[[Sequence[str]], Mapping[str, str]] | None = None,
         **how: Any,
     ) -> None:
-        own = [
+        options = [
             click.Option(["-h", "--help"], is_flag=True, expose_value=False, hidden=True),
             click.Option(["--help-all"], is_flag=True, expose_value=False, hidden=True),
             click.Option(["--traceback"], is_flag=True, expose_value=False, hidden=True),
         ]
-        super().__init__(name, params=[*params, *own], add_help_option=False, **how)
+        super().__init__(name, params=[*params, *options], add_help_option=False, **how)
         self.by_kind = by_kind
 
     @property
     def options(self) -> list[CommandOption]:
         """What it asks for."""
-        return [one for one in self.params if isinstance(one, CommandOption)]
+        return [param for param in self.params if isinstance(param, CommandOption)]
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         words = args[: args.index("--")] if "--" in args else args
         if {"-h", "--help", "--help-all"} & set(words):
-            files = [one for one in words if not one.startswith("-") and Path(one).is_file()]
+            files = [word for word in words if not word.startswith("-") and Path(word).is_file()]
             click.echo(self.render_help(ctx, every="--help-all" in words, files=files))
             ctx.exit()
         return super().parse_args(ctx, args)
 
     def collect_usage_pieces(self, ctx: click.Context) -> list[str]:
-        named = [one.make_metavar(ctx) for one in self.params if isinstance(one, click.Argument)]
+        named = [
+            param.make_metavar(ctx) for param in self.params if isinstance(param, click.Argument)
+        ]
         return [*named, "[OPTIONS]"]
 
     def get_help(self, ctx: click.Context) -> str:
@@ -268,17 +274,17 @@ class DashpotCommand(click.Command):
         kinds = self.by_kind(files) if files and self.by_kind and not every else {}
         have = set(kinds.values())
         if kinds:
-            asked = [one for one in self.options if one.suits(have)]
+            options = [option for option in self.options if option.suits(have)]
         else:
-            asked = [one for one in self.options if every or not one.more]
+            options = [option for option in self.options if every or not option.more]
         head = f"{_format_kinds(kinds)}. These options apply:" if kinds else self.help or ""
         usage = f"Usage: {ctx.command_path} {' '.join(self.collect_usage_pieces(ctx))}"
-        lines = [usage, "", *_wrap_text(head), "", *_groups(asked)]
-        left = len(self.options) - len(asked)
-        if left:
-            each = f"; for a file: {ctx.command_path} FILE --help"
-            again = each if self.by_kind and not kinds else ""
-            lines.append(f"{left} more: {ctx.command_path} --help-all{again}")
+        lines = [usage, "", *_wrap_text(head), "", *_groups(options)]
+        remaining = len(self.options) - len(options)
+        if remaining:
+            name = f"; for a file: {ctx.command_path} FILE --help"
+            again = name if self.by_kind and not kinds else ""
+            lines.append(f"{remaining} more: {ctx.command_path} --help-all{again}")
         return "\n".join(lines).rstrip("\n")
 
     def invoke(self, ctx: click.Context) -> Any:
@@ -291,34 +297,38 @@ class DashpotCommand(click.Command):
 
     def build_arguments(self, ctx: click.Context) -> dict[str, Any]:
         """Return what the function of the verb receives: values, and the nouns that they fill."""
-        given: dict[str, Any] = {}
+        options: dict[str, Any] = {}
         nouns: dict[str, tuple[type, dict[str, dict[str, Any]]]] = {}
-        for one in self.params:
-            if one.name not in ctx.params or one.name in _TOLD_APART:
+        for param in self.params:
+            if param.name not in ctx.params or param.name in _TOLD_APART:
                 continue
-            value = ctx.params[one.name]
-            if not isinstance(one, CommandOption) or one.fills is None:
-                given[one.name] = value
+            value = ctx.params[param.name]
+            if not isinstance(param, CommandOption) or param.fills is None:
+                options[param.name] = value
                 continue
-            noun, receives, asked = one.fills
+            cls, receives, fields = param.fills
             if receives:
-                said = nouns.setdefault(receives, (noun, {}))[1]
+                stated = nouns.setdefault(receives, (cls, {}))[1]
             else:
-                said = {"": given}
-                given |= {each.name: each.default for each in asked if each.name not in given}
-            _gather(said, one.told(value))
-        for receives, (noun, said) in nouns.items():
-            own = tuple((glob, noun(**each)) for glob, each in said.items() if glob)
-            given[receives] = noun(**said.get("", {}), **({"own": own} if own else {}))
-        return _with_profile(ctx, given)
+                stated = {"": options}
+                options |= {
+                    field.name: field.default for field in fields if field.name not in options
+                }
+            _gather(stated, param.told(value))
+        for receives, (cls, stated) in nouns.items():
+            pairs = tuple((glob, cls(**entry)) for glob, entry in stated.items() if glob)
+            options[receives] = cls(**stated.get("", {}), **({"own": pairs} if pairs else {}))
+        return _with_profile(ctx, options)
 
 
-def _gather(said: dict[str, dict[str, Any]], told: Iterable[tuple[str, Mapping[str, Any]]]) -> None:
+def _gather(
+    stated: dict[str, dict[str, Any]], rows: Iterable[tuple[str, Mapping[str, Any]]]
+) -> None:
     """Add what is told of fields, for all files ("") or for some, to what was said before."""
-    for scope, fields in told:
-        known = said.setdefault(scope, {})
-        for name, each in fields.items():
-            known[name] = _merge_values(known[name], each) if name in known else each
+    for scope, fields in rows:
+        entries = stated.setdefault(scope, {})
+        for name, field in fields.items():
+            entries[name] = _merge_values(entries[name], field) if name in entries else field
 
 
 def _merge_values(first: Any, then: Any) -> Any:
@@ -332,14 +342,14 @@ _TOLD_APART = {"as_json", "strict", "verbose", "overwrite", "opens", "size"}
 """How a result is told, and where it may be written: what does the telling knows them."""
 
 
-def _with_profile(ctx: click.Context, given: dict[str, Any]) -> dict[str, Any]:
+def _with_profile(ctx: click.Context, options: dict[str, Any]) -> dict[str, Any]:
     """Lay what the profiles say below what was typed."""
-    if "profile" not in given:
-        return given
+    if "profile" not in options:
+        return options
     from dashpot.cli._read_options import over_profiles
 
-    given["options"] = over_profiles(ctx, given["options"], given.pop("profile"))
-    return given
+    options["options"] = over_profiles(ctx, options["options"], options.pop("profile"))
+    return options
 
 
 def verb(
@@ -347,7 +357,9 @@ def verb(
 ) -> Callable[[Callable[..., Any]], DashpotCommand]:
     """Make a verb of a function that receives its arguments and options."""
     flat = list(
-        chain.from_iterable([one] if isinstance(one, click.Parameter) else one for one in params)
+        chain.from_iterable(
+            [param] if isinstance(param, click.Parameter) else param for param in params
+        )
     )
 
     def make_command(function: Callable[..., Any]) -> DashpotCommand:
@@ -367,14 +379,14 @@ def refuse_others(verb: DashpotCommand, ctx: click.Context, kinds: Mapping[str, 
     from dashpot.cli._detected_kinds import format_override_hint, get_kind_name
 
     have = set(kinds.values())
-    for one in verb.options:
-        if not one.suits(have) and one.get_typed_words(ctx):
-            if not one.kinds:
-                raise click.UsageError(f"{one.flag} does not suit it. {_format_kinds(kinds)}.")
-            *others, last = dict.fromkeys(get_kind_name(word) for word in sorted(one.kinds))
+    for option in verb.options:
+        if not option.suits(have) and option.get_typed_words(ctx):
+            if not option.kinds:
+                raise click.UsageError(f"{option.flag} does not suit it. {_format_kinds(kinds)}.")
+            *others, last = dict.fromkeys(get_kind_name(word) for word in sorted(option.kinds))
             wanted = f"{', '.join(others)} or {last}" if others else last
-            but = format_override_hint(one.kinds) if len(kinds) == 1 else ""
-            raise click.UsageError(f"{one.flag} is for {wanted}. {_format_kinds(kinds)}.{but}")
+            but = format_override_hint(option.kinds) if len(kinds) == 1 else ""
+            raise click.UsageError(f"{option.flag} is for {wanted}. {_format_kinds(kinds)}.{but}")
 
 
 def _format_kinds(kinds: Mapping[str, str]) -> str:
@@ -387,15 +399,15 @@ def _format_kinds(kinds: Mapping[str, str]) -> str:
 # -- how it is laid out ---------------------------------------------------------------------------
 
 
-def _groups(asked: Sequence[CommandOption]) -> list[str]:
+def _groups(options: Sequence[CommandOption]) -> list[str]:
     """Return options under their titles."""
-    width = min(max(len(_format_option_name(one)) for one in asked), NAMES)
+    width = min(max(len(_format_option_name(option)) for option in options), NAMES)
     lines: list[str] = []
-    for title in dict.fromkeys(one.group for one in asked):
+    for title in dict.fromkeys(option.group for option in options):
         lines.append(f"{title}:")
-        for one in asked:
-            if one.group == title:
-                lines += _row(_format_option_name(one), one.help or "", width)
+        for item in options:
+            if item.group == title:
+                lines += _row(_format_option_name(item), item.help or "", width)
         lines.append("")
     return lines
 
@@ -411,15 +423,15 @@ def _wrap_text(text: str) -> list[str]:
     return lines[:-1]
 
 
-def _format_option_name(one: CommandOption) -> str:
-    flags = ", ".join(sorted(one.opts, key=len))
+def _format_option_name(option: CommandOption) -> str:
+    flags = ", ".join(sorted(option.opts, key=len))
     lead = "" if flags.startswith("-") and not flags.startswith("--") else "    "
-    return f"{lead}{flags} {one.metavar}" if one.metavar else f"{lead}{flags}"
+    return f"{lead}{flags} {option.metavar}" if option.metavar else f"{lead}{flags}"
 
 
 def _row(name: str, says: str, width: int) -> list[str]:
-    room = WIDTH - width - 4
-    lines = click.formatting.wrap_text(says, room).splitlines() or [""]
+    space = WIDTH - width - 4
+    lines = click.formatting.wrap_text(says, space).splitlines() or [""]
     if len(name) <= width:
         first = [f"  {name:<{width}}  {lines[0]}"]
     else:

@@ -60,17 +60,19 @@ class CommandResult(NamedTuple):
     nothing_done: bool = False
 
     @classmethod
-    def from_result(cls, found: Any, *, follow: str = "") -> CommandResult:
+    def from_result(cls, result: Any, *, follow: str = "") -> CommandResult:
         """What is told of a result that was judged: its text, its checks and its verdict."""
         from dashpot.text_output import render_text
 
-        return cls(found, render_text(found), found.checks, verdict=found.verdict, follow=follow)
+        return cls(
+            result, render_text(result), result.checks, verdict=result.verdict, follow=follow
+        )
 
     @property
     def weighty(self) -> list[Check]:
         """The checks that failed and are more than a note."""
-        judged = self.checks if self.verdict is None else self.verdict.because
-        return [check for check in judged if check.failed and check.grade != "note"]
+        checks = self.checks if self.verdict is None else self.verdict.because
+        return [check for check in checks if check.failed and check.grade != "note"]
 
 
 def run_and_report(context: click.Context, run: Callable[[], CommandResult]) -> None:
@@ -82,25 +84,25 @@ def run_and_report(context: click.Context, run: Callable[[], CommandResult]) -> 
     """
     from dashpot.cli._terminal import progress  # a page of help shows none
 
-    said = context.params
-    context.obj = _outputs(context, may_replace=said.get("overwrite", False))
-    as_json, written = said["as_json"], context.meta.setdefault(_WRITTEN, [])
+    params = context.params
+    context.obj = _outputs(context, may_replace=params.get("overwrite", False))
+    as_json, written = params["as_json"], context.meta.setdefault(_WRITTEN, [])
     try:
         with progress():
             outcome = run()
-            text = _format_result(outcome, as_json=as_json, verbose=said.get("verbose", False))
+            text = _format_result(outcome, as_json=as_json, verbose=params.get("verbose", False))
         if text:
             to_stdout(text)
     finally:
         for path in dict.fromkeys(written):
             to_stderr(f"wrote {path}")
-    if said.get("opens"):
+    if params.get("opens"):
         _open(written)
     if outcome.follow and not as_json:
         to_stderr(f"next: {outcome.follow}")
     if outcome.nothing_done:
         sys.exit(2)
-    if (said.get("strict") or outcome.must_pass) and outcome.weighty:
+    if (params.get("strict") or outcome.must_pass) and outcome.weighty:
         sys.exit(1)
 
 
@@ -112,32 +114,34 @@ def _format_result(outcome: CommandResult, *, as_json: bool, verbose: bool) -> s
     from dashpot.cli._terminal import screen
     from dashpot.text_output.terminal_layout import format_for_screen
 
-    told = outcome.text, outcome.verdict, outcome.checks
-    return "\n".join(format_for_screen(*told, verbose=verbose, style=click.style, size=screen()))
+    parts = outcome.text, outcome.verdict, outcome.checks
+    return "\n".join(format_for_screen(*parts, verbose=verbose, style=click.style, size=screen()))
 
 
-def format_json(found: Serialisable) -> str:
+def format_json(document: Serialisable) -> str:
     """Return a noun as the JSON that commands print and write."""
     import json
 
-    return escaped_json(json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False))
+    return escaped_json(
+        json.dumps(document.document, indent=2, ensure_ascii=False, allow_nan=False)
+    )
 
 
 def _outputs(context: click.Context, *, may_replace: bool) -> Outputs:
     """Return where a command may write, its own outputs claimed: all else it names is read."""
     from dashpot.workflow.outputs import Outputs
 
-    kinds = {one.name: isinstance(one.type, Output) for one in context.command.params}
+    kinds = {param.name: isinstance(param.type, Output) for param in context.command.params}
     words: dict[bool, list[str]] = {True: [], False: []}
-    for name, given in context.params.items():
-        several = given if isinstance(given, tuple) else (given,)
+    for name, group in context.params.items():
+        several = group if isinstance(group, tuple) else (group,)
         words[kinds.get(name, False)] += [
-            one for one in several if isinstance(one, str) and one != "-"
+            text for text in several if isinstance(text, str) and text != "-"
         ]
     inputs = tuple(word for word in words[False] if Path(word).is_file())
-    found = Outputs(inputs, may_replace, makes_records=context.command.name in _MAKERS)
-    found.claim(words[True])
-    return found
+    outputs = Outputs(inputs, may_replace, makes_records=context.command.name in _MAKERS)
+    outputs.claim(words[True])
+    return outputs
 
 
 def reads(context: click.Context, path: str) -> None:
@@ -203,12 +207,12 @@ def read_model(path: str) -> tuple[dp.GeneralizedMaxwell, TemperatureLaw | None]
 
     ``-`` is stdin.
     """
-    found = workflow.read_json_document(path)
-    if isinstance(found, dp.Fit):
-        return found.model, found.temperature_law
-    if isinstance(found, dp.GeneralizedMaxwell | dp.solids.FractionalZener | dp.solids.Parallel):
-        return found.maxwell, None
-    raise ReadError(f"{workflow.format_unexpected_kind(path, found)}; expected a fit or a model")
+    document = workflow.read_json_document(path)
+    if isinstance(document, dp.Fit):
+        return document.model, document.temperature_law
+    if isinstance(document, dp.GeneralizedMaxwell | dp.solids.FractionalZener | dp.solids.Parallel):
+        return document.maxwell, None
+    raise ReadError(f"{workflow.format_unexpected_kind(path, document)}; expected a fit or a model")
 
 
 def is_json(path: str) -> bool:

@@ -22,7 +22,7 @@ def detect_file_kinds(files: Sequence[str], options: ReadOptions) -> dict[str, R
     return {path: recognise(path, options.of(path)) for path in files}
 
 
-def kinds_of(found: Mapping[str, Recognised], options: ReadOptions) -> dict[str, str]:
+def kinds_of(detections: Mapping[str, Recognised], options: ReadOptions) -> dict[str, str]:
     """Return the word of each file's kind, as it was read with the options.
 
     Raises
@@ -30,12 +30,12 @@ def kinds_of(found: Mapping[str, Recognised], options: ReadOptions) -> dict[str,
     click.UsageError
         If one is no record that is known.
     """
-    for path, one in found.items():
-        if one.kind in {"unclear", "not-a-test"}:
+    for path, item in detections.items():
+        if item.kind in {"unclear", "not-a-test"}:
             raise click.UsageError(
-                f"{path} is no test that dashpot knows: {one.reason}. {_to_name(path, options)}"
+                f"{path} is no test that dashpot knows: {item.reason}. {_to_name(path, options)}"
             )
-    return {path: one.kind for path, one in found.items()}
+    return {path: detection.kind for path, detection in detections.items()}
 
 
 def _to_name(path: str, options: ReadOptions) -> str:
@@ -66,10 +66,10 @@ def format_override_hint(kinds: Collection[str]) -> str:
     return f" If it is one after all: --as {word}." if word in RECOGNISED and not more else ""
 
 
-def print_detected_kinds(found: Mapping[str, Recognised]) -> None:
+def print_detected_kinds(detections: Mapping[str, Recognised]) -> None:
     """Say on stderr what each file was taken for: a decision that the user did not make."""
     grouped: dict[str, list[str]] = {}
-    for path, one in found.items():
-        grouped.setdefault(one.what, []).append(Path(path).name)
+    for path, detection in detections.items():
+        grouped.setdefault(detection.what, []).append(Path(path).name)
     listed = "; ".join(f"{', '.join(names)}: {what}" for what, names in grouped.items())
     to_stderr(f"recognised {listed}")

@@ -25,10 +25,12 @@ def _echo(text: str, *, err: bool) -> None:
     stream = sys.stderr if err else sys.stdout
     if stream is None and not err:
         raise OSError(errno.EBADF, "stdout is closed, and the result with it", "stdout")
-    kept = escape_terminal_text(text.removesuffix("\n"), colours=True)
+    retained = escape_terminal_text(text.removesuffix("\n"), colours=True)
     # an alphabet that lacks a sign prints its escape
     alphabet = getattr(stream, "encoding", None) or "utf-8"
-    click.echo(kept.encode(alphabet, "backslashreplace").decode(alphabet), err=err, color=_colour())
+    click.echo(
+        retained.encode(alphabet, "backslashreplace").decode(alphabet), err=err, color=_colour()
+    )
 
 
 def _colour() -> bool | None:

@@ -59,8 +59,8 @@ def report_error(error: BaseException, words: Sequence[str]) -> int:
 
 def _has_option(option: str, words: Sequence[str]) -> bool:
     """Tell whether an option stands among the words, before ``--``, which ends the options."""
-    asked = list(words)
-    return option in (asked[: asked.index("--")] if "--" in asked else asked)
+    requested = list(words)
+    return option in (requested[: requested.index("--")] if "--" in requested else requested)
 
 
 def _failure(error: BaseException) -> Failure:
@@ -75,8 +75,8 @@ def _failure(error: BaseException) -> Failure:
         shown = re.sub("(?m)^Error: ", "dashpot: ", _plainly(page.getvalue().rstrip("\n"))) + hint
         return Failure("UsageError", says, shown, error.exit_code)
     if isinstance(error, click.Abort | KeyboardInterrupt):
-        said = str(error.__cause__ or error)  # click aborts because of the interrupt
-        return _sentence("Interrupted", said or "interrupted", INTERRUPTED)
+        text = str(error.__cause__ or error)  # click aborts because of the interrupt
+        return _sentence("Interrupted", text or "interrupted", INTERRUPTED)
     if isinstance(error, DashpotError):
         return _sentence(kind, f"{error}{_format_example_hint(error.__context__)}", BAD)
     if isinstance(error, FileNotFoundError) and error.filename:

@@ -35,7 +35,7 @@ VIBRATION = "impact frf transmissibility"
 SOLIDS = "relaxation dma master-curve modulus creep fit"
 """Kinds that are of a solid: tests of it, and its fit."""
 
-_LABELS = tuple(one.name for one in fields(Specimen) if one.metadata.get("under") == "label")
+_LABELS = tuple(field.name for field in fields(Specimen) if field.metadata.get("under") == "label")
 
 
 def files(
@@ -48,11 +48,13 @@ def files(
 
 def reading(*, short: Sequence[str] = ("--column", "--units", "--profile")) -> list[CommandOption]:
     """Return the options that say what a file leaves open; `short` stand in the short help."""
-    own = fields(ReadOptions)
-    columns = [one.name for one in own if one.metadata.get("under") == "column"]
-    text = [one.name for one in own if one.metadata.get("under") == "text"]
-    part = [one.name for one in own if one.metadata.get("under") == "part"]
-    found = [
+    attributes = fields(ReadOptions)
+    columns = [
+        attribute.name for attribute in attributes if attribute.metadata.get("under") == "column"
+    ]
+    text = [attribute.name for attribute in attributes if attribute.metadata.get("under") == "text"]
+    part = [attribute.name for attribute in attributes if attribute.metadata.get("under") == "part"]
+    options = [
         *build_options(ReadOptions, *columns, into="options"),
         *build_options(
             ReadOptions,
@@ -98,9 +100,9 @@ def reading(*, short: Sequence[str] = ("--column", "--units", "--profile")) -> l
             into="options",
         ),
     ]
-    for one in found:
-        one.more = one.flag not in short
-    return group(READING, found)
+    for option in options:
+        option.more = option.flag not in short
+    return group(READING, options)
 
 
 def _with_unit(dimension: Dimension) -> click.ParamType[object]:
@@ -113,24 +115,24 @@ def result(
     says: str = "",
     *suffixes: str,
     plot: bool = True,
-    judged: bool = True,
+    checked: bool = True,
     title: str = RESULT,
     default: str | None = None,
     required: bool = False,
     opens: bool = True,
 ) -> list[CommandOption]:
     """Return the options that say where a result goes and how it is told."""
-    found: list[CommandOption] = []
+    options: list[CommandOption] = []
     if says:
         how: dict[str, Any] = {"required": True} if required else {"default": default}
-        found.append(
+        options.append(
             CommandOption("-o", "--output", type=Output(suffixes), metavar="FILE", help=says, **how)
         )
     if plot:
-        found.append(opt("--plot", "picture", type=Figure(), metavar="FILE",
+        options.append(opt("--plot", "picture", type=Figure(), metavar="FILE",
                          help="Draw the result: .png, .svg or .pdf."))  # fmt: skip
         sizes = get_choice_values(FigureSize)
-        found += mark_advanced(
+        options += mark_advanced(
             opt(
                 "--size",
                 type=ChoiceWithSuggestion(sizes),
@@ -139,20 +141,20 @@ def result(
             )
         )
     if opens:
-        found.append(opt("--open", "opens", help="Open the page or picture written."))
-    found.append(opt("--overwrite", help="Replace a file that dashpot did not write."))
-    if judged:
-        found += [
+        options.append(opt("--open", "opens", help="Open the page or picture written."))
+    options.append(opt("--overwrite", help="Replace a file that dashpot did not write."))
+    if checked:
+        options += [
             opt("--json", "as_json", help="Print one JSON document in SI units."),
             opt("--strict", help="Exit with 1 if a check limits the use."),
             opt("-v", "--verbose", help="Print everything."),
         ]
-    return group(title, found)
+    return group(title, options)
 
 
-def under_mass(*, kinds: str = "", known: str = "", required: bool = False) -> list[CommandOption]:
-    """Return the options of a mass on its seals; `known` says what goes without it."""
-    says = f"Mass of the block, e.g. 104g.{known}"
+def under_mass(*, kinds: str = "", name: str = "", required: bool = False) -> list[CommandOption]:
+    """Return the options of a mass on its seals; `name` says what goes without it."""
+    says = f"Mass of the block, e.g. 104g.{name}"
     return [
         *build_options(Job, "mass", kinds=kinds, help=says, required=required),
         *build_options(Job, "seals", kinds=kinds, metavar="N"),
@@ -166,9 +168,9 @@ def under_mass(*, kinds: str = "", known: str = "", required: bool = False) -> l
 def hammer(*, kinds: str = "", leave: Sequence[str] = ()) -> list[CommandOption]:
     """Return the options of hits, and of a mass over a base that moves."""
     hits = build_options(HammerChoices, into="hammer", leave=("motion", *leave), kinds=kinds)
-    for one in hits:
-        if one.flag == "--polarity" and one.kinds:
-            one.kinds |= {"frf"}
+    for hit in hits:
+        if hit.flag == "--polarity" and hit.kinds:
+            hit.kinds |= {"frf"}
     return mark_advanced(group(HITS, hits))
 
 
@@ -187,20 +189,20 @@ def cuts(kinds: str = "") -> list[CommandOption]:
     return build_options(Cuts, into="cuts", kinds=kinds)
 
 
-def piece(*, each: bool = False, more: bool = True) -> list[CommandOption]:
-    """Return the options of the specimen; a temperature for `each` file where there are several."""
-    found = [
+def piece(*, flag: bool = False, more: bool = True) -> list[CommandOption]:
+    """Return the options of the specimen; a temperature for `flag` file where there are several."""
+    options = [
         *(
             build_options(Job, "temperatures")
-            if each
+            if flag
             else build_options(Specimen, "temperature", into="specimen")
         ),
         *build_options(Specimen, "length", "height", into="specimen"),
         *build_options(Specimen, *_LABELS, into="specimen"),
     ]
-    for one in found:
-        one.more = more
-    return group(PIECE, found)
+    for option in options:
+        option.more = more
+    return group(PIECE, options)
 
 
 def wlf() -> CommandOption:
@@ -218,9 +220,11 @@ def get_typed_options(*titles: str, but: Container[str] = ()) -> list[str]:
     assert isinstance(context.command, DashpotCommand)  # noqa: S101
     return [
         word
-        for one in context.command.options
-        if (not titles or one.group in titles) and one.name not in but and one.group != RESULT
-        for word in one.get_typed_words(context)
+        for option in context.command.options
+        if (not titles or option.group in titles)
+        and option.name not in but
+        and option.group != RESULT
+        for word in option.get_typed_words(context)
     ]
 
 
@@ -233,11 +237,15 @@ def get_typed_options_for(verb: str, *, but: Container[str] = ()) -> list[str]:
     assert isinstance(root.command, click.Group)  # noqa: S101
     other = root.command.get_command(root, verb)
     assert isinstance(other, DashpotCommand)  # noqa: S101
-    known = {one.flag for one in other.options if one.group != RESULT}
-    own = click.get_current_context().command
-    assert isinstance(own, DashpotCommand)  # noqa: S101
+    names = {option.flag for option in other.options if option.group != RESULT}
+    command = click.get_current_context().command
+    assert isinstance(command, DashpotCommand)  # noqa: S101
     return get_typed_options(
-        but={one.name for one in own.options if one.flag not in known or one.flag in but}
+        but={
+            option.name
+            for option in command.options
+            if option.flag not in names or option.flag in but
+        }
     )
 
 
@@ -249,10 +257,12 @@ def format_column_hint(files: Sequence[str]) -> str:
     context = click.get_current_context()
     assert isinstance(context.command, DashpotCommand)  # noqa: S101
     words = [
-        one.get_typed_words(context) for one in context.command.options if one.flag == "--column"
+        option.get_typed_words(context)
+        for option in context.command.options
+        if option.flag == "--column"
     ]
     plain = [word for word in words[0][1::2] if ":" not in word.partition("=")[0]] if words else []
     if len(files) < 2 or not plain:
         return ""
-    alone = shlex.join(["--column", f"{Path(files[0]).name}:{plain[0]}"])
-    return f" What --column says is for every file; for one alone: {alone}"
+    text = shlex.join(["--column", f"{Path(files[0]).name}:{plain[0]}"])
+    return f" What --column says is for every file; for one alone: {text}"

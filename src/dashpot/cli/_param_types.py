@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from dashpot.base.plugins import Group
 
 
-def format_suggestion(word: str, known: Iterable[str]) -> str:
+def format_suggestion(word: str, names: Iterable[str]) -> str:
     """Return the sentence that names the likeliest of known words, or all of them.
 
     >>> format_suggestion("forc", ["force", "time"])
@@ -32,7 +32,7 @@ def format_suggestion(word: str, known: Iterable[str]) -> str:
     """
     from difflib import get_close_matches  # where a word was misspelt
 
-    every = list(dict.fromkeys(known))
+    every = list(dict.fromkeys(names))
     near = get_close_matches(word, every, 1)
     if near:
         return f"Did you mean '{near[0]}'?"
@@ -78,8 +78,8 @@ class Output(File):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
         suffix = Path(value).suffix.lower()
         if self.suffixes and suffix and suffix not in self.suffixes:
-            known = " or ".join(self.suffixes)
-            self.fail(f"'{value}': this is written as {known}, not as {suffix}", param, ctx)
+            text = " or ".join(self.suffixes)
+            self.fail(f"'{value}': this is written as {text}, not as {suffix}", param, ctx)
         return super().convert(value, param, ctx)
 
 
@@ -262,8 +262,8 @@ class Scoped(click.ParamType[Any]):
         if not isinstance(value, str):
             return value
         # one letter before a colon is a drive
-        found = re.match(r"^(?P<glob>.{2,}?):(?P<rest>(?:[A-Za-z]:)?[^:]+)$", value)
-        glob, text = (found["glob"], found["rest"]) if found else ("", value)
+        match = re.match(r"^(?P<glob>.{2,}?):(?P<rest>(?:[A-Za-z]:)?[^:]+)$", value)
+        glob, text = (match["glob"], match["rest"]) if match else ("", value)
         return glob, self.kind.convert(text, param, ctx)
 
     def shell_complete(
@@ -282,10 +282,10 @@ class Keyed(click.ParamType[Any]):
 
     def __init__(self, flag: str, fields: Sequence[Field[Any]]) -> None:
         self.flag = flag
-        self.fields = {key_of(one): one for one in fields}
+        self.fields = {key_of(field): field for field in fields}
         self.sign = fields[-1].metadata.get("sign", "=")
         # the field that the option is named after is typed without a key: FILE,axis=Fz
-        self.first = next((one for one in fields if f"--{one.name}" == flag), None)
+        self.first = next((field for field in fields if f"--{field.name}" == flag), None)
         keys = "|".join(map(re.escape, self.fields))
         self.between = re.compile(rf",(?=(?:{keys}){self.sign})")
 
@@ -293,21 +293,23 @@ class Keyed(click.ParamType[Any]):
         if not isinstance(value, str):
             return value
         glob, rest = self._scope(value)
-        said: dict[str, Any] = {}
+        stated: dict[str, Any] = {}
         for number, part in enumerate(self.between.split(rest)):
-            one, text = self._field(part, number, param, ctx)
-            each = self._convert_field(one, text, param, ctx)
-            said[one.name] = (*said.get(one.name, ()), each) if "multiple" in one.metadata else each
-        return glob, said
+            field, text = self._field(part, number, param, ctx)
+            item = self._convert_field(field, text, param, ctx)
+            stated[field.name] = (
+                (*stated.get(field.name, ()), item) if "multiple" in field.metadata else item
+            )
+        return glob, stated
 
     def _scope(self, value: str) -> tuple[str, str]:
         if self.sign != "=":
             return "", value
         if self.first is not None:
-            found = re.match(r"^(?P<glob>[^=]{2,}?):(?P<rest>(?:[A-Za-z]:)?[^:]+)$", value)
+            match = re.match(r"^(?P<glob>[^=]{2,}?):(?P<rest>(?:[A-Za-z]:)?[^:]+)$", value)
         else:
-            found = re.match(r"^(?P<glob>[^=]+):(?P<rest>[\w -]+=.*)$", value, re.DOTALL)
-        return (found["glob"], found["rest"]) if found else ("", value)
+            match = re.match(r"^(?P<glob>[^=]+):(?P<rest>[\w -]+=.*)$", value, re.DOTALL)
+        return (match["glob"], match["rest"]) if match else ("", value)
 
     def _field(
         self, part: str, number: int, param: click.Parameter | None, ctx: click.Context | None
@@ -326,14 +328,14 @@ class Keyed(click.ParamType[Any]):
 
     def _convert_field(
         self,
-        one: Field[Any],
+        field: Field[Any],
         text: str,
         param: click.Parameter | None,
         ctx: click.Context | None,
     ) -> Any:
-        kind = type_of(one)
+        kind = type_of(field)
         value = kind.convert(text, param, ctx)
-        if is_path_field(one) and ctx is not None:
+        if is_path_field(field) and ctx is not None:
             with suppress(AttributeError):
                 ctx.meta.setdefault("dashpot.reads", []).append(value)
         return value
@@ -365,31 +367,31 @@ class Units(Scoped):
             return value
         # a pattern has the look of a file; what else stands before a colon is a column's name
         named = r"(?:[A-Za-z]:)?[^=:]*[*?\[./\\][^=:]*"
-        found = re.match(rf"^(?P<glob>{named}):(?P<rest>\S[^=]*=.*)$", value, re.DOTALL)
-        glob, text = (found["glob"], found["rest"]) if found else ("", value)
+        match = re.match(rf"^(?P<glob>{named}):(?P<rest>\S[^=]*=.*)$", value, re.DOTALL)
+        glob, text = (match["glob"], match["rest"]) if match else ("", value)
         try:
             return glob, parse_units(text)
         except DashpotError as error:
             self.fail(str(error), param, ctx)
 
 
-def type_of(one: Field[Any]) -> click.ParamType[Any]:
+def type_of(field: Field[Any]) -> click.ParamType[Any]:
     """Return the type of what is typed for a field."""
-    asked = one.metadata
-    if "unit" in asked:
-        kind = Range if "ends" in asked else WithUnit
-        return kind(asked["unit"], asked.get("word", ""))
-    if "choices" in asked:
-        return ChoiceWithSuggestion(tuple(asked["choices"]))
-    if is_path_field(one):
+    metadata = field.metadata
+    if "unit" in metadata:
+        kind = Range if "ends" in metadata else WithUnit
+        return kind(metadata["unit"], metadata.get("word", ""))
+    if "choices" in metadata:
+        return ChoiceWithSuggestion(tuple(metadata["choices"]))
+    if is_path_field(field):
         return File()
-    if "above" in asked:
-        return click.FloatRange(asked["above"], min_open=True)
-    if "word" in asked:
+    if "above" in metadata:
+        return click.FloatRange(metadata["above"], min_open=True)
+    if "word" in metadata:
         return ArmCount()
-    if "least" in asked:
-        return click.IntRange(asked["least"])
-    return _PLAIN.get(type(one.default), click.STRING)
+    if "least" in metadata:
+        return click.IntRange(metadata["least"])
+    return _PLAIN.get(type(field.default), click.STRING)
 
 
 _PLAIN: dict[type, click.ParamType[Any]] = {bool: click.BOOL, float: click.FLOAT, int: click.INT}

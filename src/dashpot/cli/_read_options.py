@@ -25,7 +25,7 @@ _MEASURED = {
 
 
 def over_profiles(
-    ctx: click.Context, said: ReadOptions, profiles: Sequence[tuple[str, str]]
+    ctx: click.Context, options: ReadOptions, profiles: Sequence[tuple[str, str]]
 ) -> ReadOptions:
     """Return what the user said, and what profiles say wherever the user said nothing.
 
@@ -38,66 +38,68 @@ def over_profiles(
     """
     from dashpot.reading.read_options import load_profile
 
-    known, records = ReadOptions(), ctx.obj.inputs
+    read_options, records = ReadOptions(), ctx.obj.inputs
     for glob, path in profiles:
         profile = load_profile(path)
         reads(ctx, path)
-        known = (
-            profile.over(known) if not glob else replace(known, own=(*known.own, (glob, profile)))
+        read_options = (
+            profile.over(read_options)
+            if not glob
+            else replace(read_options, own=(*read_options.own, (glob, profile)))
         )
-    said = said.over(known)
-    for one in (said, *(each for _, each in said.own)):
-        if one.calibration:
-            reads(ctx, one.calibration)
-    _refuse_strange_patterns(ctx, said)
-    _refuse_unknown_units(records, said)
-    return said
+    options = options.over(read_options)
+    for item in (options, *(entry for _, entry in options.own)):
+        if item.calibration:
+            reads(ctx, item.calibration)
+    _refuse_strange_patterns(ctx, options)
+    _refuse_unknown_units(records, options)
+    return options
 
 
 def _records(ctx: click.Context) -> list[str]:
     """The files that stand as arguments of a command."""
-    named = [one.name for one in ctx.command.params if isinstance(one, click.Argument)]
+    named = [param.name for param in ctx.command.params if isinstance(param, click.Argument)]
     several = (ctx.params.get(name or "") for name in named)
-    flat = [word for one in several for word in (one if isinstance(one, tuple) else (one,))]
+    flat = [word for item in several for word in (item if isinstance(item, tuple) else (item,))]
     return [word for word in flat if isinstance(word, str)]
 
 
-def _refuse_strange_patterns(ctx: click.Context, said: ReadOptions) -> None:
-    paths = [Path(one) for one in _records(ctx)]
+def _refuse_strange_patterns(ctx: click.Context, options: ReadOptions) -> None:
+    paths = [Path(record) for record in _records(ctx)]
     if any(path.is_dir() for path in paths) or any("*" in str(path) for path in paths):
         return
-    for glob, _ in said.own:
+    for glob, _ in options.own:
         if not any(path.match(glob) for path in paths):
             listed = ", ".join(path.name for path in paths)
             raise click.UsageError(f"'{glob}:' matches none of the files {listed}.")
 
 
-def _refuse_unknown_units(records: Sequence[str], said: ReadOptions) -> None:
+def _refuse_unknown_units(records: Sequence[str], options: ReadOptions) -> None:
     """Refuse a unit that was given to no role, nor to a column of any file that is read.
 
     Nor is one of another dimension that of a role; a signal is in volts before it is calibrated.
     """
-    for name, word in said.by_name().items():
-        meant, found = _MEASURED.get(name), units.dimensions(word)
-        if meant and found and not {meant, "voltage"} & set(found):
+    for name, word in options.by_name().items():
+        meant, names = _MEASURED.get(name), units.dimensions(word)
+        if meant and names and not {meant, "voltage"} & set(names):
             raise ReadError(
-                f"--units {name}={word}: '{word}' is a unit of {' or '.join(found)}. Give one of "
+                f"--units {name}={word}: '{word}' is a unit of {' or '.join(names)}. Give one of "
                 f"{meant}, such as --units {name}={EXAMPLE[name]}"
             )
-    _refuse_unknown_columns(records, said)
+    _refuse_unknown_columns(records, options)
 
 
-def _refuse_unknown_columns(records: Sequence[str], said: ReadOptions) -> None:
+def _refuse_unknown_columns(records: Sequence[str], options: ReadOptions) -> None:
     """Refuse a unit of what is neither a role nor a column of a file."""
-    roles = {one.name for one in fields(ReadOptions)}
-    names = said.by_name().keys() - roles
+    roles = {field.name for field in fields(ReadOptions)}
+    names = options.by_name().keys() - roles
     inputs = [path for path in records if not is_json(path)] if names else []
     for path in inputs:
         with suppress(DashpotError):
-            columns = workflow.inspect_file(path, options=said).columns
-            names -= {one.name.strip().casefold() for one in columns}
+            columns = workflow.inspect_file(path, options=options).columns
+            names -= {column.name.strip().casefold() for column in columns}
     if names and inputs:
-        wrong = next(name for name in dict(said.units) if name.strip().casefold() in names)
+        wrong = next(name for name in dict(options.units) if name.strip().casefold() in names)
         raise ReadError(
             f"--units: '{wrong}' is no role (time, displacement, force, hammer, acceleration, ...) "
             f"and no column of {', '.join(inputs)}. To see the columns: dashpot inspect {inputs[0]}"

@@ -43,9 +43,9 @@ def relaxation(
     *, seal: str, depth: float = 8e-3, ramp: float = 1.0, hold: float = 40.0, **choices: Any
 ) -> tuple[Any, ...]:
     """Return a simulated relaxation test as CSV, its truth as JSON, and what gauges add to it."""
-    known, rig, climate = _bench(seal, choices)
+    simulated, rig, climate = _bench(seal, choices)
     made = dp.simulation.simulate_relaxation(
-        known.solid, depth=depth, ramp_time=ramp, hold_time=hold, rig=rig, climate=climate,
+        simulated.solid, depth=depth, ramp_time=ramp, hold_time=hold, rig=rig, climate=climate,
         seed=choices.get("seed", 0),
     )  # fmt: skip
     return _serialise_record(made, choices)
@@ -53,11 +53,11 @@ def relaxation(
 
 def simulate_trajectory(*, seal: str, follow: str, **choices: Any) -> tuple[Any, ...]:
     """Return the record of a motion as CSV, its truth as JSON, and what gauges add to it."""
-    known, rig, climate = _bench(seal, choices)
+    simulated, rig, climate = _bench(seal, choices)
     with as_it_stands(follow):
         sent = dp.files.read_trajectory(follow)
     made = dp.simulation.simulate_motion(
-        known.solid, sent, rig=rig, climate=climate, seed=choices.get("seed", 0)
+        simulated.solid, sent, rig=rig, climate=climate, seed=choices.get("seed", 0)
     )
     return _serialise_record(made, choices)
 
@@ -79,31 +79,31 @@ def as_it_stands(path: str) -> Iterator[None]:
 
 def _bench(seal: str, choices: dict[str, Any]) -> tuple[SimulatedSeal, Any, Any]:
     """Return the seal, the rig and its climate that were asked for."""
-    given = {name: choices.get(name) for name in ("rate", "softening", "warming")}
-    known, rig, climate = _set_up(dp.simulation.Rig(), seal, choices, given)
+    options = {name: choices.get(name) for name in ("rate", "softening", "warming")}
+    simulated, rig, climate = _set_up(dp.simulation.Rig(), seal, choices, options)
     if choices.get("friction"):
         rig = replace(rig, axis=replace(rig.axis, friction=choices["friction"]))
-    return known, rig, climate
+    return simulated, rig, climate
 
 
 def _serialise_record(made: Any, choices: dict[str, Any]) -> tuple[Any, ...]:
     """Return record and truth as text; of gauges the calibration too, and what limits them."""
     from dashpot.reading.write import write_gauges, write_relaxation
 
-    room, truth = dp.simulation, made.truth
+    module, truth = dp.simulation, made.truth
     if not choices.get("gauges"):
-        text = write_relaxation(made.test, comments=room.stamp(truth))
-        return text, room.truth_json(truth)
+        text = write_relaxation(made.test, comments=module.stamp(truth))
+        return text, module.truth_json(truth)
     rig = truth.rig
-    chosen = room.Instrument(
-        daq=room.Daq(rate=rig.rate, filter=choices.get("antialias") or 0.0),
+    chosen = module.Instrument(
+        daq=module.Daq(rate=rig.rate, filter=choices.get("antialias") or 0.0),
         misaligned=choices.get("misaligned") or 0.0,
     )
     volts = chosen.read(made.test.time, truth.force, rig=rig, seed=truth.seed)
-    text = write_gauges(made.test, volts, comments=room.stamp(truth))
+    text = write_gauges(made.test, volts, comments=module.stamp(truth))
     says = chosen.says(truth.force, rig)
     return (
-        text, room.truth_json(truth, instrument=chosen), chosen.transducer.calibration(), says
+        text, module.truth_json(truth, instrument=chosen), chosen.transducer.calibration(), says
     )  # fmt: skip
 
 
@@ -113,14 +113,14 @@ def creep(
     """Return a simulated creep test as CSV, and its truth as JSON."""
     from dashpot.reading.write import write_relaxation
 
-    known, rig, climate = _bench(seal, choices)
-    room = dp.simulation
-    made = room.simulate_creep(
-        known.solid, load=load, ramp_time=ramp, hold_time=hold, rig=rig, climate=climate,
+    simulated, rig, climate = _bench(seal, choices)
+    module = dp.simulation
+    made = module.simulate_creep(
+        simulated.solid, load=load, ramp_time=ramp, hold_time=hold, rig=rig, climate=climate,
         seed=choices.get("seed", 0),
     )  # fmt: skip
-    comments = (*room.stamp(made.truth), "creep test: the force is held")
-    return write_relaxation(made.test, comments=comments), room.truth_json(made.truth)
+    comments = (*module.stamp(made.truth), "creep test: the force is held")
+    return write_relaxation(made.test, comments=comments), module.truth_json(made.truth)
 
 
 def impact(
@@ -129,38 +129,38 @@ def impact(
     """Return a simulated hammer test as CSV, and its truth as JSON."""
     from dashpot.reading.write import temperature_line, write_impact
 
-    room = dp.simulation
-    given = {"record": choices.get("hit_length"), "rate": choices.get("rate")}
-    known, rig, climate = _set_up(room.Hammer(), seal, choices, given)
-    block = mass if mass is not None else known.mass
+    module = dp.simulation
+    options = {"record": choices.get("hit_length"), "rate": choices.get("rate")}
+    simulated, rig, climate = _set_up(module.Hammer(), seal, choices, options)
+    block = mass if mass is not None else simulated.mass
     if block is None:
         raise DataError(f"the mass under the hammer is not known for {seal}; add --mass")
-    made = room.simulate_impact(
-        known.solid, mass=block, seals=seals, hits=hits, rig=rig, climate=climate,
+    made = module.simulate_impact(
+        simulated.solid, mass=block, seals=seals, hits=hits, rig=rig, climate=climate,
         seed=choices.get("seed", 0),
     )  # fmt: skip
     kelvin = choices.get("temperature")
     stated = () if kelvin is None else (temperature_line(kelvin),)
-    comments = (*room.stamp(made.truth), *stated)
-    return write_impact(made.test, comments=comments), room.truth_json(made.truth)
+    comments = (*module.stamp(made.truth), *stated)
+    return write_impact(made.test, comments=comments), module.truth_json(made.truth)
 
 
 def _set_up(
-    instrument: Any, seal: str, choices: dict[str, Any], given: dict[str, Any]
+    instrument: Any, seal: str, choices: dict[str, Any], options: dict[str, Any]
 ) -> tuple[SimulatedSeal, Any, Any]:
     """Return the seal, the instrument with what was said of it, and where the test is made."""
-    known = seal_named(seal)
-    stated = {name: value for name, value in given.items() if value is not None}
+    simulated = seal_named(seal)
+    stated = {name: value for name, value in options.items() if value is not None}
     # what was asked for by name is there in any case
     quiet = instrument.noise_free() if choices.get("noise_free") else instrument
-    climate = _climate(known, choices.get("temperature"), choices.get("wlf"))
-    return known, replace(quiet, **stated), climate
+    climate = _climate(simulated, choices.get("temperature"), choices.get("wlf"))
+    return simulated, replace(quiet, **stated), climate
 
 
-def _climate(known: SimulatedSeal, temperature: float | None, law: TemperatureLaw | None) -> Any:
+def _climate(seal: SimulatedSeal, temperature: float | None, law: TemperatureLaw | None) -> Any:
     """Return where the test is made, by the seal's own law unless another is given."""
     if temperature is None:
         if law is not None:
             raise DataError("--wlf needs the temperature of the test: add --temperature 0degC")
         return None
-    return dp.simulation.Climate(temperature, law or known.law)
+    return dp.simulation.Climate(temperature, law or seal.law)

@@ -40,7 +40,7 @@ _MEASURED = set(VIBRATION.split())
     options.files("FIT|FRF|LOT WITH..."),
     group(
         MASS,
-        options.under_mass(kinds=_SOLID, known=" Inferred if missing."),
+        options.under_mass(kinds=_SOLID, name=" Inferred if missing."),
         build_options(Job, "band", kinds=f"{_SOLID} {VIBRATION}", help="Frequencies to compare, "
                                                                        "e.g. 5:40Hz."),
         opt("--record", "records", type=File(), multiple=True, metavar="FILE", kinds=_SOLID,
@@ -58,32 +58,32 @@ def command(*, files: tuple[str, ...], **said: Any) -> CommandResult:
     first, *others = files
     if not others:
         raise click.UsageError(f"Give what {first} is compared with: a measurement, an FRF, a lot.")
-    found = detect_file_kinds([_place(path) for path in files], said["options"])
-    known = kinds_of(found, said["options"])
-    kinds = {path: known[_place(path)] for path in files}
-    one, rest_ = kinds[first], {kinds[path] for path in others}
-    lots = one == _LOT and rest_ == {_LOT} and len(others) == 1
-    if not (lots or (one in {_SOLID, *_MEASURED} and rest_ <= _MEASURED)):
+    detections = detect_file_kinds([_place(path) for path in files], said["options"])
+    entries = kinds_of(detections, said["options"])
+    kinds = {path: entries[_place(path)] for path in files}
+    text, rest_ = kinds[first], {kinds[path] for path in others}
+    lots = text == _LOT and rest_ == {_LOT} and len(others) == 1
+    if not (lots or (text in {_SOLID, *_MEASURED} and rest_ <= _MEASURED)):
         raise click.UsageError(_no_pair(kinds))
-    refuse_others(command, click.get_current_context(), {first: one})
+    refuse_others(command, click.get_current_context(), {first: text})
     if lots:
         return _lots(first, others[0], said["quantities"])
-    if one == _SOLID:
-        print_detected_kinds({path: found[path] for path in others})
+    if text == _SOLID:
+        print_detected_kinds({path: detections[path] for path in others})
         names = ("records", "mass", "seal_mass", "compression", "band", "hammer")
         return _prediction(
             first, others, seals=said["seals"], picture=said["picture"], reading=said["options"],
             **{name: said[name] for name in names},
         )  # fmt: skip
-    print_detected_kinds(found)
+    print_detected_kinds(detections)
     return _frfs(first, others, said)
 
 
 def _no_pair(kinds: Mapping[str, str]) -> str:
     """Why files of these kinds are not compared, and what would be."""
     first, *others = kinds
-    said = "; ".join(f"{path} is {get_kind_name(kind)}" for path, kind in kinds.items())
-    says = f"{said}. Compare a fit with a measurement, an FRF with an FRF, or a lot with a lot."
+    text = "; ".join(f"{path} is {get_kind_name(kind)}" for path, kind in kinds.items())
+    says = f"{text}. Compare a fit with a measurement, an FRF with an FRF, or a lot with a lot."
     if kinds[first] in _MEASURED and {kinds[path] for path in others} == {_SOLID}:
         says += (
             f" Type: {format_command('compare', others[-1], first, *options.get_typed_options())}"
@@ -108,7 +108,7 @@ def _prediction(
 ) -> CommandResult:
     """Hold the prediction of a fit against hits or FRFs."""
     fitted = workflow.read_fit(fit)
-    found = workflow.compare_files(
+    agreement = workflow.compare_files(
         fitted,
         measured,
         seals=seals,
@@ -117,14 +117,14 @@ def _prediction(
         **choices,
     )
     if picture:
-        sources = (*fitted.source, *found.comparison.measured.source)
-        named = dp.plot.stamp(sources, fitted.specimen, mass=found.mass, seals=seals)
+        sources = (*fitted.source, *agreement.comparison.measured.source)
+        named = dp.plot.stamp(sources, fitted.specimen, mass=agreement.mass, seals=seals)
         drawn = dp.plot.comparison(
-            found.comparison, band=found.limits, interval=found.interval, stamp=named
+            agreement.comparison, band=agreement.limits, interval=agreement.interval, stamp=named
         )
         write_figure(picture, drawn)
-    inferred = found.mass_inferred
-    block = "MASS" if inferred else grams(found.mass)
+    inferred = agreement.mass_inferred
+    block = "MASS" if inferred else grams(agreement.mass)
     family = ("--model", "auto") if fitted.alternative is not None else ()
     follow = ""
     if fitted.method in get_choice_values(Method):
@@ -133,22 +133,24 @@ def _prediction(
         again = options.get_typed_options_for("fit", but=("--mass", "--seals", "--model"))
         why = "fits both tests together"
         follow = format_command("fit", *tests, *measured, *family, *rig, *again, why=why)
-    return CommandResult.from_result(found, follow=follow)
+    return CommandResult.from_result(agreement, follow=follow)
 
 
-def _frfs(first: str, others: Sequence[str], said: dict[str, Any]) -> CommandResult:
+def _frfs(first: str, others: Sequence[str], stated: dict[str, Any]) -> CommandResult:
     """Hold the modes of FRFs of one structure against those of another test of it."""
-    found, chart = find_handler("compare files", "frf")(
-        [first], options=said["options"], band=said["band"], against=others
+    result, chart = find_handler("compare files", "frf")(
+        [first], options=stated["options"], band=stated["band"], against=others
     )
-    if said["picture"]:
-        modes = [one.mode for one in found.modes]
-        stamp = dp.plot.stamp(found.frf.source)
-        write_figure(said["picture"], dp.plot.stabilisation(chart, modes, stamp=stamp))
-    return CommandResult.from_result(found)
+    if stated["picture"]:
+        modes = [mode.mode for mode in result.modes]
+        stamp = dp.plot.stamp(result.frf.source)
+        write_figure(stated["picture"], dp.plot.stabilisation(chart, modes, stamp=stamp))
+    return CommandResult.from_result(result)
 
 
 def _lots(first: str, second: str, quantities: tuple[str, ...]) -> CommandResult:
     """Tell whether two lots differ; ``FOLDER:NAME`` is one lot of several."""
-    found = find_handler("compare files", _LOT)(first, second, quantities)
-    return CommandResult(found, Text(str(found).splitlines()), found.checks, verdict=found.verdict)
+    result = find_handler("compare files", _LOT)(first, second, quantities)
+    return CommandResult(
+        result, Text(str(result).splitlines()), result.checks, verdict=result.verdict
+    )

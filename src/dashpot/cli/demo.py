@@ -111,8 +111,8 @@ def _examples(folder: Path, *, every: bool) -> CommandResult:
     bench, hammer = paths[:2]
     lines = [f"{path}: {workflow.CAPTIONS[name]}" for name, path in zip(names, paths, strict=True)]
     words = ("report", bench, hammer, "--mass", grams(workflow.MASS), "--seals", 2)
-    found = Examples(tuple(map(str, paths)))
-    return CommandResult(found, Text(lines), follow=format_command(*words, "-o", "report.html"))
+    examples = Examples(tuple(map(str, paths)))
+    return CommandResult(examples, Text(lines), follow=format_command(*words, "-o", "report.html"))
 
 
 def _stories(folder: Path, seed: int) -> CommandResult:
@@ -123,8 +123,8 @@ def _stories(folder: Path, seed: int) -> CommandResult:
     stories = {name: _story(name, folder, seed) for name in NAMES}
     lines, details = [], []
     for name, story in stories.items():
-        judged, whole = story.verdict, text_of.study(story)
-        lines += [f"{name} seal. {judged}"]
+        verdict, whole = story.verdict, text_of.study(story)
+        lines += [f"{name} seal. {verdict}"]
         if story.comparison is not None:
             lines += [*text_of.comparison(story.comparison, story.joint_comparison), ""]
         details += ["", f"{name} seal", *whole.lines, *whole.details]
@@ -177,22 +177,22 @@ def _fit_both_temperatures(
         dp.read(folder / f"{PUZZLE}{file}", kind="relaxation").prepare()
         for file in (FILES[0], COLD[0])
     )
-    found = dp.fit(warm, cold)
-    held = dp.compare(found, measured, mass=KNOWN[PUZZLE][1], seals=SEALS).comparison
-    return found, held, workflow.unseen_arm_band(found, (warm, cold), [held.measured_hz])
+    fit = dp.fit(warm, cold)
+    held = dp.compare(fit, measured, mass=KNOWN[PUZZLE][1], seals=SEALS).comparison
+    return fit, held, workflow.unseen_arm_band(fit, (warm, cold), [held.measured_hz])
 
 
 def _loss(fit: dp.Fit, bound: StiffnessBounds, both: dp.Fit | None) -> str:
     """Return the loss factor at a frequency, its bound, and that of bench and hammer together."""
     at = float(bound.frequency[0])
     low, high = (float(limit[0]) for limit in bound.loss_factor)
-    own, *other = (
-        float(one.model.loss_factor(omega=2 * math.pi * at))
-        for one in (fit, both)
-        if one is not None
+    value, *other = (
+        float(item.model.loss_factor(omega=2 * math.pi * at))
+        for item in (fit, both)
+        if item is not None
     )
-    said = f"  loss factor at {at:.4g} Hz {own:.4f}, over every rubber {low:.4f} to {high:.4f}"
-    return f"{said}; with the hammer {other[0]:.4f}" if other else said
+    text = f"  loss factor at {at:.4g} Hz {value:.4f}, over every rubber {low:.4f} to {high:.4f}"
+    return f"{text}; with the hammer {other[0]:.4f}" if other else text
 
 
 def _numbers(story: Study, folder: Path, name: str) -> dict[str, Any]:

@@ -114,16 +114,16 @@ def command(
     """Write the deck of a fit, or the card of a law."""
     from dashpot.solids.maxwell import Solid
 
-    found: Any = workflow.read_exported(fit)
-    if isinstance(found, dp.Fit):
-        added = _update_specimen(found.specimen, specimen)
-        found = replace(found, provenance=replace(found.provenance, specimen=added))
-    elif isinstance(found, Solid):
+    exported: Any = workflow.read_exported(fit)
+    if isinstance(exported, dp.Fit):
+        added = _update_specimen(exported.specimen, specimen)
+        exported = replace(exported, provenance=replace(exported.provenance, specimen=added))
+    elif isinstance(exported, Solid):
         choices["specimen"] = specimen
-    elif hasattr(found, "specimen"):
-        found = replace(found, specimen=_update_specimen(found.specimen, specimen))
+    elif hasattr(exported, "specimen"):
+        exported = replace(exported, specimen=_update_specimen(exported.specimen, specimen))
     if target is None:
-        raise click.UsageError(_unsaid(found, units, specimen, allow))
+        raise click.UsageError(_unsaid(exported, units, specimen, allow))
     if line is None and choices["first_id"] is not None:
         raise click.UsageError("--first-id numbers the elements of a line: add --line FILE.")
     if line is not None:
@@ -131,7 +131,7 @@ def command(
         choices["line"], choices["shear"] = _seal_line(line, pitch, normal, units, kelvin)
     deck = workflow.deck_for(
         target,
-        found,
+        exported,
         seals=seals,
         compression=compression,
         units=units,
@@ -148,22 +148,26 @@ def command(
     return CommandResult(made, text, deck.checks, verdict=deck.verdict)
 
 
-def _unsaid(found: Any, units: str | None, specimen: Specimen, allow: tuple[str, ...]) -> str:
+def _unsaid(result: Any, units: str | None, specimen: Specimen, allow: tuple[str, ...]) -> str:
     """What to say where no solver is named: that, and all else that a deck would be asked for."""
-    asked = f"Name the solver: --to {', '.join(DECKS[:-1])} or {DECKS[-1]}."
+    requested = f"Name the solver: --to {', '.join(DECKS[:-1])} or {DECKS[-1]}."
     try:
         workflow.deck_for(
-            "abaqus", found, units=units, temperature=specimen.temperature, allow=allow
+            "abaqus", result, units=units, temperature=specimen.temperature, allow=allow
         )
     except ExportError as error:
-        return paragraph(asked, str(error))
-    return asked
+        return paragraph(requested, str(error))
+    return requested
 
 
-def _update_specimen(known: Specimen, given: Specimen) -> Specimen:
+def _update_specimen(specimen: Specimen, provided_specimen: Specimen) -> Specimen:
     """Return what a fit knows of its specimen with what the user adds now."""
-    news = {one.name: getattr(given, one.name) for one in fields(given) if one.name != _ASKED}
-    return replace(known, **{name: value for name, value in news.items() if value})
+    news = {
+        field.name: getattr(provided_specimen, field.name)
+        for field in fields(provided_specimen)
+        if field.name != _ASKED
+    }
+    return replace(specimen, **{name: value for name, value in news.items() if value})
 
 
 _ASKED = "temperature"

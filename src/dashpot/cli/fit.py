@@ -119,7 +119,7 @@ _OPTIONS = (
         ),
         options.hammer(kinds="impact transmissibility"),
         *find_handler("options", "fit")(),
-        options.piece(each=True),
+        options.piece(flag=True),
     ),
     options.reading(),
     options.result("Keep the result: .json, .html; of hits .csv or .uff."),
@@ -154,8 +154,8 @@ def command(*, files: tuple[str, ...], **said: Any) -> CommandResult:
 
     if said["slam"] and said["options"].kind is None:
         said["options"] = replace(said["options"], kind=_SLAM)
-    found = detect_file_kinds(files, said["options"])
-    kinds = kinds_of(found, said["options"])
+    detections = detect_file_kinds(files, said["options"])
+    kinds = kinds_of(detections, said["options"])
     context = click.get_current_context()
     refuse_others(command, context, kinds)
     try:
@@ -171,7 +171,7 @@ def command(*, files: tuple[str, ...], **said: Any) -> CommandResult:
     run: Callable[[FitRequest], CommandResult] = load_object(
         FITS[meant].files if meant in FITS else GENERIC
     )
-    print_detected_kinds(found)
+    print_detected_kinds(detections)
     return run(FitRequest(files, kinds, said))
 
 
@@ -187,10 +187,10 @@ _OF_SOLID = (
 
 def _refuse_what_needs_a_mass(context: click.Context) -> None:
     """Refuse what hits and FRFs without a mass would not heed."""
-    for one in command.options:
-        if one.flag in _OF_SOLID and one.get_typed_words(context):
+    for option in command.options:
+        if option.flag in _OF_SOLID and option.get_typed_words(context):
             raise click.UsageError(
-                f"{one.flag} is for the solid under a mass. Give the mass of the block, such as "
+                f"{option.flag} is for the solid under a mass. Give the mass of the block, such as "
                 "--mass 104g, or leave it out: then modes are found."
             )
 
@@ -205,13 +205,15 @@ def _refuse_unused(context: click.Context, meant: str) -> None:
     if meant not in FITS:  # a kind of the registry alone, which says what it takes
         return
     used = set(FITS[meant].options)
-    for one in command.options:
-        shared = one.group in {options.READING, options.RESULT}
-        if shared or one.names & used or not one.get_typed_words(context):
+    for item in command.options:
+        shared = item.group in {options.READING, options.RESULT}
+        if shared or item.names & used or not item.get_typed_words(context):
             continue
-        *others, last = [fit.command_title for fit in FITS.values() if one.names & set(fit.options)]
+        *others, last = [
+            fit.command_title for fit in FITS.values() if item.names & set(fit.options)
+        ]
         suited = f"{', '.join(others)} or {last}" if others else last
         raise click.UsageError(
-            f"{one.flag} is for {suited}. Here it would change nothing, as these files are fitted "
+            f"{item.flag} is for {suited}. Here it would change nothing, as these files are fitted "
             f"as {FITS[meant].command_title}: leave it out."
         )

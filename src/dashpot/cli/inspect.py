@@ -55,19 +55,21 @@ def command(
         return _plugins()
     if not files:
         raise click.UsageError("Missing argument 'FILE...'.")
-    found = workflow.inspect_files(files, options=options)
+    inspections = workflow.inspect_files(files, options=options)
     if save:
         from dashpot.reading.read_options import dump_profile
 
         write(save, dump_profile(options))
     answers = [
         line
-        for one, path in zip(found.files, files, strict=True)
-        for line in _answer(one, "" if len(files) == 1 else path)
+        for file, path in zip(inspections.files, files, strict=True)
+        for line in _answer(file, "" if len(files) == 1 else path)
     ]
-    tables = [line for one in found.files for line in (one.file, *_columns(one))]
+    tables = [line for file in inspections.files for line in (file.file, *_columns(file))]
     text = Text(answers, tables) if len(files) > 1 else Text([*answers, *tables[1:]])
-    return CommandResult(found, text, found.checks, follow=_follow(files, found.files, save))
+    return CommandResult(
+        inspections, text, inspections.checks, follow=_follow(files, inspections.files, save)
+    )
 
 
 _ASKED = {
@@ -81,49 +83,58 @@ def _plugins() -> CommandResult:
     """What packages of others add, as their metadata say."""
     from dashpot.base.plugins import Installed, plugins
 
-    found = Installed(plugins())
+    installed_package = Installed(plugins())
     rows = [["adds", "name", "package", "asked for by"]]
     rows += [
-        [p.group, p.name, p.package_version, _ASKED[p.group].format(p.name)] for p in found.plugins
+        [p.group, p.name, p.package_version, _ASKED[p.group].format(p.name)]
+        for p in installed_package.plugins
     ]
-    lines = table(rows, left=True) if found.plugins else ["no plug-in is installed"]
-    return CommandResult(found, Text([line.rstrip() for line in lines]))
+    lines = table(rows, left=True) if installed_package.plugins else ["no plug-in is installed"]
+    return CommandResult(installed_package, Text([line.rstrip() for line in lines]))
 
 
-def _follow(paths: tuple[str, ...], found: tuple[InspectedFile, ...], saved: str | None) -> str:
+def _follow(
+    paths: tuple[str, ...], inspections: tuple[InspectedFile, ...], saved: str | None
+) -> str:
     """Return the whole command for such files, once no question is open."""
-    said = ["--profile", saved] if saved and saved != "-" else get_typed_options(READING)
-    if any(each.questions or each.refusal for each in found):
-        return format_command("inspect", *paths, *said, why="with the option that answers")
-    words = _get_next_command(found[0])
-    return format_command(*words, *paths, *said) if words else ""
+    options = ["--profile", saved] if saved and saved != "-" else get_typed_options(READING)
+    if any(inspection.questions or inspection.refusal for inspection in inspections):
+        return format_command("inspect", *paths, *options, why="with the option that answers")
+    words = _get_next_command(inspections[0])
+    return format_command(*words, *paths, *options) if words else ""
 
 
-def _get_next_command(found: InspectedFile) -> tuple[str, ...]:
-    kind = KINDS.get(found.kind)
+def _get_next_command(inspection: InspectedFile) -> tuple[str, ...]:
+    kind = KINDS.get(inspection.kind)
     return ("fit",) if kind and kind.meant and not kind.needs else ()
 
 
-def _answer(found: InspectedFile, path: str = "") -> list[str]:
+def _answer(inspection: InspectedFile, path: str = "") -> list[str]:
     """Return what a file is, what it still asks, and the test in it; briefly for one of several.
 
     Of those the first question alone is shown, with the `path` by which the rest are asked for.
     """
-    asked = [f"  ASK       {question.says}" for question in found.questions]
-    if path and asked[1:]:
-        asked[1:] = [f"  ASK       {len(asked) - 1} more: {format_command('inspect', path)}"]
+    requested = [f"  ASK       {question.says}" for question in inspection.questions]
+    if path and requested[1:]:
+        requested[1:] = [
+            f"  ASK       {len(requested) - 1} more: {format_command('inspect', path)}"
+        ]
     lines = [
-        f"{found.file}: {found.kind} ({found.reason})",
-        *([f"  for       {found.use}"] if found.use and not _get_next_command(found) else []),
-        *asked,
+        f"{inspection.file}: {inspection.kind} ({inspection.reason})",
+        *(
+            [f"  for       {inspection.use}"]
+            if inspection.use and not _get_next_command(inspection)
+            else []
+        ),
+        *requested,
     ]
-    if found.refusal:
-        lines.append(f"  ! cannot be prepared: {found.refusal}")
-    if found.simulated:
+    if inspection.refusal:
+        lines.append(f"  ! cannot be prepared: {inspection.refusal}")
+    if inspection.simulated:
         lines.append("  SIMULATED: made by the virtual rig or hammer, not measured")
-    if found.rows:
-        lines.append(f"  sampling  {_sampling(found)}")
-    if test := found.preparation:
+    if inspection.rows:
+        lines.append(f"  sampling  {_sampling(inspection)}")
+    if test := inspection.preparation:
         lines += [
             (
                 f"  ramp      {test.onset:.4g} to {test.ramp_end:.4g} s ({test.ramp_time:.4g} s), "
@@ -135,20 +146,20 @@ def _answer(found: InspectedFile, path: str = "") -> list[str]:
                 f"displacement {format_quantity(test.displacement_noise, 'um', '.3g')}"
             ),
         ]
-    return [*lines, *(f"  note      {warning}" for warning in found.warnings)]
+    return [*lines, *(f"  note      {warning}" for warning in inspection.warnings)]
 
 
-def _columns(found: InspectedFile) -> list[str]:
+def _columns(inspection: InspectedFile) -> list[str]:
     """Return how a file is written, and its columns with their roles."""
     how = (
-        found.format,
-        found.encoding,
-        f"delimiter {_format_delimiter(found.delimiter)}" if found.delimiter else "",
-        f"decimal {found.decimal!r}" if found.decimal else "",
+        inspection.format,
+        inspection.encoding,
+        f"delimiter {_format_delimiter(inspection.delimiter)}" if inspection.delimiter else "",
+        f"decimal {inspection.decimal!r}" if inspection.decimal else "",
     )
     lines = [f"  format    {', '.join(part for part in how if part)}"]
-    if found.header:
-        lines.append(f"  header    {format_count(len(found.header), 'line')} above the table")
+    if inspection.header:
+        lines.append(f"  header    {format_count(len(inspection.header), 'line')} above the table")
     rows = [["  #", "column", "unit", "role", "because"]]
     rows += [
         [
@@ -158,25 +169,25 @@ def _columns(found: InspectedFile) -> list[str]:
             column.role or "-",
             column.reason,
         ]
-        for column in found.columns
+        for column in inspection.columns
     ]
-    several = found.segments if len(found.segments) > 1 else ()
+    several = inspection.segments if len(inspection.segments) > 1 else ()
     segments = (
         f"  segment   {segment.name or number}: {segment.rows} rows"
         for number, segment in enumerate(several, start=1)
     )
-    return [*lines, *(table(rows, left=True) if found.columns else []), *segments]
+    return [*lines, *(table(rows, left=True) if inspection.columns else []), *segments]
 
 
-def _sampling(found: InspectedFile) -> str:
-    if found.rate is None:
-        return f"{found.rows} rows, no clock"
-    even = "even" if found.even else "uneven"
-    duration = "" if found.duration is None else f" over {found.duration:.5g} s"
-    first, *others = found.segments
-    if duration and any(one.start == first.start for one in others):
+def _sampling(inspection: InspectedFile) -> str:
+    if inspection.rate is None:
+        return f"{inspection.rows} rows, no clock"
+    even = "even" if inspection.even else "uneven"
+    duration = "" if inspection.duration is None else f" over {inspection.duration:.5g} s"
+    first, *others = inspection.segments
+    if duration and any(other.start == first.start for other in others):
         duration = f"{duration} in each segment"  # whose clock begins anew
-    return f"{found.rows} rows, {found.rate:.6g} Hz, {even}{duration}"
+    return f"{inspection.rows} rows, {inspection.rate:.6g} Hz, {even}{duration}"
 
 
 def _format_delimiter(mark: str) -> str:

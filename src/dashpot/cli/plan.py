@@ -113,7 +113,7 @@ def command(
         arm = (arm_stiffness, arm_time if arm_time is not None else 1 / (2 * math.pi * frequency))
     supposed = seal_named("paper" if guess is None else guess)
     planned = workflow.Bench(**vars(bench), machine=machine)
-    found = workflow.plan(
+    plan = workflow.plan(
         planned,
         at=frequency,
         seal=workflow.SupposedSeal(supposed.solid, arm, temperature, wlf or supposed.law),
@@ -146,5 +146,5 @@ def command(
         "rehearsal.csv",
         why="rehearses it",
     )
-    made = found.verdict
-    return CommandResult(found, Text([str(found)]), found.checks, verdict=made, follow=rehearsed)
+    made = plan.verdict
+    return CommandResult(plan, Text([str(plan)]), plan.checks, verdict=made, follow=rehearsed)

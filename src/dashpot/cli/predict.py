@@ -28,9 +28,9 @@ _QUESTION, _PART = "Question", "Part of a material"
 def _fits(kind: KindOfTest) -> list[str]:
     """What a kind that predicts by itself is asked beside, each the file of a fit."""
     return [
-        one.name
-        for one in iterate_option_fields(load_object(kind.asked))
-        if one.metadata.get("metavar") == "FIT"
+        field.name
+        for field in iterate_option_fields(load_object(kind.asked))
+        if field.metadata.get("metavar") == "FIT"
     ]
 
 
@@ -160,12 +160,12 @@ def _fits(kind: KindOfTest) -> list[str]:
 )
 def command(*, path: str, **said: Any) -> CommandResult:
     """Predict what the file asks for: a door, a mass on a solid, or what its kind predicts."""
-    found = detect_file_kinds([path], ReadOptions())[path]
-    row = KINDS.get(found.kind) if found.stored else None
-    alone = row is not None and bool(row.predict)
-    kind = found.kind if found.kind == _DOOR or alone else _SOLID
+    detection = detect_file_kinds([path], ReadOptions())[path]
+    row = KINDS.get(detection.kind) if detection.stored else None
+    single = row is not None and bool(row.predict)
+    kind = detection.kind if detection.kind == _DOOR or single else _SOLID
     refuse_others(command, click.get_current_context(), {path: kind})
-    if row is not None and alone:
+    if row is not None and single:
         return _predict_kind(path, row, said)
     if kind == _DOOR:
         outcome: CommandResult = find_handler("predict file", _DOOR)(
@@ -175,31 +175,35 @@ def command(*, path: str, **said: Any) -> CommandResult:
     if said["slam"]:
         return _predict_slam(path, said)
     others = {
-        one.name for kind in PREDICTED for one in iterate_option_fields(load_object(kind.asked))
+        field.name for kind in PREDICTED for field in iterate_option_fields(load_object(kind.asked))
     }
     left_out = {*_NO_MASS, *others}
-    return _under_mass(path, **{name: each for name, each in said.items() if name not in left_out})
+    return _under_mass(path, **{name: item for name, item in said.items() if name not in left_out})
 
 
-def _predict_kind(path: str, row: KindOfTest, said: dict[str, Any]) -> CommandResult:
+def _predict_kind(path: str, row: KindOfTest, stated: dict[str, Any]) -> CommandResult:
     """What the fit of a kind predicts by itself."""
-    asked = {one.name: said[one.name] for one in iterate_option_fields(load_object(row.asked))}
-    asked |= {name: workflow.read_fit(asked[name]) if asked[name] else None for name in _fits(row)}
-    found = load_object(row.predict)(
-        workflow.read_json_document(path), temperature=said["temperature"], **asked
+    request = {
+        field.name: stated[field.name] for field in iterate_option_fields(load_object(row.asked))
+    }
+    request |= {
+        name: workflow.read_fit(request[name]) if request[name] else None for name in _fits(row)
+    }
+    result = load_object(row.predict)(
+        workflow.read_json_document(path), temperature=stated["temperature"], **request
     )
-    return _write_prediction(found, said)
+    return _write_prediction(result, stated)
 
 
-def _write_prediction(found: Any, said: dict[str, Any]) -> CommandResult:
+def _write_prediction(result: Any, stated: dict[str, Any]) -> CommandResult:
     """A prediction that is no FRF: its document and its picture."""
-    output = said["output"]
+    output = stated["output"]
     page = is_page(output)
-    if said["picture"]:
-        write_figure(said["picture"], found.plot())
+    if stated["picture"]:
+        write_figure(stated["picture"], result.plot())
     if output:
-        write(output, workflow.html(found) if page else format_json(found) + "\n")
-    return CommandResult.from_result(found)
+        write(output, workflow.html(result) if page else format_json(result) + "\n")
+    return CommandResult.from_result(result)
 
 
 def is_page(output: str | None) -> bool:
@@ -213,23 +217,23 @@ def is_page(output: str | None) -> bool:
 _OF_SLAM = ("--slam", "--mass", "--seals")
 
 
-def _predict_slam(path: str, said: dict[str, Any]) -> CommandResult:
+def _predict_slam(path: str, stated: dict[str, Any]) -> CommandResult:
     """Predict what a mass does that is slammed on the piece."""
     context = click.get_current_context()
-    for one in command.options:
+    for option in command.options:
         if (
-            one.get_typed_words(context)
-            and one.group != options.RESULT
-            and one.flag not in _OF_SLAM
+            option.get_typed_words(context)
+            and option.group != options.RESULT
+            and option.flag not in _OF_SLAM
         ):
             raise click.UsageError(
-                f"{one.flag} is for a vibration, and --slam is one hit. Leave out one of them."
+                f"{option.flag} is for a vibration, and --slam is one hit. Leave out one of them."
             )
     return _write_prediction(
         find_handler("predict with option", "slam")(
-            workflow.read_fit(path), slam=said["slam"], mass=said["mass"], seals=said["seals"]
+            workflow.read_fit(path), slam=stated["slam"], mass=stated["mass"], seals=stated["seals"]
         ),
-        said,
+        stated,
     )
 
 
@@ -255,26 +259,26 @@ def _under_mass(
         raise click.UsageError(
             "-o FRF.csv holds one level: ask one --level, or write .json or .html"
         )
-    found = workflow.predict_files(
+    prediction = workflow.predict_files(
         fitted, mass=mass, relative=hammer.motion == "relative", **choices
     )
     if picture:
-        write_figure(picture, found.plot())
+        write_figure(picture, prediction.plot())
     if output:
-        _keep(found, output)
-    return CommandResult.from_result(found, follow="" if found.of_part else _follow(fit))
+        _keep(prediction, output)
+    return CommandResult.from_result(prediction, follow="" if prediction.of_part else _follow(fit))
 
 
-def _keep(found: workflow.Prediction, path: str) -> None:
+def _keep(prediction: workflow.Prediction, path: str) -> None:
     from dashpot.reading.write import write_frf
 
     suffix = path.lower().rpartition(".")[2]
     if path.lower().endswith(PAGE):
-        write(path, workflow.html(found))
+        write(path, workflow.html(prediction))
     elif suffix == "json":
-        write(path, format_json(found) + "\n")
+        write(path, format_json(prediction) + "\n")
     elif suffix in {"csv", path.lower()}:
-        write(path, write_frf(found.written))
+        write(path, write_frf(prediction.written))
     else:
         raise click.UsageError(f"-o {path}: a prediction is written as .csv, .json or .html.")
 

@@ -79,7 +79,7 @@ class Reported(Serialisable):
     ),
     group(
         MASS,
-        options.under_mass(known=" Inferred if missing."),
+        options.under_mass(name=" Inferred if missing."),
         build_options(Job, "band", help="Frequencies to compare, e.g. 5:40Hz."),
         options.relative(),
     ),
@@ -93,7 +93,7 @@ class Reported(Serialisable):
         )
     ),
     options.hammer(),
-    options.piece(each=True),
+    options.piece(flag=True),
     mark_advanced(group(PIECE, build_options(Job, "impact_temperature"))),
     options.reading(),
     options.result(plot=False, opens=False),
@@ -109,9 +109,9 @@ def command(
     """Characterise a seal, check it against the hammer, and write one HTML file."""
     from dashpot.text_output.results import study as told  # a page of help does without
 
-    found = detect_file_kinds(files, options)
-    kinds = kinds_of(found, options)
-    print_detected_kinds(found)
+    detections = detect_file_kinds(files, options)
+    kinds = kinds_of(detections, options)
+    print_detected_kinds(detections)
     if set(kinds.values()) <= _LOOPS:
         return _amplitude(files, output, options)
     tests = tuple(path for path in files if kinds[path] == "relaxation")
@@ -185,40 +185,40 @@ def _refuse_unused(*, hammer: bool, mass: bool) -> None:
     ------
     click.UsageError
     """
-    hits = {one.flag for one in (*options.hammer(), *options.relative())}
-    asked = [
+    hits = {option.flag for option in (*options.hammer(), *options.relative())}
+    requested = [
         (hits | {"--no-joint", "--band"}, hammer, "a hammer test", "Add its file"),
         ({"--seal-mass"}, mass, "a mass on the seals", "Give --mass"),
         ({"--compression"}, mass or hammer, "a mass on the seals", "Give --mass"),
     ]
     context = click.get_current_context()
-    for one in context.command.params:
-        for flags, there, what, remedy in asked:
+    for param in context.command.params:
+        for flags, there, what, remedy in requested:
             if (
-                isinstance(one, CommandOption)
-                and one.flag in flags
+                isinstance(param, CommandOption)
+                and param.flag in flags
                 and not there
-                and one.get_typed_words(context)
+                and param.get_typed_words(context)
             ):
                 raise click.UsageError(
-                    f"{one.flag} is for {what}, and there is none here. {remedy}, or leave the "
+                    f"{param.flag} is for {what}, and there is none here. {remedy}, or leave the "
                     "option out."
                 )
 
 
-def _simplify_options(said: ReadOptions, files: Sequence[str]) -> ReadOptions:
+def _simplify_options(read_options: ReadOptions, files: Sequence[str]) -> ReadOptions:
     """What is said of files, without patterns where it comes to the same for all of them."""
-    each = {said.of(path) for path in files}
-    return each.pop() if len(each) == 1 else said
+    options = {read_options.of(path) for path in files}
+    return options.pop() if len(options) == 1 else read_options
 
 
 def _amplitude(files: tuple[str, ...], output: str | None, reading: ReadOptions) -> CommandResult:
     """Write the page of loops or an amplitude sweep."""
-    found = workflow.level_files(files, options=reading)
+    levels = workflow.level_files(files, options=reading)
     output = output or "report.html"
     claim([output])
-    write(output, workflow.html(found))
-    return CommandResult.from_result(found)
+    write(output, workflow.html(levels))
+    return CommandResult.from_result(levels)
 
 
 _UNDER_MASS = ("--mass", "--seals", "--seal-mass", "--compression", "--band", "--relative")
@@ -236,11 +236,11 @@ def _follow(files: Sequence[str], job: Job, study: Study) -> str:
         few = isinstance(job.arms, int) and job.arms < study.joint.few_arms.arms
         again = options.get_typed_options_for("fit", but=("--arms",) if few else ())
         if job.mass is None:  # a fit takes no mass that is not known: one that is hardly known
-            found = ("--mass", grams(study.mass), "--mass-sd", grams(0.5 * study.mass))
-            again += found
+            names = ("--mass", grams(study.mass), "--mass-sd", grams(0.5 * study.mass))
+            again += names
         return format_command("fit", *files, *again, "-o", "joint.json", why=why)
     if job.impact_temperature is not None:
         return ""
-    hits = [one.flag for one in options.hammer()]
+    hits = [option.flag for option in options.hammer()]
     again = options.get_typed_options_for("fit", but=(*_UNDER_MASS, *hits))
     return format_command("fit", job.relaxation, *job.further, *again, "-o", "fit.json", why=why)

@@ -142,22 +142,22 @@ def command(*, what: str, output: str, **choices: Any) -> CommandResult:
         text, *_ = made(**choices)
         write(output, text)
         return CommandResult(Simulated(what, output, None, text), Text())
-    beside = str(Path(output).with_suffix(".truth.json"))
-    known = str(Path(output).with_suffix(".cal"))
-    gauges = [known] if choices["gauges"] else []
-    claim([output, beside, *gauges])
+    extra = str(Path(output).with_suffix(".truth.json"))
+    name = str(Path(output).with_suffix(".cal"))
+    gauges = [name] if choices["gauges"] else []
+    claim([output, extra, *gauges])
     text, truth, *more = made(**choices)
     write(output, text)
-    write(beside, truth)
-    says = [f"{output}: a simulated {what} test; what is true stands in {beside}"]
+    write(extra, truth)
+    says = [f"{output}: a simulated {what} test; what is true stands in {extra}"]
     reading = ["inspect", output]
     if more:
-        calibration, said = more
-        write(known, calibration)
-        says += [f"! {one}" for one in said]
-        reading = ["fit", output, "--calibration", known]
+        calibration, stated = more
+        write(name, calibration)
+        says += [f"! {item}" for item in stated]
+        reading = ["fit", output, "--calibration", name]
     story = Text(says)
-    return CommandResult(Simulated(what, output, beside), story, follow=format_command(*reading))
+    return CommandResult(Simulated(what, output, extra), story, follow=format_command(*reading))
 
 
 _RIG = ("softening", "warming", "friction", "gauges", "misaligned", "antialias")

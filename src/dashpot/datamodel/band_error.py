@@ -70,5 +70,5 @@ def _increase_errors(
 ) -> tuple[float, ...]:
     with np.errstate(divide="ignore", invalid="ignore"):
         factor = np.maximum(value / other, other / value)
-    moved = (1 + np.array(errors)) * np.where(np.isfinite(factor), factor, np.inf) - 1
-    return tuple(moved.tolist())
+    change = (1 + np.array(errors)) * np.where(np.isfinite(factor), factor, np.inf) - 1
+    return tuple(change.tolist())

@@ -59,9 +59,9 @@ class ShakenTest(EqualByValue, HasSummary):
     @property
     def described(self) -> tuple[str, ...]:
         """Which record it is, and how hard the base was shaken."""
-        one = self.source[0] if len(self.source) == 1 else None
+        source = self.source[0] if len(self.source) == 1 else None
         return (
-            describe_record_source(one, len(self.base)),
+            describe_record_source(source, len(self.base)),
             f"base and mass at {self.rate:.6g} Hz, the base at {self.base.std():.4g} m/s^2 rms",
         )
 

@@ -111,16 +111,16 @@ class EndOfHold(Serialisable):
             return 1 / float(solid.creep(t))
         return float(solid.relaxation(t))
 
-    def holding(self, own: Solid) -> EndOfHold:
+    def holding(self, solid: Solid) -> EndOfHold:
         """The limits, moved to hold a fit itself: nothing is printed outside its own interval."""
-        (low, high), here = self.k_end, self.of(own)
+        (low, high), here = self.k_end, self.of(solid)
         missed = max(low - here, here - high, 0.0)
         return replace(
             self,
             k_end=_holding(self.k_end, here),
-            k_3end=_holding(self.k_3end, self.of(own, 3)),
-            k_10end=_holding(self.k_10end, self.of(own, 10)),
-            k_inf=(0.0, max(self.k_inf[1], own.k_inf)),
+            k_3end=_holding(self.k_3end, self.of(solid, 3)),
+            k_10end=_holding(self.k_10end, self.of(solid, 10)),
+            k_inf=(0.0, max(self.k_inf[1], solid.k_inf)),
             beyond=max(self.beyond, missed / max(high - low, 1e-300)),
         )
 
@@ -165,12 +165,12 @@ class EndOfHold(Serialisable):
         word = get_display_unit(unit)
         low, high = (convert_to_unit(end, word) for end in self.k_end)
         most = round_to_error(convert_to_unit(self.k_inf[1], word), (high - low) / 4)
-        beyond = ""
+        text = ""
         if not math.isnan(self.k_10end[0]):
             later = interval(*(convert_to_unit(end, word) for end in self.k_10end))
-            beyond = f", at {self._format_end(10)} {later} {word}"
+            text = f", at {self._format_end(10)} {later} {word}"
         return (
-            f"At {self._format_end(1)} {subject} is {interval(low, high)} {word}{beyond}. It may "
+            f"At {self._format_end(1)} {subject} is {interval(low, high)} {word}{text}. It may "
             "fall "
             f"further, and ends at {most} {word} or below"
         )

@@ -23,31 +23,33 @@ def numbers_unambiguous(cautions: tuple[str, ...]) -> Finding:
     """Nothing that the files say casts doubt on what their numbers are."""
     shown = list(dict.fromkeys(cautions))
     more = len(shown) - _SHOWN
-    told = [*shown[:_SHOWN], *([f"{more} more such notes"] if more > 0 else [])]
+    sentences = [*shown[:_SHOWN], *([f"{more} more such notes"] if more > 0 else [])]
     return Finding(
         "No file says that its numbers may be others than those read",
         float(len(shown)),
-        instead=". ".join(one.rstrip(".") for one in told),
+        instead=". ".join(sentence.rstrip(".") for sentence in sentences),
         remedy=Remedy("Correct the file, or state the units of its columns.", "units"),
     )
 
 
 def caution_checks(sources: Iterable[Source]) -> tuple[Check, ...]:
     """Return what the notes of readers hold against their numbers; nothing where none does."""
-    files = [one for one in dict.fromkeys(sources) if one.cautions]
-    several = len({one.file for one in files}) > 1
-    said = [f"{one.file}: {note}" if several else note for one in files for note in one.cautions]
-    return (numbers_unambiguous(tuple(said)),) if said else ()
+    files = [source for source in dict.fromkeys(sources) if source.cautions]
+    several = len({file.file for file in files}) > 1
+    sentences = [
+        f"{file.file}: {note}" if several else note for file in files for note in file.cautions
+    ]
+    return (numbers_unambiguous(tuple(sentences)),) if sentences else ()
 
 
 @criterion("K beyond the tested range", "<=", 0.0, "by definition")
-def temperature_tested(moved: TemperatureShifts, temperature: float) -> Finding:
+def temperature_tested(shifts: TemperatureShifts, temperature: float) -> Finding:
     """The temperature asked for lies within those tested."""
-    low, high = moved.tested
+    low, high = shifts.tested
     return Finding(
         f"{celsius(temperature)} lies within the tested {celsius(low)} to {celsius(high)}",
         max(low - temperature, temperature - high, 0.0),
         instead=f"{celsius(temperature)} lies outside the tested {celsius(low)} to "
-        f"{celsius(high)}. The {moved.law.kind.upper()} law is extrapolated",
+        f"{celsius(high)}. The {shifts.law.kind.upper()} law is extrapolated",
         remedy="Test at that temperature.",
     )

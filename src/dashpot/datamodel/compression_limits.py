@@ -39,15 +39,15 @@ def require_plausible_compression(
     if not math.isfinite(compression):
         return
     if height is not None and compression >= height:
-        known = f"it is {format_quantity(height, 'mm')} high"
+        name = f"it is {format_quantity(height, 'mm')} high"
     elif law is not None and compression > FARTHEST * law.depth:
-        known = f"it was tested to {format_quantity(law.depth, 'mm', '.3g')}"
+        name = f"it was tested to {format_quantity(law.depth, 'mm', '.3g')}"
     else:
         return
-    pressed, asked = "the compression given presses", "check its unit"
+    pressed, requested = "the compression given presses", "check its unit"
     if carried is not None:
         pressed = f"a mass of {carried:.4g} kg on each presses"
-        asked = "check the mass and its unit (is it g?), and the number of seals"
+        requested = "check the mass and its unit (is it g?), and the number of seals"
     raise DataError(
-        f"{pressed} the seal by {format_quantity(compression, 'mm')}, but {known}: {asked}"
+        f"{pressed} the seal by {format_quantity(compression, 'mm')}, but {name}: {requested}"
     )

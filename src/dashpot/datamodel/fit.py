@@ -154,7 +154,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
     @property
     def verdict(self) -> Verdict:
         """What to make of the fit, by the gravest check that failed."""
-        return verdict(self.checks, sound=self.sound)
+        return verdict(self.checks, headline=self.sound)
 
     @property
     def sound(self) -> str:
@@ -162,20 +162,20 @@ class Fit(EqualByValue, Plottable, Serialisable):
         if not self.band[1] > 0:
             return ""
         within = format_band(self.band)
-        beyond = "Outside this band the model is an extrapolation."
+        text = "Outside this band the model is an extrapolation."
         if self.unit == "N/m" and self.method in get_choice_values(Method):
             # no ramp and hold tells a flow that grows as a power of its force from arms
-            beyond = "Outside this band a linear seal is assumed: add a hammer test."
+            text = "Outside this band a linear seal is assumed: add a hammer test."
         if self.method == "full" and 1 < len(self.shifts) < CONTRADICT:
-            beyond = "Test at a third temperature: two cannot show arms that shift apart."
+            text = "Test at a third temperature: two cannot show arms that shift apart."
         stiffness, loss_factor = self.error_in_band
         if not (np.isfinite(stiffness) and stiffness < 1):
-            return f"{sentence(within)} {beyond}"
+            return f"{sentence(within)} {text}"
         of = "modulus" if self.unit == "Pa" else "stiffness"
         how = f"{within} the {of} is known to ±{100 * stiffness:.2g} %"
         if np.isfinite(loss_factor) and loss_factor < 1:
             how += f", the loss factor to ±{100 * loss_factor:.2g} %"
-        return f"{sentence(how)} {beyond}"
+        return f"{sentence(how)} {text}"
 
     @property
     def error_in_band(self) -> tuple[float, float]:
@@ -270,9 +270,9 @@ class Fit(EqualByValue, Plottable, Serialisable):
         tested = self.specimen.temperature
         if tested is not None and abs(kelvin - tested) <= SAME_TEMPERATURE:
             return self.model
-        known = "a temperature that nobody noted" if tested is None else celsius(tested)
+        name = "a temperature that nobody noted" if tested is None else celsius(tested)
         raise DataError(
-            f"the fit is of tests at {known}, and nothing says how the solid moves to "
+            f"the fit is of tests at {name}, and nothing says how the solid moves to "
             f"{celsius(kelvin)}: fit tests at several temperatures together"
         )
 
@@ -285,10 +285,10 @@ class Fit(EqualByValue, Plottable, Serialisable):
             As :meth:`at`.
         """
         kelvin = convert_to_si(temperature, "temperature")
-        solid, moved = self.at(kelvin), self.temperatures
-        if moved is None or kelvin == moved.reference:
+        solid, shifts = self.at(kelvin), self.temperatures
+        if shifts is None or kelvin == shifts.reference:
             return self
-        a_t, b_t = float(moved.law.a_t(kelvin)), moved.b_t(kelvin)
+        a_t, b_t = float(shifts.law.a_t(kelvin)), shifts.b_t(kelvin)
         step = Step(
             "temperature",
             (("temperature_K", repr(kelvin)), ("of", self.identity)),
@@ -297,7 +297,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         scaled = self._scale_stiffness(b_t, step)
 
         def convert_covariance(covariance: FloatArray) -> FloatArray:
-            return moved.covariance_at(kelvin, self.parameters, covariance, self.model)
+            return shifts.covariance_at(kelvin, self.parameters, covariance, self.model)
 
         of_noise = self.estimate.of_noise
         # what a test adds to the force of the solid it adds at any temperature
@@ -308,7 +308,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
             profiles=(),
             nuisance=self.nuisance,
         )
-        (low, high), known = self.band, self.evidence.band_error
+        (low, high), error = self.band, self.evidence.band_error
         return replace(
             scaled,
             solid=solid,
@@ -317,12 +317,12 @@ class Fit(EqualByValue, Plottable, Serialisable):
                 scaled.evidence,
                 band=(low / a_t, high / a_t),
                 end_of_hold=self._end_at(kelvin, scaled.end_of_hold, a_t),
-                band_error=known and known.shifted(a_t),
+                band_error=error and error.shifted(a_t),
             ),
             provenance=replace(
                 scaled.provenance, specimen=replace(self.specimen, temperature=kelvin)
             ),
-            temperatures=moved.referred(kelvin),
+            temperatures=shifts.referred(kelvin),
         )
 
     def _end_at(self, kelvin: float, end: EndOfHold | None, a_t: float) -> EndOfHold | None:
@@ -342,8 +342,8 @@ class Fit(EqualByValue, Plottable, Serialisable):
             ),
         )
         before, after = (
-            one.errors_of_vibration(model, at)[0]
-            for one, model, at in (
+            estimate.errors_of_vibration(model, at)[0]
+            for estimate, model, at in (
                 (here, self.model, s), (there, self.at(kelvin), np.asarray(s / a_t, dtype=complex))
             )
         )  # fmt: skip
@@ -395,10 +395,10 @@ class Fit(EqualByValue, Plottable, Serialisable):
         if self.status is not Status.NOT_IDENTIFIED or len(self.parameters) < 1 + 2 * arms:
             return ()
         error = np.sqrt(np.diag(self.estimate.noise_alone.covariance))
-        known = is_well_determined(
+        certain = is_well_determined(
             np.array(self.model.k), error[1 : 1 + arms], error[1 + arms : 1 + 2 * arms]
         )
-        return tuple(tau for tau, sure in zip(self.model.tau, known, strict=True) if not sure)
+        return tuple(tau for tau, sure in zip(self.model.tau, certain, strict=True) if not sure)
 
     @property
     def k_inf_given(self) -> bool:
@@ -414,8 +414,8 @@ class Fit(EqualByValue, Plottable, Serialisable):
         stand for it follow from its own four. Of relaxation tests they hold what their rigs may
         have done unseen; without it they are those of `estimate.noise_alone`.
         """
-        found = self._arm_estimate.standard_errors(self.model)
-        return {**found, "k_inf": self._without_error(found["k_inf"])}
+        errors = self._arm_estimate.standard_errors(self.model)
+        return {**errors, "k_inf": self._without_error(errors["k_inf"])}
 
     def _without_error(self, error: float) -> float:
         """The standard error of k_inf: none (nan), unless given or wholly unknown (infinite)."""
@@ -434,8 +434,8 @@ class Fit(EqualByValue, Plottable, Serialisable):
         DataError
             If `level` is not between 0 and 1.
         """
-        found = self._arm_estimate.intervals(self.model, level)
-        return {**found, "k_inf": self._k_inf_between(found["k_inf"], level)}
+        intervals = self._arm_estimate.intervals(self.model, level)
+        return {**intervals, "k_inf": self._k_inf_between(intervals["k_inf"], level)}
 
     def _k_inf_between(self, formal: Interval, level: float) -> Interval:
         """The interval of k_inf: from 0 to what a test leaves of it, or to its own upper end."""
@@ -455,9 +455,11 @@ class Fit(EqualByValue, Plottable, Serialisable):
         ``k_inf``, ``k_0``, ``tau`` and ``alpha`` of a fractional solid; ``k_inf``, ``k_1``,
         ``tau_1``... of one with arms. That of k_inf is nan, as in :attr:`standard_error`.
         """
-        found = _drop_dashpots(self.estimate.errors(self.solid))
+        dashpots = _drop_dashpots(self.estimate.errors(self.solid))
         return (
-            {**found, "k_inf": self._without_error(found["k_inf"])} if "k_inf" in found else found
+            {**dashpots, "k_inf": self._without_error(dashpots["k_inf"])}
+            if "k_inf" in dashpots
+            else dashpots
         )
 
     def solid_intervals(self, level: float = 0.95) -> dict[str, Interval]:
@@ -470,8 +472,8 @@ class Fit(EqualByValue, Plottable, Serialisable):
         DataError
             If `level` is not between 0 and 1.
         """
-        found = self.estimate.ends(self.solid, level)
-        return _drop_dashpots({**found, "k_inf": self._k_inf_between(found["k_inf"], level)})
+        entries = self.estimate.ends(self.solid, level)
+        return _drop_dashpots({**entries, "k_inf": self._k_inf_between(entries["k_inf"], level)})
 
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
@@ -486,9 +488,9 @@ class Fit(EqualByValue, Plottable, Serialisable):
         """The same of the arms: those that stand for a fractional solid, not its own four."""
         return self._replace_open_k_inf(self._arm_estimate.facts(self.model, self.unit))
 
-    def _replace_open_k_inf(self, found: tuple[ReportedValue, ...]) -> tuple[ReportedValue, ...]:
+    def _replace_open_k_inf(self, facts: tuple[ReportedValue, ...]) -> tuple[ReportedValue, ...]:
         """Facts with what a test leaves of k_inf: what it is at most."""
-        return tuple(self._k_inf_at_most(one) if one.name == "k_inf" else one for one in found)
+        return tuple(self._k_inf_at_most(fact) if fact.name == "k_inf" else fact for fact in facts)
 
     def _k_inf_at_most(self, formal: ReportedValue) -> ReportedValue:
         """k_inf as every table has it, from its formal interval: what it is at most."""
@@ -506,15 +508,15 @@ class Fit(EqualByValue, Plottable, Serialisable):
         The stiffness at the end of the hold, then every parameter; of a spectrum, whose single
         arms mean nothing, its ends.
         """
-        found, model, end = self.facts, self.model, self.end_of_hold
+        facts, model, end = self.facts, self.model, self.end_of_hold
         if not self.parameters:
             ends = [("k_inf", model.k_inf, self.unit), ("k_0", model.k_0, self.unit)]
             if model.arms:
                 ends += [("tau from", model.tau[0], "s"), ("tau to", model.tau[-1], "s")]
-            found = self._replace_open_k_inf(
+            facts = self._replace_open_k_inf(
                 tuple(ReportedValue(name, value, unit=of, error=np.inf) for name, value, of in ends)
             )
-        return found if end is None else (end.fact(model, self.unit), *found)
+        return facts if end is None else (end.fact(model, self.unit), *facts)
 
     @property
     def intervals_95(self) -> Intervals:
@@ -526,7 +528,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         """Standard errors laid out as the document of a model is, as `facts` tell them."""
         error, k_inf = self.standard_error, self.arm_facts[0]
         arms = zip(error["k"], error["tau"], error["b"], strict=True)
-        return {"k_inf": k_inf.error, "arms": tuple(MaxwellArm(*one) for one in arms)}
+        return {"k_inf": k_inf.error, "arms": tuple(MaxwellArm(*arm) for arm in arms)}
 
     @property
     def own_solid(self) -> dict[str, Any]:
@@ -535,29 +537,34 @@ class Fit(EqualByValue, Plottable, Serialisable):
             return {"family": self.family}
         return {
             "family": self.family,
-            **{one.name: getattr(self.solid, one.name) for one in fields(self.solid)},  # type: ignore[arg-type]
-            "standard_error": {one.name: one.error for one in self.facts},
+            **{field.name: getattr(self.solid, field.name) for field in fields(self.solid)},  # type: ignore[arg-type]
+            "standard_error": {fact.name: fact.error for fact in self.facts},
             "interval_95": self.solid_intervals(level=0.95),
         }
 
     @property
     def also_fitted(self) -> tuple[Nuisance, ...]:
         """The nuisances that anything may be said of: none where nothing explains two tests."""
-        lost = any(not one.explains for one in self.explanations[:1])
+        lost = any(not explanation.explains for explanation in self.explanations[:1])
         return () if lost else self.nuisance
 
     @property
     def mass_found(self) -> float | None:
         """The mass that was fitted too, kg."""
-        return next((one.value for one in self.also_fitted if one.name == "mass"), None)
+        return next(
+            (nuisance.value for nuisance in self.also_fitted if nuisance.name == "mass"), None
+        )
 
     @property
     def under_hammer(self) -> float:
         """Stiffness of a seal under the hammer over its own, where that explains two tests."""
         bent = self.elastic_law is not None and self.elastic_law.kind != "linear"
-        if bent or not any(one.explains for one in self.explanations[:1]):
+        if bent or not any(explanation.explains for explanation in self.explanations[:1]):
             return 1.0
-        return next((one.value for one in self.nuisance if one.name == "stiffness_factor"), 1.0)
+        return next(
+            (nuisance.value for nuisance in self.nuisance if nuisance.name == "stiffness_factor"),
+            1.0,
+        )
 
     @property
     def _arm_estimate(self) -> ParameterEstimate:
@@ -741,14 +748,14 @@ class Fit(EqualByValue, Plottable, Serialisable):
             f"{left.value:.4g} of fit {self.identity} is left {says}",
         )
         scaled = self._scale_stiffness(left.value, step)
-        here = {one.name: one.value for one in self.estimate.facts(self.solid, self.unit)}
+        here = {fact.name: fact.value for fact in self.estimate.facts(self.solid, self.unit)}
         k = np.array([here.get(name, 0.0) for name in self.parameters])
-        known, by = scaled.estimate, error**2 * np.outer(k, k)
-        of_noise = None if known.of_noise is None else known.of_noise + by
+        estimate, by = scaled.estimate, error**2 * np.outer(k, k)
+        of_noise = None if estimate.of_noise is None else estimate.of_noise + by
         return replace(
             scaled,
             estimate=replace(
-                known, covariance=known.covariance + by, of_noise=of_noise, profiles=()
+                estimate, covariance=estimate.covariance + by, of_noise=of_noise, profiles=()
             ),
             evidence=replace(scaled.evidence, checks=(*self.checks, *checks)),
         )
@@ -863,7 +870,9 @@ class Fit(EqualByValue, Plottable, Serialisable):
             temperatures=None if self.temperatures is None else self.temperatures.times(scale),
             estimate=replace(
                 self.estimate.scaled(scale),
-                profiles=tuple(one for one in self.profiles if one.parameter.startswith("ln_tau")),
+                profiles=tuple(
+                    profile for profile in self.profiles if profile.parameter.startswith("ln_tau")
+                ),
                 nuisance=(),
             ),
             evidence=Evidence(
@@ -877,6 +886,6 @@ class Fit(EqualByValue, Plottable, Serialisable):
         )
 
 
-def _drop_dashpots(found: dict[str, _One]) -> dict[str, _One]:
+def _drop_dashpots(entries: dict[str, _One]) -> dict[str, _One]:
     """Without the dashpots, of which k and tau say all."""
-    return {name: one for name, one in found.items() if not name.startswith("b")}
+    return {name: entry for name, entry in entries.items() if not name.startswith("b")}

@@ -171,9 +171,9 @@ class DepthStiffness:
         """Each stiffness with its error; an arm that is nothing here is one of other depths."""
         rest = ReportedValue("k_inf", self.k_inf, high=self.k_inf_most, unit=unit)
         names = (f"k_{j}" for j in range(1, len(self.k) + 1))
-        each = zip(names, self.k, self.k_se, strict=True)
+        pairs = zip(names, self.k, self.k_se, strict=True)
         return rest, *(
-            ReportedValue(name, value, unit=unit, error=error) for name, value, error in each
+            ReportedValue(name, value, unit=unit, error=error) for name, value, error in pairs
         )
 
 

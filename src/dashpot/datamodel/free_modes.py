@@ -89,27 +89,27 @@ class FreeModes(EqualByValue):
         first = int(near[0])
         legs = self.place[near[1:]] - self.place[first]
         square = np.einsum("ij,ij->i", legs, legs)
-        apart = square > 0
-        if away[first] == 0 or not apart.any():
+        difference = square > 0
+        if away[first] == 0 or not difference.any():
             return self.shapes[:, first], float(away[first])
-        others, legs, square = near[1:][apart], legs[apart], square[apart]
+        others, legs, square = near[1:][difference], legs[difference], square[difference]
         share = np.clip(legs @ (p - self.place[first]) / square, 0.0, 1.0)
-        left = np.linalg.norm(self.place[first] + share[:, None] * legs - p, axis=1)
+        norm = np.linalg.norm(self.place[first] + share[:, None] * legs - p, axis=1)
         # of connections as near, the shortest
-        best = int(np.lexsort((square, np.round(left, 12)))[0])
+        best = int(np.lexsort((square, np.round(norm, 12)))[0])
         t, other = float(share[best]), int(others[best])
-        return (1 - t) * self.shapes[:, first] + t * self.shapes[:, other], float(left[best])
+        return (1 - t) * self.shapes[:, first] + t * self.shapes[:, other], float(norm[best])
 
     @property
     def rigid(self) -> BoolArray:
         """Which of the modes are rigid motions of their points, shape (r,)."""
         motions, _ = self._as_rigid()
         shapes = self.shapes.reshape(len(self), -1)
-        left = shapes - motions
+        residual = shapes - motions
         size = np.linalg.norm(shapes, axis=1)
         elastic = float(self.frequency.max())
-        moved = np.linalg.norm(left, axis=1) <= RIGID * size
-        return np.asarray(moved & (self.frequency <= 0.5 * elastic))
+        change = np.linalg.norm(residual, axis=1) <= RIGID * size
+        return np.asarray(change & (self.frequency <= 0.5 * elastic))
 
     @property
     def rigid_motion(self) -> FloatArray:
@@ -138,12 +138,12 @@ class FreeModes(EqualByValue):
     def _as_rigid(self) -> tuple[FloatArray, FloatArray]:
         """The rigid motion next to each shape, (r, 3p), and its six numbers, (r, 6)."""
         x, y, z = self.place.T
-        nil, one = np.zeros_like(x), np.ones_like(x)
+        nil, item = np.zeros_like(x), np.ones_like(x)
         R = np.stack(
             [
-                np.stack((one, nil, nil, nil, z, -y), axis=1),
-                np.stack((nil, one, nil, -z, nil, x), axis=1),
-                np.stack((nil, nil, one, y, -x, nil), axis=1),
+                np.stack((item, nil, nil, nil, z, -y), axis=1),
+                np.stack((nil, item, nil, -z, nil, x), axis=1),
+                np.stack((nil, nil, item, y, -x, nil), axis=1),
             ],
             axis=1,
         ).reshape(-1, 6)

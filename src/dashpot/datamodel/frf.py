@@ -195,8 +195,8 @@ class FRF(EqualByValue, Plottable, Serialisable):
         As :func:`~dashpot.vibration.modal.dynamic_stiffness.dynamic_stiffness` finds them.
         """
         of = load_function("vibration.modal.dynamic_stiffness", "dynamic_stiffness")
-        found: DynamicStiffness = of(self, mass, seals=seals, **how)
-        return found
+        stiffness: DynamicStiffness = of(self, mass, seals=seals, **how)
+        return stiffness
 
     def _into_si(self) -> None:
         """Put lines and values into SI: a ratio of two units tells what the values relate."""
@@ -249,7 +249,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
         size = np.abs(self.value)
         top = int(size.argmax())
         made = f"{self.averages} averages" if self.averages else "predicted, or of unknown averages"
-        files = ", ".join(one.file for one in self.source)
+        files = ", ".join(source.file for source in self.source)
         return (
             (
                 f"{self.quantity}, {self.unit}, {len(self.value)} lines, "
@@ -331,10 +331,10 @@ class FRF(EqualByValue, Plottable, Serialisable):
     def _over_base(self, kind: Kind, mass: float | None) -> FRF:
         """The same to or from the motion of a mass over a base; see :meth:`to`."""
         if mass is None or not (np.isfinite(mass) and mass > 0):
-            given = "no mass is given" if mass is None else f"mass = {mass!r} kg"
+            text = "no mass is given" if mass is None else f"mass = {mass!r} kg"
             raise DataError(
                 "a transmissibility relates two motions, the others a motion and a force, and only "
-                f"the mass between them, > 0 kg, tells one by the other: {given} "
+                f"the mass between them, > 0 kg, tells one by the other: {text} "
                 "(Python: frf.to(kind, mass=m))"
             )
         relative = Kind.RELATIVE_TRANSMISSIBILITY
@@ -445,14 +445,14 @@ class FRF(EqualByValue, Plottable, Serialisable):
         """
         measured = self.to(Kind.ACCELERANCE)  # what was recorded, and cut at its end
         find_modes = load_function("vibration.modal.modes", "find_modes")
-        found: tuple[Mode, ...] = find_modes(measured, method=method, band=band, count=count)
+        modes: tuple[Mode, ...] = find_modes(measured, method=method, band=band, count=count)
         if self.shift_sd == 0:
-            return found
+            return modes
         # a window that decays faster leaves less to the structure
-        errors = [np.hypot(one.damping_ratio_se, self.shift_sd / abs(one.pole)) for one in found]
+        errors = [np.hypot(mode.damping_ratio_se, self.shift_sd / abs(mode.pole)) for mode in modes]
         return tuple(
-            replace(one, damping_ratio_se=float(error))
-            for one, error in zip(found, errors, strict=True)
+            replace(mode, damping_ratio_se=float(error))
+            for mode, error in zip(modes, errors, strict=True)
         )
 
 

@@ -51,25 +51,25 @@ class FRFSet(EqualByValue):
                 "expected one name each"
             )
         first = self.frfs[0]
-        for name, one in zip(names, self.frfs, strict=True):
-            if one.quantity.over_base != first.quantity.over_base:
+        for name, frf in zip(names, self.frfs, strict=True):
+            if frf.quantity.over_base != first.quantity.over_base:
                 raise DataError(
-                    f"the quantity of '{name}' is {one.quantity}, that of '{names[0]}' "
+                    f"the quantity of '{name}' is {frf.quantity}, that of '{names[0]}' "
                     f"{first.quantity}; expected "
                     "motions over that of a base, or motions per force, at every point (Python: "
                     "frf.to('accelerance', mass=m))"
                 )
-            self._refuse_other_lines(name, one, first)
+            self._refuse_other_lines(name, frf, first)
 
-    def _refuse_other_lines(self, name: str, one: FRF, first: FRF) -> None:
-        there, here = one.frequency, first.frequency
+    def _refuse_other_lines(self, name: str, frf: FRF, first: FRF) -> None:
+        there, here = frf.frequency, first.frequency
         if len(there) != len(here) or not np.allclose(there, here, rtol=SAME_LINES, atol=0):
             raise DataError(
                 f"'{name}' has {len(there)} lines from {there[0]:.6g} to {there[-1]:.6g} Hz, "
                 f"'{self.points[0]}' {len(here)} from {here[0]:.6g} to {here[-1]:.6g} Hz; poles "
                 "common to several points need the same lines at each: export them alike"
             )
-        if (one.shift, one.record) != (first.shift, first.record):
+        if (frf.shift, frf.record) != (first.shift, first.record):
             raise DataError(
                 f"'{name}' has another window or another length of record than "
                 f"'{self.points[0]}'; expected the same at every point: average them alike"
@@ -87,20 +87,20 @@ class FRFSet(EqualByValue):
         """
         if not self.over_base:
             return self
-        each = tuple(one.to(Kind.ACCELERANCE, mass=mass) for one in self.frfs)
-        return FRFSet(each, self.points)
+        frfs = tuple(frf.to(Kind.ACCELERANCE, mass=mass) for frf in self.frfs)
+        return FRFSet(frfs, self.points)
 
     @property
     def accelerance(self) -> ComplexArray:
         """1/kg, shape (points, n)."""
-        return np.array([one.to(Kind.ACCELERANCE).value for one in self.frfs])
+        return np.array([frf.to(Kind.ACCELERANCE).value for frf in self.frfs])
 
     @property
     def sd(self) -> FloatArray | None:
         """Of the accelerance, 1/kg, shape (points, n); None where one point does not know it."""
-        each = [one.to(Kind.ACCELERANCE).random_sd for one in self.frfs]
-        known = [one for one in each if one is not None]
-        return np.array(known) if len(known) == len(each) else None
+        columns = [frf.to(Kind.ACCELERANCE).random_sd for frf in self.frfs]
+        arrays = [column for column in columns if column is not None]
+        return np.array(arrays) if len(arrays) == len(columns) else None
 
     def modes(
         self, *, band: tuple[float, float] | None = None, count: int | None = None
@@ -119,10 +119,10 @@ class FRFSet(EqualByValue):
         DataError
             If the band holds too few lines.
         """
-        found: tuple[ModeShape, ...] = load_function("vibration.modal.multi_point", "find_shapes")(
+        shapes: tuple[ModeShape, ...] = load_function("vibration.modal.multi_point", "find_shapes")(
             self, band=band, count=count
         )
-        return found
+        return shapes
 
 
 @dataclass(frozen=True, eq=False)

@@ -112,22 +112,22 @@ class ImpactTest(EqualByValue, HasSummary, Serialisable):
     @property
     def series(self) -> Series:
         """Force and accelerations over time, and the number of the record."""
-        felt = zip(self.channels, self.acceleration, strict=True)
+        pairs = zip(self.channels, self.acceleration, strict=True)
         return {
             "time": (self.time, "s"),
             "record": (number_of_run(self.starts, len(self.time)), ""),
             "force": (self.force, "N"),
-            **{name: (row, "m/s^2") for name, row in felt},
+            **{name: (row, "m/s^2") for name, row in pairs},
         }
 
     @property
     def described(self) -> tuple[str, ...]:
         """Which records they are, and what was measured."""
-        one = self.source[0] if len(self.source) == 1 else None
+        single_source = self.source[0] if len(self.source) == 1 else None
         files = ", ".join(source.file for source in self.source)
         return (
-            describe_record_source(one, len(self.time))
-            + (f" of {files}" if one is None and files else ""),
+            describe_record_source(single_source, len(self.time))
+            + (f" of {files}" if single_source is None and files else ""),
             (
                 f"{len(self.starts)} record{'s' * (len(self.starts) != 1)} at {self.rate:.6g} Hz, "
                 f"hammer to {np.abs(self.force).max():.4g} N, {', '.join(self.channels)}"
@@ -140,8 +140,8 @@ class ImpactTest(EqualByValue, HasSummary, Serialisable):
         `how` says it otherwise: ``estimator``, ``window``, ``combine``, ``accept``, ``reject``,
         ``record``, ``mass``.
         """
-        found: FRF = load_function("vibration.impact.frf_estimation", "estimate_frf")(self, **how)
-        return found
+        frf: FRF = load_function("vibration.impact.frf_estimation", "estimate_frf")(self, **how)
+        return frf
 
     def records(self) -> tuple[slice, ...]:
         """The continuous records, as slices of the samples."""

@@ -185,10 +185,10 @@ class Machine:
         ------
         DataError
         """
-        for one in iterate_option_fields(self):
-            if getattr(self, one.name) is not None and one.name not in names:
+        for field in iterate_option_fields(self):
+            if getattr(self, field.name) is not None and field.name not in names:
                 raise DataError(
-                    f"--machine {key_of(one)}= does not suit {of}. Leave it out; it takes "
+                    f"--machine {key_of(field)}= does not suit {of}. Leave it out; it takes "
                     f"{', '.join(names)}"
                 )
 
@@ -228,8 +228,8 @@ class Machine:
         usual = USUAL["drift over the record"].size * final / duration
         if noise is None:
             return usual
-        each = USUAL["drift rate"].size * final, USUAL["drift of a noisy cell"].size * noise
-        return max(usual, math.hypot(*each) / math.sqrt(1 + duration / USUAL["warm after"].size))
+        values = USUAL["drift rate"].size * final, USUAL["drift of a noisy cell"].size * noise
+        return max(usual, math.hypot(*values) / math.sqrt(1 + duration / USUAL["warm after"].size))
 
     def drift_told(
         self,
@@ -283,8 +283,10 @@ class Machine:
 
     def __post_init__(self) -> None:
         si_fields(self)
-        known = select_fields(self, "sync", "drift", "compliance", "creep", "rest", "oven", "cable")
+        fields = select_fields(
+            self, "sync", "drift", "compliance", "creep", "rest", "oven", "cable"
+        )
         require_nonnegative(
-            "machine ", **known, expected="a number >= 0 in SI units", optional=True
+            "machine ", **fields, expected="a number >= 0 in SI units", optional=True
         )
         require_positive("machine ", force_filter=self.force_filter, unit=" Hz", optional=True)

@@ -211,21 +211,21 @@ class ParameterEstimate(EqualByValue):
             return self
         return replace(self, covariance=self.of_noise, of_noise=None)
 
-    def with_rig(self, unseen: FloatArray) -> ParameterEstimate:
+    def with_rig(self, unmeasured: FloatArray) -> ParameterEstimate:
         """With what doubts of a rig move the parameters by, a column each, shape (p, d)."""
         return replace(
             self,
-            covariance=self.covariance + unseen @ unseen.T,
+            covariance=self.covariance + unmeasured @ unmeasured.T,
             of_noise=self.noise_alone.covariance,
         )
 
     def scaled(self, by: FloatArray) -> ParameterEstimate:
         """Of parameters so many times as large each, shape (p,)."""
-        each = np.outer(by, by)
+        products = np.outer(by, by)
         return replace(
             self,
-            covariance=self.covariance * each,
-            of_noise=None if self.of_noise is None else self.of_noise * each,
+            covariance=self.covariance * products,
+            of_noise=None if self.of_noise is None else self.of_noise * products,
         )
 
     def of_arms(self, solid: FractionalZener) -> ParameterEstimate:
@@ -234,10 +234,10 @@ class ParameterEstimate(EqualByValue):
         rows = [self.parameters.index(name) for name in ELEMENT]
 
         def transform_covariance(covariance: FloatArray) -> FloatArray:
-            own = covariance[np.ix_(rows, rows)]
-            if not np.isfinite(own).all():
+            values = covariance[np.ix_(rows, rows)]
+            if not np.isfinite(values).all():
                 return np.diag(np.full(len(gradient), inf))
-            return np.asarray(gradient @ own @ gradient.T)
+            return np.asarray(gradient @ values @ gradient.T)
 
         return ParameterEstimate(
             parameter_names(len(gradient) // 2),
@@ -267,12 +267,12 @@ class ParameterEstimate(EqualByValue):
         slopes = model.arm_slopes(s)[0] / K[:, None]
         # d ln K = d ln |K| + j d(angle); the loss factor is the tangent of the angle
         size, angle = (
-            np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", one, covariance, one), 0.0))
-            for one in (slopes.real, slopes.imag)
+            np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", values, covariance, values), 0.0))
+            for values in (slopes.real, slopes.imag)
         )
         loss_factor = K.imag / K.real
-        known = np.where(loss_factor > 0, loss_factor, np.nan)
-        ratio = (1 + known**2) / known * angle
+        indices = np.where(loss_factor > 0, loss_factor, np.nan)
+        ratio = (1 + indices**2) / indices * angle
         return float(size.max()), float(np.nanmax(ratio)) if np.isfinite(ratio).any() else inf
 
     def facts(self, solid: Solid, unit: str, level: float = 0.95) -> tuple[ReportedValue, ...]:
@@ -288,20 +288,20 @@ class ParameterEstimate(EqualByValue):
         """
         units = {"k": unit, "tau": "s", "b": "N s/m" if unit == "N/m" else f"{unit} s"}
         ends = self.ends(solid, level)
-        found = [
+        facts = [
             ReportedValue(
                 row.name, float(row.value), *ends[row.name],
                 units.get(row.name.partition("_")[0], ""), row.standard_error,
             )
             for row in self._rows(solid)
         ]  # fmt: skip
-        given = 0.0 if isinstance(solid, FractionalZener) else solid.maxwell.b
-        if given > 0:
+        provided = 0.0 if isinstance(solid, FractionalZener) else solid.maxwell.b
+        if provided > 0:
             error = self._error("b") if "b" in self.parameters else None
             reach = nan if error is None else self.quantile(level) * error
-            low, high = max(given - reach, 0.0), given + reach
-            found.append(ReportedValue("b", given, low, high, units["b"], error))
-        return tuple(found)
+            low, high = max(provided - reach, 0.0), provided + reach
+            facts.append(ReportedValue("b", provided, low, high, units["b"], error))
+        return tuple(facts)
 
     def standard_errors(self, solid: Solid) -> StandardErrors:
         """Standard errors of k_inf, and of k, tau and b = k tau of each arm of `solid`."""
@@ -346,7 +346,7 @@ class ParameterEstimate(EqualByValue):
         quantile = self.quantile(level)
         profiles = {profile.parameter: profile for profile in self.profiles}
         noise = {row.name: row.error for row in self.noise_alone._rows(solid)}
-        found = {}
+        entries = {}
         for row in self._rows(solid):
             profile = profiles.get(f"ln_{row.name}" if row.log else row.name)
             if profile is None:
@@ -355,13 +355,13 @@ class ParameterEstimate(EqualByValue):
                 low, high = at - reach, at + reach
             else:
                 low, high = profile_interval(profile, deviance_limit=quantile**2)
-                unseen = row.error**2 - noise[row.name] ** 2 if isfinite(row.error) else 0.0
-                if unseen > 0:
-                    at, further = profile.best, quantile * sqrt(unseen)
-                    low, high = at - hypot(at - low, further), at + hypot(high - at, further)
+                difference = row.error**2 - noise[row.name] ** 2 if isfinite(row.error) else 0.0
+                if difference > 0:
+                    at, extra = profile.best, quantile * sqrt(difference)
+                    low, high = at - hypot(at - low, extra), at + hypot(high - at, extra)
             ends = (_exp(low), _exp(high)) if row.log else (max(low, 0.0), min(high, row.most))
-            found[row.name] = ends
-        return found
+            entries[row.name] = ends
+        return entries
 
     def quantile(self, level: float) -> float:
         """Standard errors to either end of an interval at `level`."""
@@ -441,16 +441,16 @@ class CreepEstimate(FrozenArrays):
         )
 
 
-def _split_by_kind(each: Iterable[tuple[str, Any]]) -> dict[str, Any]:
+def _split_by_kind(group: Iterable[tuple[str, Any]]) -> dict[str, Any]:
     """What is told of k_inf, and of k, tau and b of every arm."""
-    found: dict[str, Any] = {"k_inf": None, "k": (), "tau": (), "b": ()}
-    for name, one in each:
+    entries: dict[str, Any] = {"k_inf": None, "k": (), "tau": (), "b": ()}
+    for name, item in group:
         kind, _, place = name.partition("_")
         if place.isdecimal():
-            found[kind] = (*found[kind], one)
+            entries[kind] = (*entries[kind], item)
         else:
-            found[name] = one
-    return found
+            entries[name] = item
+    return entries
 
 
 def profile_interval(profile: Profile, *, deviance_limit: float) -> Interval:

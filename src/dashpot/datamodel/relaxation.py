@@ -278,9 +278,9 @@ class RampHold(EqualByValue, Plottable, Serialisable):
 
     def held_until(self, hold_end: float) -> RampHold:
         """Return the record with an earlier end of its hold, s; its readings are the same."""
-        found = replace(self, hold_end=min(hold_end, self.hold_end))
-        vars(found)["displacement_quantum"] = self.displacement_quantum
-        return found
+        record = replace(self, hold_end=min(hold_end, self.hold_end))
+        vars(record)["displacement_quantum"] = self.displacement_quantum
+        return record
 
     @cached_property
     def step(self) -> float:
@@ -327,8 +327,8 @@ class RampHold(EqualByValue, Plottable, Serialisable):
             stop = first + 9 * (stop - first) // 10
             if stop - first >= FEWEST_UNLOADED:
                 return slice(first, stop)
-        moved = np.flatnonzero(self.displacement != 0)
-        return slice(0, int(moved[0]) if moved.size else 0)
+        indices = np.flatnonzero(self.displacement != 0)
+        return slice(0, int(indices[0]) if indices.size else 0)
 
     @property
     def _contact_clearance(self) -> float:
@@ -340,18 +340,18 @@ class RampHold(EqualByValue, Plottable, Serialisable):
         """The record from the stand before the loading that is fitted on, as if it were all."""
         if self.loading_start is None:
             return self
-        kept = slice(self.start, None)
-        found = replace(
+        span = slice(self.start, None)
+        record = replace(
             self,
-            time=self.time[kept],
-            displacement=self.displacement[kept],
-            force=self.force[kept],
-            given=None if self.given is None else self.given[kept],
-            plate=None if self.plate is None else self.plate[kept],
+            time=self.time[span],
+            displacement=self.displacement[span],
+            force=self.force[span],
+            given=None if self.given is None else self.given[span],
+            plate=None if self.plate is None else self.plate[span],
             loading_start=None,
         )
-        vars(found)["displacement_quantum"] = self.displacement_quantum
-        return found
+        vars(record)["displacement_quantum"] = self.displacement_quantum
+        return record
 
     @property
     def encoder_step(self) -> float:
@@ -387,8 +387,8 @@ class RampHold(EqualByValue, Plottable, Serialisable):
         edges = np.searchsorted(t, np.geomspace(SETTLING * self.ramp_time, t[-1], 13))
         last = float(x[-max(1, len(x) // 10) :].mean())
         means = [x[a:b].mean() for a, b in pairwise(edges) if b > a]
-        moved = [last - float(mean) for mean in means]
-        return max(moved, key=abs, default=0.0) / self.depth
+        changes = [last - float(mean) for mean in means]
+        return max(changes, key=abs, default=0.0) / self.depth
 
     @cached_property
     def reading(self) -> FloatArray:
@@ -448,11 +448,11 @@ def quantum(values: FloatArray) -> float:
 
 def _evenly_climbed(values: FloatArray, step: float) -> bool:
     """True if the steps are those of a perfect ramp between perfect rests, not of a converter."""
-    moved = np.abs(np.diff(values))
-    moving = moved > 0.5 * step
+    magnitude = np.abs(np.diff(values))
+    moving = magnitude > 0.5 * step
     # a converter that counts a ramp in single steps also pauses on it
     lone = moving[1:-1] & ~(moving[:-2] & moving[2:])
-    single = np.mean(np.abs(moved[moving] / step - 1) < 0.02) > 0.9
+    single = np.mean(np.abs(magnitude[moving] / step - 1) < 0.02) > 0.9
     if single and np.count_nonzero(lone) < 0.1 * np.count_nonzero(moving) + 4:
         return True
     # counts finer than that are told from a path that was sent by nothing, and cost nothing

@@ -183,15 +183,15 @@ class SealSection:
             raise DataError(f"the fit is of a material, in {here.unit}: a seal line needs a part's")
         metres = here.specimen.length if length is None else convert_to_si(length, "length")
         if metres is None or not (np.isfinite(metres) and metres > 0):
-            said = "is not known" if metres is None else f"is {metres!r} m"
+            text = "is not known" if metres is None else f"is {metres!r} m"
             raise DataError(
-                f"the length of the piece of seal that was tested {said}; expected one > 0, of "
+                f"the length of the piece of seal that was tested {text}; expected one > 0, of "
                 'which the stiffness of a metre follows: length = "100mm" in [seal] '
                 "(Python: length=)"
             )
         law = here.elastic_law
-        own = None if law is None or law.kind == "linear" else law * (1 / metres)
-        return cls((1 / metres) * here.solid, own, here.band, shear or Shear(), friction)
+        elastic_law = None if law is None or law.kind == "linear" else law * (1 / metres)
+        return cls((1 / metres) * here.solid, elastic_law, here.band, shear or Shear(), friction)
 
     def path(self, compression: npt.ArrayLike) -> FloatArray:
         """What the solid is pressed by, m, where the seal is: less where it is softer at first.
@@ -228,17 +228,17 @@ class SealSection:
                 "the seal is not linear and how far it is pressed along the line is not stated; "
                 "give its compression, or gap and height"
             )
-        found = [LineDirection(self.solid, share, stations.normal)]
+        directions = [LineDirection(self.solid, share, stations.normal)]
         for name, direction in (("across", stations.across), ("along", stations.tangent)):
-            one, rubs = getattr(self.shear, name), None
+            solid, rubs = getattr(self.shear, name), None
             if self.friction is not None:
                 stuck = getattr(self.friction, name) * self.solid.k_inf * share
                 rubs = (stuck, self._slip(stations))
-            if isinstance(one, Solid):
-                found.append(LineDirection(one, pieces, direction, rubs))
+            if isinstance(solid, Solid):
+                directions.append(LineDirection(solid, pieces, direction, rubs))
             else:
-                found.append(LineDirection(self.solid, one * share, direction, rubs))
-        return tuple(found)
+                directions.append(LineDirection(self.solid, solid * share, direction, rubs))
+        return tuple(directions)
 
     def _slip(self, stations: Stations) -> FloatArray:
         """Force at which each station slips sideways, N, shape (n,)."""
@@ -370,9 +370,9 @@ class SealLine(EqualByValue):
                 )
             pressed = np.broadcast_to(pressed, len(points))
             object.__setattr__(self, "compression", frozen(pressed.copy()))
-        given: Any = self.section
-        if given is not None and not isinstance(given, SealSection):
-            object.__setattr__(self, "section", SealSection(given))
+        section: Any = self.section
+        if section is not None and not isinstance(section, SealSection):
+            object.__setattr__(self, "section", SealSection(section))
         object.__setattr__(self, "joints", tuple(self.joints))
         for joint in self.joints:
             if not (0 <= joint.at <= self.length and 0 < joint.length <= self.length):
@@ -390,8 +390,8 @@ class SealLine(EqualByValue):
     @property
     def closed(self) -> bool:
         """Whether its last point is its first."""
-        apart = float(np.linalg.norm(self.points[0] - self.points[-1]))
-        return apart <= CLOSED * self.length
+        norm = float(np.linalg.norm(self.points[0] - self.points[-1]))
+        return norm <= CLOSED * self.length
 
     @property
     def along(self) -> FloatArray:
@@ -402,7 +402,7 @@ class SealLine(EqualByValue):
         """Direction in which the seal is pressed so far along the line, m, shape (..., 3)."""
         if len(self.normal) < len(self.points):
             return np.asarray(self.normal[self._piece(along)])
-        field = np.stack([np.interp(along, self.along, one) for one in self.normal.T], axis=-1)
+        field = np.stack([np.interp(along, self.along, item) for item in self.normal.T], axis=-1)
         return np.asarray(field / np.linalg.norm(field, axis=-1, keepdims=True))
 
     def stations(self, pitch: Quantity) -> Stations:
@@ -436,7 +436,7 @@ class SealLine(EqualByValue):
         pressed = self.compression
         return Stations(
             at,
-            np.stack([np.interp(at, self.along, one) for one in self.points.T], axis=1),
+            np.stack([np.interp(at, self.along, item) for item in self.points.T], axis=1),
             normal,
             tangent / np.linalg.norm(tangent, axis=1)[:, None],
             np.repeat(0.5 * cell, 2),
@@ -478,23 +478,25 @@ class SealLine(EqualByValue):
         first, last = self.compression[:-1], self.compression[1:]
         crossed = np.flatnonzero(first * last < 0)
         share = first[crossed] / (first - last)[crossed]
-        found: list[float] = (self.along[crossed] + share * _lengths(self.points)[crossed]).tolist()
-        return found
+        values: list[float] = (
+            self.along[crossed] + share * _lengths(self.points)[crossed]
+        ).tolist()
+        return values
 
     def _joints(self) -> list[tuple[float, float, float]]:
         """From where to where each joint reaches, m, and its factor; round a closed line again."""
         rounds = (-self.length, 0.0, self.length) if self.closed else (0.0,)
         return [
-            (one.at - one.length / 2 + turn, one.at + one.length / 2 + turn, one.factor)
-            for one in self.joints
+            (joint.at - joint.length / 2 + turn, joint.at + joint.length / 2 + turn, joint.factor)
+            for joint in self.joints
             for turn in rounds
         ]
 
     def _factor(self, middle: FloatArray) -> FloatArray:
         """That of the joints that lie there; those that lie one over the other add."""
         factor = np.ones(len(middle))
-        for first, last, each in self._joints():
-            factor += (each - 1) * ((first < middle) & (middle < last))
+        for first, last, value in self._joints():
+            factor += (value - 1) * ((first < middle) & (middle < last))
         return np.maximum(factor, 0.0)
 
 
@@ -508,9 +510,9 @@ def _cells(breaks: FloatArray, wanted: float) -> tuple[FloatArray, FloatArray]:
     return first + (rank + 0.5) * cell, cell
 
 
-def _points(given: npt.ArrayLike) -> FloatArray:
+def _points(value: npt.ArrayLike) -> FloatArray:
     """Points that make a line, or what is wrong with them."""
-    points = np.array(given, dtype=float)
+    points = np.array(value, dtype=float)
     if points.ndim != 2 or points.shape[1] != 3 or len(points) < 2:
         raise DataError(
             f"a seal line needs at least two points x, y, z; found shape {points.shape}"
@@ -532,9 +534,9 @@ def _points(given: npt.ArrayLike) -> FloatArray:
     return points
 
 
-def _normals(given: npt.ArrayLike, points: FloatArray) -> FloatArray:
+def _normals(value: npt.ArrayLike, points: FloatArray) -> FloatArray:
     """Unit normals at each point, or of each piece, or what is wrong with them."""
-    normal, count = np.array(given, dtype=float), len(points)
+    normal, count = np.array(value, dtype=float), len(points)
     if normal.shape not in {(3,), (count, 3), (count - 1, 3)}:
         raise DataError(
             f"the normal of a seal line is one direction, or one for each of its {count} points "

@@ -113,10 +113,10 @@ class TemperatureShifts(EqualByValue, Serialisable):
             ("covariance", 2 * len(self.shifts)),
             ("law_covariance", len(self.law_parameters)),
         ):
-            found = np.asarray(getattr(self, name), dtype=float).reshape(-1)
-            if found.size != rows * rows:
-                raise DataError(f"{name} has {found.size} values, expected {rows} x {rows}")
-            object.__setattr__(self, name, frozen(found.reshape(rows, rows)))
+            values = np.asarray(getattr(self, name), dtype=float).reshape(-1)
+            if values.size != rows * rows:
+                raise DataError(f"{name} has {values.size} values, expected {rows} x {rows}")
+            object.__setattr__(self, name, frozen(values.reshape(rows, rows)))
         cross = np.asarray(self.cross, dtype=float).reshape(-1, 2 * len(self.shifts) + 1)
         object.__setattr__(self, "cross", frozen(cross))
         rising = [shift.temperature for shift in self.shifts]
@@ -171,9 +171,9 @@ class TemperatureShifts(EqualByValue, Serialisable):
                 "by the fitted law, the law fails: test there"
             )
         log_a, tau = float(np.log(self.law.a_t(temperature))), np.asarray(solid.tau)
-        moved = np.exp(shifted_log_tau(np.log(tau), log_a, self.slope))
+        change = np.exp(shifted_log_tau(np.log(tau), log_a, self.slope))
         whole = solid.shifted(float(np.exp(log_a)), self.b_t(temperature))
-        return replace(whole, tau=tuple(moved.tolist()))
+        return replace(whole, tau=tuple(change.tolist()))
 
     def error(self, temperature: float) -> tuple[float, float]:
         """Standard errors of ln a_T and of ln b_T at T, K."""
@@ -240,7 +240,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         whole[size, size], whole[size + 1, size + 1] = of_a**2, of_b**2
         if len(self.cross) == size + 1:
             at = [shift.temperature for shift in self.shifts]
-            near = np.array([np.interp(temperature, at, one) for one in np.eye(count)])
+            near = np.array([np.interp(temperature, at, values) for values in np.eye(count)])
             other = np.column_stack(
                 (
                     self.cross[:, :count] @ near * _LN10,
@@ -257,7 +257,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         at = [shift.temperature for shift in self.shifts]
         log_a = _LN10 * np.gradient([shift.log10_a_t for shift in self.shifts], at)
         log_b = np.gradient(np.log([shift.b_t for shift in self.shifts]), at)
-        by_a, by_b = (float(np.interp(temperature, at, one)) for one in (log_a, log_b))
+        by_a, by_b = (float(np.interp(temperature, at, values)) for values in (log_a, log_b))
         return by_a, by_b
 
     def referred(self, temperature: float) -> TemperatureShifts:
@@ -275,8 +275,8 @@ class TemperatureShifts(EqualByValue, Serialisable):
         away, b_t = float(self.law.log10_a_t(temperature)), self.b_t(temperature)
         scale = 1 / (1 + self.slope * away)
         every = np.array(sorted({*at, temperature}))
-        near = np.array([np.interp(temperature, at, one) for one in np.eye(len(at))])
-        turn = np.array([np.interp(every, at, one) for one in np.eye(len(at))]).T - near
+        near = np.array([np.interp(temperature, at, values) for values in np.eye(len(at))])
+        turn = np.array([np.interp(every, at, values) for values in np.eye(len(at))]).T - near
         turn[every == temperature] = 0.0
         both = np.kron(np.diag([scale, 1.0]), turn)
         covariance = propagate_covariance(both, self.covariance)
@@ -334,8 +334,8 @@ class TemperatureShifts(EqualByValue, Serialisable):
         if isinstance(law, Arrhenius):
             return Arrhenius(scale * law.energy, temperature), np.array([[scale]])
         every = tuple(shift.temperature for shift in shifts)
-        known = tuple(shift.log10_a_t for shift in shifts)
-        return FreeShifts(every, known, temperature), np.zeros((0, 0))
+        values = tuple(shift.log10_a_t for shift in shifts)
+        return FreeShifts(every, values, temperature), np.zeros((0, 0))
 
     def nearest(self, temperature: float) -> Shift:
         """The tested temperature nearest to T, K."""
@@ -352,7 +352,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         if isinstance(self.law, FreeShifts):
             unit = np.eye(len(self.shifts))
             inverse = [-1 / shift.temperature for shift in self.shifts]
-            return np.array([np.interp(-1 / temperature, inverse, one) for one in unit])
+            return np.array([np.interp(-1 / temperature, inverse, values) for values in unit])
         return np.array([self._slope(name, temperature) for name in self.law_parameters])
 
     def _slope(self, name: str, temperature: float) -> float:
@@ -405,8 +405,8 @@ def find_near_samples(temperature: FloatArray | None, asked: float) -> BoolArray
 
 def has_several_temperatures(temperature: FloatArray | None) -> bool:
     """Whether samples are too far apart in temperature, K, to be of one solid."""
-    known = np.zeros(0) if temperature is None else np.asarray(temperature)
-    return bool(known.size and np.ptp(known) > ONE_TEMPERATURE)
+    values = np.zeros(0) if temperature is None else np.asarray(temperature)
+    return bool(values.size and np.ptp(values) > ONE_TEMPERATURE)
 
 
 def format_temperature_range(temperature: FloatArray | None) -> str:
@@ -419,11 +419,11 @@ def format_temperature_range(temperature: FloatArray | None) -> str:
 def propagate_covariance(turn: FloatArray, covariance: FloatArray) -> FloatArray:
     """Covariance of `turn` times what has this one; where it is infinite, so is what it reaches."""
     unknown = np.isinf(np.diag(covariance))
-    found = np.asarray(turn @ np.where(np.isfinite(covariance), covariance, 0.0) @ turn.T)
+    values = np.asarray(turn @ np.where(np.isfinite(covariance), covariance, 0.0) @ turn.T)
     reached = (turn[:, unknown] != 0).any(axis=1)
-    found[reached], found[:, reached] = 0.0, 0.0
-    found[reached, reached] = np.inf
-    return found
+    values[reached], values[:, reached] = 0.0, 0.0
+    values[reached, reached] = np.inf
+    return values
 
 
 def shifted_log_tau(log_tau: FloatArray, log_a: float, slope: float) -> FloatArray:

@@ -66,8 +66,8 @@ class Specimen:
 
     def over(self, other: Specimen) -> Specimen:
         """What is said here, and what the other says wherever nothing is said here."""
-        said = {one.name: getattr(self, one.name) for one in fields(self)}
-        return replace(other, **{name: value for name, value in said.items() if value})
+        stated = {field.name: getattr(self, field.name) for field in fields(self)}
+        return replace(other, **{name: value for name, value in stated.items() if value})
 
     def __post_init__(self) -> None:
         si_fields(self)
@@ -124,6 +124,6 @@ def make_file_specimens(
             f"--temperature was given {len(temperatures)} times for {files} files; give it once "
             "for all of them, or once for each, in their order"
         )
-    each = list(temperatures) * (files if len(temperatures) == 1 else 1)
-    known = specimen or Specimen()
-    return tuple(replace(known, temperature=kelvin) for kelvin in each)
+    values = list(temperatures) * (files if len(temperatures) == 1 else 1)
+    resolved_specimen = specimen or Specimen()
+    return tuple(replace(resolved_specimen, temperature=kelvin) for kelvin in values)

@@ -52,10 +52,10 @@ def __getattr__(name: str) -> Callable[..., DeckText]:
     return TARGETS[name]
 
 
-def _format_unsupported_option(name: str, *, elsewhere: bool) -> str:
+def _format_unsupported_option(name: str, *, alternative: bool) -> str:
     """The option of an argument that a target lacks, and which other targets have it."""
-    those = [one for one in TARGETS if name in signature(TARGETS[one]).parameters]
-    more = f". Those of {', '.join(those)} do" if those and elsewhere else ""
+    those = [text for text in TARGETS if name in signature(TARGETS[text]).parameters]
+    more = f". Those of {', '.join(those)} do" if those and alternative else ""
     return option_of(name) + more
 
 
@@ -70,7 +70,7 @@ def reads(target: str, argument: str) -> bool:
 
 def deck_for(
     target: str,
-    found: object,
+    result: object,
     *,
     seals: float = 1.0,
     compression: float | None = None,
@@ -82,7 +82,7 @@ def deck_for(
     Parameters
     ----------
     target : str
-    found : Solid, Fit or another result that a row names
+    result : Solid, Fit or another result that a row names
         Of one seal; of a material, whose card is written.
     seals : float
     compression : float, optional
@@ -98,31 +98,31 @@ def deck_for(
         If there is no such target, it takes no such choice, or refuses the fit.
     """
     find_writer(target)
-    export = find_handler("export", found)
+    export = find_handler("export", result)
     if export is None:
-        raise ExportError(f"a {type(found).__name__} has no deck")
+        raise ExportError(f"a {type(result).__name__} has no deck")
     made = {name: value for name, value in choices.items() if value is not None}
     deck: DeckText = export(
-        target, found, seals=seals, compression=compression, temperature=temperature, **made
+        target, result, seals=seals, compression=compression, temperature=temperature, **made
     )
     return deck
 
 
 def refuse_untaken(
-    target: str, write: Callable[..., DeckText], choices: Collection[str], *, elsewhere: bool = True
+    target: str, write: Callable[..., DeckText], choices: Collection[str], *, outside: bool = True
 ) -> None:
     """Raise where what writes a deck does not take a choice.
 
     Raises
     ------
     ExportError
-        It lists the solvers whose decks take it where `elsewhere`.
+        It lists the solvers whose decks take it where `outside`.
     """
-    known = signature(write).parameters
+    parameters = signature(write).parameters
     for name in choices:
-        if name not in known:
+        if name not in parameters:
             raise ExportError(
-                f"{target} decks take no {_format_unsupported_option(name, elsewhere=elsewhere)}"
+                f"{target} decks take no {_format_unsupported_option(name, alternative=outside)}"
             )
 
 

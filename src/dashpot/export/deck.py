@@ -236,48 +236,50 @@ class Deck:
         remarks: Sequence[str] = (),
         table: Table | None = None,
         nominal: float | None = None,
-        said: Callable[[str], str] = convert_to_printable_ascii,
+        function: Callable[[str], str] = convert_to_printable_ascii,
     ) -> DeckText:
         """The text of the deck: its header behind the target's comment sign, then its cards.
 
         What a `table` is follows the remarks, and which of its rows the test says nothing of; so
         with a `nominal` frequency, Hz, whose stiffness the deck holds.
-        `said` is how the target takes a line of others' words.
+        `function` is how the target takes a line of others' words.
         """
         informed = self._check_valid_band(table, nominal)
-        found = self._verdict(informed)
+        verdict = self._verdict(informed)
         header = [
             byline(title),
-            *(() if found is None else (f"{found.use.upper()}: {found.says}",)),
+            *(() if verdict is None else (f"{verdict.use.upper()}: {verdict.says}",)),
             *self._format_header_lines(),
             verified,
             *remarks,
             *(() if table is None else (table.sentence,)),
             *(f"EXTRAPOLATED: {check.says}" for check in informed if check.failed),
         ]
-        lines = [*(f"{comment} {said(line)}" for line in header), *body, ""]
+        lines = [*(f"{comment} {function(line)}" for line in header), *body, ""]
         made = DeckText("\n".join(lines))
-        made.verdict, made.overrides = found, self.overrides
+        made.verdict, made.overrides = verdict, self.overrides
         made.checks = (*self.checks, *informed)
         return made
 
     def _check_valid_band(self, table: Table | None, nominal: float | None) -> tuple[Check, ...]:
         """Whether the test, if there is one, informs every row of a table, and what is nominal."""
-        found: list[Check] = []
+        checks: list[Check] = []
         if nominal is not None and self.band is not None:
-            found.append(nominal_informed(self.extrapolated(nominal), nominal))
+            checks.append(nominal_informed(self.extrapolated(nominal), nominal))
         if table is not None and self.band is not None:
             f = table.frequency.tolist()
-            outside = [each for each in f if self.extrapolated(each)]
-            found.append(rows_informed(len(outside), len(f), *((outside or f)[i] for i in (0, -1))))
-        return tuple(found)
+            outside = [item for item in f if self.extrapolated(item)]
+            checks.append(
+                rows_informed(len(outside), len(f), *((outside or f)[i] for i in (0, -1)))
+            )
+        return tuple(checks)
 
     def _verdict(self, informed: tuple[Check, ...]) -> Verdict | None:
         if self.fit is None:
             return None
         # the fit's own checks are counted, as its text counts them
         failed = tuple(check for check in informed if check.failed)
-        return verdict((*self.fit.checks, *failed), sound=self.fit.sound)
+        return verdict((*self.fit.checks, *failed), headline=self.fit.sound)
 
     def _format_header_lines(self) -> list[str]:
         units, specimen = self.units, self.specimen
@@ -365,8 +367,8 @@ class Deck:
             lines += scaled
         else:
             lines.append(f"fit: {', '.join([self.fit.identity, *scaled])}")
-            lines += [f"source: {each.file} sha256 {each.sha256}" for each in self.fit.source]
-            if any(each.simulated for each in self.fit.source):
+            lines += [f"source: {source.file} sha256 {source.sha256}" for source in self.fit.source]
+            if any(source.simulated for source in self.fit.source):
                 lines.append("SIMULATED: the test behind this deck was made by a virtual rig")
         return lines
 

@@ -90,17 +90,17 @@ def target(
                 )
             for argument, able in only.items():
                 if own.get(argument) is not None and form in forms and form not in able:
-                    asked = option_of(argument)
+                    option = option_of(argument)
                     raise ExportError(
-                        f"{name} decks of the form {form} read no {asked}: leave it out, or add "
+                        f"{name} decks of the form {form} read no {option}: leave it out, or add "
                         f"--form {able[0]} (Python: {argument}, form='{able[0]}')"
                     )
             deck = open_deck(solid, name, form, forms, units=units, specimen=specimen, allow=allow)
             return cards(deck, **own)
 
-        asked = signature(write)
-        common = list(asked.parameters.values())[:-1]
-        update_wrapper(write, cards).__signature__ = asked.replace(parameters=[*common, *own])  # type: ignore[attr-defined]
+        request = signature(write)
+        common = list(request.parameters.values())[:-1]
+        update_wrapper(write, cards).__signature__ = request.replace(parameters=[*common, *own])  # type: ignore[attr-defined]
         write.only = only  # type: ignore[attr-defined]
         return write
 
@@ -176,22 +176,22 @@ def open_deck(
 
 def _apply_temperature(fit: Fit, specimen: Specimen | None) -> Fit:
     """The fit at the temperature asked for; one that nobody noted is only said now."""
-    asked = None if specimen is None else specimen.temperature
-    if asked is None or (fit.temperatures is None and fit.specimen.temperature is None):
+    temperature = None if specimen is None else specimen.temperature
+    if temperature is None or (fit.temperatures is None and fit.specimen.temperature is None):
         return fit
     try:
-        moved = fit.at_temperature(asked)
+        shifted_fit = fit.at_temperature(temperature)
     except DataError as error:
         raise ExportError(
             f"{error}; if the temperature of the test was noted wrong, fit it again with "
             "--temperature (Python: Specimen(temperature=...))"
         ) from None
     if fit.temperatures is None:
-        return moved
-    tested = temperature_tested(fit.temperatures, asked)
+        return shifted_fit
+    tested = temperature_tested(fit.temperatures, temperature)
     # the fit's own checks are counted, as its text counts them
-    checks = (*moved.checks, *((tested,) if tested.failed else ()))
-    return replace(moved, evidence=replace(moved.evidence, checks=checks))
+    checks = (*shifted_fit.checks, *((tested,) if tested.failed else ()))
+    return replace(shifted_fit, evidence=replace(shifted_fit.evidence, checks=checks))
 
 
 def overlooked(
@@ -211,21 +211,25 @@ def overlooked(
         sentence: all at once.
     """
     refused = {name: both for name, both in problems.items() if not {name, "all"} & set(allow)}
-    asked = [*([NO_UNITS] if units is None else []), *missing]
+    requested = [*([NO_UNITS] if units is None else []), *missing]
     if refused:
-        found = "; ".join(
+        text = "; ".join(
             f"{says} ({remedy})" for says, remedy in (problems[name] for name in refused)
         )
         names = ", ".join(f"'{name}'" for name in refused)
-        asked += [
-            found,
+        requested += [
+            text,
             (
                 f"To write the {what} all the same, with a mark in its header, allow {names}: "
                 "--allow NAME for each, or --allow all"
             ),
         ]
-    if asked:
-        raise ExportError(". ".join([asked[0], paragraph(*asked[1:])[:-1]] if asked[1:] else asked))
+    if requested:
+        raise ExportError(
+            ". ".join(
+                [requested[0], paragraph(*requested[1:])[:-1]] if requested[1:] else requested
+            )
+        )
     return tuple(says for says, _ in problems.values())
 
 
@@ -250,7 +254,7 @@ def _refuse_extreme(deck: Deck) -> None:
         ("b", model.b),
         *((f"k_{j}", k) for j, k in enumerate(model.k, start=1)),
         *((f"tau_{j}", tau) for j, tau in enumerate(model.tau, start=1)),
-        *((name, abs(each)) for one in deck.beside.parts for name, each in vars(one).items()),
+        *((name, abs(var)) for part in deck.beside.parts for name, var in vars(part).items()),
     ):
         if value != 0 and not LEAST <= value <= MOST:
             raise ExportError(
@@ -260,20 +264,20 @@ def _refuse_extreme(deck: Deck) -> None:
 
 
 def _problems(deck: Deck) -> dict[str, str]:
-    found = {}
+    entries = {}
     if deck.fit:
         # a material has no contact length
         part = deck.linear_fit is None or deck.linear_fit.unit == "N/m"
         for name in ("temperature", "length") if part else ("temperature",):
             if getattr(deck.specimen, name) is None:
-                found[name] = PROBLEMS[name]
+                entries[name] = PROBLEMS[name]
         doubt = _doubt(deck.fit)
         if doubt:
-            told = PROBLEMS["not_identified"]
-            found["not_identified"] = told if told in doubt else f"{told}: {doubt}"
+            text = PROBLEMS["not_identified"]
+            entries["not_identified"] = text if text in doubt else f"{text}: {doubt}"
     if deck.form == "prony" and sum(round(g, 10) for g, _ in deck.prony) >= 1:
-        found["prony_sum"] = f"{PROBLEMS['prony_sum']} (k_inf = {deck.model.k_inf:.4g})"
-    return found
+        entries["prony_sum"] = f"{PROBLEMS['prony_sum']} (k_inf = {deck.model.k_inf:.4g})"
+    return entries
 
 
 def _doubt(fit: Fit | NonlinearFit) -> str | None:
@@ -294,11 +298,11 @@ def _doubt(fit: Fit | NonlinearFit) -> str | None:
     if not model.k_inf > 0:
         return "k_inf = 0, so the relaxation had not ended when the test did"
     # a stiffness is known to three standard errors, a relaxation time to two
-    known = []
+    pairs = []
     for j, (k, tau) in enumerate(zip(model.k, model.tau, strict=True)):
-        known.append((f"arm {j + 1} has k", k, error["k"][j], 3, fit.unit))
-        known.append((f"arm {j + 1} has tau", tau, error["tau"][j], 2, "s"))
-    for name, value, se, times, unit in known:
+        pairs.append((f"arm {j + 1} has k", k, error["k"][j], 3, fit.unit))
+        pairs.append((f"arm {j + 1} has tau", tau, error["tau"][j], 2, "s"))
+    for name, value, se, times, unit in pairs:
         if not times * se < value:
             return f"{name} = {value:.4g} +- {se:.2g} {unit}"
     return None
@@ -306,4 +310,4 @@ def _doubt(fit: Fit | NonlinearFit) -> str | None:
 
 def _dense(fit: Fit) -> bool:
     """Whether its arms are a table of a spectrum, of which none has an error of its own."""
-    return any(one.name == "few_arms_suffice" and one.failed for one in fit.checks)
+    return any(check.name == "few_arms_suffice" and check.failed for check in fit.checks)

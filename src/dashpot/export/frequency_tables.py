@@ -152,11 +152,11 @@ class _Chords:
             following = min(stop, self.rounded(start * float(np.exp(reach))))
             if not following > start:
                 break
-            found = self.error(np.array([start, following]))
-            wasteful = found < 0.8 * tolerance and following < stop and trial < 30
-            if found <= tolerance and not wasteful:
+            value = self.error(np.array([start, following]))
+            wasteful = value < 0.8 * tolerance and following < stop and trial < 30
+            if value <= tolerance and not wasteful:
                 return following, reach
-            factor = np.sqrt(0.9 * tolerance / max(found, 1e-300))
+            factor = np.sqrt(0.9 * tolerance / max(value, 1e-300))
             reach *= float(np.clip(factor, 0.1, 4.0 if trial < 30 else 0.5))
         raise ExportError(
             f"no table reaches the tolerance {tolerance:g} near {start:g} Hz with the digits that "

@@ -55,18 +55,18 @@ class NonlinearElements:
         """Each slider's stiffness, force at which it slips, and displacement there, deck units."""
         return tuple(
             (
-                self.units.stiffness(one.k),
-                one.slip / self.units.force,
-                one.yields_at / self.units.length,
+                self.units.stiffness(part.k),
+                part.slip / self.units.force,
+                part.yields_at / self.units.length,
             )
-            for one in self.parts
-            if isinstance(one, Jenkins)
+            for part in self.parts
+            if isinstance(part, Jenkins)
         )
 
     @property
     def k3(self) -> float:
         """Of the cubic springs, deck units."""
-        whole = sum(one.k3 for one in self.parts if isinstance(one, Cubic))
+        whole = sum(part.k3 for part in self.parts if isinstance(part, Cubic))
         return whole * self.units.length**3 / self.units.force
 
     @property
@@ -104,7 +104,7 @@ class NonlinearElements:
         if not self.amplitudes[1]:
             return []
         length, force = self.units.words[0], self.units.words[3]
-        low, high = (one / self.units.length for one in self.amplitudes)
+        low, high = (amplitude / self.units.length for amplitude in self.amplitudes)
         lines = [
             f"  slider {i}: k = {text(k)} {self.units.stiffness_word}, slips at {text(F)} {force} "
             f"({text(x)} {length})"
@@ -129,8 +129,8 @@ class NonlinearElements:
         if not self.parts or form in held:
             return
         many = len(self.sliders)
-        found = f"{many} slider{'s' * (many != 1)}" if many else ""
-        found += " and " * bool(many and self.k3) + "a cubic spring" * bool(self.k3)
+        name = f"{many} slider{'s' * (many != 1)}" if many else ""
+        name += " and " * bool(many and self.k3) + "a cubic spring" * bool(self.k3)
         other = (
             f"take --form {held[0]} (Python: form='{held[0]}')"
             if held
@@ -138,5 +138,5 @@ class NonlinearElements:
         )
         raise ExportError(
             f"{target} decks of the form '{form}' are linear, and beside the arms this fit has "
-            f"{found}, whose force is not; {other}"
+            f"{name}, whose force is not; {other}"
         )

@@ -48,8 +48,8 @@ def target_of(plugin: Plugin) -> Target:
         except Exception as error:  # noqa: BLE001  others' code may raise anything
             plugin.failed(error)
         if not isinstance(cards, str) or not cards.strip():
-            found = "an empty text" if isinstance(cards, str) else f"a {type(cards).__name__}"
-            plugin.wrong(found, "the cards of a deck as one text")
+            text = "an empty text" if isinstance(cards, str) else f"a {type(cards).__name__}"
+            plugin.wrong(text, "the cards of a deck as one text")
         comment = getattr(import_module(function.__module__), "COMMENT", _COMMENT)
         return deck.written(
             str(comment),

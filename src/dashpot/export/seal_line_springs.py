@@ -59,20 +59,20 @@ class SpringRow:
     @cached_property
     def shares(self) -> dict[tuple[float, float, float], int]:
         """Every three shares that there are, and their rank."""
-        found = dict.fromkeys(one.shares for one in self.stations)
-        return {shares: rank for rank, shares in enumerate(found)}
+        entries = dict.fromkeys(station.shares for station in self.stations)
+        return {shares: rank for rank, shares in enumerate(entries)}
 
     @cached_property
     def frames(self) -> dict[tuple[tuple[float, ...], ...], int]:
         """Every frame in which something acts along more than the x axis, and its rank."""
-        found = dict.fromkeys(one.frame for one in self.stations)
-        turned = [frame for frame in found if self.ways > 1 or not np.allclose(frame[0], _X)]
+        entries = dict.fromkeys(station.frame for station in self.stations)
+        turned = [frame for frame in entries if self.ways > 1 or not np.allclose(frame[0], _X)]
         return {frame: rank for rank, frame in enumerate(turned)}
 
     @cached_property
     def ways(self) -> int:
         """How many of them a station may have: 1 where nothing is held sideways, else 3."""
-        return 3 if any(any(one.shares[1:]) for one in self.stations) else 1
+        return 3 if any(any(station.shares[1:]) for station in self.stations) else 1
 
     def nodes(self, station: int, first_id: int) -> tuple[int, int]:
         """Of a station: that of the body or frame, and that of the door; they coincide."""
@@ -114,8 +114,8 @@ def row_of(deck: Deck, line: Stations | None, shear: Shear | None = None) -> Spr
     per_metre = SealSection(deck.solid, None if law is None else law * (1 / metres), shear=shear)
     ways = per_metre.ways(line)
     # of the solid in the header where it is that, else of a metre
-    own = [isinstance(one, Solid) for one in (0.0, shear.across, shear.along)]
-    shares = [way.share / (1.0 if alone else metres) for way, alone in zip(ways, own, strict=True)]
+    items = [isinstance(value, Solid) for value in (0.0, shear.across, shear.along)]
+    shares = [way.share / (1.0 if item else metres) for way, item in zip(ways, items, strict=True)]
     carried = ways[0].share > 0
     if not carried.any():
         raise ExportError("no station of the seal line touches: its compression is below 0 m")
@@ -138,32 +138,32 @@ def _stations(
         along = along / np.linalg.norm(along, axis=1)[:, None]
         across = np.cross(normal, along)
     frames = np.stack((normal, across, along), axis=1).round(_DIGITS) + 0.0
-    found = []
+    stations = []
     for i in np.flatnonzero(carried).tolist():
         # shares that differ by rounding are one
         a, b, c = (float(f"{share[i]:.9g}") for share in shares)
         frame = tuple(tuple(row) for row in frames[i].tolist())
         place = tuple((line.place[i] / deck.units.length).tolist())
-        found.append(LineStation(place, frame, (a, b, c)))
-    return found
+        stations.append(LineStation(place, frame, (a, b, c)))
+    return stations
 
 
 def _remarks(deck: Deck, line: Stations, shares: FloatArray, shear: Shear) -> list[str]:
     unit, word = deck.units.length, deck.units.words[0]
     least, most = float(f"{shares.min():.9g}"), float(f"{shares.max():.9g}")
-    each = f"{least:.6g}" if least == most else f"{least:.6g} to {most:.6g}"
+    name = f"{least:.6g}" if least == most else f"{least:.6g} to {most:.6g}"
     touch = (
         f"seal line: {line.length.sum() / unit:.6g} {word}, {len(shares)} elements, "
-        f"{line.length.mean() / unit:.6g} {word} apart on average, each with {each} of the "
+        f"{line.length.mean() / unit:.6g} {word} apart on average, each with {name} of the "
         "stiffness above"
     )
-    left = len(line.length) - len(shares)
-    if left:
-        touch += f"; {left} more do not touch and are left out"
+    remaining = len(line.length) - len(shares)
+    if remaining:
+        touch += f"; {remaining} more do not touch and are left out"
     sideways = [
-        f"{way}: {'a stiffness of its own' if isinstance(one, Solid) else f'{one:g} of it'}"
-        for way, one in zip(WAYS[1:], (shear.across, shear.along), strict=True)
-        if one != 0
+        f"{way}: {'a stiffness of its own' if isinstance(value, Solid) else f'{value:g} of it'}"
+        for way, value in zip(WAYS[1:], (shear.across, shear.along), strict=True)
+        if value != 0
     ]
     nothing = "no shear is given: the line holds nothing sideways"
     return [touch, "; ".join(sideways) if sideways else nothing]

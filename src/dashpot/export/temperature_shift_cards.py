@@ -11,9 +11,9 @@ _SAME = 1e-3
 """Stiffnesses that change by less over the tested temperatures stay as they are."""
 
 
-def law_lines(moved: TemperatureShifts) -> list[str]:
+def law_lines(shifts: TemperatureShifts) -> list[str]:
     """What a deck's header says of the fitted law, its formula and constants in it."""
-    law, (low, high) = moved.law, moved.tested
+    law, (low, high) = shifts.law, shifts.tested
     reference = f"T_r = {text(law.reference)} K"
     if isinstance(law, WLF):
         says = (
@@ -27,10 +27,10 @@ def law_lines(moved: TemperatureShifts) -> list[str]:
         )
     else:
         listed = ", ".join(
-            f"{text(each.log10_a_t)} at {text(each.temperature)} K" for each in moved.shifts
+            f"{text(shift.log10_a_t)} at {text(shift.temperature)} K" for shift in shifts.shifts
         )
         says = f"none; log10 a_T is {listed}, straight in 1/T between them"
-    follows = f"relaxation times go with a_T{_stiffnesses(moved)}"
+    follows = f"relaxation times go with a_T{_stiffnesses(shifts)}"
     return [
         f"temperature law: {says}",
         f"  tested from {celsius(low)} to {celsius(high)}; {follows}",
@@ -38,9 +38,9 @@ def law_lines(moved: TemperatureShifts) -> list[str]:
     ]
 
 
-def not_carried(moved: TemperatureShifts) -> list[str]:
+def not_carried(shifts: TemperatureShifts) -> list[str]:
     """What a shift of times leaves out: the change of stiffness, if there is one."""
-    if not _stiffnesses(moved):
+    if not _stiffnesses(shifts):
         return []
     return [
         "the shift moves times alone: the stiffness b_T above is not in it; scale the moduli, or",
@@ -48,10 +48,10 @@ def not_carried(moved: TemperatureShifts) -> list[str]:
     ]
 
 
-def abaqus_shift(moved: TemperatureShifts | None) -> tuple[list[str], list[str]]:
+def abaqus_shift(shifts: TemperatureShifts | None) -> tuple[list[str], list[str]]:
     """Return the cards ``*TRS`` that follow ``*VISCOELASTIC``, and what to say of them."""
-    law = None if moved is None else moved.law
-    if moved is None or not isinstance(law, WLF | Arrhenius):
+    law = None if shifts is None else shifts.law
+    if shifts is None or not isinstance(law, WLF | Arrhenius):
         return [], []
     row: tuple[float, ...]
     if isinstance(law, WLF):
@@ -64,32 +64,32 @@ def abaqus_shift(moved: TemperatureShifts | None) -> tuple[list[str], list[str]]
             "the model needs, above all materials, *PHYSICAL CONSTANTS, ABSOLUTE ZERO=0.,",
             f"UNIVERSAL GAS={text(GAS)}: the energy on the card is in J/mol",
         ]
-    said = ["*TRS: temperatures of the model are in K", *constants, *not_carried(moved)]
-    return [*cards, ", ".join(text(value) for value in row)], said
+    sentences = ["*TRS: temperatures of the model are in K", *constants, *not_carried(shifts)]
+    return [*cards, ", ".join(text(value) for value in row)], sentences
 
 
-def ansys_shift(moved: TemperatureShifts | None) -> tuple[list[str], list[str]]:
+def ansys_shift(shifts: TemperatureShifts | None) -> tuple[list[str], list[str]]:
     """Return the table ``TB,SHIFT`` beside ``TB,PRONY``, and what to say of it."""
-    law = None if moved is None else moved.law
-    if moved is None or not isinstance(law, WLF | Arrhenius):
+    law = None if shifts is None else shifts.law
+    if shifts is None or not isinstance(law, WLF | Arrhenius):
         return [], []
     row: tuple[float, ...]
     if isinstance(law, WLF):
         head, row = "TB,SHIFT,1,1,3,WLF", (law.reference, law.c1, law.c2)
     else:
         head, row = "TB,SHIFT,1,1,2,TN", (law.reference, law.energy / GAS)
-    said = ["TB,SHIFT: temperatures of the model are in K (TOFFST,0)", *not_carried(moved)]
-    return [head, "TBDATA,1," + ",".join(text(value) for value in row)], said
+    sentences = ["TB,SHIFT: temperatures of the model are in K (TOFFST,0)", *not_carried(shifts)]
+    return [head, "TBDATA,1," + ",".join(text(value) for value in row)], sentences
 
 
-def _stiffnesses(moved: TemperatureShifts) -> str:
+def _stiffnesses(shifts: TemperatureShifts) -> str:
     """How every stiffness follows the temperature; nothing if it does not."""
-    low, high = (moved.b_t(each) for each in moved.tested)
+    low, high = (shifts.b_t(value) for value in shifts.tested)
     if max(abs(low - 1), abs(high - 1)) < _SAME:
         return ""
-    if moved.vertical == "T/T_r":
+    if shifts.vertical == "T/T_r":
         return ", stiffnesses with b_T = T/T_r"
     ends = " to ".join(
-        f"{b:.4g} at {celsius(each)}" for b, each in zip((low, high), moved.tested, strict=True)
+        f"{b:.4g} at {celsius(value)}" for b, value in zip((low, high), shifts.tested, strict=True)
     )
     return f", stiffnesses with b_T = {ends}"

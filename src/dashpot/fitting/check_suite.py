@@ -56,7 +56,7 @@ def run_relaxation_checks(
     records: Sequence[RampHold],
     model: GeneralizedMaxwell,
     error: FloatArray,
-    left: Residuals,
+    residuals: Residuals,
     end: EndOfHold | None,
     *,
     method: Method = "full",
@@ -71,7 +71,7 @@ def run_relaxation_checks(
     model : GeneralizedMaxwell
     error : array, shape (p,)
         Standard errors of k_inf, every k, every ln tau.
-    left : Residuals
+    residuals : Residuals
     end : EndOfHold or None
     method : "full" or "hold"
     needed : bool
@@ -86,7 +86,7 @@ def run_relaxation_checks(
         *of_records(records, method=method, solids=[model] * len(records)),
         hold_long_enough(end),
         *run_solid_checks(
-            records, model, error, left, window, end=end, needed=needed, in_arms=in_arms
+            records, model, error, residuals, window, end=end, needed=needed, in_arms=in_arms
         ),
     ]
     if len(records) > 1:
@@ -106,7 +106,7 @@ def run_solid_checks(
     records: Sequence[RampHold],
     model: GeneralizedMaxwell,
     error: FloatArray,
-    left: Residuals,
+    residuals: Residuals,
     window: RelaxationWindow,
     *,
     solids: Sequence[GeneralizedMaxwell] = (),
@@ -119,16 +119,18 @@ def run_solid_checks(
     Of several temperatures no arm is fast or slow by itself.
     """
     peak = max(float(abs(record.force).max()) for record in records)
-    each = zip(solids or [model] * len(records), records, strict=True)
+    pairs = zip(solids or [model] * len(records), records, strict=True)
     return [
         *(_of_arms(model, error, window, needed=needed) if in_arms else ()),
         k_inf_positive(model, float(error[0]), end),
         k_inf_known(model, float(error[0]), records, end),
-        select_gravest_check(arms_where_force_relaxes(one, record) for one, record in each),
-        select_gravest_check(map(force_followed, records, left.every)),
-        residuals_random(left.kappa, left.rms, max(record.force_noise for record in records)),
+        select_gravest_check(arms_where_force_relaxes(solid, record) for solid, record in pairs),
+        select_gravest_check(map(force_followed, records, residuals.every)),
+        residuals_random(
+            residuals.kappa, residuals.rms, max(record.force_noise for record in records)
+        ),
         *(_of_fast_arms(records, model, error) if in_arms and not solids else ()),
-        residuals_steady(left.every, rounding=ROUNDING * peak, peak=peak),
+        residuals_steady(residuals.every, rounding=ROUNDING * peak, peak=peak),
     ]
 
 

@@ -57,10 +57,10 @@ class DelayedMotion(NamedTuple):
         still = (0.0,) * len(records)
         return cls(HoldBlocks(records), data_of(records, design), lags or still, filtered)
 
-    def coefficients(self, found: Callable[[str], float]) -> Callable[[str], float]:
+    def coefficients(self, function: Callable[[str], float]) -> Callable[[str], float]:
         """The value of a column by its name, a delay with what the motion was made late by."""
         late = {f"delay@{i}": lag for i, lag in enumerate(self.lags)}
-        return lambda name: found(name) + late.get(name, 0.0)
+        return lambda name: function(name) + late.get(name, 0.0)
 
     @property
     def steps(self) -> tuple[Step, ...]:
@@ -76,26 +76,29 @@ class DelayedMotion(NamedTuple):
 
 
 def best_delayed_motion(
-    recorded: DelayedMotion, asked: FitOptions
+    recorded: DelayedMotion, options: FitOptions
 ) -> tuple[DelayedMotion, LinearityResult]:
     """Return the motion under which a linear solid is sound, and how sound it is.
 
     As recorded where one is, or where a later motion makes none so; else the later motion that
     leaves least.
     """
-    gate = assess_linearity(recorded.holds, recorded.data, asked)
+    gate = assess_linearity(recorded.holds, recorded.data, options)
     if gate.sound:
         return recorded, gate
-    tried = [(one, assess_linearity(one.holds, one.data, asked)) for one in _later(recorded, gate)]
-    sound = [pair for pair in tried if pair[1].sound]
-    return min(sound, key=lambda pair: pair[1].first.solutions[-1].sse, default=(recorded, gate))
+    tried = [
+        (motion, assess_linearity(motion.holds, motion.data, options))
+        for motion in _later(recorded, gate)
+    ]
+    reliable = [pair for pair in tried if pair[1].sound]
+    return min(reliable, key=lambda pair: pair[1].first.solutions[-1].sse, default=(recorded, gate))
 
 
 def _later(recorded: DelayedMotion, gate: LinearityResult) -> Iterator[DelayedMotion]:
     """The motions that may be as late as the force of the best linear solid."""
     records, best = recorded.holds.records, gate.first.solutions[-1]
-    found = [best.coefficient(f"delay@{i}") for i in range(len(records))]
-    late = tuple(lag if lag > LINEAR_DELAY else 0.0 for lag in found)
+    values = [best.coefficient(f"delay@{i}") for i in range(len(records))]
+    late = tuple(lag if lag > LINEAR_DELAY else 0.0 for lag in values)
     shifted, lags = zip(*map(_shifted, records, late), strict=True)
     if any(lags):
         yield DelayedMotion.of(shifted, FitSetup("full"), lags)
@@ -114,8 +117,8 @@ def _shifted(record: RampHold, lag: float) -> tuple[RampHold, float]:
     def late(values: FloatArray) -> FloatArray:
         return np.concatenate((np.full(many, values[0]), values[:-many]))
 
-    given = None if record.given is None else late(record.given)
-    return replace(record, displacement=late(record.displacement), given=given), many * step
+    provided = None if record.given is None else late(record.given)
+    return replace(record, displacement=late(record.displacement), given=provided), many * step
 
 
 def _behind(record: RampHold, lag: float) -> RampHold:

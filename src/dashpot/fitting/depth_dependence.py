@@ -102,11 +102,11 @@ def fit_depths(
         )
     checked_temperatures(records, shared=False)
     most = requested_arms(arms, max_arms)
-    asked = None if arms == "auto" else most
-    found = select_elastic_law(ordered, arms=asked, max_arms=most)
-    each, held = _each(found), held_ramps(ordered, found)
+    requested = None if arms == "auto" else most
+    law = select_elastic_law(ordered, arms=requested, max_arms=most)
+    item, held = _each(law), held_ramps(ordered, law)
     by_depth = tuple(
-        each.at(i, test.depth, rig) for i, (test, rig) in enumerate(_by_rigs(ordered, held, found))
+        item.at(i, test.depth, rig) for i, (test, rig) in enumerate(_by_rigs(ordered, held, law))
     )
     for at in by_depth:
         if at.k_inf <= 0:
@@ -115,17 +115,17 @@ def fit_depths(
                 "it "
                 "longer, or leave it out"
             )
-    check = _separable(each)
+    check = _separable(item)
     enough = (
         ()
-        if asked is None
-        else (arms_enough(supported_by_holds(ordered, found.hold), found.model.arms, unit="N"),)
+        if requested is None
+        else (arms_enough(supported_by_holds(ordered, law.hold), law.model.arms, unit="N"),)
     )
     together = ramp_fit(
-        ordered, found, asked=asked, by_depth=by_depth, further=(check, *enough),
-        unseen=rig_sensitivity(held, found.model),
+        ordered, law, requested=requested, by_depth=by_depth, checks=(check, *enough),
+        unmeasured=rig_sensitivity(held, law.model),
     )  # fmt: skip
-    return DepthLaw(found.law, by_depth, check, together)
+    return DepthLaw(law.law, by_depth, check, together)
 
 
 class _Each(NamedTuple):
@@ -152,56 +152,56 @@ class _Each(NamedTuple):
 
 
 def _by_rigs(
-    tests: Sequence[RampHold], held: Sequence[RelaxationData], found: RampLaw
+    tests: Sequence[RampHold], held: Sequence[RelaxationData], law: RampLaw
 ) -> Iterator[tuple[RampHold, FloatArray]]:
     """Each test, and what its rig may add to its own stiffnesses, N/m, on the path of the law."""
-    model = found.model
+    model = law.model
     k = np.array((model.k_inf, *model.k))
-    moved = rig_sensitivity(held, model, apart=True)
+    sensitivity = rig_sensitivity(held, model, separate=True)
     for i, test in enumerate(tests):
         here = slice(i * len(k), (i + 1) * len(k))
         clocks = clock_sensitivity([test], model)[: len(k)]
-        columns = np.column_stack((moved[here], depth_error(test) * k, clocks))
+        columns = np.column_stack((sensitivity[here], depth_error(test) * k, clocks))
         yield test, np.linalg.norm(columns, axis=1)
 
 
-def _each(found: RampLaw) -> _Each:
+def _each(ramp_law: RampLaw) -> _Each:
     """Fit each test with stiffnesses of its own, relaxation times and law shared."""
-    followed = found.followed
-    solid, log_tau = followed.weighted.solid, np.log(np.asarray(found.model.tau))
-    own = fit_ramp_and_hold(
+    followed = ramp_law.followed
+    solid, log_tau = followed.weighted.solid, np.log(np.asarray(ramp_law.model.tau))
+    optimum = fit_ramp_and_hold(
         solid,
-        found.hold,
+        ramp_law.hold,
         followed,
         solid.theta(log_tau, followed.shape),
-        known=followed.weighted.nuisances,
-        apart=True,
+        value=followed.weighted.nuisances,
+        separate=True,
     )
-    law = ElasticLaw(found.law.knots, tuple(own.shape.tolist()), 1.0)
-    return _Each(own.k, own.estimate(found.hold), found.estimate.dof, law)
+    law = ElasticLaw(ramp_law.law.knots, tuple(optimum.shape.tolist()), 1.0)
+    return _Each(optimum.k, optimum.estimate(ramp_law.hold), ramp_law.estimate.dof, law)
 
 
-def _separable(each: _Each) -> Check:
+def _separable(item: _Each) -> Check:
     r"""Test :math:`k_j/k_\infty` equal at every depth: Wald's statistic, as an F."""
-    if each.k.shape[1] == 1:
+    if item.k.shape[1] == 1:
         return separable(None, None)
-    ratio = each.k[:, 1:] / each.k[:, :1]
+    ratio = item.k[:, 1:] / item.k[:, :1]
     spread = float(np.abs(ratio / ratio.mean(axis=0) - 1.0).max())
-    first = len(each.known.optimum.theta)
-    stiff = slice(first, first + each.k.size)
-    if not np.all(np.isfinite(each.known.covariance[stiff, stiff])):
+    first = len(item.known.optimum.theta)
+    stiff = slice(first, first + item.k.size)
+    if not np.all(np.isfinite(item.known.covariance[stiff, stiff])):
         return separable(None, spread)
 
     def differences(values: FloatArray) -> FloatArray:
-        k = values[stiff].reshape(each.k.shape)
+        k = values[stiff].reshape(item.k.shape)
         shapes = k[:, 1:] / k[:, :1]
         return np.asarray((shapes[1:] - shapes[0]).ravel())
 
-    apart = each.known.derive_quantity(differences)
-    free = len(apart.values)
-    told = np.linalg.lstsq(apart.covariance, apart.values, rcond=1e-12)[0]
+    quantity = item.known.derive_quantity(differences)
+    free = len(quantity.values)
+    reported = np.linalg.lstsq(quantity.covariance, quantity.values, rcond=1e-12)[0]
     # a rare path: scipy's F distribution costs an import that a plain fit does not pay
     from scipy.special import fdtrc
 
-    chance = fdtrc(free, max(each.dof, 1.0), apart.values @ told / free)
+    chance = fdtrc(free, max(item.dof, 1.0), quantity.values @ reported / free)
     return separable(float(chance), spread)

@@ -163,15 +163,15 @@ def bound(
     hold = design.method == "hold"
     if not (design.terms if hold else design.nuisance):
         return ()
-    given = spreads or [*map(spread_before, tests)]
-    known = [terms_of(test, claimed=hold) for test in tests]
+    provided = spreads or [*map(spread_before, tests)]
+    terms = [terms_of(test, claimed=hold) for test in tests]
     if hold:
-        known = [
-            replace(one, since=one.since + float(test.ramp_end - test.time[0]))
-            for one, test in zip(known, tests, strict=True)
+        terms = [
+            replace(term, since=term.since + float(test.ramp_end - test.time[0]))
+            for term, test in zip(terms, tests, strict=True)
         ]
-    every = zip(known, blocks, given, strict=True)
-    return tuple(one.rows(block, spread) for one, block, spread in every)
+    every = zip(terms, blocks, provided, strict=True)
+    return tuple(nuisance_terms.rows(block, spread) for nuisance_terms, block, spread in every)
 
 
 def _late(test: RampHold, block: DataBlock, rough: Solution) -> DelayedForce:
@@ -212,10 +212,10 @@ def eq5_obstacle(test: RampHold) -> str | None:
             f"the hold has {len(held)} samples, and eq. 5 needs at least {_FEWEST}: fit "
             "ramp and hold instead, or sample faster"
         )
-    moved = _moved(test)
-    if moved > _MOST_BY_EQ_5:
+    change = _moved(test)
+    if change > _MOST_BY_EQ_5:
         return (
-            f"the displacement moves by {100 * moved:.0f} % of the depth after the first ramp, so "
+            f"the displacement moves by {100 * change:.0f} % of the depth after the first ramp, so "
             "this is no single ramp and hold; eq. 5 does not apply: fit ramp and hold instead, or "
             "cut the record to one ramp and its hold"
         )

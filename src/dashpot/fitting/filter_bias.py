@@ -63,7 +63,7 @@ def _changes(clean: RampHold, by: Filter, arms: int, method: Method) -> dict[str
     if method == "hold":
         # eq. 5 takes the ramp from its corners, which were found before the filter
         behind = replace(behind, displacement=clean.displacement)
-    before, after = (_solved(one, arms, method) for one in (clean, behind))
+    before, after = (_solved(record, arms, method) for record in (clean, behind))
     return {
         name: after[name] / value - 1 if name in after else -1.0
         for name, value in before.items()

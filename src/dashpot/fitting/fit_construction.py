@@ -54,7 +54,7 @@ class SolidEstimate(NamedTuple):
 
 
 def build_fit(
-    found: SolidEstimate,
+    estimate: SolidEstimate,
     evidence: Evidence,
     provenance: Provenance,
     *,
@@ -66,7 +66,7 @@ def build_fit(
 
     Parameters
     ----------
-    found : FoundSolid
+    estimate : FoundSolid
     evidence : Evidence
         Its checks in the order in which they are told, those of the records first.
     provenance : Provenance
@@ -74,11 +74,11 @@ def build_fit(
         As `Fit` holds them.
     """
     evidence = replace(evidence, checks=_with_cautions(evidence.checks, provenance))
-    shown = {Status.FEWER_ARMS: found.fewer, Status.TAU_AT_BOUND: found.at_bound}
+    shown = {Status.FEWER_ARMS: estimate.fewer, Status.TAU_AT_BOUND: estimate.at_bound}
     fit = Fit(
-        solid=found.solid,
+        solid=estimate.solid,
         status=status_of(evidence.checks, shown),
-        estimate=found.estimate,
+        estimate=estimate.estimate,
         evidence=evidence,
         provenance=provenance,
         unit=unit,
@@ -95,23 +95,25 @@ def _within_known_loss(fit: Fit) -> Fit:
     """
     if not WELL_KNOWN < fit.error_in_band[1] < np.inf:
         return fit
-    own = fit.estimate
+    estimate = fit.estimate
 
     def errors(line: float) -> tuple[float, float]:
-        stiffness, loss_factor = own.errors_of_vibration(fit.model, np.array([2j * np.pi * line]))
+        stiffness, loss_factor = estimate.errors_of_vibration(
+            fit.model, np.array([2j * np.pi * line])
+        )
         return NORMAL * stiffness, NORMAL * loss_factor
 
     lines = np.geomspace(*fit.band, LINES_IN_BAND).tolist()
-    band, known = known_band(errors, fit.band, {line: errors(line) for line in lines})
+    band, error = known_band(errors, fit.band, {line: errors(line) for line in lines})
     checks = fit.checks
-    if known.largest[1] > WELL_KNOWN:
-        checks = (*checks, loss_factor_known(known))
+    if error.largest[1] > WELL_KNOWN:
+        checks = (*checks, loss_factor_known(error))
     return replace(fit, evidence=replace(fit.evidence, band=band, checks=checks))
 
 
 def _with_cautions(checks: tuple[Check, ...], provenance: Provenance) -> tuple[Check, ...]:
     """The checks, and what the files cast doubt on unless preparation has told it."""
-    if any(one.name == numbers_unambiguous.name for one in checks):
+    if any(check.name == numbers_unambiguous.name for check in checks):
         return checks
     return (*checks, *caution_checks(provenance.source))
 
@@ -152,15 +154,15 @@ def nuisances(
         Standard deviations that were known before the fit.
     """
     units = {"offset": of, "drift": f"{of}/s", "delay": "s", "warming": "K"}
-    own = [name for name in names if name.partition("@")[0] in units]
-    several = len({name.partition("@")[2] for name in own}) > 1
-    found = []
-    for name in own:
+    labels = [name for name in names if name.partition("@")[0] in units]
+    several = len({name.partition("@")[2] for name in labels}) > 1
+    terms = []
+    for name in labels:
         kind, _, test = name.partition("@")
         title = f"{kind} of test {int(test) + 1}" if several else kind
         before = None if known is None else known.get(name)
-        found.append(Nuisance(title, value(name), error(name), units[kind], before))
-    return tuple(found)
+        terms.append(Nuisance(title, value(name), error(name), units[kind], before))
+    return tuple(terms)
 
 
 def provenance_of(method: str, tests: Sequence[RampHold], *steps: Step) -> Provenance:

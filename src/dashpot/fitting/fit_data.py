@@ -127,7 +127,7 @@ class InitialFit(NamedTuple):
     @property
     def residuals(self) -> tuple[FloatArray, ...]:
         """The values of the series."""
-        return tuple(one.values for one in self.series)
+        return tuple(series.values for series in self.series)
 
     def left_by(self, solution: Solution) -> tuple[ResidualSeries, ...]:
         """What a solution leaves of each record, where that is at hand; else nothing."""
@@ -154,13 +154,17 @@ def weighed(
     def solved() -> Sequence[Solution]:
         least = bic_penalty_per_arm(data.rows) if data.in_time else 0.0
         if only:
-            one = solve(data.rows, most, log_tau_start=near, negligible=least, thorough=thorough)
-            return (one,)
+            solution = solve(
+                data.rows, most, log_tau_start=near, negligible=least, thorough=thorough
+            )
+            return (solution,)
         return solve_orders(data.rows, most, negligible=least, every=not auto, thorough=thorough)
 
     solutions = solved()
     series = tuple(ResidualSeries(residual_of(solutions[-1], block)) for block in data.samples)
-    noises = tuple(noise_of(one, rounding=rounding(data.peak)) for one in series)
+    noises = tuple(
+        noise_of(residual_series, rounding=rounding(data.peak)) for residual_series in series
+    )
     spreads = [float(np.sqrt(noise.autocovariance[0] * noise.kappa)) for noise in noises]
     if all(_WEIGHED[0] < a / b < _WEIGHED[1] for a, b in zip(spreads, data.units, strict=False)):
         return InitialFit(data, solutions, series, noises, solutions[-1])
@@ -207,15 +211,18 @@ def fit_single_test(
     model = solid_of(best)
     count = sum(len(residual) for residual in estimate.residuals)
     taken = len(Stack(blocks).names) + 2 * int(np.count_nonzero(model.k))
-    left = max(count - taken, 1) / count
+    ratio = max(count - taken, 1) / count
     spreads = [
-        float(np.sqrt(np.mean(residual**2) * noise.kappa / left))
+        float(np.sqrt(np.mean(residual**2) * noise.kappa / ratio))
         for residual, noise in zip(estimate.residuals, estimate.noises, strict=True)
     ]
     return SingleTestFit(
         model,
-        tuple(max(one, ROUNDING * (peak or 1.0)) for one, peak in zip(spreads, peaks, strict=True)),
-        tuple(left * len(residual) for residual in estimate.residuals),
+        tuple(
+            max(spread, ROUNDING * (peak or 1.0))
+            for spread, peak in zip(spreads, peaks, strict=True)
+        ),
+        tuple(ratio * len(residual) for residual in estimate.residuals),
     )
 
 

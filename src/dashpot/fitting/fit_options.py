@@ -55,7 +55,7 @@ class FitOptions:
 
 def checked_design(
     records: Sequence[RampHold],
-    asked: FitOptions,
+    options: FitOptions,
     *,
     method: Method,
     nuisance: Sequence[str],
@@ -68,8 +68,8 @@ def checked_design(
         If an option is none, contradicts another, or does not apply to the records.
     """
     _refuse_method(records, method)
-    _refuse_law(asked, method)
-    _refuse_family(asked)
+    _refuse_law(options, method)
+    _refuse_family(options)
     unknown = [name for name in nuisance if name not in NUISANCE]
     if isinstance(nuisance, str) or unknown:
         raise FitError(
@@ -82,12 +82,12 @@ def refuse_shifts(
     what: str, vertical: Vertical, shift_law: ShiftLaw, reference: Quantity | None
 ) -> None:
     """Refuse what is asked of shifts where one temperature, or none, leaves nothing to shift."""
-    asked = {
+    options = {
         "--reference": reference is not None,
         "--shift": shift_law != "auto",
         "--vertical": vertical != "free",
     }
-    named = [flag for flag, given in asked.items() if given]
+    named = [flag for flag, option in options.items() if option]
     if named:
         raise FitError(
             f"{what} of one temperature as far as is known, and shifted to no other: leave out "
@@ -107,23 +107,23 @@ def _refuse_method(records: Sequence[RampHold], method: str) -> None:
             raise FitError(which + obstacle)
 
 
-def _refuse_law(asked: FitOptions, method: str) -> None:
-    law = asked.law
+def _refuse_law(options: FitOptions, method: str) -> None:
+    law = options.law
     require_choice("law", law, RampLawAsked, FitError)
     if law == "nonlinear" and method == "hold":
         raise FitError(
             "a nonlinear law is found from the ramp, and the method hold leaves the ramp out. "
             "Leave out --method hold, or --elastic nonlinear"
         )
-    if law == "nonlinear" and asked.thorough:
+    if law == "nonlinear" and options.thorough:
         raise FitError(
             "a nonlinear law has starts of its own. Leave out --thorough, or --elastic nonlinear"
         )
 
 
-def _refuse_family(asked: FitOptions) -> None:
-    checked_family(asked.family, asked.arms)
-    if asked.family == "fractional" and asked.law == "nonlinear":
+def _refuse_family(options: FitOptions) -> None:
+    checked_family(options.family, options.arms)
+    if options.family == "fractional" and options.law == "nonlinear":
         raise FitError(
             "a nonlinear law is fitted with arms alone. Leave out --model fractional, or "
             "--elastic nonlinear"

@@ -40,10 +40,10 @@ def known_band(
         One of these lines, Hz.
     """
     at, every = np.array(list(lines)), dict(lines)
-    known = np.array([error[1] for error in lines.values()]) <= WELL_KNOWN
-    if known.all() or not known.any():
+    certain = np.array([error[1] for error in lines.values()]) <= WELL_KNOWN
+    if certain.all() or not certain.any():
         return band, _band_error(every)
-    parts = find_true_runs(known).tolist()
+    parts = find_true_runs(certain).tolist()
     if around is not None:
         parts = [part for part in parts if at[part[0]] <= around <= at[part[1]]]
         if not parts:

@@ -83,19 +83,19 @@ class HoldBlocks:
         # a start with two arms in one place, as at the edge of its shorter window, leads nowhere
         near = start if len(start) == arms and _apart(start, block.window) else None
         least = bic_penalty_per_arm([block])
-        found = solve([block], arms, log_tau_start=near, negligible=least)
-        return residual_of(found, block.exact)
+        solution = solve([block], arms, log_tau_start=near, negligible=least)
+        return residual_of(solution, block.exact)
 
-    def by_eq5(self, beside: GeneralizedMaxwell) -> GeneralizedMaxwell | None:
+    def by_eq5(self, model: GeneralizedMaxwell) -> GeneralizedMaxwell | None:
         """What eq. 5 on all holds says with as many arms as another solid, where it applies."""
         held = sum(len(record.time[record.hold]) for record in self.records)
-        if held <= 1 + 2 * beside.arms or any(eq5_obstacle(record) for record in self.records):
+        if held <= 1 + 2 * model.arms or any(eq5_obstacle(record) for record in self.records):
             return None
-        near = np.log(beside.tau)
-        found = solve(
-            self.blocks, beside.arms, near=near, negligible=bic_penalty_per_arm(self.blocks)
+        near = np.log(model.tau)
+        solution = solve(
+            self.blocks, model.arms, near=near, negligible=bic_penalty_per_arm(self.blocks)
         )
-        return solid_of(found)
+        return solid_of(solution)
 
 
 def _terms_of_hold(record: RampHold) -> tuple[str, ...]:
@@ -108,31 +108,31 @@ def _apart(log_tau: FloatArray, window: tuple[float, float]) -> bool:
     return bool(np.all(np.diff(inside) > _SAME_ARM))
 
 
-def assess_linearity(holds: HoldBlocks, data: FitData, asked: FitOptions) -> LinearityResult:
+def assess_linearity(holds: HoldBlocks, data: FitData, options: FitOptions) -> LinearityResult:
     """Return the linear solid that is asked for, and whether any is sound."""
-    enough = min(asked.max_arms, max_determinable_arms(data.blocks))
-    most = enough if asked.count is None else asked.count
-    auto, point = asked.count is None, asked.point is not None
-    first = weighed(data, most, auto=auto, thorough=asked.thorough, only=point)
+    enough = min(options.max_arms, max_determinable_arms(data.blocks))
+    most = enough if options.count is None else options.count
+    auto, point = options.count is None, options.point is not None
+    first = weighed(data, most, auto=auto, thorough=options.thorough, only=point)
     gate = LinearityResult(first, None, _judged(holds, first))
     if not gate.sound and most < enough:
         # too few arms are no reason to bend the law
-        first = weighed(data, enough, thorough=asked.thorough)
+        first = weighed(data, enough, thorough=options.thorough)
         gate = LinearityResult(first, None, _judged(holds, first))
-    if gate.sound or asked.family == "maxwell":
+    if gate.sound or options.family == "maxwell":
         return gate
-    one = element(first.data)
-    if asked.family == "fractional":
-        return LinearityResult(first, one, None)
-    by_element = _worst(holds, one.estimate.residuals, first.solutions[-1].log_tau)
-    sound = by_element is None or by_element.sound
-    return LinearityResult(first, one, by_element if sound else gate.judged)
+    fit = element(first.data)
+    if options.family == "fractional":
+        return LinearityResult(first, fit, None)
+    by_element = _worst(holds, fit.estimate.residuals, first.solutions[-1].log_tau)
+    valid = by_element is None or by_element.sound
+    return LinearityResult(first, fit, by_element if valid else gate.judged)
 
 
 def _judged(holds: HoldBlocks, first: InitialFit) -> LinearFitQuality | None:
     """How well the best arms explain every record to its noise, ramp and hold alike."""
     least = _AS_GOOD * first.solutions[-1].sse
-    near = next(one for one in first.solutions if one.sse <= least)
+    near = next(solution for solution in first.solutions if solution.sse <= least)
     return _worst(holds, first.residuals, near.log_tau)
 
 
@@ -147,8 +147,8 @@ def _worst(
     for i, (record, residual) in enumerate(zip(holds.records, residuals, strict=True)):
         if is_multi_step(record) or ramp_obstacle(record) is not None:
             continue
-        found = linear_soundness(record, residual, holds.left(i, log_tau))
-        if not found.sound:
-            return found
-        worst = found if worst is None or found.ramp > worst.ramp else worst
+        quality = linear_soundness(record, residual, holds.left(i, log_tau))
+        if not quality.sound:
+            return quality
+        worst = quality if worst is None or quality.ramp > worst.ramp else worst
     return worst

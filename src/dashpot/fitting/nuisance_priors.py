@@ -53,13 +53,13 @@ class Prior(NamedTuple):
     mean: float
     sd: float = 0.0
 
-    def off(self, found: float, slope: FloatArray) -> tuple[float, FloatArray]:
-        """How far `found` is from it, in standard deviations; an equality has a narrow one.
+    def off(self, value: float, slope: FloatArray) -> tuple[float, FloatArray]:
+        """How far `value` is from it, in standard deviations; an equality has a narrow one.
 
-        With the derivative, `slope` being that of `found`.
+        With the derivative, `slope` being that of `value`.
         """
         sd = max(self.sd, _EXACT * abs(self.mean))
-        return (found - self.mean) / sd, slope / sd
+        return (value - self.mean) / sd, slope / sd
 
     def beyond(self, held: Prior) -> Prior:
         """What it leaves open that a fit which holds the other does not, about 0."""
@@ -188,19 +188,19 @@ def priors(record: RampHold) -> LoadCellPriors:
         if record.loading_start is None:
             first = max(first, 1) if record.displacement[0] <= 0 else 0
         slope = Prior(0.0, np.inf)
-    machine, known = record.machine, (final, duration)
-    mean, sd, _ = machine.drift_told(slope, *known)
-    *doubt, told = machine.drift_told(slope, *known, record.force_noise)
+    machine, values = record.machine, (final, duration)
+    mean, sd, _ = machine.drift_told(slope, *values)
+    *doubt, reported = machine.drift_told(slope, *values, record.force_noise)
     source = "unknown" if machine.drift is None else "data sheet"
     return LoadCellPriors(
         offset,
         at,
         Prior(mean, sd),
-        "baseline" if told else source,
+        "baseline" if reported else source,
         delay_prior(record),
         first,
         slope,
-        machine.drift_conflict(slope, *known, record.force_noise),
+        machine.drift_conflict(slope, *values, record.force_noise),
         Prior(*doubt),
     )
 
@@ -210,11 +210,11 @@ def terms_of(record: RampHold, *, claimed: bool = False) -> NuisanceTerms:
 
     Of what is `claimed` as a limit the drift is as doubtful as it may be.
     """
-    known = priors(record)
+    cell_priors = priors(record)
     least = ROUNDING * float(np.abs(record.force).max())
-    drift = known.doubt if claimed else known.drift
-    each = {"offset": known.offset, "drift": drift, "delay": known.delay}
-    return NuisanceTerms(each, -known.at, least)
+    drift = cell_priors.doubt if claimed else cell_priors.drift
+    all_priors = {"offset": cell_priors.offset, "drift": drift, "delay": cell_priors.delay}
+    return NuisanceTerms(all_priors, -cell_priors.at, least)
 
 
 @cache_on_record
@@ -230,9 +230,9 @@ def spread_before(record: RampHold) -> float:
     time, means = block_means(since, few), block_means(force, few)
     if len(means) < 4 * _ARMS:
         return record.force_noise
-    left = _beside_arms(time, means)
+    noise = _beside_arms(time, means)
     # one independent residual is the least that noise leaves of a record; beyond it is misfit
-    return float(min(np.sqrt(few * left.power), record.force_noise * np.sqrt(len(force))))
+    return float(min(np.sqrt(few * noise.power), record.force_noise * np.sqrt(len(force))))
 
 
 def _beside_arms(since: FloatArray, values: FloatArray) -> Noise:
@@ -267,9 +267,9 @@ def baseline_of_channel(time: FloatArray, values: FloatArray, noise: float) -> C
 
 def _first_motion(record: RampHold) -> int:
     """The sample from which the plate may move: a fiftieth of the ramp before it is seen to."""
-    moved = int(np.argmax(record.displacement > 0))
+    change = int(np.argmax(record.displacement > 0))
     earlier = record.loading_start is not None
-    seen = record.onset if earlier else min(float(record.time[moved]), record.onset)
+    seen = record.onset if earlier else min(float(record.time[change]), record.onset)
     return int(np.searchsorted(record.time, seen - _UNSEEN * record.ramp_time))
 
 
@@ -330,25 +330,25 @@ def error_by_delay(numbers: Callable[[float], FloatArray], delay: Prior) -> Floa
     """
     if delay.sd == 0:
         return np.zeros(len(numbers(0.0)))
-    own = numbers(delay.mean)
-    ways = [numbers(delay.mean + way * delay.sd) - own for way in (-1, 1)]
+    values = numbers(delay.mean)
+    ways = [numbers(delay.mean + way * delay.sd) - values for way in (-1, 1)]
     return np.asarray(np.abs(ways).max(axis=0))
 
 
 def _loaded(record: RampHold, rest: slice) -> bool:
     """True if the force before the plate is seen to move rises as on the ramp: it moves already."""
     force = record.force[rest] - record.force[rest].mean()
-    found = _slope(record.time[rest], force, 1.0)
+    prior = _slope(record.time[rest], force, 1.0)
     ramp = float(np.abs(record.force).max()) / record.ramp_time
-    return found.mean > max(_LOADED * ramp, 4 * found.sd)
+    return prior.mean > max(_LOADED * ramp, 4 * prior.sd)
 
 
 def _slope(time: FloatArray, residual: FloatArray, kappa: float) -> Prior:
     t = time - time.mean()
     power = float(t @ t)
     slope = float(t @ residual) / power
-    left = float(np.sum((residual - slope * t) ** 2)) / max(len(t) - 2, 1)
-    return Prior(slope, float(np.sqrt(left * kappa / power)))
+    ratio = float(np.sum((residual - slope * t) ** 2)) / max(len(t) - 2, 1)
+    return Prior(slope, float(np.sqrt(ratio * kappa / power)))
 
 
 def _first_reading(record: RampHold, noise: float) -> Prior:
@@ -369,8 +369,8 @@ def _of_one_reading(record: RampHold, noise: float) -> float:
     differ by a thousandth of it. Readings far apart show it.
     """
     since, force = record.time[record.hold] - record.ramp_end, record.force[record.hold]
-    apart = max(len(force) // _MEANS, 1)
-    since, force = since[::apart], force[::apart]
+    difference = max(len(force) // _MEANS, 1)
+    since, force = since[::difference], force[::difference]
     if len(force) < 4 * _ARMS:
         return noise
     slow = float(np.sqrt(_beside_arms(since, force).autocovariance[0]))

@@ -33,22 +33,22 @@ def own(fit: Fit) -> SolidParameters:
     solid = fit.solid
     names: tuple[str, ...] = ELEMENT
     if isinstance(solid, FractionalZener):
-        found = [solid.k_inf, solid.k_0, np.log(solid.tau), solid.alpha]
+        results = [solid.k_inf, solid.k_0, np.log(solid.tau), solid.alpha]
     else:
         model, dashpot = fit.model, "b" in fit.parameters
         names = parameter_names(model.arms, dashpot=dashpot)
-        found = [model.k_inf, *model.k, *np.log(model.tau), *([model.b] if dashpot else [])]
+        results = [model.k_inf, *model.k, *np.log(model.tau), *([model.b] if dashpot else [])]
     here = [i for i, name in enumerate(names) if name in fit.parameters]
     rows = [fit.parameters.index(names[i]) for i in here]
     covariance = np.zeros((len(names), len(names)))
     covariance[np.ix_(here, here)] = fit.covariance[np.ix_(rows, rows)]
-    return SolidParameters(names, np.array(found), covariance)
+    return SolidParameters(names, np.array(results), covariance)
 
 
 def values(fit: Fit) -> FloatArray | None:
     """Return the parameters in the order of the covariance; None where it is not of them."""
-    names, found, _ = own(fit)
-    return found if names == fit.parameters else None
+    names, result, _ = own(fit)
+    return result if names == fit.parameters else None
 
 
 def axes(covariance: FloatArray) -> FloatArray:

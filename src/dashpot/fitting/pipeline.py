@@ -182,8 +182,8 @@ class SelectedModel:
 
     def enough(self, unit: str) -> tuple[Check, ...]:
         """Whether the arms that were asked for are enough, residuals in `unit`; and the samples."""
-        known = self.estimate
-        answers = (samples_independent(known.effective, len(known.names), known.kappa),)
+        estimate = self.estimate
+        answers = (samples_independent(estimate.effective, len(estimate.names), estimate.kappa),)
         if self.asked is None:
             return answers
         return (arms_enough(self.shortage, self.solution.order, unit=unit), *answers)
@@ -211,12 +211,12 @@ class SelectedModel:
 
         By their columns, or by the `value` of each.
         """
-        known = {f"delay@{i}": sd for i, sd in enumerate(delays)}
+        entries = {f"delay@{i}": sd for i, sd in enumerate(delays)}
         if len(delays) == 1:  # a test alone may bear no number
-            known["delay"] = delays[0]
+            entries["delay"] = delays[0]
         value = value or self.solution.coefficient
         error = self.estimate.standard_error
-        return nuisances(self.solution.fixed_names, value, error, of=of, known=known)
+        return nuisances(self.solution.fixed_names, value, error, of=of, known=entries)
 
     def outcome(
         self,
@@ -325,7 +325,7 @@ def select_order(
         priors=data.priors,
         encoders=data.encoders,
         whole=whole(taken),
-        left=first.left_by(scores[taken].solution),
+        series=first.left_by(scores[taken].solution),
     )
     return SelectedModel(data, estimate, scores, choice if auto else None, None if auto else most)
 
@@ -352,8 +352,10 @@ def _scored(
 
 
 def _noise_gain(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -> float:
-    known = directions(jacobians[: len(noises)])
-    return noise_gain_ratio(known, [*map(known.compute_record_gain, range(len(noises)), noises)])
+    information = directions(jacobians[: len(noises)])
+    return noise_gain_ratio(
+        information, [*map(information.compute_record_gain, range(len(noises)), noises)]
+    )
 
 
 def _choice(
@@ -379,12 +381,12 @@ def _whole(number: object) -> bool:
 
 def certificate_for(blocks: Sequence[DataBlock], solution: Solution) -> Certificate:
     """Return how far the optimum can be from the best positive spectrum."""
-    found = certificate(blocks, solution)
-    if found.optimal:
+    result = certificate(blocks, solution)
+    if result.optimal:
         says = "no spectrum with any number of arms fits better"
     else:
         says = (
-            f"no spectrum of arms fits better by more than {100 * found.gap:.2g} % of the squared "
+            f"no spectrum of arms fits better by more than {100 * result.gap:.2g} % of the squared "
             "residual"
         )
-    return Certificate(found.optimal, found.gap, found.tau, says)
+    return Certificate(result.optimal, result.gap, result.tau, says)

@@ -168,29 +168,31 @@ def fit(
         raise FitError("there is no test to fit; expected at least one prepared test")
     refuse_copies(records)
     most = requested_arms(arms, max_arms)
-    asked = FitOptions(
+    options = FitOptions(
         "auto" if arms == "auto" else most, max_arms, law, family, intervals, thorough
     )
-    design = checked_design(records, asked, method=method, nuisance=nuisance)
+    design = checked_design(records, options, method=method, nuisance=nuisance)
     temperatures = checked_temperatures(records, shared=method == "full")
     reference = convert_to_si(reference, "temperature")
     if len(temperatures) > 1:
         at = reference_temperature(temperatures, reference)
         refuse_beside_shifts(family)
         fit_shifted = find_handler("fit at several temperatures", records[0])
-        found = fit_shifted(records, asked, vertical=vertical, shift_law=shift_law, reference=at)
-        return _with_law(found, law)
+        shifted = fit_shifted(
+            records, options, vertical=vertical, shift_law=shift_law, reference=at
+        )
+        return _with_law(shifted, law)
     here = len(temperatures) == 1 and reference in {None, *temperatures.tolist()}
     refuse_shifts("the tests are", vertical, shift_law, None if here else reference)
     if law == "nonlinear":
         _refuse_history(records)
-        found = _by_ramp(records, _law_of(records, law, asked.count), asked.count)
-        return _with_law(found, law)
+        shifted = _by_ramp(records, _law_of(records, law, options.count), options.count)
+        return _with_law(shifted, law)
     try:
-        return _with_law(_of_one_temperature(records, design, asked), law)
+        return _with_law(_of_one_temperature(records, design, options), law)
     except FitError as error:
-        stops = (one for record in records for one in record.checks if one.failed)
-        cause = next((one.typed for one in stops if one.grade == "stop"), "")
+        stops = (check for record in records for check in record.checks if check.failed)
+        cause = next((stop.typed for stop in stops if stop.grade == "stop"), "")
         if not cause:
             raise
         raise FitError(f"{cause} As it is, {error}") from None
@@ -206,25 +208,25 @@ def _refuse_history(records: Sequence[RampHold]) -> None:
         )
 
 
-def _with_law(found: Fit, law: RampLawAsked) -> Fit:
+def _with_law(fit: Fit, law: RampLawAsked) -> Fit:
     """Return a fit whose last step names the elastic law that was asked for, if one was."""
-    if law == "auto" or not found.steps or found.steps[-1].name != "fit":
-        return found
-    *earlier, last = found.steps
+    if law == "auto" or not fit.steps or fit.steps[-1].name != "fit":
+        return fit
+    *earlier, last = fit.steps
     step = replace(last, parameters=(*last.parameters, ("elastic", law)))
-    return replace(found, provenance=replace(found.provenance, steps=(*earlier, step)))
+    return replace(fit, provenance=replace(fit.provenance, steps=(*earlier, step)))
 
 
-def refit_nearby(test: RampHold, found: Fit) -> Fit:
+def refit_nearby(test: RampHold, fit: Fit) -> Fit:
     """Return the optimum of a test next to that of another cut of it, for a look.
 
     Relaxation times are descended to from those found there. Neither their number nor the law is
-    asked about again, so `found` is to be of a linear solid.
+    asked about again, so `fit` is to be of a linear solid.
 
     Parameters
     ----------
     test : RampHold
-    found : Fit
+    fit : Fit
         Of the same test, by arms, without a bent law.
 
     Raises
@@ -232,42 +234,46 @@ def refit_nearby(test: RampHold, found: Fit) -> Fit:
     FitError
         If the test has fewer samples than such a fit has parameters.
     """
-    near = np.log(found.model.tau)
+    near = np.log(fit.model.tau)
     arms = len(near)
-    method: Method = "hold" if found.method == "hold" else "full"
+    method: Method = "hold" if fit.method == "hold" else "full"
     design = checked_design([test], FitOptions(arms, arms), method=method, nuisance=NUISANCE)
     as_recorded = DelayedMotion(HoldBlocks([test]), data_of([test], design, near), (0.0,))
     first = weighed(as_recorded.data, arms, only=True, near=near)
     return _point(as_recorded, first, design, arms)
 
 
-def _of_one_temperature(records: Sequence[RampHold], design: FitSetup, asked: FitOptions) -> Fit:
+def _of_one_temperature(records: Sequence[RampHold], design: FitSetup, options: FitOptions) -> Fit:
     """Return the fit of a linear solid, or of a bent ramp where no linear solid is sound."""
-    late, first, one, gate = DelayedMotion.of(records, design), None, None, None
+    late, first, fractional_fit, gate = DelayedMotion.of(records, design), None, None, None
     if design == FitSetup("full"):
-        late, gate = best_delayed_motion(late, asked)
-        first, one = gate.first, gate.element
+        late, gate = best_delayed_motion(late, options)
+        first, fractional_fit = gate.first, gate.element
         # no law is bent by a ramp that answers to earlier loadings as well
         straight = gate.sound or any(record.loading_start is not None for record in records)
-        bent = None if straight else _law_of(records, asked.law, asked.count)
+        bent = None if straight else _law_of(records, options.law, options.count)
         if bent is not None and not bent.sound:
-            found = _by_ramp(records, bent, asked.count)
-            return found if one is None else with_linear_fractional(found, bent.residuals, one)
-    if asked.point is not None:
-        first = first or weighed(late.data, asked.point, only=True)
-        return _point(late, first, design, asked.point)
+            fit = _by_ramp(records, bent, options.count)
+            return (
+                fit
+                if fractional_fit is None
+                else with_linear_fractional(fit, bent.residuals, fractional_fit)
+            )
+    if options.point is not None:
+        first = first or weighed(late.data, options.point, only=True)
+        return _point(late, first, design, options.point)
     chosen = select_order(
         late.data,
-        asked.arms,
-        max_arms=asked.max_arms,
-        thorough=asked.thorough,
+        options.arms,
+        max_arms=options.max_arms,
+        thorough=options.thorough,
         first=first,
     )
-    both = chosen_family(chosen, asked.family, one)
+    both = chosen_family(chosen, options.family, fractional_fit)
     if design.method == "hold":
         doubts = [record.depth_doubt for record in records]
         both = replace(both, best=both.best.with_depth_doubt(doubts))
-    return _assembled(late, both, design, gate, thorough=asked.thorough)
+    return _assembled(late, both, design, gate, thorough=options.thorough)
 
 
 def _law_of(records: Sequence[RampHold], law: RampLawAsked, arms: int | None = None) -> RampLaw:
@@ -284,11 +290,13 @@ def _point(late: DelayedMotion, first: InitialFit, design: FitSetup, arms: int) 
     records = late.holds.records
     solution = first.solutions[: arms + 1][-1]
     model = solid_of(solution)
-    own = nuisances(solution.fixed_names, late.coefficients(solution.coefficient), lambda _: np.inf)
+    terms = nuisances(
+        solution.fixed_names, late.coefficients(solution.coefficient), lambda _: np.inf
+    )
     return build_fit(
         SolidEstimate(
             model,
-            point_estimate(model, solution.samples, solution.sse, own),
+            point_estimate(model, solution.samples, solution.sse, terms),
             fewer=solution.order < arms,
             at_bound=bool(solution.at_bound.any()),
         ),
@@ -307,118 +315,124 @@ def _assembled(
     thorough: bool,
 ) -> Fit:
     """Return the fit of a linear solid, with everything needed to judge it."""
-    records, found = late.holds.records, both.best
+    records, selection = late.holds.records, both.best
     band = informed_band(
         records,
-        found.data.rows,
-        stiffness=max(found.model.k_0, 1e-300),
-        noise=max(found.estimate.spread, 1e-6 * found.data.peak, 1e-300),
+        selection.data.rows,
+        stiffness=max(selection.model.k_0, 1e-300),
+        noise=max(selection.estimate.spread, 1e-6 * selection.data.peak, 1e-300),
     )
     # what it bounds is of any spectrum: few arms weigh the record as well as many
     data = _of_doubtful_rigs(records, both.arms, design)
     spectra = spectra_of_holds(data, **_hold_of(records, both.arms))
-    end = _end_of_hold(records, data, both.arms, spectra).holding(found.model)
-    band, known = band_of_hold(spectra, found.solid, band)
-    unseen = rig_sensitivity(data, found.solid)
-    if design.method == "hold" and "delay" in design.nuisance and found.solid is found.model:
-        unseen = np.hstack((unseen, clock_sensitivity(records, found.model)))
+    end = _end_of_hold(records, data, both.arms, spectra).holding(selection.model)
+    band, error = band_of_hold(spectra, selection.solid, band)
+    sensitivity = rig_sensitivity(data, selection.solid)
+    if (
+        design.method == "hold"
+        and "delay" in design.nuisance
+        and selection.solid is selection.model
+    ):
+        sensitivity = np.hstack((sensitivity, clock_sensitivity(records, selection.model)))
     other = both.alternative(band)
     steps = (*_motion_steps(records, design), *late.steps)
     return build_fit(
-        found.outcome(
-            found.residual,
-            found.nuisances(
-                late.coefficients(found.solution.coefficient),
+        selection.outcome(
+            selection.residual,
+            selection.nuisances(
+                late.coefficients(selection.solution.coefficient),
                 delays=[delay_prior(record).sd for record in records],
             ),
-            unseen=unseen,
+            unseen=sensitivity,
         ),
         Evidence(
             band,
-            found.orders,
-            found.certificate,
+            selection.orders,
+            selection.certificate,
             checks=(
                 *(check for record in records for check in record.checks),
-                found.ended,
-                *_checks(late, found, design, end),
+                selection.ended,
+                *_checks(late, selection, design, end),
                 *([] if gate is None else [ramp_checks.ramp_explained(gate.judged)]),
                 *both.checks(other),
                 frequencies_informed(band),
-                loss_factor_known(known),
+                loss_factor_known(error),
             ),
             end_of_hold=end,
             alternative=other,
-            band_error=known,
+            band_error=error,
         ),
         provenance_of(
-            design.method, records, *steps, _step(records, found, design, thorough=thorough)
+            design.method, records, *steps, _step(records, selection, design, thorough=thorough)
         ),
-        elastic_law=ElasticLaw.linear(found.model.k_inf, max(record.depth for record in records)),
+        elastic_law=ElasticLaw.linear(
+            selection.model.k_inf, max(record.depth for record in records)
+        ),
     )
 
 
-def _by_ramp(records: Sequence[RampHold], found: RampLaw, arms: int | None) -> Fit:
+def _by_ramp(records: Sequence[RampHold], law: RampLaw, arms: int | None) -> Fit:
     """Return the fit hold first, with the elastic law that the ramps support."""
     from dashpot.fitting.nonlinear_ramp.fit_construction import held_ramps, ramp_fit
 
-    data = held_ramps(records, found)
-    hold = _hold_of(records, found)
+    data = held_ramps(records, law)
+    hold = _hold_of(records, law)
     spectra = spectra_of_holds(data, **hold)
     end = end_of_hold_limits(data, **hold, spectra=spectra)
-    unseen = rig_sensitivity(data, found.model)
-    further = () if arms is None else (_holds_enough(records, found),)
+    sensitivity = rig_sensitivity(data, law.model)
+    extra = () if arms is None else (_holds_enough(records, law),)
     return ramp_fit(
-        records, found, asked=arms, further=further, end=end, unseen=unseen, spectra=spectra
+        records, law, requested=arms, checks=extra, end=end, unmeasured=sensitivity, spectra=spectra
     )
 
 
-def _holds_enough(records: Sequence[RampHold], found: RampLaw) -> Check:
+def _holds_enough(records: Sequence[RampHold], law: RampLaw) -> Check:
     """Whether the holds of a bent ramp support no more arms than were asked for."""
     from dashpot.fitting.nonlinear_ramp.elastic_law_selection import (
         supported_by_holds,  # as the law itself
     )
 
-    return arms_enough(supported_by_holds(records, found.hold), found.model.arms, unit="N")
+    return arms_enough(supported_by_holds(records, law.hold), law.model.arms, unit="N")
 
 
 def _of_doubtful_rigs(
-    records: Sequence[RampHold], found: SelectedModel, design: FitSetup
+    records: Sequence[RampHold], selection: SelectedModel, design: FitSetup
 ) -> list[RelaxationData]:
     """The records as what is claimed of their fit weighs them."""
-    model, residuals = found.model, found.estimate.residuals
+    model, residuals = selection.model, selection.estimate.residuals
     if design.method == "hold":
         tests = zip(records, residuals, strict=True)
         return [hold_only_data(record, model, residual) for record, residual in tests]
-    blocks = zip(records, found.data.blocks, residuals, strict=True)
-    return [fitted_data(record, block, model, left) for record, block, left in blocks]
+    blocks = zip(records, selection.data.blocks, residuals, strict=True)
+    return [fitted_data(record, block, model, values) for record, block, values in blocks]
 
 
 def _end_of_hold(
     records: Sequence[RampHold],
     data: Sequence[RelaxationData],
-    found: SelectedModel,
+    selection: SelectedModel,
     spectra: AdmissibleSpectra,
 ) -> EndOfHold:
     """What the records leave open of the stiffness at the end of the hold and beyond."""
-    return end_of_hold_limits(data, **_hold_of(records, found), spectra=spectra)
+    return end_of_hold_limits(data, **_hold_of(records, selection), spectra=spectra)
 
 
-def _hold_of(records: Sequence[RampHold], found: SelectedModel | RampLaw) -> _HoldArguments:
+def _hold_of(records: Sequence[RampHold], result: SelectedModel | RampLaw) -> _HoldArguments:
     """What their limits ask of the records and of the fit."""
     return {
         "time": max(record.hold_time for record in records),
-        "own": found.model,
-        "dof": found.estimate.dof,
+        "own": result.model,
+        "dof": result.estimate.dof,
     }
 
 
 def _checks(
-    late: DelayedMotion, found: SelectedModel, design: FitSetup, end: EndOfHold | None
+    late: DelayedMotion, selection: SelectedModel, design: FitSetup, end: EndOfHold | None
 ) -> tuple[Check, ...]:
     """Return every check of the records and of the fit."""
-    records, model, estimate = late.holds.records, found.model, found.estimate
-    choice, error = found.choice, found.error
-    in_arms = not isinstance(found, FractionalFit)
+    records, model, estimate = late.holds.records, selection.model, selection.estimate
+    choice, error = selection.choice, selection.error
+    in_arms = not isinstance(selection, FractionalFit)
     answers = [
         *(filter_bias(record) for record in records if record.unfiltered is not None),
         *run_relaxation_checks(
@@ -435,46 +449,56 @@ def _checks(
     if in_arms:
         slow = _drift_correlation(estimate)
         answers.append(checks.drift_told_from_arm(model, slow, float(error[-1])))
-    answers += _load_cells(late, found, end)
+    answers += _load_cells(late, selection, end)
     if choice is not None:
         answers.append(order_agreed(choice))
-    answers += found.enough("N")
+    answers += selection.enough("N")
     if design.method == "full" and in_arms:
         answers.append(checks.hold_and_full_agree(model, late.holds.by_eq5(model), error, end=end))
     return tuple(answers)
 
 
-def _load_cells(moved: DelayedMotion, found: SelectedModel, end: EndOfHold | None) -> list[Check]:
+def _load_cells(
+    motion: DelayedMotion, selection: SelectedModel, end: EndOfHold | None
+) -> list[Check]:
     """Return how far offset, drift and clocks had to go from what was known of them."""
-    estimate, records = found.estimate, moved.holds.records
-    value, names = moved.coefficients(estimate.solution.coefficient), estimate.solution.fixed_names
+    estimate, records = selection.estimate, motion.holds.records
+    value, names = motion.coefficients(estimate.solution.coefficient), estimate.solution.fixed_names
 
     def away(kind: str) -> list[tuple[float, float, float, float]]:
-        found = []
+        results = []
         for i, record in enumerate(records):
             if f"{kind}@{i}" in names:
-                known = priors(record)
+                cell_priors = priors(record)
                 departure = value(f"{kind}@{i}")
                 if kind == "offset" and f"drift@{i}" in names:
                     # where it is known: the fit's own is that at the first sample
-                    departure += known.at * value(f"drift@{i}")
-                found.append(
-                    (departure, *getattr(known, kind), getattr(significant_drift(record), kind))
+                    departure += cell_priors.at * value(f"drift@{i}")
+                results.append(
+                    (
+                        departure,
+                        *getattr(cell_priors, kind),
+                        getattr(significant_drift(record), kind),
+                    )
                 )
-        return found
+        return results
 
-    beyond = np.inf if end is None else end.beyond
+    inf = np.inf if end is None else end.beyond
     answers = [
         ramp_checks.offset_believable(away("offset")),
-        ramp_checks.drift_believable(away("drift"), beyond),
+        ramp_checks.drift_believable(away("drift"), inf),
     ]
     late = [
         (value(name), estimate.standard_error(name), priors(record).delay.sd)
         for name, record in ((f"delay@{i}", record) for i, record in enumerate(records))
         if name in names
     ]
-    known = [priors(record) for record in records]
-    answers.append(ramp_checks.baseline_agrees([(one.slope.mean, one.conflict) for one in known]))
+    resolved_priors = [priors(record) for record in records]
+    answers.append(
+        ramp_checks.baseline_agrees(
+            [(prior.slope.mean, prior.conflict) for prior in resolved_priors]
+        )
+    )
     return [*answers, ramp_checks.clocks_agree(late)]
 
 
@@ -492,20 +516,20 @@ def _drift_correlation(estimate: SolutionEstimate) -> float | None:
 
 def _step(
     records: Sequence[RampHold],
-    found: SelectedModel,
+    selection: SelectedModel,
     design: FitSetup,
     *,
     thorough: bool,
 ) -> Step:
-    asked = found.asked
+    requested = selection.asked
     options = (
-        ("arms", "auto" if asked is None else str(asked)),
+        ("arms", "auto" if requested is None else str(requested)),
         ("method", design.method),
         ("thorough", str(thorough).lower()),
         ("nuisance", ", ".join(design.nuisance) or "none"),
     )
     plural = f"{len(records)} tests" if len(records) > 1 else "one test"
-    says = f"fitted {describe_fit(found)} to {plural} by method {design.method!r}"
+    says = f"fitted {describe_fit(selection)} to {plural} by method {design.method!r}"
     return Step("fit", options, says)
 
 

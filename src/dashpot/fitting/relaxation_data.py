@@ -102,9 +102,11 @@ class UnmeasuredEffects(NamedTuple):
 
     def but(self, *names: str) -> UnmeasuredEffects:
         """The terms without these."""
-        kept = [name not in names for name in self.names]
-        left = tuple(name for name in self.names if name not in names)
-        return UnmeasuredEffects(left, self.log_tau, self.fixed[:, kept], self.arms[:, kept])
+        retained = [name not in names for name in self.names]
+        remaining = tuple(name for name in self.names if name not in names)
+        return UnmeasuredEffects(
+            remaining, self.log_tau, self.fixed[:, retained], self.arms[:, retained]
+        )
 
     def columns(self, fixed: FloatArray, arms: FloatArray) -> FloatArray:
         """One column a term, in the coordinates of these."""
@@ -182,8 +184,8 @@ class RelaxationData:
         """The data if machine, crosshead and rest were known, the drift to a fifth of its doubt."""
         mean, sd = self.terms.known["drift"]
         terms = self.terms.beside(drift=Prior(mean, NAMED_DRIFT * sd))
-        known = self.unseen and self.unseen.but("give", "settling", "memory")
-        return replace(self, unseen=known, terms=terms)
+        effects = self.unseen and self.unseen.but("give", "settling", "memory")
+        return replace(self, unseen=effects, terms=terms)
 
     @property
     def floor(self) -> float:
@@ -220,35 +222,41 @@ class RelaxationData:
         """
         count, kinds = len(log_tau), [kind_of(name) for name in self.block.fixed_names]
         shortest = np.log(DASHPOT * self.block.window[0])
-        moved = self.moved or ThermalShift()
-        doubtful = moved.shift_sd > 0
-        known, own = self.unseen, slice(count, count + self.answer.arms)
-        others = np.zeros(0) if known is None else known.log_tau
-        found = self.block.evaluate(
-            np.concatenate((moved.log_tau(log_tau), np.log(self.answer.tau), others, [shortest])),
+        shift = self.moved or ThermalShift()
+        doubtful = shift.shift_sd > 0
+        effects, span = self.unseen, slice(count, count + self.answer.arms)
+        others = np.zeros(0) if effects is None else effects.log_tau
+        evaluation = self.block.evaluate(
+            np.concatenate((shift.log_tau(log_tau), np.log(self.answer.tau), others, [shortest])),
             slopes or doubtful,
         )
-        spring = found.fixed[:, kinds.index("k_inf")]
-        fast = found.arms[:, -1] / np.exp(shortest)
-        of_answer = _of_answer(self.answer, spring, fast, found.arms[:, own])
-        doubts, mean = self.terms.doubts(found.fixed, self.block.fixed_names)
-        if known is not None:
-            doubts = np.hstack((doubts, known.columns(found.fixed, found.arms[:, own.stop : -1])))
-        of_shift = moved.doubts(self.answer, found.d_arms[:, own]) if doubtful else doubts[:, :0]
-        b_t = float(np.exp(moved.log_b))
-        told = {*SOLID, *self.terms.known, *borne}
-        free = [kind not in told for kind in kinds]
-        apart = replace(self.terms, known=borne).doubts(found.fixed, self.block.fixed_names)[0]
+        spring = evaluation.fixed[:, kinds.index("k_inf")]
+        fast = evaluation.arms[:, -1] / np.exp(shortest)
+        of_answer = _of_answer(self.answer, spring, fast, evaluation.arms[:, span])
+        doubts, mean = self.terms.doubts(evaluation.fixed, self.block.fixed_names)
+        if effects is not None:
+            doubts = np.hstack(
+                (doubts, effects.columns(evaluation.fixed, evaluation.arms[:, span.stop : -1]))
+            )
+        of_shift = (
+            shift.doubts(self.answer, evaluation.d_arms[:, span]) if doubtful else doubts[:, :0]
+        )
+        b_t = float(np.exp(shift.log_b))
+        sentences = {*SOLID, *self.terms.known, *borne}
+        free = [kind not in sentences for kind in kinds]
+        differences = replace(self.terms, known=borne).doubts(
+            evaluation.fixed, self.block.fixed_names
+        )[0]
         every = np.column_stack((doubts, of_shift, of_answer * (self.delay, self.size)))
-        white = marginal(found.fixed[:, free], self.weight * every)
-        dashpot = found.fixed[:, kinds.index("b")] if "b" in kinds else fast
+        white = marginal(evaluation.fixed[:, free], self.weight * every)
+        dashpot = evaluation.fixed[:, kinds.index("b")] if "b" in kinds else fast
         return RelaxationRows(
-            target=white(self.weight * (found.target - mean)),
+            target=white(self.weight * (evaluation.target - mean)),
             spring=white(self.weight * b_t * spring),
-            dashpot=white(self.weight * moved.a_t * b_t * dashpot),
-            arms=white(self.weight * b_t * found.arms[:, :count]),
-            slopes=white(self.weight * b_t * moved.stretch * found.d_arms[:, :count]),
-            borne=white(self.weight * apart),
+            dashpot=white(self.weight * shift.a_t * b_t * dashpot),
+            arms=white(self.weight * b_t * evaluation.arms[:, :count]),
+            slopes=white(self.weight * b_t * shift.stretch * evaluation.d_arms[:, :count]),
+            borne=white(self.weight * differences),
         )
 
     def pulled(self, solid: Solid) -> FloatArray:
@@ -258,7 +266,7 @@ class RelaxationData:
         offset, drift, delay and motion. The solid's parameters are k_inf, every k, every ln tau, or
         those of a fractional solid, then b; N/m, s and N s/m.
         """
-        model, known, held = solid.maxwell, dict(self.terms.known), self.drift
+        model, priors, held = solid.maxwell, dict(self.terms.known), self.drift
         # a seal that warms is sought where several temperatures were fitted
         kinds = (
             "give",
@@ -267,12 +275,14 @@ class RelaxationData:
             "memory",
             *(("warming",) if self.moved is None else ()),
         )
-        borne = {kind: known.pop(kind) for kind in kinds if kind in known}
-        if "drift" in known:
-            borne["drift"], known["drift"] = known["drift"].beyond(held), held
-        own, arms = np.unique(np.clip(np.log(model.tau), *np.log(self.window)), return_inverse=True)
-        quiet = replace(self, terms=replace(self.terms, known=known))
-        rows = quiet.rows(own, borne=borne)
+        borne = {kind: priors.pop(kind) for kind in kinds if kind in priors}
+        if "drift" in priors:
+            borne["drift"], priors["drift"] = priors["drift"].beyond(held), held
+        values, arms = np.unique(
+            np.clip(np.log(model.tau), *np.log(self.window)), return_inverse=True
+        )
+        quiet = replace(self, terms=replace(self.terms, known=priors))
+        rows = quiet.rows(values, borne=borne)
         columns = np.column_stack((rows.spring, rows.arms[:, arms], rows.slopes[:, arms] * model.k))
         if isinstance(solid, FractionalZener):
             columns = columns @ solid.arm_gradient()
@@ -290,4 +300,6 @@ def _of_answer(
 
 def misfits(relaxations: Sequence[RelaxationData]) -> tuple[float, float]:
     """Return what the fit leaves of some tests, and what of it no model can remove."""
-    return sum(one.misfit for one in relaxations), sum(one.floor for one in relaxations)
+    return sum(relaxation.misfit for relaxation in relaxations), sum(
+        relaxation.floor for relaxation in relaxations
+    )

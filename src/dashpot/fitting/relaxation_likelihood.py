@@ -80,9 +80,9 @@ def relaxation_data(
     test: RampHold,
     fit: Fit,
     *,
-    alone: Fit | None = None,
+    single_fit: Fit | None = None,
     claimed: bool = True,
-    moved: ThermalShift | None = None,
+    shift: ThermalShift | None = None,
     warms: tuple[float, float] = (0.0, 0.0),
 ) -> RelaxationData:
     r"""Weigh a test by its own residual, and doubt all that its rig adds to the force.
@@ -97,13 +97,13 @@ def relaxation_data(
     test : RampHold
     fit : Fit
         The solid whose response to a small motion stands for the doubt; its method is kept.
-    alone : Fit, optional
+    single_fit : Fit, optional
         Of this test alone, where `fit` is of more than this test: its solid leaves the noise.
     claimed : bool
         For limits, which bear all that a rig may have done unseen (:func:`unmeasured_effects`). A
         fit of several tests is a point, and not of the doubtful rig: what could be moved by so much
         would hide that the tests disagree.
-    moved : ThermalShift, optional
+    shift : ThermalShift, optional
         How the solid that is asked about lies at the temperature of the test and of `fit`: the
         seal may then have warmed while it was recorded.
     warms : (float, float)
@@ -115,18 +115,18 @@ def relaxation_data(
         If the fit is of several temperatures, and the test of none of them.
     """
     if fit.temperatures is not None:
-        return _at_its_temperature(test, fit, alone, claimed=claimed)
-    model, own = fit.few_arms, (alone or fit).few_arms
+        return _at_its_temperature(test, fit, single_fit, claimed=claimed)
+    model, solid = fit.few_arms, (single_fit or fit).few_arms
     if fit.method == "hold":
-        held = _left_by(own, block_of(test, method="hold", terms=_CELL))
+        held = _left_by(solid, block_of(test, method="hold", terms=_CELL))
         return hold_only_data(test, model, held, claimed=claimed)
     law = fit.elastic_law
     if law is not None and law.kind == "linear":
         law = None
-    (time, x, _), left = motion(test), denoise_displacement(test)[1]
-    left = np.hypot(left, between_samples(test, time, x, left))
+    (time, x, _), magnitude = motion(test), denoise_displacement(test)[1]
+    magnitude = np.hypot(magnitude, between_samples(test, time, x, magnitude))
     if law is not None:
-        x, left = law.path(x), left * law.factor(x)
+        x, magnitude = law.path(x), magnitude * law.factor(x)
     doubts = {
         name: (model.force(time, 1.0 * there), sd)
         for name, (there, sd) in _doubts(test, time).items()
@@ -135,18 +135,18 @@ def relaxation_data(
         at = sample_motion(test, time)
         for name, (column, sd) in unmeasured_effects(test, time[at], x[at], model).items():
             doubts[name] = np.interp(time, time[at], column), sd
-    if moved is not None:
+    if shift is not None:
         by_a, by_b = warms
         doubts["warming"] = warming(time, x, model, by_a=by_a, by_b=by_b), 0.0
-    late = _lateness(alone or fit)
+    late = _lateness(single_fit or fit)
     if late:
         doubts |= _of_lateness(test, model, time, x, late=late)
     columns = {name: column for name, (column, _) in doubts.items()}
     certain = block_of(test, terms=_CELL, law=law, reach=_reach(test, 1.0))
-    residual = _left_by(own, certain)
+    residual = _left_by(solid, certain)
     power = max(noise_power(residual), certain.rounding_floor)
-    trusted = 1 / np.sqrt(1 + (model.k_0 * left) ** 2 / power)
-    found = _weighed(
+    trusted = 1 / np.sqrt(1 + (model.k_0 * magnitude) ** 2 / power)
+    relaxation_data = _weighed(
         test,
         block_of(
             test,
@@ -154,7 +154,7 @@ def relaxation_data(
             law=law,
             columns=columns,
             weights=trusted,
-            reach=_reach(test, moved.a_t if moved else 1.0),
+            reach=_reach(test, shift.a_t if shift else 1.0),
         ),
         certain,
         model,
@@ -164,12 +164,14 @@ def relaxation_data(
         doubts={kind_of(name): sd for name, (_, sd) in doubts.items()},
         claimed=claimed,
     )
-    found = replace(found, delay=0.0) if late else found
-    if moved is None:
-        return found
-    found = replace(found, terms=found.terms.beside(warming=recorded_warming(test.specimen)))
-    gain = _GAIN if moved.shift_sd > 0 else 0.0
-    return replace(found, moved=moved, size=float(np.hypot(found.size, gain)))
+    relaxation_data = replace(relaxation_data, delay=0.0) if late else relaxation_data
+    if shift is None:
+        return relaxation_data
+    relaxation_data = replace(
+        relaxation_data, terms=relaxation_data.terms.beside(warming=recorded_warming(test.specimen))
+    )
+    gain = _GAIN if shift.shift_sd > 0 else 0.0
+    return replace(relaxation_data, moved=shift, size=float(np.hypot(relaxation_data.size, gain)))
 
 
 def _of_lateness(
@@ -180,26 +182,26 @@ def _of_lateness(
     They are of the size that was found: the chord is exact there, where the tangent is not.
     """
     slow = _slower(model, SLOW_ARM * test.step)
-    moved = slow.force(time, np.interp(time - late, time, x, left=0.0))
+    displacement = slow.force(time, np.interp(time - late, time, x, left=0.0))
     # what has lagged once may lag by that, whatever was thought possible
     sd = max(delay_prior(test).sd, late)
-    found = {"delay": ((moved - slow.force(time, x)) / late, sd)}
+    entries = {"delay": ((displacement - slow.force(time, x)) / late, sd)}
     if late > 0:
         low_passed = x - arm_response(time, x, late)
-        found["filter"] = slow.force(time, low_passed) - moved, FILTERED
-    return found
+        entries["filter"] = slow.force(time, low_passed) - displacement, FILTERED
+    return entries
 
 
 def _lateness(fit: Fit) -> float:
     """The delay of the force of one test, s, where it is too large for the tangent; else 0."""
-    found = [one.value for one in fit.nuisance if one.name == "delay"]
-    late = found[0] if fit.method == "full" and found else 0.0
+    values = [nuisance.value for nuisance in fit.nuisance if nuisance.name == "delay"]
+    late = values[0] if fit.method == "full" and values else 0.0
     return late if abs(late) > LINEAR_DELAY else 0.0
 
 
 def _slower(solid: GeneralizedMaxwell, tau: float) -> GeneralizedMaxwell:
     """The arms of a solid that are no faster than this, s."""
-    slow = [j for j, own in enumerate(solid.tau) if own >= tau]
+    slow = [j for j, value in enumerate(solid.tau) if value >= tau]
     return GeneralizedMaxwell(
         solid.k_inf, tuple(solid.k[j] for j in slow), tuple(solid.tau[j] for j in slow)
     )
@@ -214,37 +216,39 @@ def _left_of_law(law: ElasticLaw | None) -> float:
 
 
 def _at_its_temperature(
-    test: RampHold, fit: Fit, alone: Fit | None, *, claimed: bool
+    test: RampHold, fit: Fit, single_fit: Fit | None, *, claimed: bool
 ) -> RelaxationData:
     """A test of several temperatures: what it says of the solid at their reference.
 
     Its shifts are as free as other spectra may want them, within what the line through the fit
     bears; its stiffnesses may differ by a gain.
     """
-    moved, kelvin = fit.temperatures, test.specimen.temperature
-    if moved is None or kelvin is None:
+    shifts, kelvin = fit.temperatures, test.specimen.temperature
+    if shifts is None or kelvin is None:
         raise DataError(
             "the fit is of tests at several temperatures, and a record has none: give the records "
             "that were fitted, each with its temperature"
         )
-    shift = moved.nearest(kelvin)
+    shift = shifts.nearest(kelvin)
     if abs(shift.temperature - kelvin) > SAME_TEMPERATURE:
         raise DataError(
             f"a record is of {celsius(kelvin)}, and no test of the fit is: give those that were "
             "fitted"
         )
     here = replace(fit.at_temperature(shift.temperature), temperatures=None)
-    rates, at_reference = moved.rates(shift.temperature), shift.temperature == moved.reference
-    slope_sd = float(np.sqrt(moved.cross[-1, -1])) if len(moved.cross) else 0.0
+    rates, at_reference = shifts.rates(shift.temperature), shift.temperature == shifts.reference
+    slope_sd = float(np.sqrt(shifts.cross[-1, -1])) if len(shifts.cross) else 0.0
     where = ThermalShift(
         shift.log10_a_t * LN_10,
         float(np.log(shift.b_t)),
         # arms that shift apart by no more than chance are laid out together, and doubted
-        moved.slope if abs(moved.slope) > _SURE * slope_sd else 0.0,
+        shifts.slope if abs(shifts.slope) > _SURE * slope_sd else 0.0,
         0.0 if at_reference else max(_FREE * shift.se * LN_10, _LEAST_SHIFT),
         0.0 if at_reference else _FREE * slope_sd,
     )
-    return relaxation_data(test, here, alone=alone, claimed=claimed, moved=where, warms=rates)
+    return relaxation_data(
+        test, here, single_fit=single_fit, claimed=claimed, shift=where, warms=rates
+    )
 
 
 def hold_only_data(
@@ -258,10 +262,10 @@ def hold_only_data(
     """The hold after an ideal ramp, whose depth scales the force, by way of its elastic law."""
     block = block_of(test, method="hold", terms=_CELL, law=law)
     since = float(test.ramp_end - test.time[0])
-    felt = test.depth if law is None else float(law.path(test.depth))
+    depth = test.depth if law is None else float(law.path(test.depth))
     time = test.time[: test.hold.stop] - test.time[0]
-    ramp = felt * np.clip((time - (test.onset - test.time[0])) / test.ramp_time, 0.0, 1.0)
-    found = _weighed(
+    ramp = depth * np.clip((time - (test.onset - test.time[0])) / test.ramp_time, 0.0, 1.0)
+    relaxation_data = _weighed(
         test,
         block,
         block,
@@ -273,9 +277,13 @@ def hold_only_data(
     )
     if law is None:
         # eq. 5 is fitted with a drift as free as it may be
-        found = replace(found, drift=found.terms.known["drift"])
+        relaxation_data = replace(relaxation_data, drift=relaxation_data.terms.known["drift"])
     start = float(test.time[test.settled.start] - test.time[0])
-    return found if not claimed else _doubted(found, test, (time, ramp), since=since, start=start)
+    return (
+        relaxation_data
+        if not claimed
+        else _doubted(relaxation_data, test, (time, ramp), since=since, start=start)
+    )
 
 
 def fitted_data(
@@ -289,40 +297,42 @@ def fitted_data(
     size = float(np.hypot(test.depth_doubt, test.contact_error / test.depth))
     size = float(np.hypot(size, set_of(test, answer)))
     time, x, _ = motion(test)
-    found = _weighed(test, block, block, answer, residual, size=size)
-    found = _doubted(found, test, (time, x), start=float(time[first_sample(test)]))
+    relaxation_data = _weighed(test, block, block, answer, residual, size=size)
+    relaxation_data = _doubted(
+        relaxation_data, test, (time, x), start=float(time[first_sample(test)])
+    )
     late = any(kind_of(name) == "delay" for name in block.fixed_names)
-    return replace(found, delay=0.0) if late else found
+    return replace(relaxation_data, delay=0.0) if late else relaxation_data
 
 
 def _doubted(
     data: RelaxationData,
     test: RampHold,
-    moved: tuple[FloatArray, FloatArray],
+    changes: tuple[FloatArray, FloatArray],
     *,
     start: float,
     since: float = 0.0,
 ) -> RelaxationData:
     """The data with what its rig may add, as sums of its own columns: right to some per cent.
 
-    The motion that is answered is `moved`, s and m; the rows begin at `start`, s, and their drift
+    The motion that is answered is `changes`, s and m; the rows begin at `start`, s, and their drift
     counts from `since`, s, all from the first sample on.
     """
-    time, x = (part[sample_motion(test, moved[0])] for part in moved)
+    time, x = (part[sample_motion(test, changes[0])] for part in changes)
     adds = unmeasured_effects(test, time, x, data.answer)
     tau = np.geomspace(max(test.ramp_time / 100, test.step), 10 * test.hold_time, MIXED)
     shapes = {"k_inf": x, "offset": np.ones(len(time)), "drift": time - since}
     kinds = [kind_of(name) for name in data.block.fixed_names]
     there = [kind in shapes for kind in kinds]
-    own = [shapes[kind] for kind in kinds if kind in shapes]
-    basis = np.column_stack((*own, arm_response(time, x, tau)))[time >= start]
+    columns = [shapes[kind] for kind in kinds if kind in shapes]
+    basis = np.column_stack((*columns, arm_response(time, x, tau)))[time >= start]
     scale = np.linalg.norm(basis, axis=0)
     wanted = np.column_stack([sd * column[time >= start] for column, sd in adds.values()])
     weights = np.linalg.lstsq(basis / scale, wanted, rcond=1e-9)[0] / scale[:, None]
     fixed = np.zeros((len(kinds), wanted.shape[1]))
-    fixed[there] = weights[: len(own)]
+    fixed[there] = weights[: len(columns)]
     return replace(
-        data, unseen=UnmeasuredEffects(tuple(adds), np.log(tau), fixed, weights[len(own) :])
+        data, unseen=UnmeasuredEffects(tuple(adds), np.log(tau), fixed, weights[len(columns) :])
     )
 
 
@@ -361,7 +371,7 @@ def _weighed(
 ) -> RelaxationData:
     terms = terms_of(test, claimed=claimed)
     power = max(noise_power(residual), certain.rounding_floor)
-    left = max(float(np.mean(residual**2)), rms**2, power)
+    remainder = max(float(np.mean(residual**2)), rms**2, power)
     return RelaxationData(
         block=block,
         weight=1 / float(np.sqrt(power)),
@@ -373,7 +383,7 @@ def _weighed(
         delay=terms.known["delay"].sd,
         size=size,
         certain=certain,
-        misfit=len(residual) * left / power,
+        misfit=len(residual) * remainder / power,
         drift=priors(test).drift,
     )
 
@@ -394,18 +404,18 @@ def _reach(test: RampHold, a_t: float) -> tuple[float, float]:
 
 def _doubts(test: RampHold, time: FloatArray) -> dict[str, tuple[BoolArray, float]]:
     """Motions that may have been, and the standard deviation of their size, m."""
-    found: dict[str, tuple[BoolArray, float]] = {}
+    entries: dict[str, tuple[BoolArray, float]] = {}
     clock, count = time + test.time[0], test.encoder_step / np.sqrt(12)
     if test.contact_error > 0:
-        found["contact"] = clock >= test.onset, test.contact_error
+        entries["contact"] = clock >= test.onset, test.contact_error
     if count > 0:
         (_, leaves), *between, (reaches, _) = _few_rests(test, clock)
         # motion counts from the first reading: an error of it begins where it is left
-        found["rest@first"] = clock >= leaves, float(count)
-        found["rest@last"] = clock >= reaches, float(count)
+        entries["rest@first"] = clock >= leaves, float(count)
+        entries["rest@last"] = clock >= reaches, float(count)
         for i, (start, stop) in enumerate(between):
-            found[f"rest@{i}"] = (clock >= start) & (clock < stop), float(count)
-    return found
+            entries[f"rest@{i}"] = (clock >= start) & (clock < stop), float(count)
+    return entries
 
 
 def unmeasured_effects(
@@ -423,7 +433,7 @@ def unmeasured_effects(
     time, x : array, shape (n,)
         Since the first sample, s, and the motion that the solid `answer` is thought to feel, m.
     """
-    found = machine_terms(
+    terms = machine_terms(
         test.machine,
         answer,
         time,
@@ -438,21 +448,21 @@ def unmeasured_effects(
         # pressed when the record begins; what it carries in the middle of the rest is offset
         relaxing = answer.force(time, np.ones(len(time)))
         tared = float(np.interp(priors(test).at, time, relaxing))
-        found["preload"] = relaxing - tared, test.preload * test.depth / peak
+        terms["preload"] = relaxing - tared, test.preload * test.depth / peak
     if test.loading_start is None and not test.gap > 0 and answer.arms:
         memory, sd = earlier_press(test.machine, answer, time, depth=test.depth)
         # what it carries in the middle of the rest is offset
-        found["memory"] = memory - float(np.interp(priors(test).at, time, memory)), sd
+        terms["memory"] = memory - float(np.interp(priors(test).at, time, memory)), sd
     # its temperature is that of its contact, however long the machine stood before
-    known = max(test.onset - test.ramp_time - test.time[0], 0.0)
-    warms = warming(time, x, answer, since=known)
-    found["warming"] = warms, unseen_warmth(test.specimen).sd
+    value = max(test.onset - test.ramp_time - test.time[0], 0.0)
+    warms = warming(time, x, answer, since=value)
+    terms["warming"] = warms, unseen_warmth(test.specimen).sd
     if test.machine.force_filter is None:
         lines = folded_mains(time, step=test.step)
         # four parts of one line of that size
         sd = USUAL["folded mains"].size * peak / 2
-        found |= {f"mains@{i}": (line, sd) for i, line in enumerate(lines)}
-    return found
+        terms |= {f"mains@{i}": (line, sd) for i, line in enumerate(lines)}
+    return terms
 
 
 def set_of(test: RampHold, answer: GeneralizedMaxwell) -> float:
@@ -480,9 +490,9 @@ def sample_motion(test: RampHold, time: FloatArray) -> IndexArray:
 
 def _few_rests(test: RampHold, clock: FloatArray) -> list[tuple[float, float]]:
     """The first and the last reading that stand, and the longest of those between them."""
-    found = rests(clock, test.displacement[: len(clock)], test.encoder_step)
+    results = rests(clock, test.displacement[: len(clock)], test.encoder_step)
     first, last = (-np.inf, test.onset), (test.ramp_end, np.inf)
-    if len(found) > 1:
-        first, last = found[0], found[-1]
-    longest = sorted(found[1:-1], key=lambda rest: rest[0] - rest[1])[:RESTS]
+    if len(results) > 1:
+        first, last = results[0], results[-1]
+    longest = sorted(results[1:-1], key=lambda rest: rest[0] - rest[1])[:RESTS]
     return [first, *longest, last]

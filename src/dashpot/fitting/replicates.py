@@ -50,8 +50,8 @@ def refuse_copies(records: Sequence[RampHold]) -> None:
         If two records are of one part of one file, hold equal samples, or scatter alike: the
         noise of two tests is not correlated, whatever the seal.
     """
-    for (i, one), (j, other) in combinations(enumerate(records, start=1), 2):
-        reason = _copied(one, other)
+    for (i, record), (j, other) in combinations(enumerate(records, start=1), 2):
+        reason = _copied(record, other)
         if reason:
             raise FitError(
                 f"tests {i} and {j} are one record, {reason}: counted twice it would make every "
@@ -59,20 +59,20 @@ def refuse_copies(records: Sequence[RampHold]) -> None:
             )
 
 
-def _copied(one: RampHold, other: RampHold) -> str:
-    if one.source is not None and other.source is not None:
-        moved = max(abs(one.onset - other.onset), abs(one.hold_end - other.hold_end))
-        if one.source.sha256 == other.source.sha256 and moved < 0.1 * one.ramp_time:
-            return f"the same part of {one.source.file}"
-    if np.array_equal(one.force, other.force):
+def _copied(first: RampHold, second: RampHold) -> str:
+    if first.source is not None and second.source is not None:
+        change = max(abs(first.onset - second.onset), abs(first.hold_end - second.hold_end))
+        if first.source.sha256 == second.source.sha256 and change < 0.1 * first.ramp_time:
+            return f"the same part of {first.source.file}"
+    if np.array_equal(first.force, second.force):
         return "sample for sample"
-    if abs(one.depth / other.depth - 1) > SAME_DEPTH:
+    if abs(first.depth / second.depth - 1) > SAME_DEPTH:
         return ""
-    alike = noise_correlation(one, other)
+    alike = noise_correlation(first, second)
     return f"resampled (their noise correlates by {alike:.2f})" if alike > COPIED else ""
 
 
-def noise_correlation(one: RampHold, other: RampHold) -> float:
+def noise_correlation(ramp_hold: RampHold, other: RampHold) -> float:
     """Return the correlation of what two holds scatter about their smooth course, -1 to 1.
 
     Means over a few samples at equal times after the onset, less their running mean; lines of hum,
@@ -80,22 +80,22 @@ def noise_correlation(one: RampHold, other: RampHold) -> float:
     three means of each other's clock; 0 where fewer than 400 means are common, or what is left is
     no noise.
     """
-    step = _TO_A_MEAN * max(one.step, other.step)
-    start = max(record.ramp_time for record in (one, other)) + _SMOOTH * step
-    stop = min(record.hold_end - record.onset for record in (one, other))
+    step = _TO_A_MEAN * max(ramp_hold.step, other.step)
+    start = max(record.ramp_time for record in (ramp_hold, other)) + _SMOOTH * step
+    stop = min(record.hold_end - record.onset for record in (ramp_hold, other))
     if (stop - start) / step < _FEWEST:
         return 0.0
     edges = np.arange(start, stop, step)
-    left = [_scatter(record, edges) for record in (one, other)]
+    residuals = [_scatter(record, edges) for record in (ramp_hold, other)]
     if any(
         part.std() > _COURSE * record.force_noise
-        for part, record in zip(left, (one, other), strict=True)
+        for part, record in zip(residuals, (ramp_hold, other), strict=True)
     ):
         return 0.0
-    first, second = (_clipped_spectrum(part) for part in left)
+    first, second = (_clipped_spectrum(part) for part in residuals)
     products = np.array([first * second.conj(), np.abs(first) ** 2, np.abs(second) ** 2])
-    cross, own, others = np.fft.irfft(products)
-    power = float(np.sqrt(own[0] * others[0]))
+    cross, pair, others = np.fft.irfft(products)
+    power = float(np.sqrt(pair[0] * others[0]))
     near = np.concatenate((cross[: _LAGS + 1], cross[-_LAGS:]))
     return float(near.max()) / power if power > 0 else 0.0
 
@@ -134,10 +134,16 @@ def _end_stiffness(record: RampHold, at: float) -> EndStiffness:
     since = record.time - record.ramp_end
     last = (since >= 0.95 * at) & (since <= at)
     last[int(np.searchsorted(since, at)) - 1] = True
-    known = priors(record)
-    later = record.ramp_end + 0.975 * at - record.time[0] - known.at
-    force = float(record.force[last].mean()) - known.offset.mean - known.drift.mean * later
-    doubt = (known.offset.sd, known.drift.sd * later, record.force_noise / np.sqrt(last.sum()))
+    cell_priors = priors(record)
+    later = record.ramp_end + 0.975 * at - record.time[0] - cell_priors.at
+    force = (
+        float(record.force[last].mean()) - cell_priors.offset.mean - cell_priors.drift.mean * later
+    )
+    doubt = (
+        cell_priors.offset.sd,
+        cell_priors.drift.sd * later,
+        record.force_noise / np.sqrt(last.sum()),
+    )
     depth = float(np.hypot(record.depth_doubt, record.contact_error / record.depth))
     value = force / record.depth
     sd = float(np.hypot(np.linalg.norm(doubt) / record.depth, value * depth))

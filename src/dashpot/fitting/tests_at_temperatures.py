@@ -21,17 +21,17 @@ def temperatures_of(records: Sequence[RampHold]) -> FloatArray:
 
     Empty unless every test has one.
     """
-    found = sorted(
+    values = sorted(
         record.specimen.temperature for record in records if record.specimen.temperature is not None
     )
-    if len(found) < len(records):
+    if len(values) < len(records):
         return np.zeros(0)
     groups: list[list[float]] = []
-    for one in found:
-        if groups and one - groups[-1][0] <= SAME_TEMPERATURE:
-            groups[-1].append(one)
+    for value in values:
+        if groups and value - groups[-1][0] <= SAME_TEMPERATURE:
+            groups[-1].append(value)
         else:
-            groups.append([one])
+            groups.append([value])
     return np.array([float(np.mean(group)) for group in groups])
 
 
@@ -45,28 +45,28 @@ def checked_temperatures(records: Sequence[RampHold], *, shared: bool) -> FloatA
     FitError
         If only some tests have one, or they are to be fitted in a way that knows of none.
     """
-    given = [record.specimen.temperature for record in records]
-    known = [record for record in records if record.specimen.temperature]
-    if known and None in given:
-        first = known[0].specimen.temperature or 0.0
+    values = [record.specimen.temperature for record in records]
+    ramp_holds = [record for record in records if record.specimen.temperature]
+    if ramp_holds and None in values:
+        first = ramp_holds[0].specimen.temperature or 0.0
         raise FitError(
-            f"test {given.index(None) + 1} of {len(given)} has no temperature, where test "
-            f"{given.index(first) + 1} is of {celsius(first)}: give one for every file, in their "
+            f"test {values.index(None) + 1} of {len(values)} has no temperature, where test "
+            f"{values.index(first) + 1} is of {celsius(first)}: give one for every file, in their "
             "order, such as --temperature 23degC --temperature 0degC, or one for all of them "
             "(Python: Specimen(temperature=...))"
         )
-    found = temperatures_of(records)
-    if len(found) < 2:
-        return found
+    temperatures = temperatures_of(records)
+    if len(temperatures) < 2:
+        return temperatures
     if not shared:
         raise FitError(
             "tests at several temperatures are fitted by the recorded motion, and share their "
             "stiffnesses: leave out --method hold and --elastic by-depth"
         )
-    return found
+    return temperatures
 
 
-def reference_temperature(temperatures: FloatArray, asked: float | None) -> int:
+def reference_temperature(temperatures: FloatArray, target: float | None) -> int:
     """Return which temperature, K, is the reference: the one asked for, or nearest to 23 degC.
 
     Raises
@@ -74,10 +74,10 @@ def reference_temperature(temperatures: FloatArray, asked: float | None) -> int:
     FitError
         If no test is of the temperature asked for.
     """
-    apart = np.abs(temperatures - (STANDARD if asked is None else asked))
-    if asked is not None and apart.min() > SAME_TEMPERATURE:
-        listed = ", ".join(celsius(float(one)) for one in temperatures)
+    magnitude = np.abs(temperatures - (STANDARD if target is None else target))
+    if target is not None and magnitude.min() > SAME_TEMPERATURE:
+        listed = ", ".join(celsius(float(value)) for value in temperatures)
         raise FitError(
-            f"no test is of the reference temperature {celsius(asked)}; expected one of {listed}"
+            f"no test is of the reference temperature {celsius(target)}; expected one of {listed}"
         )
-    return int(np.argmin(apart))
+    return int(np.argmin(magnitude))

@@ -117,25 +117,25 @@ def exponential_sum(
     origin = float(at[0])
     name = "constant" if constant else None
     block = hold_block(at - origin, values, k_inf=name, weights=root)
-    found = solve([block], terms, signed=signed)
-    proof = None if signed else certificate([block], found)
-    rates, local = np.exp(-found.log_tau)[::-1], found.arms[0][::-1]
+    solution = solve([block], terms, signed=signed)
+    proof = None if signed else certificate([block], solution)
+    rates, local = np.exp(-solution.log_tau)[::-1], solution.arms[0][::-1]
     growth = np.exp(rates * origin)
     rows = _sensitivity(at - origin, rates, local, root, constant=constant)
     n = len(rates)
     # a = A e^{r origin}, so da = e^{r origin} (dA + A origin dr)
     rows[:n] = growth[:, None] * (rows[:n] + local[:, None] * origin * rows[n : 2 * n])
     spare = max(len(at) - len(rows), 1)
-    spread = np.linalg.norm(rows, axis=1) * np.sqrt(found.sse / spare)
+    spread = np.linalg.norm(rows, axis=1) * np.sqrt(solution.sse / spare)
     return ExponentialSum(
         amplitudes=local * growth,
         rates=rates,
-        constant=found.coefficient("constant") if constant else 0.0,
-        sse=found.sse,
+        constant=solution.coefficient("constant") if constant else 0.0,
+        sse=solution.sse,
         amplitude_errors=spread[:n],
         rate_errors=spread[n : 2 * n],
         constant_error=float(spread[-1]) if constant else 0.0,
-        converged=found.converged,
+        converged=solution.converged,
         certificate=proof,
     )
 

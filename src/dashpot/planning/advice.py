@@ -25,10 +25,10 @@ def advice(
     at: float,
     wanted: float,
     without: str,
-    room: float,
+    margin: float,
 ) -> tuple[str, ...]:
-    """Return what to change, most useful first; `room` is the temperature of the test, K."""
-    words = _cold_advice(expected, alternatives, at=at, room=room)
+    """Return what to change, most useful first; `margin` is the temperature of the test, K."""
+    words = _cold_advice(expected, alternatives, at=at, margin=margin)
     if expected.loss_factor_sd > wanted:
         words.append(_ramp_advice(expected, alternatives, at=at, wanted=wanted))
     if need.record is None:
@@ -61,15 +61,15 @@ def compute_record_length(need: RecordNeed) -> float:
 
 
 def _cold_advice(
-    expected: ExpectedError, alternatives: Sequence[ExpectedError], *, at: float, room: float
+    expected: ExpectedError, alternatives: Sequence[ExpectedError], *, at: float, margin: float
 ) -> list[str]:
     """What the repeats at other temperatures bring, and which one is still missing."""
     if not expected.repeated:
         return []
-    alone = next(e for e in alternatives if e.method == expected.method and not e.repeated)
-    where, before = format_temperatures(expected.repeated), format_relative_sd(alone.loss_factor_sd)
-    if expected.loss_factor_sd > WORTH * alone.loss_factor_sd:
-        colder = "" if min(expected.repeated) < room else " Test in the cold instead."
+    error = next(e for e in alternatives if e.method == expected.method and not e.repeated)
+    where, before = format_temperatures(expected.repeated), format_relative_sd(error.loss_factor_sd)
+    if expected.loss_factor_sd > WORTH * error.loss_factor_sd:
+        colder = "" if min(expected.repeated) < margin else " Test in the cold instead."
         after = f"{format_relative_sd(expected.loss_factor_sd)} instead of {before}"
         return [
             f"A repeat at {where} hardly improves the loss factor at {at:g} Hz: {after}.{colder}"
@@ -82,7 +82,7 @@ def _cold_advice(
     words = [says]
     if len(expected.repeated) == 1:
         between = 5 * round(
-            sum(convert_to_unit(one, "degC") for one in (room, expected.repeated[0])) / 10
+            sum(convert_to_unit(value, "degC") for value in (margin, expected.repeated[0])) / 10
         )
         words.append(
             f"Test at a third temperature, such as {between:g} degC, too. Two temperatures cannot "
@@ -123,8 +123,8 @@ def _ways(
 ) -> list[tuple[str, ExpectedError]]:
     joint = next(e for e in alternatives if e.method == "joint")
     ways = [_faster(expected, alternatives, wanted), _colder(expected, alternatives, wanted)]
-    found = [(how, best) for how, best in ways if best is not None]
-    return [*found, ("add a hammer test and fit both together", joint)]
+    pairs = [(how, best) for how, best in ways if best is not None]
+    return [*pairs, ("add a hammer test and fit both together", joint)]
 
 
 Way: TypeAlias = tuple[str, ExpectedError | None]

@@ -64,8 +64,8 @@ class SupposedSeal:
         arm = self.arm
         if arm is None:
             tau = 1 / (2 * np.pi * at)
-            if any(1 / NEAR < own / tau < NEAR for own in self.model.tau):
+            if any(1 / NEAR < value / tau < NEAR for value in self.model.tau):
                 return self.model, None
             arm = (USUAL_PART * self.model.k_0, tau)
-        known = convert_to_si(arm[0], "stiffness"), convert_to_si(arm[1], "time")
-        return self.model + GeneralizedMaxwell(0.0, known[:1], known[1:]), known
+        values = convert_to_si(arm[0], "stiffness"), convert_to_si(arm[1], "time")
+        return self.model + GeneralizedMaxwell(0.0, values[:1], values[1:]), values

@@ -63,9 +63,9 @@ def tip_excites(tip: Pulse, at: float) -> Finding:
     )
 
 
-def percent(value: float, beyond: str = "more than 1000 %") -> str:
+def percent(value: float, text: str = "more than 1000 %") -> str:
     """Return a part of 1 as people read it."""
-    return beyond if value > 10 else f"{100 * value:.3g} %"
+    return text if value > 10 else f"{100 * value:.3g} %"
 
 
 def format_relative_sd(sd: float) -> str:

@@ -87,14 +87,14 @@ def expected_error(
     `hammer` holds the rows of a hammer test in the same parameters and one more, the mass:
     with them both tests are fitted together. `repeats` are the same test at other temperatures.
     """
-    rows, unseen = rows_with(model, bench, repeats) if repeats else bench.rows(model)
+    rows, unmeasured = rows_with(model, bench, repeats) if repeats else bench.rows(model)
     if hammer is not None:
-        own = hammer.shape[1] - 1
+        value = hammer.shape[1] - 1
         mass = np.vstack((np.zeros((len(rows), 1)), hammer[:, -1:]))
-        extra = np.zeros((len(hammer), rows.shape[1] - own))
+        extra = np.zeros((len(hammer), rows.shape[1] - value))
         rows = np.hstack((np.vstack((rows, np.hstack((hammer[:, :-1], extra)))), mass))
-        unseen = np.pad(unseen, ((0, len(hammer)), (0, 0)))
-    covariance = _covariance(rows, unseen)
+        unmeasured = np.pad(unmeasured, ((0, len(hammer)), (0, 0)))
+    covariance = _covariance(rows, unmeasured)
     storage, loss_factor, gradients = _gradients(model, at)
     sizes = [
         float(np.sqrt(max(row @ covariance @ row, 0.0)))
@@ -107,11 +107,11 @@ def expected_error(
         storage_sd=sizes[0] / storage,
         loss_factor_sd=sizes[1] / loss_factor,
         arm_sd=None if arm is None else float(np.sqrt(covariance[1 + arm, 1 + arm])) / model.k[arm],
-        repeated=tuple(each.temperature for each in repeats),
+        repeated=tuple(repeat.temperature for repeat in repeats),
     )
 
 
-def _covariance(rows: FloatArray, unseen: FloatArray) -> FloatArray:
+def _covariance(rows: FloatArray, unmeasured: FloatArray) -> FloatArray:
     r"""Return (J'J)^-1, huge where J says nothing, and what each c unseen moves the fit by.
 
     .. math:: C = (J'J)^{-1} + \sum_c \delta\theta\,\delta\theta', \qquad
@@ -121,11 +121,11 @@ def _covariance(rows: FloatArray, unseen: FloatArray) -> FloatArray:
     """
     scale = np.linalg.norm(rows, axis=0)
     scale[scale == 0] = 1.0
-    left, values, vectors = np.linalg.svd(rows / scale, full_matrices=False)
+    residual, values, vectors = np.linalg.svd(rows / scale, full_matrices=False)
     values = np.maximum(values, SINGULAR * values[0])
     root = vectors.T / values / scale[:, None]
-    moved = root @ (left.T @ unseen)
-    return np.asarray(root @ root.T + moved @ moved.T)
+    change = root @ (residual.T @ unmeasured)
+    return np.asarray(root @ root.T + change @ change.T)
 
 
 def _gradients(model: GeneralizedMaxwell, at: float) -> tuple[float, float, FloatArray]:
@@ -169,8 +169,8 @@ class ExpectedArm:
 def expected_arms(model: GeneralizedMaxwell, bench: Bench) -> tuple[ExpectedArm, ...]:
     """What a fit of the solid's own arms would print of each."""
     planned, named = (
-        _compute_arm_half_widths(model, one)
-        for one in (bench, _on_a_named_rig(bench, *_NAMED, "sync"))
+        _compute_arm_half_widths(model, planned_test)
+        for planned_test in (bench, _on_a_named_rig(bench, *_NAMED, "sync"))
     )
     least = np.minimum(planned, named)
     return tuple(
@@ -196,9 +196,9 @@ def _compute_arm_half_widths(model: GeneralizedMaxwell, bench: Bench) -> FloatAr
 def _on_a_named_rig(bench: Bench, *names: str) -> Bench:
     """The same test after a baseline, of a machine that says so much of itself: nothing of each."""
     machine = bench.machine or Machine()
-    told = {name: getattr(machine, name) or 0.0 for name in names}
+    entries = {name: getattr(machine, name) or 0.0 for name in names}
     return replace(
-        bench, baseline=max(bench.baseline, NAMED_BASELINE), machine=replace(machine, **told)
+        bench, baseline=max(bench.baseline, NAMED_BASELINE), machine=replace(machine, **entries)
     )
 
 
@@ -244,18 +244,22 @@ def expected_end(model: GeneralizedMaxwell, bench: Bench) -> ExpectedEnd:
     bench = replace(bench, method="full", machine=bench.machine or Machine())
     named = _on_a_named_rig(bench, *_NAMED)
     value = float(model.relaxation(bench.hold_time))
-    half, least = (_half_width(model, one) / value for one in (bench, named))
+    half, least = (_half_width(model, planned_test) / value for planned_test in (bench, named))
     return ExpectedEnd(bench.hold_time, value, half, min(least, half))
 
 
 def _half_width(model: GeneralizedMaxwell, bench: Bench) -> float:
     """Of the 95 % limits of k(T), N/m."""
-    rows, unseen = bench.rows(model)
+    rows, unmeasured = bench.rows(model)
     # a limit is over every solid and every rig at once
     both = np.vstack(
         (
-            np.hstack((rows, unseen)),
-            np.eye(unseen.shape[1], sum(part.shape[1] for part in (rows, unseen)), rows.shape[1]),
+            np.hstack((rows, unmeasured)),
+            np.eye(
+                unmeasured.shape[1],
+                sum(part.shape[1] for part in (rows, unmeasured)),
+                rows.shape[1],
+            ),
         )
     )
     tau, k = np.asarray(model.tau), np.asarray(model.k)

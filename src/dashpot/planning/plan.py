@@ -130,12 +130,12 @@ class Plan(HasChecks, Serialisable):
         )
         names = ("k", "tau", "b")
         titles = (*names, *(f"{name} *" for name in names))
-        head = f"{'arm, s':<10}{''.join(f'{each:>12}' for each in titles)}"
+        head = f"{'arm, s':<10}{''.join(f'{title:>12}' for title in titles)}"
         rows = []
-        for one in self.arms:
-            each = [getattr(one, f"{when}_{name}") for when in ("half", "named") for name in names]
-            cells = (f"{percent(half, 'unknown'):>12}" for half in each)
-            rows.append(f"{one.tau:<10.3g}{''.join(cells)}")
+        for arm in self.arms:
+            group = [getattr(arm, f"{when}_{name}") for when in ("half", "named") for name in names]
+            cells = (f"{percent(half, 'unknown'):>12}" for half in group)
+            rows.append(f"{arm.tau:<10.3g}{''.join(cells)}")
         return [title, head, *rows, starred]
 
 
@@ -180,13 +180,13 @@ def plan(
         If a number is not positive, or the law does not reach so far.
     """
     at = convert_to_si(at, "frequency")
-    asked = [cold] if isinstance(cold, str | float | int) else cold
-    places = [convert_to_si(each, "temperature") for each in asked]
+    requested = [cold] if isinstance(cold, str | float | int) else cold
+    places = [convert_to_si(item, "temperature") for item in requested]
     require_positive(at=at, wanted=wanted, expected=IN_SI)
-    for each in places:
-        require_positive(cold=each, expected=IN_SI)
-    room, law = seal.room, seal.law
-    repeats = tuple(elsewhere(kelvin, room, law) for kelvin in places)
+    for place in places:
+        require_positive(cold=place, expected=IN_SI)
+    margin, law = seal.room, seal.law
+    repeats = tuple(elsewhere(kelvin, margin, law) for kelvin in places)
     refuse_twice(places)
     supposed, arm = seal.with_arm(at)
     index = None if arm is None else supposed.tau.index(arm[1])
@@ -203,7 +203,7 @@ def plan(
     alternatives = (
         *(
             expected_error(supposed, other, at, index, repeats=where)
-            for other, where in _build_alternatives(bench, repeats, room, law)
+            for other, where in _build_alternatives(bench, repeats, margin, law)
         ),
         expected_error(supposed, replace(bench, method="full"), at, index, rows),
     )
@@ -213,18 +213,18 @@ def plan(
     todo = remedy(expected, alternatives, wanted=wanted)
     answers = _checks(expected, band, need, tip, at=at, wanted=wanted, todo=todo)
     words = advice(
-        expected, alternatives, answers, need, tip, at=at, wanted=wanted, room=room,
+        expected, alternatives, answers, need, tip, at=at, wanted=wanted, margin=margin,
         without="" if arm is None else _without_arm(hammer.seals * seal.model, hammer.mass, at),
     )  # fmt: skip
     return Plan(
         at=at, model=supposed, arm=arm, expected=expected, alternatives=alternatives, band=band,
         record=need, end=expected_end(supposed, bench), pulse=tip, checks=answers, advice=words,
-        temperature=room, repeats=repeats, arms=expected_arms(seal.model, bench),
+        temperature=margin, repeats=repeats, arms=expected_arms(seal.model, bench),
     )  # fmt: skip
 
 
 def _build_alternatives(
-    bench: Bench, repeats: Sequence[Elsewhere], room: float, law: TemperatureLaw
+    bench: Bench, repeats: Sequence[Elsewhere], margin: float, law: TemperatureLaw
 ) -> list[tuple[Bench, Sequence[Elsewhere]]]:
     """The tests beside the one that was asked for, each with its repeats."""
     other = replace(bench, method="hold" if bench.method == "full" else "full")
@@ -233,26 +233,26 @@ def _build_alternatives(
         for part in FASTER
         if bench.ramp_time * part * bench.rate >= 5
     ]
-    ramps = [(each, ()) for each in (other, *faster)]
+    ramps = [(planned_test, ()) for planned_test in (other, *faster)]
     if not repeats:
-        return [*ramps, *((bench, place) for place in _usual_cold(room, law))]
-    single = [(bench, (each,)) for each in repeats] if len(repeats) > 1 else []
+        return [*ramps, *((bench, place) for place in _usual_cold(margin, law))]
+    single = [(bench, (repeat,)) for repeat in repeats] if len(repeats) > 1 else []
     return [(bench, ()), *single, (other, repeats), *ramps]
 
 
-def _usual_cold(room: float, law: TemperatureLaw) -> list[tuple[Elsewhere]]:
+def _usual_cold(margin: float, law: TemperatureLaw) -> list[tuple[Elsewhere]]:
     """A refrigerator, if it is colder than the room and the law reaches so far."""
-    if room < USUAL_COLD + COLDER:
+    if margin < USUAL_COLD + COLDER:
         return []
     try:
-        return [(elsewhere(USUAL_COLD, room, law),)]
+        return [(elsewhere(USUAL_COLD, margin, law),)]
     except DataError:
         return []
 
 
 def _band(bench: Bench, repeats: Sequence[Elsewhere]) -> tuple[float, float]:
     """What ramp and hold inform, Hz; a repeat informs a_T times that of the solid."""
-    slower = [1.0, *(each.a_t for each in repeats)]
+    slower = [1.0, *(repeat.a_t for repeat in repeats)]
     low, high = 1 / (2 * np.pi * bench.hold_time), 1 / (np.pi * bench.ramp_time)
     return min(slower) * low, max(slower) * high
 
@@ -284,12 +284,12 @@ def _checks(
     wanted: float,
     todo: str,
 ) -> tuple[Check, ...]:
-    found = [
+    new_checks = [
         checks.loss_factor_known(expected.loss_factor_sd, at, wanted, remedy=todo),
         checks.inside_identified_band(at, band),
     ]
     if need.record is not None and need.peak_error is not None:
-        found.append(checks.record_long_enough(need))
+        new_checks.append(checks.record_long_enough(need))
     if tip is not None:
-        found.append(checks.tip_excites(tip, at))
-    return tuple(found)
+        new_checks.append(checks.tip_excites(tip, at))
+    return tuple(new_checks)

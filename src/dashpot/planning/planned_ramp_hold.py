@@ -137,19 +137,20 @@ class Bench(PlannedRamp):
         A fit of `several` temperatures looks for a seal that warms, and finds it; it is a point,
         and bears nothing of earlier presses.
         """
-        columns, known = self.sensitivity(model), np.zeros((0, 0))
-        unseen = self.unseen(model, columns[:, 1 : 1 + model.arms])
+        columns, values = self.sensitivity(model), np.zeros((0, 0))
+        unmeasured = self.unseen(model, columns[:, 1 : 1 + model.arms])
         if self.machine is not None:
             sd = self.prior_sd(model)
             if several:
-                columns, sd = np.hstack((columns, unseen[:, :1])), np.append(sd, _IN_A_CHAMBER)
-                unseen = unseen[:, 2:]
-            known = np.diag(1 / np.maximum(sd, 1e-300))
-        own = columns.shape[1]
-        both = np.asarray(np.linalg.qr(np.hstack((columns, unseen)), mode="r")) / self.noise
-        priors = np.pad(known, ((0, 0), (own - len(known), 0)))
+                columns, sd = np.hstack((columns, unmeasured[:, :1])), np.append(sd, _IN_A_CHAMBER)
+                unmeasured = unmeasured[:, 2:]
+            values = np.diag(1 / np.maximum(sd, 1e-300))
+        count = columns.shape[1]
+        both = np.asarray(np.linalg.qr(np.hstack((columns, unmeasured)), mode="r")) / self.noise
+        priors = np.pad(values, ((0, 0), (count - len(values), 0)))
         return PlannedRows(
-            np.vstack((both[:, :own], priors)), np.pad(both[:, own:], ((0, len(known)), (0, 0)))
+            np.vstack((both[:, :count], priors)),
+            np.pad(both[:, count:], ((0, len(values)), (0, 0))),
         )
 
     def unseen(self, model: GeneralizedMaxwell, by_arms: FloatArray) -> FloatArray:
@@ -178,12 +179,12 @@ class Bench(PlannedRamp):
         terms |= machine_terms(
             machine, model, at, x, since=since, ramp_time=self.ramp_time, depth=self.depth
         )
-        columns = [np.interp(time, at, one)[:, None] * sd for one, sd in terms.values()]
+        columns = [np.interp(time, at, values)[:, None] * sd for values, sd in terms.values()]
         _, quiet, free = self._zero(model)
         if self.method == "hold":
             columns.append(self._late(model, by_arms) * machine.delay_sd(1 / self.rate))
         else:
             # of the drift, what the fit holds to be less than it may be
-            beyond = np.sqrt(max(free**2 - quiet**2, 0.0))
-            columns.append(self._since_rest(time) * beyond)
+            excess = np.sqrt(max(free**2 - quiet**2, 0.0))
+            columns.append(self._since_rest(time) * excess)
         return np.hstack(columns)

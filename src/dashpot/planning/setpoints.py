@@ -44,9 +44,9 @@ def planned_trajectory(
     step = convert_to_si(interval, "time")
     if not (np.isfinite(step) and step > 0):
         raise DataError(f"a set-point each {step!r} s; expected a time > 0, such as 10ms")
-    said = {"rest": baseline, "ramp": ramp_time, "hold": hold_time}
+    stated = {"rest": baseline, "ramp": ramp_time, "hold": hold_time}
     counts = {
-        name: _steps(name, convert_to_si(value, "time"), step) for name, value in said.items()
+        name: _steps(name, convert_to_si(value, "time"), step) for name, value in stated.items()
     }
     if not counts["ramp"]:
         raise DataError("the ramp takes no time; a controller needs one set-point in it at least")

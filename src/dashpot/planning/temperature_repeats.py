@@ -48,19 +48,19 @@ class Elsewhere:
     b_t: float
 
 
-def elsewhere(temperature: float, room: float, law: TemperatureLaw) -> Elsewhere:
+def elsewhere(temperature: float, margin: float, law: TemperatureLaw) -> Elsewhere:
     """What the law, and stiffness in proportion to T, suppose at a temperature, K.
 
-    The solid is that of the `room`, K.
+    The solid is that of the `margin`, K.
 
     Raises
     ------
     DataError
         If that is no other temperature, or nearer than 10 K to the glass transition.
     """
-    if abs(temperature - room) <= SAME_TEMPERATURE:
+    if abs(temperature - margin) <= SAME_TEMPERATURE:
         raise DataError(
-            f"the test is at {celsius(room)} and is to be repeated at {celsius(temperature)}; "
+            f"the test is at {celsius(margin)} and is to be repeated at {celsius(temperature)}; "
             "expected another temperature"
         )
     coldest = law.glass + ABOVE_GLASS if isinstance(law, WLF) else 0.0
@@ -69,8 +69,8 @@ def elsewhere(temperature: float, room: float, law: TemperatureLaw) -> Elsewhere
             f"{celsius(temperature)} is nearer than {ABOVE_GLASS:g} K to the glass transition that "
             f"the law supposes; expected {celsius(coldest)} or more"
         )
-    a_t = float(law.a_t(temperature) / law.a_t(room))
-    return Elsewhere(temperature, a_t, temperature / room)
+    a_t = float(law.a_t(temperature) / law.a_t(margin))
+    return Elsewhere(temperature, a_t, temperature / margin)
 
 
 def refuse_twice(temperatures: Sequence[float]) -> None:
@@ -103,35 +103,39 @@ def rows_with(
     from scipy.linalg import block_diag
 
     shared = 1 + 2 * model.arms
-    own = bench.rows(model, several=True)
-    blocks = [_repeat(model, bench, each) for each in repeats]
-    private = [own.rows[:, shared:], *(block.rows[:, shared:-1] for block in blocks)]
-    slope = [np.zeros(len(own.rows)), *(block.rows[:, -1] for block in blocks)]
-    every = [own, *blocks]
+    planned_rows = bench.rows(model, several=True)
+    blocks = [_repeat(model, bench, repeat) for repeat in repeats]
+    private = [planned_rows.rows[:, shared:], *(block.rows[:, shared:-1] for block in blocks)]
+    slope = [np.zeros(len(planned_rows.rows)), *(block.rows[:, -1] for block in blocks)]
+    every = [planned_rows, *blocks]
     rows = np.hstack(
         (
-            np.vstack([one.rows[:, :shared] for one in every]),
+            np.vstack([rows.rows[:, :shared] for rows in every]),
             block_diag(*private),
             np.concatenate(slope)[:, None],
         )
     )
-    known = np.zeros((1, rows.shape[1]))
-    known[0, -1] = 1 / max(slope_sd, 1e-12)
-    unseen = block_diag(*(one.unseen for one in every), np.zeros((1, 0)))
-    return PlannedRows(np.vstack((rows, known)), unseen)
+    values = np.zeros((1, rows.shape[1]))
+    values[0, -1] = 1 / max(slope_sd, 1e-12)
+    diag = block_diag(*(rows.unseen for rows in every), np.zeros((1, 0)))
+    return PlannedRows(np.vstack((rows, values)), diag)
 
 
 def _repeat(model: GeneralizedMaxwell, bench: Bench, there: Elsewhere) -> PlannedRows:
     """Rows of one repeat in (k_inf, k, ln tau, ln a, ln b[, of its rig and warming], g)."""
-    felt = model.shifted(there.a_t, there.b_t)
-    own, unseen = bench.rows(felt, several=True)
+    solid = model.shifted(there.a_t, there.b_t)
+    values, unmeasured = bench.rows(solid, several=True)
     n = model.arms
-    stiff, slow, nuisances = own[:, : 1 + n], own[:, 1 + n : 1 + 2 * n], own[:, 1 + 2 * n :]
+    stiff, slow, nuisances = (
+        values[:, : 1 + n],
+        values[:, 1 + n : 1 + 2 * n],
+        values[:, 1 + 2 * n :],
+    )
     decades = np.log10(np.asarray(model.tau) / _MIDDLE)
-    moved = [
+    changes = [
         slow.sum(axis=1),
-        stiff @ np.array([felt.k_inf, *felt.k]),
+        stiff @ np.array([solid.k_inf, *solid.k]),
         *nuisances.T,
         np.log(there.a_t) * slow @ decades,
     ]
-    return PlannedRows(np.hstack((there.b_t * stiff, slow, np.column_stack(moved))), unseen)
+    return PlannedRows(np.hstack((there.b_t * stiff, slow, np.column_stack(changes))), unmeasured)

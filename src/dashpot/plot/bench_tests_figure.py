@@ -27,7 +27,7 @@ def bench(found: Fit, records: Sequence[Any], *, alternatives: Sequence[Fit] = (
     draw, shown = find_handler("fit figure", first), first
     if draw is None and found.temperatures is not None:
         draw = find_handler("fit figure", found.temperatures)
-        shown = [one for one in records if isinstance(one, RampHold)]
+        shown = [record for record in records if isinstance(record, RampHold)]
     if draw is None:
         return fit(found, first, alternatives=alternatives)
     drawn: Picture = draw(found, shown)

@@ -22,8 +22,8 @@ def downsample_to_extremes(
     label, starts = _assign_bins(x, bins, log)
     low = _first_equal(y, np.minimum.reduceat(y, starts), label)
     high = _first_equal(y, np.maximum.reduceat(y, starts), label)
-    kept = np.union1d(low, high)
-    return x[kept], y[kept]
+    retained = np.union1d(low, high)
+    return x[retained], y[retained]
 
 
 def downsample_to_means(

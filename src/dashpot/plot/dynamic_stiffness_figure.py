@@ -98,20 +98,24 @@ def dynamic_stiffness(
         if np.isfinite(line.good).all():
             marks.append(Span(span[0], line.good[0], "away", "not usable", True, 1.0))
             marks.append(Span(line.good[1], span[1], "away", hatched=True, tint=1.0))
-        f, one = average_octave_bands(measured.frequency, line)
-        for error, label, tint in zip(one.nested_errors, errors, (0.15, 0.25, 0.4), strict=True):
-            marks.append(Area(f, one.value - error, one.value + error, "ref", label, tint=tint))
+        f, plotted = average_octave_bands(measured.frequency, line)
+        for error, label, tint in zip(
+            plotted.nested_errors, errors, (0.15, 0.25, 0.4), strict=True
+        ):
+            marks.append(
+                Area(f, plotted.value - error, plotted.value + error, "ref", label, tint=tint)
+            )
         low, high = extent(measured.frequency, line.value)
         gap = np.full(len(f), np.nan)
         marks.append(Line(np.column_stack([f, f, gap]).ravel(),
                           np.column_stack([low, high, gap]).ravel(), Pen("ref", 0.8),
                           "range of the lines"))  # fmt: skip
         marks += [
-            Line(dense, line.evaluate_for_solid(one.solid, dense), pen, who)
-            for one, pen, who in solids
+            Line(dense, line.evaluate_for_solid(fit.solid, dense), pen, who)
+            for fit, pen, who in solids
         ]
-        marks.append(Dots(f, one.value, "measured", "from the FRF"))
-        axes = Scale(FREQUENCY, span, log=True), Scale(LABELS[line.name], _view(one, f))
+        marks.append(Dots(f, plotted.value, "measured", "from the FRF"))
+        axes = Scale(FREQUENCY, span, log=True), Scale(LABELS[line.name], _view(plotted, f))
         panels.append(Panel(*axes, tuple(marks), height=210))
     caption = (
         "One seal straight from the measured FRF, without a model: the mean of each twelfth of an "
@@ -132,8 +136,8 @@ def quantities(
         return np.asarray(np.abs(m.loss_factor) * np.hypot(loss / m.loss, storage / m.storage))
 
     storage, random, phase, mass = (
-        convert_to_unit(one, "N/mm")
-        for one in (m.storage, m.storage_random, m.storage_phase, m.storage_mass)
+        convert_to_unit(values, "N/mm")
+        for values in (m.storage, m.storage_random, m.storage_phase, m.storage_mass)
     )
     return (
         PlottedQuantity("storage", storage, random, phase, mass, m.storage_band),
@@ -192,16 +196,16 @@ def _span(measured: DynamicStiffness) -> tuple[float, float]:
     return max(low / 1.3, float(f[0])), min(high * 1.3, float(f[-1]))
 
 
-def _view(one: PlottedQuantity, f: FloatArray) -> tuple[float, float]:
+def _view(plotted: PlottedQuantity, f: FloatArray) -> tuple[float, float]:
     """Limits that show the usable part with its errors, not the excesses beside it."""
-    usable = (f >= one.good[0]) & (f <= one.good[1])
+    usable = (f >= plotted.good[0]) & (f <= plotted.good[1])
     near = usable if usable.any() else np.ones(len(f), dtype=bool)
-    error = one.nested_errors[0]
-    low = float(np.min((one.value - error)[near]))
-    high = float(np.max((one.value + error)[near]))
-    if one.name != "storage" and not one.good[1] > 2 * one.good[0]:
+    error = plotted.nested_errors[0]
+    low = float(np.min((plotted.value - error)[near]))
+    high = float(np.max((plotted.value + error)[near]))
+    if plotted.name != "storage" and not plotted.good[1] > 2 * plotted.good[0]:
         # a lightly damped part is usable at its peak only: leave room for what is not
-        middle = float(np.median(one.value[near]))
+        middle = float(np.median(plotted.value[near]))
         low, high = min(low, -0.5 * abs(middle)), max(high, middle + 1.5 * abs(middle))
     margin = 0.1 * (high - low)
     return low - margin, high + margin

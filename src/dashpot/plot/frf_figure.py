@@ -149,18 +149,18 @@ def frf(
     names = [*labels, *[""] * (len(same) - len(labels))]
     pens = _pens(measured, len(others), ordered=ordered)
     curves = [
-        Curve(one, name, pens[i % len(pens)])
-        for i, (one, name) in enumerate(zip(same, names, strict=True))
+        Curve(frf, name, pens[i % len(pens)])
+        for i, (frf, name) in enumerate(zip(same, names, strict=True))
     ]
     curves[0] = replace(curves[0], peak=_peak_inside(measured))
-    known = () if interval is None else (PredictionBand(*interval),)
+    value = () if interval is None else (PredictionBand(*interval),)
     leveled = tuple(
         PredictionBand(curve.frf.frequency, limits, "", curve.pen)
         for curve, limits in zip(curves[1:], intervals, strict=False)
         if limits is not None
     )
     caption = "Frequency response function: magnitude and phase."
-    upper, *others_below = _bode(curves, (*(make_prediction_bands(band) or known), *leveled))
+    upper, *others_below = _bode(curves, (*(make_prediction_bands(band) or value), *leveled))
     if informed is not None:
         upper = _shade_valid_band(upper, informed)
     strip = (upper, *others_below)
@@ -181,8 +181,8 @@ def _shade_valid_band(panel: Panel, band: tuple[float, float]) -> Panel:
     """The part of the axis that a test informs, shaded; where none is in sight, words say so."""
     low, high = panel.x.limits
     if not band[0] < band[1] or band[1] < low or band[0] > high:
-        said = f"informed {format_band(band)}: all of this is extrapolated"
-        return replace(panel, note=said)
+        text = f"informed {format_band(band)}: all of this is extrapolated"
+        return replace(panel, note=text)
     shade = Span(max(band[0], low), min(band[1], high), "fit", "valid band", tint=0.07)
     return replace(panel, marks=(shade, *panel.marks))
 
@@ -211,8 +211,8 @@ def comparison(
     stamp : str
         What the figure says of its origin; by default the files of the measured FRF.
     """
-    known = () if interval is None else (PredictionBand(*interval),)
-    strip = _bode(curves_of(comparison, joint, failed=failed), make_prediction_bands(band) or known)
+    value = () if interval is None else (PredictionBand(*interval),)
+    strip = _bode(curves_of(comparison, joint, failed=failed), make_prediction_bands(band) or value)
     caption = (
         "Accelerance of the mass on its seals, measured and predicted, with phase and coherence."
     )
@@ -281,14 +281,14 @@ def nyquist(
     marks: list[Mark] = []
     ranges = []
     # the first one, which was measured, over all others
-    for one, pen, name in reversed(list(zip(same, pens, [*labels, *[""] * 5], strict=False))):
-        f, value = smooth(one)
+    for frf, pen, name in reversed(list(zip(same, pens, [*labels, *[""] * 5], strict=False))):
+        f, value = smooth(frf)
         value = scale * value
         ends = half_power(value)
         at = " and ".join(f"{f[i]:.2f}" for i in ends)
         label = f"{name} (○ {at} Hz)" if name and at else name
         ranges.append(value)
-        if one.averages > 0:
+        if frf.averages > 0:
             marks.append(Dots(value.real, value.imag, pen.colour, label, size=3))
         else:
             marks.append(Line(value.real, value.imag, pen, label))
@@ -335,9 +335,9 @@ def resonance_curves(
 
 def about_peaks(curves: Sequence[Curve]) -> tuple[float, float]:
     """From where to where every peak is in sight, Hz, as far as there are lines."""
-    peaks = [one.peak[0] for one in curves if one.peak is not None]
-    first = min(one.frf.frequency[one.frf.frequency > 0][0] for one in curves)
-    last = max(one.frf.frequency[-1] for one in curves)
+    peaks = [curve.peak[0] for curve in curves if curve.peak is not None]
+    first = min(curve.frf.frequency[curve.frf.frequency > 0][0] for curve in curves)
+    last = max(curve.frf.frequency[-1] for curve in curves)
     return (max(VIEW[0] * min(peaks), first), min(VIEW[1] * max(peaks), last))
 
 
@@ -377,8 +377,8 @@ def magnitude_panel(
     unit, scale = SHOWN[kind]
     f = curves[0].frf.frequency
     view = view or (max(float(f[0]), 1e-3 * float(f[-1])), float(f[-1]))
-    drawn = {id(one): smooth(one.frf) for one in curves}
-    predicted = next((one for one in curves if one.pen is PREDICTED), None)
+    drawn = {id(curve): smooth(curve.frf) for curve in curves}
+    predicted = next((curve for curve in curves if curve.pen is PREDICTED), None)
     sizes = [
         scale * np.abs(value[(at >= view[0]) & (at <= view[1])]) for at, value in drawn.values()
     ]
@@ -388,7 +388,7 @@ def magnitude_panel(
     limits = [0.6 * max(float(np.percentile(every, 1)), highest / HIGHEST), 1.9 * highest]
     marks: list[Mark] = []
     for limit in spread:
-        of = next((one for one in curves if one.pen is limit.pen), predicted)
+        of = next((curve for curve in curves if curve.pen is limit.pen), predicted)
         area = _area(limit, kind, scale, None if of is None else drawn[id(of)])
         inside = (area.x >= view[0]) & (area.x <= view[1])
         top = float(np.max(area.high[inside], initial=0.0))
@@ -396,15 +396,15 @@ def magnitude_panel(
         # a resonance without damping has no highest magnitude
         marks.append(replace(area, low=np.maximum(area.low, 0.1 * limits[0]),
                              high=np.minimum(area.high, 10 * limits[1])))  # fmt: skip
-    for one in curves:
-        if one.frf.sd is not None:
-            marks.append(_scatter(one, scale))
-    for one in _sort_by_layer(curves):
-        at, value = drawn[id(one)]
-        pen = replace(one.pen, width=UNDER) if one.pen is JOINT else one.pen
-        marks.append(Line(at, scale * np.abs(value), pen, one.label))
+    for item in curves:
+        if item.frf.sd is not None:
+            marks.append(_scatter(item, scale))
+    for item in _sort_by_layer(curves):
+        at, value = drawn[id(item)]
+        pen = replace(item.pen, width=UNDER) if item.pen is JOINT else item.pen
+        marks.append(Line(at, scale * np.abs(value), pen, item.label))
     if tagged:
-        marks += [replace(one, y=min(one.y, limits[1])) for one in _peaks(curves, unit)]
+        marks += [replace(peak, y=min(peak.y, limits[1])) for peak in _peaks(curves, unit)]
     label = f"{kind.value.replace('_', ' ')}, {unit}"
     axes = (Scale(FREQUENCY, view, log=True), Scale(label, (limits[0], limits[1]), log=True))
     return Panel(*axes, tuple(marks), height=height)
@@ -412,12 +412,12 @@ def magnitude_panel(
 
 def phase_panel(curves: Sequence[Curve], view: tuple[float, float]) -> Panel:
     """Phases of FRFs, on the part of the circle that they use."""
-    lowest, ticks = phase_axis(np.concatenate([one.frf.value for one in curves]))
+    lowest, ticks = phase_axis(np.concatenate([curve.frf.value for curve in curves]))
     marks: list[Mark] = []
-    for one in _sort_by_layer(curves):
-        f, value = smooth(one.frf)
+    for item in _sort_by_layer(curves):
+        f, value = smooth(item.frf)
         x, y = break_wrapped_phase(f, value, lowest)
-        marks.append(Line(x, y, one.pen, one.label))
+        marks.append(Line(x, y, item.pen, item.label))
     axes = (Scale(FREQUENCY, view, log=True),
             Scale("phase, °", (ticks[0] - 15, ticks[-1] + 15), ticks=ticks))  # fmt: skip
     return Panel(*axes, tuple(marks), height=90)
@@ -426,7 +426,7 @@ def phase_panel(curves: Sequence[Curve], view: tuple[float, float]) -> Panel:
 def _sort_by_layer(curves: Sequence[Curve]) -> list[Curve]:
     """In the order of drawing: broad ones first, then what failed, what was measured over all."""
     over = {JOINT: 0, REJECTED: 2, MEASURED: 3}
-    return sorted(curves, key=lambda one: over.get(one.pen, 1))
+    return sorted(curves, key=lambda curve: over.get(curve.pen, 1))
 
 
 def _bode(curves: Sequence[Curve], spread: Sequence[PredictionBand]) -> tuple[Panel, ...]:
@@ -449,10 +449,10 @@ def coherence_panels(measured: FRF, frequency: Scale) -> tuple[Panel, ...]:
 
 
 def _area(
-    one: PredictionBand, kind: Kind, scale: float, curve: tuple[FloatArray, ComplexArray] | None
+    band: PredictionBand, kind: Kind, scale: float, curve: tuple[FloatArray, ComplexArray] | None
 ) -> Area:
     """The area between limits; on the lines of its own curve too, and never narrower than that."""
-    f, (low, high) = one.frequency, scale * one.convert_to_kind(kind)
+    f, (low, high) = band.frequency, scale * band.convert_to_kind(kind)
     if curve is not None:
         at, value = curve
         inside = (at >= f[0]) & (at <= f[-1])
@@ -460,21 +460,21 @@ def _area(
         with np.errstate(divide="ignore"):
             logs = [np.interp(lines, f, np.nan_to_num(np.log(edge), posinf=700, neginf=-700))
                     for edge in (low, high)]  # fmt: skip
-        own = scale * np.abs(np.interp(lines, at, np.abs(value)))
-        own = np.where((lines >= at[0]) & (lines <= at[-1]), own, np.nan)
-        low, high = np.fmin(np.exp(logs[0]), own), np.fmax(np.exp(logs[1]), own)
+        indices = scale * np.abs(np.interp(lines, at, np.abs(value)))
+        indices = np.where((lines >= at[0]) & (lines <= at[-1]), indices, np.nan)
+        low, high = np.fmin(np.exp(logs[0]), indices), np.fmax(np.exp(logs[1]), indices)
         f = lines
-    colour = "fit" if one.pen is None else one.pen.colour
-    return Area(f, low, high, colour, one.label, hatched=one.label == BOUND, tint=0.3)
+    colour = "fit" if band.pen is None else band.pen.colour
+    return Area(f, low, high, colour, band.label, hatched=band.label == BOUND, tint=0.3)
 
 
-def _scatter(one: Curve, scale: float) -> Area:
+def _scatter(curve: Curve, scale: float) -> Area:
     """Two standard deviations on either side of the magnitude."""
-    assert one.frf.sd is not None  # noqa: S101
-    size, sd = scale * np.abs(one.frf.value), scale * one.frf.sd
+    assert curve.frf.sd is not None  # noqa: S101
+    size, sd = scale * np.abs(curve.frf.value), scale * curve.frf.sd
     # a magnitude has no negative side: the area is cut well below the curve
     low = np.maximum(size - 2 * sd, 0.02 * size)
-    return Area(one.frf.frequency, low, size + 2 * sd, one.pen.colour, tint=0.18)
+    return Area(curve.frf.frequency, low, size + 2 * sd, curve.pen.colour, tint=0.18)
 
 
 def _peaks(curves: Sequence[Curve], unit: str) -> list[Tag]:
@@ -485,35 +485,39 @@ def _peaks(curves: Sequence[Curve], unit: str) -> list[Tag]:
     inks = {"joint": "joint-ink", "ref": "soft"}
     dots: dict[Pen, Literal["filled", "hollow"]] = {MEASURED: "filled", PREDICTED: "hollow"}
     tags = []
-    for one in sorted(curves, key=lambda one: one.pen is not MEASURED):
-        if one.peak is None or one.pen is REJECTED:
+    for item in sorted(curves, key=lambda curve: curve.pen is not MEASURED):
+        if item.peak is None or item.pen is REJECTED:
             continue
-        hz, height = one.peak
+        hz, height = item.peak
         text = (
-            f"{one.label.partition(' from')[0]} {round_to_error(hz, digits=4)} Hz, "
+            f"{item.label.partition(' from')[0]} {round_to_error(hz, digits=4)} Hz, "
             f"{round_to_error(height)}"
         )
-        ink = inks.get(one.pen.colour, one.pen.colour)
+        ink = inks.get(item.pen.colour, item.pen.colour)
         tags.append(
-            Tag(hz, height, f"{text} {unit}", ink, dots.get(one.pen, ""),
-                bold=one.pen is MEASURED)
+            Tag(hz, height, f"{text} {unit}", ink, dots.get(item.pen, ""),
+                bold=item.pen is MEASURED)
         )  # fmt: skip
     return tags
 
 
-def _half_power(one: Curve) -> list[Mark]:
+def _half_power(curve: Curve) -> list[Mark]:
     """The width of a measured peak at -3 dB, drawn where it is."""
-    if one.pen is not MEASURED or one.peak is None or one.frf.quantity is not Kind.ACCELERANCE:
+    if (
+        curve.pen is not MEASURED
+        or curve.peak is None
+        or curve.frf.quantity is not Kind.ACCELERANCE
+    ):
         return []
-    peak = find_peak(one.frf)
+    peak = find_peak(curve.frf)
     width, height = 2 * peak.damping_ratio * peak.frequency, peak.height / math.sqrt(2)
     ends = peak.frequency + np.array([-0.5, 0.5]) * width
     # its damping is the mode's, which is fitted to all lines
-    said = f"{round_to_error(width, digits=2)} Hz wide at −3 dB"
+    text = f"{round_to_error(width, digits=2)} Hz wide at −3 dB"
     return [Line(ends, np.full(2, height), Pen("fit", 2.0)),
-            Tag(float(ends[1]), height, said, "fit")]  # fmt: skip
+            Tag(float(ends[1]), height, text, "fit")]  # fmt: skip
 
 
-def _peak_of(one: FRF) -> tuple[float, float]:
-    peak = find_peak(one)
+def _peak_of(frf: FRF) -> tuple[float, float]:
+    peak = find_peak(frf)
     return peak.frequency, peak.height

@@ -44,26 +44,26 @@ _NEAR = 1e-4
 """Lines nearer than this part of their frequency are joined straight."""
 
 
-def smooth(one: FRF) -> tuple[FloatArray, ComplexArray]:
+def smooth(frf: FRF) -> tuple[FloatArray, ComplexArray]:
     """A predicted FRF on denser lines, densest near its peak; a measured one as it is.
 
     A sharp resonance between two lines is drawn round: not the FRF but its inverse is joined by
     straight lines, which is smooth where the FRF peaks (it is the dynamic mass m + K/s^2). Both
     sides of a jump stand too near for anything between.
     """
-    dense_already = len(one.frequency) > 2000 or len(one.frequency) < 2
-    if one.averages > 0 or dense_already or bool((one.value == 0).any()):
-        return one.frequency, one.value
-    size = np.abs(one.value)
+    dense_already = len(frf.frequency) > 2000 or len(frf.frequency) < 2
+    if frf.averages > 0 or dense_already or bool((frf.value == 0).any()):
+        return frf.frequency, frf.value
+    size = np.abs(frf.value)
     parts = np.where(np.maximum(size[:-1], size[1:]) > 0.2 * size.max(), 24, 2)
-    parts = np.where(np.diff(one.frequency) < _NEAR * one.frequency[1:], 1, parts)
+    parts = np.where(np.diff(frf.frequency) < _NEAR * frf.frequency[1:], 1, parts)
     start = np.repeat(np.arange(len(parts)), parts)
     within = np.arange(len(start)) - np.repeat(np.cumsum(parts) - parts, parts)
     place = np.append(start + within / np.repeat(parts, parts), len(parts))
     lines = np.arange(len(size))
-    inverse = 1 / one.value
+    inverse = 1 / frf.value
     real, imag = (np.interp(place, lines, part) for part in (inverse.real, inverse.imag))
-    return np.interp(place, lines, one.frequency), np.asarray(1 / (real + 1j * imag))
+    return np.interp(place, lines, frf.frequency), np.asarray(1 / (real + 1j * imag))
 
 
 def half_power(value: ComplexArray) -> list[int]:
@@ -71,10 +71,10 @@ def half_power(value: ComplexArray) -> list[int]:
     size = np.abs(value)
     peak = int(np.argmax(size))
     target = size[peak] / np.sqrt(2)
-    found = []
+    indices = []
     for side in (np.arange(peak, -1, -1), np.arange(peak, len(size))):
         below = np.flatnonzero(size[side] < target)
         if below.size:
             pair = side[max(below[0] - 1, 1) : below[0] + 1]  # never the peak itself
-            found.append(int(pair[np.argmin(np.abs(size[pair] - target))]))
-    return sorted(found)
+            indices.append(int(pair[np.argmin(np.abs(size[pair] - target))]))
+    return sorted(indices)

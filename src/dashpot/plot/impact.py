@@ -59,13 +59,13 @@ def hits(impact: ImpactTest, frf: FRF, *, stamp: str = "") -> Picture:
         What the figure says of its origin; by default the files of the FRF.
     """
     verdicts = {hit.name: hit for hit in frf.hits}
-    judged = [
-        PlottedHit(one, (np.arange(len(one.force)) - one.onset) / one.rate, verdicts.get(one.name))
-        for one in cut_hits([impact])
+    plotted_hits = [
+        PlottedHit(hit, (np.arange(len(hit.force)) - hit.onset) / hit.rate, verdicts.get(hit.name))
+        for hit in cut_hits([impact])
     ]
     # rejected ones over the others, to be seen
-    judged.sort(key=lambda one: not one.accepted)
-    panels = [_pulses(judged), _spectra(judged), *_answers(impact, judged)]
+    plotted_hits.sort(key=lambda hit: not hit.accepted)
+    panels = [_pulses(plotted_hits), _spectra(plotted_hits), *_answers(impact, plotted_hits)]
     caption = (
         "The hits laid over each other: blue accepted, vermillion and dashed rejected; shaded "
         "the band that every accepted hit excites."
@@ -86,38 +86,38 @@ def force_spectrum(hit: HitBlock) -> tuple[FloatArray, FloatArray]:
     return frequency, np.asarray(20 * np.log10(level / level[0]), dtype=float)
 
 
-def _key(one: PlottedHit) -> str:
-    return "hit, accepted" if one.accepted else f"hit {one.block.name}, rejected"
+def _key(hit: PlottedHit) -> str:
+    return "hit, accepted" if hit.accepted else f"hit {hit.block.name}, rejected"
 
 
-def _pulses(judged: Sequence[PlottedHit]) -> Panel:
-    width = max(max(one.block.width(0.1), 8 / one.block.rate) for one in judged)
+def _pulses(plotted_hits: Sequence[PlottedHit]) -> Panel:
+    width = max(max(hit.block.width(0.1), 8 / hit.block.rate) for hit in plotted_hits)
     # a double hit shows its second
-    end = max(one.last(one.block.force, 0.1) for one in judged) + 0.6 * width
+    end = max(hit.last(hit.block.force, 0.1) for hit in plotted_hits) + 0.6 * width
     lines = []
-    for one in judged:
-        near = (one.time > -0.6 * width) & (one.time < end)
+    for plotted_hit in plotted_hits:
+        near = (plotted_hit.time > -0.6 * width) & (plotted_hit.time < end)
         x, y = downsample_to_extremes(
-            convert_to_unit(one.time[near], "ms"), one.block.force[near], bins=250
+            convert_to_unit(plotted_hit.time[near], "ms"), plotted_hit.block.force[near], bins=250
         )
-        lines.append(Line(x, y, one.pen, _key(one)))
-    accepted = sum(one.accepted for one in judged)
+        lines.append(Line(x, y, plotted_hit.pen, _key(plotted_hit)))
+    accepted = sum(hit.accepted for hit in plotted_hits)
     span = convert_to_unit(-0.6 * width, "ms"), convert_to_unit(end, "ms")
     axes = (Scale("time after the hit, ms", span),
             Scale("hammer force, N", about(*(line.y for line in lines))))  # fmt: skip
-    title = f"{accepted} of {len(judged)} hits accepted"
+    title = f"{accepted} of {len(plotted_hits)} hits accepted"
     return Panel(*axes, tuple(lines), title=title, height=150)
 
 
-def _spectra(judged: Sequence[PlottedHit]) -> Panel:
+def _spectra(plotted_hits: Sequence[PlottedHit]) -> Panel:
     ends, lines = [], []
-    for one in judged:
-        frequency, level = force_spectrum(one.block)
-        lines.append((frequency, level, one.pen))
-        if one.accepted:
+    for hit in plotted_hits:
+        frequency, level = force_spectrum(hit.block)
+        lines.append((frequency, level, hit.pen))
+        if hit.accepted:
             below = np.flatnonzero(level < -USABLE)
             ends.append(float(frequency[below[0]] if below.size else frequency[-1]))
-    top = min(2.2 * min(ends), 0.5 * judged[0].block.rate) if ends else lines[0][0][-1]
+    top = min(2.2 * min(ends), 0.5 * plotted_hits[0].block.rate) if ends else lines[0][0][-1]
     marks: list[Mark] = [Rule(-USABLE, REF, across=True)]
     note = ""
     if ends:
@@ -130,13 +130,15 @@ def _spectra(judged: Sequence[PlottedHit]) -> Panel:
     return Panel(*axes, tuple(marks), title="Force spectra", height=150, note=note)
 
 
-def _answers(impact: ImpactTest, judged: Sequence[PlottedHit]) -> list[Panel]:
+def _answers(impact: ImpactTest, plotted_hits: Sequence[PlottedHit]) -> list[Panel]:
     """Acceleration after each hit, one panel for each of the first channels."""
     channels = min(len(impact.channels), 3)
     # the acceleration falls below 1 % of its peak for good
-    end = max(one.last(np.max(np.abs(one.block.acceleration), axis=0), 0.01) for one in judged)
-    record = min(float(one.time[-1]) for one in judged)
-    bins = max(100, 1600 // (channels * len(judged)))  # many hits hide each other's detail
+    end = max(
+        hit.last(np.max(np.abs(hit.block.acceleration), axis=0), 0.01) for hit in plotted_hits
+    )
+    record = min(float(hit.time[-1]) for hit in plotted_hits)
+    bins = max(100, 1600 // (channels * len(plotted_hits)))  # many hits hide each other's detail
     decay = f"below 1 % after {end:.2g} s"
     if end > 0.98 * record:
         decay = f"above 1 % at the end, {record:.3g} s"
@@ -144,12 +146,12 @@ def _answers(impact: ImpactTest, judged: Sequence[PlottedHit]) -> list[Panel]:
     panels = []
     for i in range(channels):
         lines = []
-        for one in judged:
-            inside = one.time <= shown
+        for plotted_hit in plotted_hits:
+            inside = plotted_hit.time <= shown
             x, y = downsample_to_extremes(
-                one.time[inside], one.block.acceleration[i, inside], bins=bins
+                plotted_hit.time[inside], plotted_hit.block.acceleration[i, inside], bins=bins
             )
-            lines.append(Line(x, y, one.pen, _key(one)))
+            lines.append(Line(x, y, plotted_hit.pen, _key(plotted_hit)))
         start = float(min(line.x[0] for line in lines))
         span = max(float(np.max(np.abs(line.y))) for line in lines) * 1.08
         last = min(shown, float(max(line.x[-1] for line in lines)))

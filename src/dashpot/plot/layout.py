@@ -165,7 +165,7 @@ def text_width(text: str, *, bold: bool = False) -> float:
 def lay_out(strip: tuple[Panel, ...], width: float) -> StripLayout:
     """Return the places of a strip `width` px wide."""
     ticks = [[] if panel.drawing else _upright(panel) for panel in strip]
-    widest = max((text_width(word) for each in ticks for _, word in each), default=0.0)
+    widest = max((text_width(word) for tick in ticks for _, word in tick), default=0.0)
     left = 0.0 if all(panel.drawing for panel in strip) else GAP + widest
     inner_width = width - left - RIGHT
     frames, y = [], 0.0
@@ -200,11 +200,13 @@ def _upright(panel: Panel) -> list[tuple[float, str]]:
 def arrange_sheet(picture: Picture) -> Sheet:
     """Return the places of everything that leaves as a file: strips in rows, key, stamp."""
     y, strips = MARGIN, []
-    for columns, each in picture.in_rows:
+    for columns, panel_groups in picture.in_rows:
         wide = (picture.width - 2 * MARGIN - BETWEEN * (columns - 1)) / columns
-        row = [lay_out(one, wide) for one in each]
-        strips += [PlacedStrip(MARGIN + i * (wide + BETWEEN), y, one) for i, one in enumerate(row)]
-        y += max(one.height for one in row)
+        row = [lay_out(group, wide) for group in panel_groups]
+        strips += [
+            PlacedStrip(MARGIN + i * (wide + BETWEEN), y, layout) for i, layout in enumerate(row)
+        ]
+        y += max(layout.height for layout in row)
     x, y, key, words = MARGIN, y + ROW, [], []
     for mark in picture.key:
         reach = SWATCH + text_width(mark.label) + 16
@@ -241,15 +243,15 @@ def _frame(panel: Panel, box: Box, upright: list[tuple[float, str]], *, named: b
     """One panel; `named` gives its horizontal axis numbers and a label."""
     hairs: list[AxisLine] = []
     ticks: list[Word] = []
-    said = _make_panel_words(panel, box)
+    words = _make_panel_words(panel, box)
     if not panel.drawing:
         numbered = _make_horizontal_numbers(panel.x, box)
         hairs, ticks = _axes(panel, box, upright, numbered)
         if named:
             ticks += numbered
             below = box.y + box.height + 34
-            said.append(Word(box.x + box.width / 2, below, panel.x.label, anchor="middle"))
-    inner = tuple(one for mark in panel.marks for one in _inner(mark, panel, box))
+            words.append(Word(box.x + box.width / 2, below, panel.x.label, anchor="middle"))
+    inner = tuple(item for mark in panel.marks for item in _inner(mark, panel, box))
     tags = [mark for mark in panel.marks if isinstance(mark, Tag)]
     return Frame(
         panel,
@@ -257,7 +259,7 @@ def _frame(panel: Panel, box: Box, upright: list[tuple[float, str]], *, named: b
         inner,
         tuple(hairs),
         tuple(ticks),
-        (*said, *_place_tags(tags, panel, box, inner)),
+        (*words, *_place_tags(tags, panel, box, inner)),
     )
 
 
@@ -269,7 +271,7 @@ def _axes(
     heights = [bottom - box.height * float(place(panel.y, value)) for value, _ in upright]
     hairs = [AxisLine(box.x, y, right, y, "line") for y in heights]
     hairs.append(AxisLine(box.x, bottom, right, bottom, "edge"))
-    hairs += [AxisLine(one.x, bottom, one.x, bottom + 5, "edge") for one in numbered]
+    hairs += [AxisLine(word.x, bottom, word.x, bottom + 5, "edge") for word in numbered]
     small = box.x + box.width * place(panel.x, compute_minor_ticks(panel.x))
     hairs += [AxisLine(x, bottom, x, bottom + 3, "edge") for x in small]
     ticks = [
@@ -306,22 +308,22 @@ def _broken(text: str, width: float) -> list[str]:
 
 def _make_panel_words(panel: Panel, box: Box) -> list[Word]:
     """What stands above the axes: what they show upright, the title, a note."""
-    said = [] if panel.bare or panel.drawing else [Word(box.x - 4, box.y - 6, panel.y.label)]
+    words = [] if panel.bare or panel.drawing else [Word(box.x - 4, box.y - 6, panel.y.label)]
     for i, line in enumerate(panel.below.split("\n") if panel.below else ()):
         at = box.x + box.width / 2, box.y + box.height + ROW * (i + 1)
         leads = i == 0 and "\n" in panel.below
-        said.append(Word(*at, line, "ink" if leads else "soft", leads, "middle"))
+        words.append(Word(*at, line, "ink" if leads else "soft", leads, "middle"))
     rows = _rows_above(panel, box.width)
     if panel.title:
         above = -6 if panel.drawing and not panel.note else -8 - ROW * (rows or 1)
         if rows and not panel.drawing:
             above -= ROW
-        said.append(Word(0, box.y + above, panel.title, "ink", bold=True, size=BOLD))
+        words.append(Word(0, box.y + above, panel.title, "ink", bold=True, size=BOLD))
     lines = _wrap_note(panel, box.width)
     over = ROW * (len(lines) if rows and not panel.drawing else len(lines) - 1)
     for i, line in enumerate(lines):
-        said.append(Word(box.x + box.width, box.y - 6 - over + ROW * i, line, anchor="end"))
-    return said
+        words.append(Word(box.x + box.width, box.y - 6 - over + ROW * i, line, anchor="end"))
+    return words
 
 
 def _make_horizontal_numbers(scale: Scale, box: Box) -> list[Word]:
@@ -354,8 +356,8 @@ def _clip_to_axis(panel: Panel, x: FloatArray, *rows: FloatArray) -> tuple[Float
 
 def _parts(points: FloatArray) -> tuple[FloatArray, ...]:
     """The unbroken parts of a curve, each of two points or more."""
-    known = np.isfinite(points).all(axis=1)
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], known, [False])).astype(np.int8)))
+    values = np.isfinite(points).all(axis=1)
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], values, [False])).astype(np.int8)))
     pairs = zip(edges[::2], edges[1::2], strict=True)
     return tuple(simplify_line(points[start:stop]) for start, stop in pairs if stop - start > 1)
 
@@ -412,20 +414,20 @@ def _get_tag_position(tag: Tag) -> tuple[FloatArray, FloatArray]:
 
 def _dots(mark: Dots, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]:
     centres = _points(panel, box, mark.x, mark.y)
-    known = np.isfinite(centres).all(axis=1)
+    values = np.isfinite(centres).all(axis=1)
     made: list[Polyline | Fill | Markers] = []
     if mark.error is not None:
         low, high = (_points(panel, box, mark.x, mark.y + s * mark.error) for s in (-1, 1))
-        bars = tuple(np.array(pair) for pair in zip(low[known], high[known], strict=True))
+        bars = tuple(np.array(pair) for pair in zip(low[values], high[values], strict=True))
         made.append(Polyline(bars, Pen(mark.colour, 1.0)))
-    return [*made, Markers(centres[known], mark.size, mark.colour, mark.hollow, mark.label)]
+    return [*made, Markers(centres[values], mark.size, mark.colour, mark.hollow, mark.label)]
 
 
 def _area(mark: Area, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]:
     x, *edges = _clip_to_axis(panel, mark.x, mark.low, mark.high)
     places = [_points(panel, box, x, edge) for edge in edges]
-    known = np.isfinite(places).all(axis=(0, 2))
-    low, high = (simplify_line(edge[known]) for edge in places)
+    values = np.isfinite(places).all(axis=(0, 2))
+    low, high = (simplify_line(edge[values]) for edge in places)
     ring = np.concatenate([low, high[::-1]])
     tint = TINT_OF_HATCH if mark.hatched else mark.tint
     made: list[Polyline | Fill | Markers] = [Fill((ring,), mark.colour, tint, mark.hatched)]
@@ -472,7 +474,7 @@ def _place_tags(
             (box.x + box.width - 4, y - 10, "end"), (box.x + 4, y - 10, "start"),
             (box.x + box.width - 4, y + 21, "end"), (box.x + 4, y + 21, "start"),
         ]  # fmt: skip
-        laid = [
+        layout = [
             _place_tag_lines(
                 tag,
                 lines,
@@ -483,7 +485,7 @@ def _place_tags(
             for lines in dict.fromkeys(((tag.text,), tuple(_halves(tag.text))))
         ]
         # in two lines only where one has no room, or more runs through it
-        words, _ = min(laid, key=lambda one: one[1])
+        words, _ = min(layout, key=lambda pair: pair[1])
         taken += map(_get_word_box, words)
         made += words
     return made
@@ -504,10 +506,10 @@ class _Surroundings(NamedTuple):
 def _halves(text: str) -> list[str]:
     """Words in two lines, about as long."""
     # a number stays with its unit
-    at = [one.start() for one in re.finditer(r"(?<!\d) ", text)]
+    at = [match.start() for match in re.finditer(r"(?<!\d) ", text)]
     if not at:
         return [text]
-    middle = min(at, key=lambda one: abs(one - len(text) / 2))
+    middle = min(at, key=lambda index: abs(index - len(text) / 2))
     return [text[:middle], text[middle + 1 :]]
 
 
@@ -516,7 +518,7 @@ def _place_tag_lines(
     lines: tuple[str, ...],
     near: list[_Spot],
     far: list[_Spot],
-    beside: _Surroundings,
+    surroundings: _Surroundings,
 ) -> tuple[list[Word], tuple[float, int]]:
     """The words of a tag in lines at the best of its places, and how bad that is."""
 
@@ -530,25 +532,27 @@ def _place_tag_lines(
         ]
 
     def is_clear(made: list[Word]) -> bool:
-        return all(_is_free_box(_get_word_box(one), beside.box, beside.taken) for one in made)
+        return all(
+            _is_free_box(_get_word_box(word), surroundings.box, surroundings.taken) for word in made
+        )
 
     def count_crossings(made: list[Word]) -> int:
         return sum(
-            _count_crossed_points(_get_word_box(one), beside.drawn)
-            + _count_points_inside(_get_word_box(one), beside.hatched)
-            for one in made
+            _count_crossed_points(_get_word_box(word), surroundings.drawn)
+            + _count_points_inside(_get_word_box(word), surroundings.hatched)
+            for word in made
         )
 
-    free = [one for one in map(words, near) if is_clear(one)]
+    free = [group for group in map(words, near) if is_clear(group)]
     if free:
         best = min(free, key=count_crossings)
         return best, (0.0, count_crossings(best))
-    away = next((one for one in map(words, far) if is_clear(one)), None)
+    away = next((group for group in map(words, far) if is_clear(group)), None)
     if away is not None:
         return away, (0.5, count_crossings(away))
     # where nothing is clear of the others, what stays inside is read
     out = [
-        max(_compute_overhang(_get_word_box(one), beside.box) for one in words(spot))
+        max(_compute_overhang(_get_word_box(word), surroundings.box) for word in words(spot))
         for spot in near
     ]
     least = min(out)
@@ -559,42 +563,42 @@ def _strokes(inner: tuple[Polyline | Fill | Markers, ...], box: Box) -> FloatArr
     """Places that curves run through, and about which hatched areas end, every few px."""
     parts = [
         part
-        for one in inner
-        if isinstance(one, Polyline) or (isinstance(one, Fill) and one.hatched)
-        for part in one.parts
+        for mark in inner
+        if isinstance(mark, Polyline) or (isinstance(mark, Fill) and mark.hatched)
+        for part in mark.parts
     ]
-    found = [np.zeros((0, 2))]
+    arrays = [np.zeros((0, 2))]
     for part in parts:
         walked = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(part, axis=0).T))])
         at = np.arange(0.0, walked[-1], 5.0)
-        found.append(np.column_stack([np.interp(at, walked, part[:, i]) for i in (0, 1)]))
-    return np.asarray(np.concatenate(found) + np.array([box.x, box.y]))
+        arrays.append(np.column_stack([np.interp(at, walked, part[:, i]) for i in (0, 1)]))
+    return np.asarray(np.concatenate(arrays) + np.array([box.x, box.y]))
 
 
 def _get_hatched_rings(inner: tuple[Polyline | Fill | Markers, ...], box: Box) -> list[FloatArray]:
     """The rings within which something is hatched."""
-    hatches = (one for one in inner if isinstance(one, Fill) and one.hatched)
-    return [part + np.array((box.x, box.y)) for one in hatches for part in one.parts]
+    hatches = (mark for mark in inner if isinstance(mark, Fill) and mark.hatched)
+    return [part + np.array((box.x, box.y)) for hatch in hatches for part in hatch.parts]
 
 
-def _count_crossed_points(room: Box, drawn: FloatArray) -> int:
+def _count_crossed_points(box: Box, drawn: FloatArray) -> int:
     """How much of what is drawn runs through some words."""
     x, y = drawn.T
-    across = (x > room.x) & (x < room.x + room.width)
-    return int(np.count_nonzero(across & (y > room.y + 2) & (y < room.y + room.height - 2)))
+    across = (x > box.x) & (x < box.x + box.width)
+    return int(np.count_nonzero(across & (y > box.y + 2) & (y < box.y + box.height - 2)))
 
 
-def _count_points_inside(room: Box, rings: list[FloatArray]) -> int:
+def _count_points_inside(box: Box, rings: list[FloatArray]) -> int:
     """How many places along the middle of some words lie inside rings, every few px."""
-    x = np.arange(room.x, room.x + room.width + 1e-9, 5.0)[:, None]
-    y, found = room.y + room.height / 2, 0
+    x = np.arange(box.x, box.x + box.width + 1e-9, 5.0)[:, None]
+    y, count = box.y + box.height / 2, 0
     for ring in rings:
         (x0, y0), (x1, y1) = ring.T, np.roll(ring, -1, axis=0).T
         # as many sides to the right of a place as make it lie inside
         sides = (y0 > y) != (y1 > y)
         run = np.divide(x1 - x0, y1 - y0, out=np.zeros_like(x0), where=sides)
-        found += int(np.count_nonzero(np.sum(sides & (x < x0 + (y - y0) * run), axis=1) % 2))
-    return found
+        count += int(np.count_nonzero(np.sum(sides & (x < x0 + (y - y0) * run), axis=1) % 2))
+    return count
 
 
 def _place_end_names(tags: list[Tag], places: list[FloatArray]) -> list[tuple[Tag, float, float]]:
@@ -606,28 +610,31 @@ def _place_end_names(tags: list[Tag], places: list[FloatArray]) -> list[tuple[Ta
         (tag, float(x), float(y) + 4) for tag, (x, y) in zip(tags, places, strict=True) if tag.end
     ]
     crowds: list[list[tuple[Tag, float, float, float]]] = []
-    for tag, x, y in sorted(ends, key=lambda one: one[2]):
+    for tag, x, y in sorted(ends, key=lambda pair: pair[2]):
         wide = text_width(tag.text, bold=tag.bold)
         for crowd in crowds:
             last, at, _, lowest = crowd[-1]
-            beside = x > at + text_width(last.text, bold=last.bold) or at > x + wide
-            if not beside and y < lowest + ROW - 1:
+            parallel = x > at + text_width(last.text, bold=last.bold) or at > x + wide
+            if not parallel and y < lowest + ROW - 1:
                 crowd.append((tag, x, y, lowest + ROW - 1))
                 break
         else:
             crowds.append([(tag, x, y, y)])
-    found = []
+    pairs = []
     for crowd in crowds:
-        shift = sum(moved - y for _, _, y, moved in crowd) / len(crowd)
-        found += [(tag, x, moved - shift) for tag, x, _, moved in crowd]
-    return found
+        shift = sum(value - y for _, _, y, value in crowd) / len(crowd)
+        pairs += [(tag, x, value - shift) for tag, x, _, value in crowd]
+    return pairs
 
 
-def _is_free_box(room: Box, box: Box, taken: list[Box]) -> bool:
+def _is_free_box(available_box: Box, box: Box, taken: list[Box]) -> bool:
     """Whether some words stand inside the axes, and on nothing."""
-    beside = box.x - 2 <= room.x and room.x + room.width <= box.x + box.width + RIGHT
-    above = box.y - 4 <= room.y <= box.y + box.height - ROW
-    return beside and above and not any(_meet(room, other) for other in taken)
+    parallel = (
+        box.x - 2 <= available_box.x
+        and available_box.x + available_box.width <= box.x + box.width + RIGHT
+    )
+    above = box.y - 4 <= available_box.y <= box.y + box.height - ROW
+    return parallel and above and not any(_meet(available_box, other) for other in taken)
 
 
 def _get_word_box(word: Word) -> Box:
@@ -636,20 +643,20 @@ def _get_word_box(word: Word) -> Box:
     return Box(left, word.y - 12, wide, ROW)
 
 
-def _compute_overhang(room: Box, box: Box) -> float:
+def _compute_overhang(available_box: Box, box: Box) -> float:
     """How far some words reach out of the axes on either side, px."""
-    right = room.x + room.width - box.x - box.width - RIGHT
-    return max(box.x - room.x, 0.0) + max(right, 0.0)
+    right = available_box.x + available_box.width - box.x - box.width - RIGHT
+    return max(box.x - available_box.x, 0.0) + max(right, 0.0)
 
 
-def _meet(one: Box, other: Box) -> bool:
-    apart = (
-        one.x + one.width < other.x
-        or other.x + other.width < one.x
-        or one.y + one.height < other.y
-        or other.y + other.height < one.y
+def _meet(first: Box, second: Box) -> bool:
+    separate = (
+        first.x + first.width < second.x
+        or second.x + second.width < first.x
+        or first.y + first.height < second.y
+        or second.y + second.height < first.y
     )
-    return not apart
+    return not separate
 
 
 def limits(scale: Scale) -> str:

@@ -33,10 +33,10 @@ def to_figure(picture: Picture) -> Figure:
     ax = made.add_axes((0, 0, 1, 1))
     ax.set(xlim=(0, picture.width), ylim=(sheet.height, 0))
     ax.set_axis_off()
-    known = set(fontManager.get_font_names())
-    canvas = _Canvas(ax, [name for name in FONTS if name in known])
-    for x, y, laid in sheet.strips:
-        for frame in laid.frames:
+    names = set(fontManager.get_font_names())
+    canvas = _Canvas(ax, [name for name in FONTS if name in names])
+    for x, y, layout in sheet.strips:
+        for frame in layout.frames:
             canvas.frame(frame, x, y)
     for x, y, mark in sheet.key:
         canvas.sample(mark, x, y - 4)
@@ -64,21 +64,21 @@ class _Canvas:
             self.line(points + np.array((x, y)), Pen(hair.colour, hair.width), None)
         corner = (x + box.x, y + box.y)
         clip = Rectangle(corner, box.width, box.height, transform=self.ax.transData)
-        for one in frame.inner:
-            self.inner(one, np.array(corner), clip)
+        for mark in frame.inner:
+            self.inner(mark, np.array(corner), clip)
         for word in (*frame.ticks, *frame.words):
             self.word(word, x, y)
 
-    def inner(self, one: Polyline | Fill | Markers, corner: FloatArray, clip: Any) -> None:
+    def inner(self, mark: Polyline | Fill | Markers, corner: FloatArray, clip: Any) -> None:
         """What is inside the axes, cut at them."""
-        if isinstance(one, Polyline):
-            for part in one.parts:
-                self.line(part + corner, one.pen, clip)
-        elif isinstance(one, Fill):
-            for part in one.parts:
-                self.fill(part + corner, one.colour, one.tint, clip, hatched=one.hatched)
+        if isinstance(mark, Polyline):
+            for part in mark.parts:
+                self.line(part + corner, mark.pen, clip)
+        elif isinstance(mark, Fill):
+            for part in mark.parts:
+                self.fill(part + corner, mark.colour, mark.tint, clip, hatched=mark.hatched)
         else:
-            self.dots(one.centres + corner, one.size, one.colour, clip, hollow=one.hollow)
+            self.dots(mark.centres + corner, mark.size, mark.colour, clip, hollow=mark.hollow)
 
     def line(self, points: FloatArray, pen: Pen, clip: Any) -> None:
         """An unbroken curve."""

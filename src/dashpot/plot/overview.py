@@ -68,7 +68,7 @@ def hero(study: Story) -> Picture:
         f"Relaxation test: {factor * test.depth:.3g} {word} in {test.ramp_time:.3g} s, "
         f"held {test.hold_time:.3g} s"
     )
-    chosen = next(one for one in shown if one.fit is study.fit)
+    chosen = next(plotted_fit for plotted_fit in shown if plotted_fit.fit is study.fit)
     strips = [
         (
             relaxation.force_panel(shown, test, title=title),
@@ -86,6 +86,6 @@ def hero(study: Story) -> Picture:
         mass = "" if study.mass is None else f"{format_quantity(study.mass, 'g')} on "
         titled = replace(upper, title=f"Hammer test: {mass}{seals(study.seals)}")
         strips.append((titled, frf_figure.phase_panel(curves, upper.x.limits)))
-    said = stamp(sources, study.fit.specimen, mass=study.mass, seals=study.seals)
+    text = stamp(sources, study.fit.specimen, mass=study.mass, seals=study.seals)
     caption = "The relaxation test and its fit, the FRF and its prediction."
-    return Picture("hero", caption, tuple(strips), 2, said, width=900.0)
+    return Picture("hero", caption, tuple(strips), 2, text, width=900.0)

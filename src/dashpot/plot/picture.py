@@ -245,13 +245,13 @@ class Picture:
     def in_rows(self) -> tuple[tuple[int, tuple[tuple[Panel, ...], ...]], ...]:
         """The strips row by row, each row with how many would fill it."""
         columns = min(self.columns, len(self.strips))
-        found, at = [], 0
+        pairs, at = [], 0
         for count in self.rows or (len(self.strips),):
             row = self.strips[at : at + count]
             full = _count_strips_across(row, columns) if self.rows else columns
-            found += [(full, row[i : i + full]) for i in range(0, len(row), full)]
+            pairs += [(full, row[i : i + full]) for i in range(0, len(row), full)]
             at += count
-        return tuple(found)
+        return tuple(pairs)
 
     @property
     def panels(self) -> tuple[Panel, ...]:
@@ -274,17 +274,17 @@ class Picture:
 
         What a tag names at its line stands in no key; a tag of another panel names no line.
         """
-        found: dict[str, Keyed] = {}
+        entries: dict[str, Keyed] = {}
         named: set[str] = set()
         for panel in self.panels:
             tags = {mark.text for mark in panel.marks if isinstance(mark, Tag)}
             keyed = [mark for mark in panel.marks if not isinstance(mark, Tag) and mark.label]
             named |= {mark.label for mark in keyed if mark.label in tags}
             for mark in keyed:
-                found.setdefault(mark.label, mark)
+                entries.setdefault(mark.label, mark)
         for label in named:
-            del found[label]
-        return tuple(sorted(found.values(), key=lambda mark: mark.label != "measured"))
+            del entries[label]
+        return tuple(sorted(entries.values(), key=lambda mark: mark.label != "measured"))
 
     def __repr__(self) -> str:
         return f"Picture({self.name!r}, {len(self.panels)} panels: {self.caption!r})"
@@ -333,13 +333,13 @@ def compute_padded_log_limits(*arrays: FloatArray, margin: float = 1.25) -> tupl
 
 
 def split_at_band(
-    known: tuple[float, float], x: FloatArray, y: FloatArray, label: str, *, beyond: str
+    values: tuple[float, float], x: FloatArray, y: FloatArray, label: str, *, text: str
 ) -> tuple[Line, Line]:
-    """A curve, solid inside the `known` band and dashed outside it."""
-    within = (x >= known[0]) & (x <= known[1])
+    """A curve, solid inside the `values` band and dashed outside it."""
+    within = (x >= values[0]) & (x <= values[1])
     # the dashes reach the solid part: less its first and last line
     deep = within & np.roll(within, 1) & np.roll(within, -1)
     return (
-        Line(x, np.where(deep, np.nan, y), PREDICTED, beyond),
+        Line(x, np.where(deep, np.nan, y), PREDICTED, text),
         Line(x, np.where(within, y, np.nan), FIT, label),
     )

@@ -37,13 +37,13 @@ def stamp(
     files = list(dict.fromkeys(source.file for source in sources))
     simulated = any(source.simulated for source in sources)
     named = ", ".join(files) if len(files) <= NAMED else f"{files[0]} and {len(files) - 1} more"
-    said = ["SIMULATED"] * (simulated or _is_simulated(specimen)) + [named]
+    sentences = ["SIMULATED"] * (simulated or _is_simulated(specimen)) + [named]
     if specimen is not None:
-        said += [specimen.name, f"lot {specimen.lot}" * bool(specimen.lot), specimen.date]
+        sentences += [specimen.name, f"lot {specimen.lot}" * bool(specimen.lot), specimen.date]
     if mass is not None:
         on = "" if seals is None else f" on {number_format.seals(seals)}"
-        said.append(f"{format_with_error(mass, 'g', digits=4)}{on}")
-    return "  ·  ".join(part for part in said if part)
+        sentences.append(f"{format_with_error(mass, 'g', digits=4)}{on}")
+    return "  ·  ".join(part for part in sentences if part)
 
 
 def _is_simulated(specimen: Specimen | None) -> bool:

@@ -99,8 +99,8 @@ def fit(
     """
     shown = make_plotted_fits(fit, alternatives, prepared)
     # the chosen one first
-    residuals = [residual_panel(one, prepared)
-                 for one in sorted(shown, key=lambda one: one.fit is not fit)]  # fmt: skip
+    residuals = [residual_panel(item, prepared)
+                 for item in sorted(shown, key=lambda item: item.fit is not fit)]  # fmt: skip
     caption = (
         "Measured force and fitted solids, and what each leaves: a good fit leaves noise and no "
         "shape."
@@ -138,15 +138,15 @@ def make_plotted_fits(
 ) -> list[PlottedFit]:
     """The curves of all fits that are shown."""
     return [
-        PlottedFit(one, FIT if one is chosen else SIMPLER[one.model.arms % 2],
-               *fitted_force(one, prepared))
-        for one in fits_to_show(chosen, alternatives)
+        PlottedFit(fit, FIT if fit is chosen else SIMPLER[fit.model.arms % 2],
+               *fitted_force(fit, prepared))
+        for fit in fits_to_show(chosen, alternatives)
     ]  # fmt: skip
 
 
 def fits_to_show(fit: Fit, alternatives: Sequence[Fit]) -> list[Fit]:
     """The alternatives and the chosen fit, one per number of arms, fewest arms first."""
-    by_arms = {one.model.arms: one for one in (*alternatives, fit)}
+    by_arms = {alternative.model.arms: alternative for alternative in (*alternatives, fit)}
     return [by_arms[arms] for arms in sorted(by_arms)]
 
 
@@ -164,8 +164,8 @@ def force_panel(
 
     data = line(prepared.time - prepared.onset, prepared.force, DATA, "measured")
     # the chosen one over the others
-    curves = [line(one.time, one.force, one.pen, one.label)
-              for one in sorted(shown, key=lambda one: one.pen is FIT)]  # fmt: skip
+    curves = [line(item.time, item.force, item.pen, item.label)
+              for item in sorted(shown, key=lambda item: item.pen is FIT)]  # fmt: skip
     marks: list[Mark] = [*_segments(prepared, (start, end)), data, *curves]
     axes = (
         Scale(SINCE, (start, end), log=True),
@@ -175,10 +175,10 @@ def force_panel(
 
 
 def upon_panels(
-    one: PlottedFit,
+    first: PlottedFit,
     prepared: RampHold,
     *,
-    other: PlottedFit | None = None,
+    second: PlottedFit | None = None,
     whole: RampHold | None = None,
 ) -> tuple[Panel, Panel, Panel]:
     """Ramp, hold and residual with the record upon its fit, and all of the record in sight.
@@ -188,27 +188,29 @@ def upon_panels(
 
     Parameters
     ----------
-    one : DrawnFit
+    first : DrawnFit
         A band in its own colour.
     prepared : RampHold
-    other : DrawnFit, optional
+    second : DrawnFit, optional
         Drawn thin beside it.
     whole : RampHold, optional
         The same test to its last sample, where the hold of `prepared` is cut.
     """
     _, scale = unit_of(prepared.force, "N")
     (ramp, hold), c = record_panels(prepared, whole=whole), prepared.ramp_time
-    on_ramp, on_hold = fit_lines(one, prepared, whole or prepared)
-    moved, *upon = ramp.marks
-    *left, held = hold.marks
-    rest = residual_panel(one, prepared, since=c, axis=hold.x)
-    below: list[Mark] = [*left]
-    if other is not None:
-        below.append(_hold_line(other.time - c, scale * other.force, hold.x, other.pen, "eq. (5)"))
+    on_ramp, on_hold = fit_lines(first, prepared, whole or prepared)
+    change, *upon = ramp.marks
+    *remaining, held = hold.marks
+    rest = residual_panel(first, prepared, since=c, axis=hold.x)
+    below: list[Mark] = [*remaining]
+    if second is not None:
+        below.append(
+            _hold_line(second.time - c, scale * second.force, hold.x, second.pen, "eq. (5)")
+        )
     return (
-        replace(ramp, marks=(moved, on_ramp, *upon)),
+        replace(ramp, marks=(change, on_ramp, *upon)),
         replace(hold, marks=(*below, on_hold, held)),
-        replace(rest, marks=(*left, *rest.marks)),
+        replace(rest, marks=(*remaining, *rest.marks)),
     )
 
 
@@ -219,11 +221,11 @@ def record_panels(prepared: RampHold, *, whole: RampHold | None = None) -> tuple
     whole = whole or prepared
     seen, axis = _upon_axes(prepared, whole)
     within = (t >= seen[0]) & (t <= seen[1])
-    moved = prepared.displacement * (float(np.max(force[within])) / prepared.depth)
+    displacement = prepared.displacement * (float(np.max(force[within])) / prepared.depth)
     ramp: tuple[Mark, ...] = (
-        _ramp_line(t, moved, seen, REF, "displacement"),
+        _ramp_line(t, displacement, seen, REF, "displacement"),
         _ramp_line(t, force, seen, UPON, "measured"),
-        Tag(float(prepared.onset + 0.55 * c), float(0.5 * np.max(moved[within])),
+        Tag(float(prepared.onset + 0.55 * c), float(0.5 * np.max(displacement[within])),
             "displacement", "soft"),
     )  # fmt: skip
     since, held, (start, last) = whole.time - prepared.ramp_end, scale * whole.force, axis.limits
@@ -231,32 +233,34 @@ def record_panels(prepared: RampHold, *, whole: RampHold | None = None) -> tuple
     if prepared.hold_end - prepared.ramp_end < last:
         hold = [Span(prepared.hold_end - prepared.ramp_end, last, "away", "", True, 1.0)]
     hold.append(_hold_line(since, held, axis, UPON, "measured"))
-    said = f"force, {unit}"
+    text = f"force, {unit}"
     return (
         Panel(Scale("time on the record's clock, s", seen),
-              Scale(said, _headroom(force[within])), ramp),
-        Panel(axis, Scale(said, _headroom(held[since >= start])), tuple(hold)),
+              Scale(text, _headroom(force[within])), ramp),
+        Panel(axis, Scale(text, _headroom(held[since >= start])), tuple(hold)),
     )  # fmt: skip
 
 
 def fit_lines(
-    one: PlottedFit, prepared: RampHold, whole: RampHold | None = None
+    plotted_fit: PlottedFit, prepared: RampHold, whole: RampHold | None = None
 ) -> tuple[Line, Line]:
     """The fit on the ramp and on the hold of :func:`upon_panels`."""
     _, scale = unit_of(prepared.force, "N")
     (seen, axis), c = _upon_axes(prepared, whole or prepared), prepared.ramp_time
-    under = replace(BENEATH, colour=one.pen.colour)
+    under = replace(BENEATH, colour=plotted_fit.pen.colour)
     return (
-        _ramp_line(one.time + prepared.onset, scale * one.force, seen, under, "fit"),
-        _hold_line(one.time - c, scale * one.force, axis, under, "fit"),
+        _ramp_line(
+            plotted_fit.time + prepared.onset, scale * plotted_fit.force, seen, under, "fit"
+        ),
+        _hold_line(plotted_fit.time - c, scale * plotted_fit.force, axis, under, "fit"),
     )
 
 
-def mean_residual(one: PlottedFit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
+def mean_residual(plotted_fit: PlottedFit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
     """The mean residual of :func:`upon_panels`, N, over time since the end of the ramp."""
     c, axis = prepared.ramp_time, _upon_axes(prepared, prepared)[1]
-    when, left = one.residual(prepared, c + axis.limits[0])
-    return downsample_to_means(when - c, left, log=True)
+    when, residual = plotted_fit.residual(prepared, c + axis.limits[0])
+    return downsample_to_means(when - c, residual, log=True)
 
 
 def _upon_axes(prepared: RampHold, whole: RampHold) -> tuple[tuple[float, float], Scale]:
@@ -282,30 +286,30 @@ def _hold_line(at: FloatArray, y: FloatArray, axis: Scale, pen: Pen, label: str)
 
 
 def residual_panel(
-    one: PlottedFit, prepared: RampHold, *, since: float = 0.0, axis: Scale | None = None
+    plotted_fit: PlottedFit, prepared: RampHold, *, since: float = 0.0, axis: Scale | None = None
 ) -> Panel:
     """Measured less fitted force against log time, and the noise it should be.
 
     Time counts from so many s after first contact; by default from it.
     """
     begin = None if axis is None else since + axis.limits[0]
-    when, left = one.residual(prepared, begin)
+    when, residual = plotted_fit.residual(prepared, begin)
     when = when - since
-    unit, scale = unit_of(left, "N")
-    drawn = scale * left
+    unit, scale = unit_of(residual, "N")
+    drawn = scale * residual
     x, mean = downsample_to_means(when, drawn, log=True)
     low, high = _ranges(when, drawn, x)
     noise = scale * prepared.force_noise
-    marks: list[Mark] = [Area(x, low, high, one.pen.colour, "residual: range of samples")]
+    marks: list[Mark] = [Area(x, low, high, plotted_fit.pen.colour, "residual: range of samples")]
     if noise > 0:
         pair = Rule(noise, REF, "noise, one SD", across=True), Rule(-noise, REF, across=True)
         marks += pair
-    marks.append(Line(x, mean, Pen(one.pen.colour, 1.4), "residual: mean"))
+    marks.append(Line(x, mean, Pen(plotted_fit.pen.colour, 1.4), "residual: mean"))
     # of a fit to several tests the residual has no unit
-    of_force = one.fit.method in get_choice_values(Method)
-    size = one.fit.residual.rms if of_force else float(np.sqrt(np.mean(left**2)))
+    of_force = plotted_fit.fit.method in get_choice_values(Method)
+    size = plotted_fit.fit.residual.rms if of_force else float(np.sqrt(np.mean(residual**2)))
     word, factor = unit_of(np.array([size]), "N")
-    label = f"residual of {one.fit.called}, {unit}"
+    label = f"residual of {plotted_fit.fit.called}, {unit}"
     rms = f"rms {round_to_error(factor * size)} {word}"
     across = axis or Scale(SINCE, (_log_start(prepared), _end(prepared)), log=True)
     upright = Scale(label, compute_padded_limits(low, high, margin=0.08))
@@ -319,7 +323,7 @@ def _ranges(when: FloatArray, values: FloatArray, at: FloatArray) -> tuple[Float
     return np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
 
 
-def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
+def fitted_force(fit: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
     """Time from first contact and the force that the fit says at it, N.
 
     A fit of the hold answers to the ideal ramp of the paper's eq. (5), on the hold only, and its
@@ -327,9 +331,9 @@ def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
     the elastic law. Offset, drift and delay are those that the fit found; of a fit to other tests
     too, offset and drift are those that leave least.
     """
-    one = _shift_to_temperature(one, prepared)
-    solid = _select_depth_solid(one, prepared.depth)
-    if one.method == "hold":
+    fit = _shift_to_temperature(fit, prepared)
+    solid = _select_depth_solid(fit, prepared.depth)
+    if fit.method == "hold":
         used = prepared.hold
         time, begun = prepared.time[used], prepared.ramp_end
         force = solid.maxwell.ramp_hold_force(
@@ -338,7 +342,7 @@ def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
     else:
         used = slice(0, prepared.hold.stop)
         time, (x, _) = prepared.time[used], denoise_displacement(prepared)
-        law, begun = one.elastic_law, time[0]
+        law, begun = fit.elastic_law, time[0]
         path = x - x[0] if law is None or law.kind == "linear" else law.path(x - x[0])
         force = solid.force(time, path)
     terms = {
@@ -346,15 +350,15 @@ def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
         "drift": time - begun,
         "delay": -np.gradient(force, time),
     }
-    told = {term.name: term.value for term in one.nuisance if term.name in terms}
-    allowed = {term.name.partition(" ")[0] for term in one.nuisance} & set(terms)
-    if one.method not in get_choice_values(Method):
+    entries = {term.name: term.value for term in fit.nuisance if term.name in terms}
+    allowed = {term.name.partition(" ")[0] for term in fit.nuisance} & set(terms)
+    if fit.method not in get_choice_values(Method):
         # a fit to other tests too tells what it found of those
-        told, allowed = {}, {"offset", "drift"}
-    if told:
+        entries, allowed = {}, {"offset", "drift"}
+    if entries:
         # the chord of a delay: its tangent is off at the corners of a ramp
-        force = np.interp(time - told.pop("delay", 0.0), time, force)
-        force = force + sum(value * terms[name] for name, value in told.items())
+        force = np.interp(time - entries.pop("delay", 0.0), time, force)
+        force = force + sum(value * terms[name] for name, value in entries.items())
     elif allowed:
         # of several tests it is not known which this is
         design = np.column_stack([terms[name] for name in sorted(allowed)])
@@ -363,20 +367,20 @@ def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
     return time - prepared.onset, force
 
 
-def _shift_to_temperature(one: Fit, prepared: RampHold) -> Fit:
+def _shift_to_temperature(fit: Fit, prepared: RampHold) -> Fit:
     """The fit at the temperature of a test, where several were fitted."""
-    moved, kelvin = one.temperatures, prepared.specimen.temperature
-    if moved is None or kelvin is None:
-        return one
-    return one.at_temperature(moved.nearest(kelvin).temperature)
+    shifts, kelvin = fit.temperatures, prepared.specimen.temperature
+    if shifts is None or kelvin is None:
+        return fit
+    return fit.at_temperature(shifts.nearest(kelvin).temperature)
 
 
-def _select_depth_solid(one: Fit, depth: float) -> Solid:
+def _select_depth_solid(fit: Fit, depth: float) -> Solid:
     """The solid at this depth, where every test of the fit has stiffnesses of its own."""
-    if not one.by_depth:
-        return one.solid
-    near = min(one.by_depth, key=lambda at: abs(at.depth - depth))
-    there = [(k, tau) for k, tau in zip(near.k, one.model.tau, strict=False) if k > 0]
+    if not fit.by_depth:
+        return fit.solid
+    near = min(fit.by_depth, key=lambda at: abs(at.depth - depth))
+    there = [(k, tau) for k, tau in zip(near.k, fit.model.tau, strict=False) if k > 0]
     k, tau = zip(*there, strict=True) if there else ((), ())
     return GeneralizedMaxwell(max(near.k_inf, 0.0), k, tau)
 

@@ -74,7 +74,9 @@ def spectrum(fit: Fit, *, joint: Fit | None = None, stamp: str = "") -> Picture:
     if joint is not None:
         marks += _stems(joint, *joint_pen(failed=joint.verdict.use == "do not use"))
     marks += _stems(fit, FIT, words.fit)
-    tallest = max([k_inf, *(words.scale * k for one in (fit, joint) if one for k in one.model.k)])
+    tallest = max(
+        [k_inf, *(words.scale * k for item in (fit, joint) if item for k in item.model.k)]
+    )
     axes = Scale("relaxation time τ, s", limits, log=True), Scale(words.arm, (0.0, 1.2 * tallest))
     caption = "Relaxation spectrum: one stem per Maxwell arm, 95 % intervals of k and τ."
     panel = Panel(*axes, tuple(marks), height=220)
@@ -99,8 +101,8 @@ def elastic_law(fit: Fit, *, compression: float | None = None, stamp: str = "") 
     knots, at = np.asarray(law.knots), convert_to_unit(x, "mm")
     straight = np.full(len(x), law.stiffness)
     tangent, error = (
-        convert_to_unit(one, "N/mm")
-        for one in (law.tangent(x), 2 * law.stiffness * law.factor_se(x))
+        convert_to_unit(values, "N/mm")
+        for values in (law.tangent(x), 2 * law.stiffness * law.factor_se(x))
     )
     secant = f"secant at {format_quantity(law.depth, 'mm', '.3g')}"
     rest: tuple[Mark, ...] = ()
@@ -179,9 +181,9 @@ def stiffness(
                 edges = factor * getattr(bounds, name)
                 marks.append(Area(bounds.frequency, edges[0], edges[1], "fit", what, what == BOUND))
         if joint is not None:
-            own = factor * getattr(joint.solid, name)(frequency=f)
-            marks.append(Line(f, own, *joint_pen(failed=joint.verdict.use == "do not use")))
-        marks += split_at_band(fit.band, f, curve, words.fit, beyond=f"{words.fit}, extrapolated")
+            value = factor * getattr(joint.solid, name)(frequency=f)
+            marks.append(Line(f, value, *joint_pen(failed=joint.verdict.use == "do not use")))
+        marks += split_at_band(fit.band, f, curve, words.fit, text=f"{words.fit}, extrapolated")
         if data is not None:
             marks.append(_sweep(data, name, factor))
         marks += _points(measured, name)
@@ -237,20 +239,20 @@ def _words(fit: Fit) -> _Words:
     return _Words(scale, "stiffness k, N/mm", "k∞", axes, band, name)
 
 
-def _stems(one: Fit, pen: Pen, label: str) -> list[Mark]:
+def _stems(fit: Fit, pen: Pen, label: str) -> list[Mark]:
     """One stem per arm, with the intervals of its stiffness and of its relaxation time."""
-    scale, k_0 = _words(one).scale, one.model.k_0
-    tau, k = np.asarray(one.model.tau), scale * np.asarray(one.model.k)
+    scale, k_0 = _words(fit).scale, fit.model.k_0
+    tau, k = np.asarray(fit.model.tau), scale * np.asarray(fit.model.k)
     gap = np.full(len(tau), np.nan)
     stems = Line(
         np.column_stack([tau, tau, gap]).ravel(),
         np.column_stack([np.zeros(len(tau)), k, gap]).ravel(), pen, label,
     )  # fmt: skip
     marks: list[Mark] = [stems, Dots(tau, k, pen.colour, size=8)]
-    if not one.parameters:
+    if not fit.parameters:
         return marks  # a dense spectrum has no intervals to draw
-    bounds = one.intervals(level=0.95)
-    window = [1 / (2 * np.pi * f) for f in reversed(one.band)]
+    bounds = fit.intervals(level=0.95)
+    window = [1 / (2 * np.pi * f) for f in reversed(fit.band)]
     # an open end is drawn to the edge of what could matter
     ends = [
         ((t, t), (scale * max(a, 0.0), scale * min(b, k_0)))
@@ -268,7 +270,7 @@ def _frequencies(
     fit: Fit,
     measured: DynamicStiffness | None,
     data: StiffnessSweep | None,
-    unseen: StiffnessBounds | None,
+    bounds: StiffnessBounds | None,
     mark: float | None,
 ) -> FloatArray:
     tops = [fit.band[1] * 30, 30.0]
@@ -276,7 +278,7 @@ def _frequencies(
         tops = [float(data.frequency.max()) * 3]
     if mark is not None:
         tops.append(3 * mark)
-    tops += [float(one.frequency[-1]) for one in (unseen, measured) if one is not None]
+    tops += [float(item.frequency[-1]) for item in (bounds, measured) if item is not None]
     return np.geomspace(fit.band[0] / 3, max(tops), 300)
 
 
@@ -290,11 +292,11 @@ def _points(measured: DynamicStiffness | None, name: str) -> list[Dots]:
     """What the FRF says in thirds of an octave, where that is good, with one standard deviation."""
     if measured is None:
         return []
-    lines = {one.name: one for one in quantities(measured)}
+    lines = {quantity.name: quantity for quantity in quantities(measured)}
     line = lines["damping" if name == "loss" else name]
-    f, one = average_octave_bands(measured.frequency, line, per_octave=3)
-    good = (f >= one.good[0]) & (f <= one.good[1])
+    f, plotted = average_octave_bands(measured.frequency, line, per_octave=3)
+    good = (f >= plotted.good[0]) & (f <= plotted.good[1])
     factor = convert_to_unit(2 * np.pi * f, "N/mm") if name == "loss" else np.ones(len(f))
-    value, error = factor * one.value, factor * one.nested_errors[0]
+    value, error = factor * plotted.value, factor * plotted.nested_errors[0]
     points = Dots(f[good], value[good], "measured", "straight from the FRF", error=error[good])
     return [points] * bool(good.any())  # an FRF may be good nowhere

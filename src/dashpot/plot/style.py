@@ -78,4 +78,4 @@ def css() -> str:
 
 def on_paper(text: str) -> str:
     """Text with every ``var(--token)`` as its light colour: a file knows no page."""
-    return re.sub(r"var\(--([a-z-]+)\)", lambda found: LIGHT[found[1]], text)
+    return re.sub(r"var\(--([a-z-]+)\)", lambda match: LIGHT[match[1]], text)

@@ -40,7 +40,7 @@ def strip(panels: tuple[Panel, ...], *, name: str, width: float, kind: str = "wi
     size = f"{laid.width:.0f} {laid.height:.0f}"
     return (
         f'<svg class="{kind}" viewBox="0 0 {size}" aria-hidden="true">'
-        f"{_patterns(laid.frames, name)}{''.join(_frame(one, name) for one in laid.frames)}</svg>"
+        f"{_patterns(laid.frames, name)}{''.join(_frame(item, name) for item in laid.frames)}</svg>"
     )
 
 
@@ -55,9 +55,9 @@ def swatch(mark: Keyed, *, name: str) -> str:
 def to_svg(picture: Picture) -> str:
     """The picture as an SVG file: every strip, the key, the stamp."""
     name, sheet = validate_svg_id(picture.name), arrange_sheet(picture)
-    body = [_patterns([f for one in sheet.strips for f in one.laid.frames], name)]
-    for x, y, one in sheet.strips:
-        frames = "".join(_frame(frame, name) for frame in one.frames)
+    body = [_patterns([f for placed_strip in sheet.strips for f in placed_strip.laid.frames], name)]
+    for x, y, item in sheet.strips:
+        frames = "".join(_frame(frame, name) for frame in item.frames)
         body.append(f'<g transform="translate({x:.1f} {y:.1f})">{frames}</g>')
     for i, (x, y, mark) in enumerate(sheet.key):
         sample = _sample(mark, f"{name}-{i}")
@@ -88,28 +88,28 @@ def _text(words: str) -> str:
     return escape("".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in words))
 
 
-def _hair(one: AxisLine) -> str:
+def _hair(line: AxisLine) -> str:
     return (
-        f'<path d="M{one.x0:.1f} {one.y0:.1f}L{one.x1:.1f} {one.y1:.1f}" '
-        f'stroke="var(--{one.colour})"/>'
+        f'<path d="M{line.x0:.1f} {line.y0:.1f}L{line.x1:.1f} {line.y1:.1f}" '
+        f'stroke="var(--{line.colour})"/>'
     )
 
 
-def _word(one: Word) -> str:
-    more = f' text-anchor="{one.anchor}"' if one.anchor != "start" else ""
-    more += ' font-weight="700"' if one.bold else ""
-    if one.halo:
+def _word(word: Word) -> str:
+    more = f' text-anchor="{word.anchor}"' if word.anchor != "start" else ""
+    more += ' font-weight="700"' if word.bold else ""
+    if word.halo:
         more += ' class="tag"'
         more += ' paint-order="stroke" stroke="var(--panel)" stroke-width="3"'
     return (
-        f'<text x="{one.x:.1f}" y="{one.y:.1f}" font-size="{one.size:g}" '
-        f'fill="var(--{one.colour})"{more}>{_text(one.text)}</text>'
+        f'<text x="{word.x:.1f}" y="{word.y:.1f}" font-size="{word.size:g}" '
+        f'fill="var(--{word.colour})"{more}>{_text(word.text)}</text>'
     )
 
 
 def _frame(frame: Frame, name: str) -> str:
     x, y, w, h = frame.box
-    inner = "".join(_inner(one, name) for one in frame.inner)
+    inner = "".join(_inner(mark, name) for mark in frame.inner)
     return (
         f'<g class="panel" data-x="{limits(frame.panel.x)}" data-y="{limits(frame.panel.y)}" '
         f'data-box="{x:.2f} {y:.2f} {w:.2f} {h:.2f}" data-label="{_text(frame.panel.x.label)}|'
@@ -126,16 +126,16 @@ def _frame(frame: Frame, name: str) -> str:
 
 def _path(parts: Iterable[FloatArray], *, closed: bool = False) -> str:
     """The data of a path: whole units, each point from the last one."""
-    said = []
+    sentences = []
     for part in parts:
         units = np.rint(FINE * part).astype(np.int64)
         steps = np.diff(units, axis=0)
         steps = steps[np.any(steps != 0, axis=1)]
         start = f"M{units[0, 0]} {units[0, 1]}"
-        said.append(
+        sentences.append(
             start + (f"l{' '.join(map(str, steps.ravel().tolist()))}" if len(steps) else "")
         )
-    return "".join(said).replace(" -", "-") + "z" * closed
+    return "".join(sentences).replace(" -", "-") + "z" * closed
 
 
 def _pen(pen: Pen) -> str:
@@ -147,30 +147,30 @@ def _pen(pen: Pen) -> str:
 STEADY = 'vector-effect="non-scaling-stroke"'
 
 
-def _inner(one: Polyline | Fill | Markers, name: str) -> str:
-    if isinstance(one, Polyline):
-        if not one.parts:
+def _inner(mark: Polyline | Fill | Markers, name: str) -> str:
+    if isinstance(mark, Polyline):
+        if not mark.parts:
             return ""
-        read = f' data-name="{_text(one.name)}"' if one.name else ""
-        read += f' data-edge="{one.edge}"' if one.edge else ""
-        return f'<path{read} d="{_path(one.parts)}" fill="none" {_pen(one.pen)} {STEADY}/>'
-    if isinstance(one, Fill):
-        d = _path(one.parts, closed=True)
-        plain = f'<path d="{d}" fill="var(--{one.colour})" fill-opacity="{one.tint:g}"/>'
-        lines = f'<path d="{d}" fill="url(#{name}-{one.colour})"/>' if one.hatched else ""
+        read = f' data-name="{_text(mark.name)}"' if mark.name else ""
+        read += f' data-edge="{mark.edge}"' if mark.edge else ""
+        return f'<path{read} d="{_path(mark.parts)}" fill="none" {_pen(mark.pen)} {STEADY}/>'
+    if isinstance(mark, Fill):
+        d = _path(mark.parts, closed=True)
+        plain = f'<path d="{d}" fill="var(--{mark.colour})" fill-opacity="{mark.tint:g}"/>'
+        lines = f'<path d="{d}" fill="url(#{name}-{mark.colour})"/>' if mark.hatched else ""
         return plain + lines
-    units = np.rint(FINE * one.centres).astype(np.int64)
+    units = np.rint(FINE * mark.centres).astype(np.int64)
     d = "".join(f"M{x} {y}h0" for x, y in units.tolist())
-    read = f' data-name="{_text(one.name)}"' if one.name else ""
+    read = f' data-name="{_text(mark.name)}"' if mark.name else ""
 
-    def round_(size: float, colour: str, said: str = "") -> str:
+    def round_(size: float, colour: str, text: str = "") -> str:
         return (
-            f'<path{said} d="{d}" fill="none" stroke="var(--{colour})" stroke-width="{size:g}" '
+            f'<path{text} d="{d}" fill="none" stroke="var(--{colour})" stroke-width="{size:g}" '
             f'stroke-linecap="round" {STEADY}/>'
         )
 
-    filled = round_(one.size, one.colour, read)
-    return filled + round_(max(one.size - 3.5, 1), "panel") if one.hollow else filled
+    filled = round_(mark.size, mark.colour, read)
+    return filled + round_(max(mark.size - 3.5, 1), "panel") if mark.hollow else filled
 
 
 def _hatch(key: str, colour: str, *, fine: int) -> str:
@@ -187,10 +187,10 @@ def _hatch(key: str, colour: str, *, fine: int) -> str:
 
 def _patterns(frames: Iterable[Frame], name: str) -> str:
     used = {
-        one.colour
+        mark.colour
         for frame in frames
-        for one in frame.inner
-        if isinstance(one, Fill) and one.hatched
+        for mark in frame.inner
+        if isinstance(mark, Fill) and mark.hatched
     }
     made = "".join(_hatch(f"{name}-{colour}", colour, fine=FINE) for colour in sorted(used))
     return f"<defs>{made}</defs>" if made else ""

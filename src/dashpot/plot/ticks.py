@@ -31,37 +31,37 @@ def place(scale: Scale, values: FloatArray | Sequence[float] | float) -> FloatAr
     return (v - low) / (high - low)
 
 
-def numbers(scale: Scale, length: float, apart: float) -> tuple[float, ...]:
-    """Values that bear a number: as many round ones as stand `apart` px on `length` px.
+def numbers(scale: Scale, length: float, difference: float) -> tuple[float, ...]:
+    """Values that bear a number: as many round ones as stand `difference` px on `length` px.
 
     Of an axis that has fewer than three so, a logarithmic one fewer than five, closer ones if they
     are short: two numbers say little of it.
     """
     if scale.ticks:
         return scale.ticks
-    found, closer = (_numbers(scale, length, each) for each in (apart, CLOSE * apart))
-    if len(closer) <= len(found) or len(found) >= (FEW if scale.log else PAIR):
-        return found
+    values, closer = (_numbers(scale, length, value) for value in (difference, CLOSE * difference))
+    if len(closer) <= len(values) or len(values) >= (FEW if scale.log else PAIR):
+        return values
     if scale.log:
-        return closer if SHORT[0] <= closer[0] and closer[-1] <= SHORT[1] else found
-    return closer if max(map(len, format_ticks(scale, closer))) <= LETTERS else found
+        return closer if SHORT[0] <= closer[0] and closer[-1] <= SHORT[1] else values
+    return closer if max(map(len, format_ticks(scale, closer))) <= LETTERS else values
 
 
-def _numbers(scale: Scale, length: float, apart: float) -> tuple[float, ...]:
+def _numbers(scale: Scale, length: float, difference: float) -> tuple[float, ...]:
     if scale.log:
-        return _round_ones(scale, length, apart)
-    even = _even(scale.limits, max(int(length / apart), 2))
-    return tuple(one for one in even if one == round(one)) if scale.whole else even
+        return _round_ones(scale, length, difference)
+    even = _even(scale.limits, max(int(length / difference), 2))
+    return tuple(value for value in even if value == round(value)) if scale.whole else even
 
 
-def _round_ones(scale: Scale, length: float, apart: float) -> tuple[float, ...]:
+def _round_ones(scale: Scale, length: float, difference: float) -> tuple[float, ...]:
     best: tuple[float, ...] = ()
-    for found in (*_decades(scale.limits), _even(scale.limits, max(int(length / apart), 2))):
-        near = len(found) > 1 and np.diff(length * place(scale, found)).min() < apart
+    for decade in (*_decades(scale.limits), _even(scale.limits, max(int(length / difference), 2))):
+        near = len(decade) > 1 and np.diff(length * place(scale, decade)).min() < difference
         if near and len(best) > 1:
             break
         # two numbers at least, if need be the outer ones
-        best = (found[0], found[-1]) if near else max(best, found, key=len)
+        best = (decade[0], decade[-1]) if near else max(best, decade, key=len)
     return best
 
 
@@ -71,14 +71,14 @@ def _even(limits: tuple[float, float], most: int) -> tuple[float, ...]:
     power = 10.0 ** math.floor(math.log10(raw))
     wider = [m * power for m in (0.5, 1, 2, 2.5, 5, 10)]
     at = next(i for i, step in enumerate(wider) if step >= raw * 0.999)
-    found: tuple[float, ...] = ()
+    values: tuple[float, ...] = ()
     # one number alone says no scale
     for step in wider[at::-1]:
         first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
-        found = tuple(i * step for i in range(first, last + 1))
-        if len(found) > 1:
+        values = tuple(i * step for i in range(first, last + 1))
+        if len(values) > 1:
             break
-    return found
+    return values
 
 
 def _decades(limits: tuple[float, float]) -> list[tuple[float, ...]]:

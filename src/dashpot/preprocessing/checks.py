@@ -82,10 +82,10 @@ class ClockedTest(Protocol):
 @criterion("K apart", "|x| <=", MAX_MISREAD, "simulated pairs: an error of 1 K moves nothing else")
 def temperature_as_stated(specimen: Specimen) -> Finding:
     """The temperature that was given is the one that the file itself says."""
-    given, stated = specimen.temperature or 0.0, specimen.stated_temperature or 0.0
+    provided, stated = specimen.temperature or 0.0, specimen.stated_temperature or 0.0
     return Finding(
-        f"The file says {celsius(stated)}, and {celsius(given)} was given",
-        given - stated,
+        f"The file says {celsius(stated)}, and {celsius(provided)} was given",
+        provided - stated,
         "Shifts and predictions use the one given",
         Remedy("Check which is right.", "temperature"),
     )
@@ -133,9 +133,9 @@ def baseline_recorded(before: Baseline) -> Finding:
 
 
 @criterion("its error / depth", "<=", 0.01, "our choice: every stiffness shares it")
-def contact_found(touch: Touch, depth: float, *, given: bool) -> Finding:
+def contact_found(touch: Touch, depth: float, *, provided: bool) -> Finding:
     """First contact is known well enough."""
-    if given:
+    if provided:
         return Finding(
             f"Contact was given, {format_quantity(touch.gap, 'mm', '.3g')} after the start of the "
             "motion"
@@ -212,7 +212,7 @@ def single_loading(
     index: int,
     cycles: tuple[RampHoldCycle, ...],
     *,
-    asked: bool,
+    requested: bool,
     before: Sequence[MotionSegment] = (),
 ) -> Finding:
     """The record leaves no choice of loadings that the user has not made.
@@ -223,7 +223,7 @@ def single_loading(
     says, remedy = f"Used: {cycle.words()}", Remedy("Choose another.", "part", "cycle=N")
     if len(cycles) > 1:
         says = f"The record has {len(cycles)} loadings with a hold; cycle {index + 1} is fitted"
-        if not asked:
+        if not requested:
             says += ", because its hold is the longest"
     if before:
         many = len(before)
@@ -237,7 +237,7 @@ def single_loading(
             f". It has {cycle.moves} ramps. The fit of ramp and hold follows them all; the fit of "
             "the hold alone (eq. 5) does not apply"
         )
-    return Finding(says, float(len(cycles)), remedy=remedy, excused=asked)
+    return Finding(says, float(len(cycles)), remedy=remedy, excused=requested)
 
 
 @criterion(
@@ -284,14 +284,14 @@ def face_recovered(seen: float, expected: float, *, error: float, depth: float) 
 @criterion(
     "of the depth, or of the force", "|x| <=", 0.005, "our choice: half of what a ramp shows"
 )
-def history_forgotten(left: float) -> Finding:
+def history_forgotten(value: float) -> Finding:
     """What a loading remembers of those before it is too little to matter.
 
-    `left` is what the seal has not recovered when its ramp begins, of its depth or of its force.
+    `value` is what the seal has not recovered when its ramp begins, of its depth or of its force.
     """
     return Finding(
-        f"When its ramp begins the seal has not recovered by {100 * left:.2g} %",
-        left,
+        f"When its ramp begins the seal has not recovered by {100 * value:.2g} %",
+        value,
         "A law of the depth takes each loading of a record as one of a seal that has rested",
         "Let it rest longer between two depths.",
     )
@@ -302,8 +302,8 @@ def history_checks(
 ) -> list[Check]:
     """Return the checks of what came before the loading that is fitted."""
     stop, corner = record.start, int(np.searchsorted(record.time, record.ramp_end))
-    pauses, moved = np.diff(record.time[: stop + 1]), np.diff(record.displacement[: stop + 1])
-    jumped = np.abs(moved) > MAX_PAST_JUMP * record.depth
+    pauses, change = np.diff(record.time[: stop + 1]), np.diff(record.displacement[: stop + 1])
+    jumped = np.abs(change) > MAX_PAST_JUMP * record.depth
     broken = bool(np.any(jumped & (pauses > 5 * median(np.diff(record.time)))))
     answers = [history_explained(past, broken=broken, pressed=pressed)]
     plate, face = record.plate, record.displacement[stop:corner]
@@ -389,17 +389,17 @@ def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
 
 def _leap_of(time: FloatArray, onset: float, least: float) -> Finding | None:
     """The leap of an even clock that is longest for its place, if any is long."""
-    found = clock_jumps(time)
-    if not found or not ticks_evenly(time):
+    leaps = clock_jumps(time)
+    if not leaps or not ticks_evenly(time):
         return None
-    shares = [one.step / max(abs(time[one.at] - onset), least) for one in found]
+    shares = [jump.step / max(abs(time[jump.at] - onset), least) for jump in leaps]
     worst = int(np.argmax(shares))
     if shares[worst] <= MAX_LEAP:
         return None
-    one, since = found[worst], float(time[found[worst].at] - onset)
+    leap, since = leaps[worst], float(time[leaps[worst].at] - onset)
     before = since < 0
     return Finding(
-        f"The clock goes on by {one.step:.3g} s where its steps are {one.beside:.3g} s, "
+        f"The clock goes on by {leap.step:.3g} s where its steps are {leap.beside:.3g} s, "
         f"{abs(since):.3g} s {'before' if before else 'after'} onset",
         shares[worst],
         "The clock jumped, or the record was interrupted" if before else JUMPED,
@@ -407,7 +407,7 @@ def _leap_of(time: FloatArray, onset: float, least: float) -> Finding | None:
         if before
         else Remedy("Cut the record there, or correct its clock.", "cuts", "hold-end=..."),
         limit=MAX_LEAP,
-        grade="stop" if not before and 2 * one.step > time[-1] - onset else None,
+        grade="stop" if not before and 2 * leap.step > time[-1] - onset else None,
     )
 
 
@@ -463,7 +463,7 @@ def readings_renewed(test: RampHold, force: FloatArray, displacement: FloatArray
     still = frozen_runs(x, resting=np.zeros(len(x), dtype=bool))
     # a plate that soon rests for good may well show no more noise
     still = still[(still[:, 1] < len(x) - 1) | (still[:, 0] > SOON * len(x))]
-    of_force, of_plate = (float(np.sum(np.diff(one) + 1)) / len(f) for one in (stuck, still))
+    of_force, of_plate = (float(np.sum(np.diff(values) + 1)) / len(f) for values in (stuck, still))
     channel, runs_of_it = ("force", stuck) if of_force >= of_plate else ("displacement", still)
     share = max(of_force, of_plate)
     if not len(runs_of_it):
@@ -498,11 +498,11 @@ def motion_resolved(test: RampHold) -> Finding:
     count the rows of the ramp for less by it.
     """
     ramp = test.held_until(test.ramp_end + test.ramp_time)
-    x, left = denoise_displacement(ramp)
+    x, residual = denoise_displacement(ramp)
     time, force = test.time[: len(x)], test.force[: len(x)]
     if len(x) < 4 * CORNERS:
         return Finding("The ramp has too few samples to show how its motion bends between them")
-    missed = bends(ramp, time, x, left)
+    missed = bends(ramp, time, x, residual)
     pressed = x > 0.2 * test.depth
     stiffness = float(((force[pressed] - test.preload) / x[pressed]).max(initial=0.0))
     worst = but_corners(np.abs(missed)) * stiffness
@@ -525,10 +525,10 @@ def motion_resolved(test: RampHold) -> Finding:
 @criterion("readings that moved in the later half", ">", 0.0, "by definition")
 def motion_measured(test: RampHold) -> Finding:
     """The displacement of the hold is a reading that would show a creeping crosshead."""
-    force, moved = test.force[test.hold], test.readings_moved
+    force, change = test.force[test.hold], test.readings_moved
     part, middle = max(len(force) // 20, 1), len(force) // 2
-    if moved:
-        return Finding("The displacement of the hold is measured, not commanded", float(moved))
+    if change:
+        return Finding("The displacement of the hold is measured, not commanded", float(change))
     fall = float(force[middle : middle + part].mean() - force[-part:].mean())
     creep = 1e-3 * abs(float(force[-part:].mean()))
     share = f" ({100 * creep / fall:.2g} % of its fall)" if fall > creep else ""
@@ -584,8 +584,8 @@ def of_records(
     `solids` are those that were fitted, one to a test: what such a solid explains is no fault.
     """
     still = [hold_is_still(test, method=method) for test in tests]
-    each = zip(tests, solids or [None] * len(tests), strict=True)
-    relaxes = [force_relaxes(test, solid) for test, solid in each]
+    pairs = zip(tests, solids or [None] * len(tests), strict=True)
+    relaxes = [force_relaxes(test, solid) for test, solid in pairs]
     before, after, last = zip(*map(_as_recorded, tests), strict=True)
     columns = (
         *zip(*before, strict=True), still, *zip(*after, strict=True), relaxes,
@@ -615,7 +615,7 @@ def _as_recorded(
 def force_not_clipped(test: RampHold) -> Finding:
     """The peak is no ceiling at which the force stayed while the seal still moved."""
     top, count, first, last = _flat_top(test.reading)
-    moved = float(np.ptp(test.displacement[first : last + 1]))
+    change = float(np.ptp(test.displacement[first : last + 1]))
     long = last - first >= FLAT_SAMPLES - 1
     # of most records no more need be known
     step = quantum(test.reading) if long else 0.0
@@ -627,10 +627,10 @@ def force_not_clipped(test: RampHold) -> Finding:
         f"The force peaks at {top:.4g} N without a flat top",
         float(count),
         instead=f"The force is clipped at {top:.4g} N. {count} samples have this value while the "
-        f"compression grows by {100 * moved / test.depth:.0f} % of the depth, so every stiffness "
+        f"compression grows by {100 * change / test.depth:.0f} % of the depth, so every stiffness "
         "is too low",
         remedy="Use a larger range of the sensor, or press less deep.",
-        excused=not (long and (moved > far or too_even)),
+        excused=not (long and (change > far or too_even)),
     )
 
 
@@ -684,8 +684,8 @@ def _flat_top(force: FloatArray) -> tuple[float, int, int, int]:
     """Return the highest force, how often it is read, and its longest run: first and last."""
     top = float(force.max())
     at_top = force >= top - 1e-9 * abs(top)
-    found = find_true_runs(at_top)
-    first, last = found[np.argmax(found[:, 1] - found[:, 0])].tolist()
+    runs = find_true_runs(at_top)
+    first, last = runs[np.argmax(runs[:, 1] - runs[:, 0])].tolist()
     return top, int(np.count_nonzero(at_top)), first, last
 
 

@@ -62,7 +62,12 @@ def baseline_of(time: FloatArray, force: FloatArray) -> Baseline:
 
 
 def subtract_tare(
-    time: FloatArray, force: FloatArray, found: Baseline, *, drift: float | str | None, where: str
+    time: FloatArray,
+    force: FloatArray,
+    baseline: Baseline,
+    *,
+    drift: float | str | None,
+    where: str,
 ) -> tuple[FloatArray, Step]:
     """Take off the tare, and the drift if it was asked for.
 
@@ -71,29 +76,29 @@ def subtract_tare(
     DataError
         If the drift of a baseline is asked for that is too short to show one.
     """
-    if drift == "baseline" and not found.long_enough:
+    if drift == "baseline" and not baseline.long_enough:
         raise DataError(
-            f"{where}: drift='baseline' was asked for, but {found.samples} samples lie before "
+            f"{where}: drift='baseline' was asked for, but {baseline.samples} samples lie before "
             f"contact; expected at least {MIN_BASELINE:.0f}: record a baseline, or give the drift "
             "in N/s"
         )
-    rate = found.slope if drift == "baseline" else float(drift or 0.0)
-    tare = found.level if found.long_enough else 0.0
+    rate = baseline.slope if drift == "baseline" else float(drift or 0.0)
+    tare = baseline.level if baseline.long_enough else 0.0
     says = (
-        f"tare of {format_quantity(tare, 'mN')} from {found.samples} samples before contact"
-        if found.long_enough
+        f"tare of {format_quantity(tare, 'mN')} from {baseline.samples} samples before contact"
+        if baseline.long_enough
         else "no tare: the record starts on the ramp"
     )
-    if np.isfinite(found.slope_error):
+    if np.isfinite(baseline.slope_error):
         says += (
-            f"; the baseline drifts by {convert_to_unit(found.slope, 'mN/s'):.2g} +- "
-            f"{convert_to_unit(found.slope_error, 'mN/s'):.1g} mN/s"
+            f"; the baseline drifts by {convert_to_unit(baseline.slope, 'mN/s'):.2g} +- "
+            f"{convert_to_unit(baseline.slope_error, 'mN/s'):.1g} mN/s"
         )
     says += (
         f"; {format_quantity(rate, 'mN/s', '.3g')} taken off" if rate else "; no drift taken off"
     )
     parameters = (("tare_n", repr(tare)), ("drift_n_per_s", repr(rate)))
-    return force - tare - rate * (time - found.middle), Step("tare", parameters, says)
+    return force - tare - rate * (time - baseline.middle), Step("tare", parameters, says)
 
 
 class Contact(NamedTuple):
@@ -166,7 +171,7 @@ def _searched(x: FloatArray, f: FloatArray, first: int) -> Contact:
     for _ in range(3):
         trials = np.linspace(low, high, 41)
         few = np.array_split(trials, min(1 + len(reading) // AT_ONCE, len(trials)))
-        sums = np.concatenate([_misfits(reading, mean, count, one, within) for one in few])
+        sums = np.concatenate([_misfits(reading, mean, count, values, within) for values in few])
         i = int(np.argmin(sums))
         best = float(trials[i])
         low, high = float(trials[max(i - 2, 0)]), float(trials[min(i + 2, 40)])
@@ -206,8 +211,8 @@ def _doubt(x: FloatArray, f: FloatArray, contact: float) -> float:
     r = f - columns @ solution
     pressed = columns[:, 1]
     slope = -(solution[1] + 2 * solution[2] * pressed) * (pressed > 0)
-    kept = columns if solution[1] > 0.2 * solution[1:].sum() else columns[:, [0, 2]]
-    jacobian = np.column_stack((kept, slope))
+    retained = columns if solution[1] > 0.2 * solution[1:].sum() else columns[:, [0, 2]]
+    jacobian = np.column_stack((retained, slope))
     variance = float(r @ r) / max(len(x) - jacobian.shape[1], 1)
     scale = float(np.maximum(x - contact, 0.0).max())
     return scale * float(np.sqrt(white(jacobian, variance)[-1, -1]))
@@ -257,10 +262,10 @@ def first_contact(
         False if the record starts on the ramp: then at least 20 quiet samples must show the air,
         for there is no other baseline.
     """
-    found = find_contact(displacement, force, noise=noise)
-    if found is None or (not rested and found.sample < 20):
+    contact = find_contact(displacement, force, noise=noise)
+    if contact is None or (not rested and contact.sample < 20):
         return Touch(rest, 0.0)
-    gap = found.displacement - rest
-    if not max(least_gap, 3 * found.standard_error) < gap < 0.9 * (level - rest):
+    gap = contact.displacement - rest
+    if not max(least_gap, 3 * contact.standard_error) < gap < 0.9 * (level - rest):
         return Touch(rest, 0.0)
-    return Touch(found.displacement, gap, found.standard_error)
+    return Touch(contact.displacement, gap, contact.standard_error)

@@ -72,10 +72,10 @@ def contact_delay(
     target, must = force[rows], np.append(False, np.ones(len(answers), dtype=bool))
     best, risen = Lateness(0.0, np.inf), 0
     for delay in np.linspace(0.0, MOST * delay_sd, DELAYS).tolist():
-        columns = [np.interp(time[rows] - delay, time, one) for one in answers]
+        columns = [np.interp(time[rows] - delay, time, answer) for answer in answers]
         design = np.column_stack((np.ones(len(rows)), *columns))
-        left = target - design @ solve_linear(design, target, must)[0]
-        misfit = len(rows) * float(np.log(max(float(left @ left), 1e-300)))
+        residual = target - design @ solve_linear(design, target, must)[0]
+        misfit = len(rows) * float(np.log(max(float(residual @ residual), 1e-300)))
         tried = Lateness(delay, misfit + (delay / delay_sd) ** 2)
         best, risen = (tried, 0) if tried.deviance < best.deviance else (best, risen + 1)
         if risen == BEYOND:

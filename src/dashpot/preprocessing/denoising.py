@@ -68,18 +68,18 @@ def denoise_displacement(test: RampHold) -> tuple[FloatArray, FloatArray]:
     """
     used = slice(0, test.hold.stop)
     time, travel = test.time[used], test.travel[used]
-    x, left = _freed(test, time, travel)
+    x, residual = _freed(test, time, travel)
     if test.given is not None:
         x = x - test.given[used]
     if test.machine.force_filter:
         # at rest before the record, as the force is
-        moved = x - x[0]
-        x = x - arm_response(time, moved, 1 / (2 * np.pi * test.machine.force_filter))
-    return x, left
+        displacement = x - x[0]
+        x = x - arm_response(time, displacement, 1 / (2 * np.pi * test.machine.force_filter))
+    return x, residual
 
 
 def between_samples(
-    test: RampHold, time: FloatArray, x: FloatArray, left: FloatArray
+    test: RampHold, time: FloatArray, x: FloatArray, residual: FloatArray
 ) -> FloatArray:
     r"""What a straight line between samples misses of a motion, as white noise, m, shape (n,).
 
@@ -90,10 +90,10 @@ def between_samples(
     Parameters
     ----------
     test : RampHold
-    time, x, left : array, shape (n,)
+    time, x, residual : array, shape (n,)
         s, and what :func:`denoise_displacement` returns, m.
     """
-    missed = bends(test, time, x, left)
+    missed = bends(test, time, x, residual)
     missed[time > test.ramp_end + test.ramp_time] = 0.0
     # rows before are not fitted
     missed[: max(test.start - 1, 0)] = 0.0
@@ -106,7 +106,7 @@ def between_samples(
     return np.asarray(ALIKE * np.sqrt(size * np.bincount(run, weights=size)[run]))
 
 
-def bends(test: RampHold, time: FloatArray, x: FloatArray, left: FloatArray) -> FloatArray:
+def bends(test: RampHold, time: FloatArray, x: FloatArray, residual: FloatArray) -> FloatArray:
     r"""Return what a straight line between samples misses, m, shape (n,): :math:`h^2 \ddot x/8`.
 
     Less what counts and noise bend; parameters as for :func:`between_samples`.
@@ -118,11 +118,11 @@ def bends(test: RampHold, time: FloatArray, x: FloatArray, left: FloatArray) -> 
         least = np.full(len(x), BENT_BY_COUNTS * test.encoder_step)
     else:
         # of three readings; nor is a mean as good as the truth where the next is over more
-        around = np.pad(left, 1, mode="edge")
-        around = np.maximum(np.maximum(around[2:], around[:-2]), left)
+        around = np.pad(residual, 1, mode="edge")
+        around = np.maximum(np.maximum(around[2:], around[:-2]), residual)
         least = BENT_BY_NOISE * np.maximum(around, NARROW * test.displacement_noise)
-    beyond = np.maximum(np.abs(missed) - np.maximum(least, 1e-9 * test.depth), 0.0)
-    return np.asarray(np.sign(missed) * beyond)
+    excess = np.maximum(np.abs(missed) - np.maximum(least, 1e-9 * test.depth), 0.0)
+    return np.asarray(np.sign(missed) * excess)
 
 
 def but_corners(missed: FloatArray) -> float:
@@ -168,13 +168,13 @@ def between_counts(time: FloatArray, displacement: FloatArray, count: float) -> 
     values = np.concatenate((half_way, np.tile(level[long], 2)[inner]))
     order = np.argsort(knots, kind="stable")
     knots, values = knots[order], values[order]
-    found = np.interp(time, knots, values, left=displacement[0], right=displacement[-1])
-    found = _unflattened(time, found, change)
+    interpolated = np.interp(time, knots, values, left=displacement[0], right=displacement[-1])
+    interpolated = _unflattened(time, interpolated, change)
     # a line from half way to half way flattens a bend by a quarter: where that is more than what
     # a reading is off, it is the better guess
-    bent = np.zeros(len(found), dtype=bool)
+    bent = np.zeros(len(interpolated), dtype=bool)
     bent[1:-1] = np.abs(np.diff(displacement, 2)) > SHARP * count
-    return np.where(bent, displacement, found)
+    return np.where(bent, displacement, interpolated)
 
 
 def _unflattened(time: FloatArray, x: FloatArray, change: IndexArray) -> FloatArray:
@@ -229,10 +229,10 @@ def _left_of_counts(time: FloatArray, displacement: FloatArray, step: float) -> 
     stay = np.where(np.isfinite(stop - start), stop - start, 0.0)
     missed = np.minimum(step / 2, stay * turned)
     alike = 2 * np.maximum(stay / float(np.mean(np.diff(time))), BEAT)
-    left = np.hypot(LEFT_OF_A_COUNT * step, missed) * np.sqrt(alike)
-    left[stop - start > REST * np.maximum(before, after)] = 0.0
+    residual = np.hypot(LEFT_OF_A_COUNT * step, missed) * np.sqrt(alike)
+    residual[stop - start > REST * np.maximum(before, after)] = 0.0
     reading = np.searchsorted(change, np.arange(len(time)))
-    return np.asarray(left[reading])
+    return np.asarray(residual[reading])
 
 
 def _stays(at: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:

@@ -87,13 +87,13 @@ def follow_history(record: RampHold) -> tuple[RampHold, EarlierLoadings]:
     tried: list[tuple[float, RampHold, EarlierLoadings]] = []
     for arms in MOST_ARMS:
         # a fast arm can stand for a wrong face: fewer arms then leave less
-        left, found, past = _by_turns(first, plate, arms)
+        remainder, ramp_hold, past = _by_turns(first, plate, arms)
         noise = max(record.force_noise, ROUNDING * float(record.force.max()))
-        beyond = max(left / noise - AS_NOISE, 0.0)
-        tried.append((beyond + past.misfit, found, past))
+        excess = max(remainder / noise - AS_NOISE, 0.0)
+        tried.append((excess + past.misfit, ramp_hold, past))
         if tried[-1][0] <= EXPLAINED:
             break
-    _, record, past = min(tried, key=lambda one: one[0])
+    _, record, past = min(tried, key=lambda pair: pair[0])
     return record, past
 
 
@@ -101,16 +101,20 @@ def _by_turns(
     record: RampHold, plate: FloatArray, arms: int
 ) -> tuple[float, RampHold, EarlierLoadings]:
     """Solid and face, each found with the other: what is left of the force, N, and the record."""
-    (solid, left), moved = _solid_of(record, arms), np.inf
+    (solid, remainder), ratio = _solid_of(record, arms), np.inf
     for _ in range(ROUNDS):
         face, _ = face_under_plate(solid, record.time, plate)
-        moved = float(np.abs(face - record.displacement)[: record.hold.stop].max()) / record.depth
+        ratio = float(np.abs(face - record.displacement)[: record.hold.stop].max()) / record.depth
         record = replace(record, displacement=face)
-        solid, left = _solid_of(record, arms)
-        if moved < SETTLED_FACE:
+        solid, remainder = _solid_of(record, arms)
+        if ratio < SETTLED_FACE:
             break
-    converged = moved < 10 * SETTLED_FACE
-    return left, record, EarlierLoadings(_misfit(record, solid), solid.arms, converged=converged)
+    converged = ratio < 10 * SETTLED_FACE
+    return (
+        remainder,
+        record,
+        EarlierLoadings(_misfit(record, solid), solid.arms, converged=converged),
+    )
 
 
 def _first_face(record: RampHold, plate: FloatArray) -> FloatArray:
@@ -132,15 +136,15 @@ def _solid_of(record: RampHold, arms: int) -> tuple[GeneralizedMaxwell, float]:
     first = int(np.searchsorted(record.time, record.onset))
     # the force is tared: an offset would take what slow arms do
     block = recorded_block(time, x - x[0], record.force[used], window=slice(first, None))
-    found = solve_orders([block], arms, negligible=float(2 * np.log(block.samples)))[-1]
-    k = found.arms[0] if found.order else np.zeros(0)
+    solution = solve_orders([block], arms, negligible=float(2 * np.log(block.samples)))[-1]
+    k = solution.arms[0] if solution.order else np.zeros(0)
     stiff = k > 0
     solid = GeneralizedMaxwell(
-        max(found.coefficient("k_inf"), 1e-9 * float(k.sum() + 1e-300)),
+        max(solution.coefficient("k_inf"), 1e-9 * float(k.sum() + 1e-300)),
         tuple(k[stiff].tolist()),
-        tuple(np.asarray(found.tau)[stiff].tolist()),
+        tuple(np.asarray(solution.tau)[stiff].tolist()),
     )
-    return solid, float(np.sqrt(found.sse / block.samples))
+    return solid, float(np.sqrt(solution.sse / block.samples))
 
 
 def _misfit(record: RampHold, solid: GeneralizedMaxwell) -> float:
@@ -158,6 +162,8 @@ def _misfit(record: RampHold, solid: GeneralizedMaxwell) -> float:
         if b - a < 4 or size < 0.05 * float(record.force.max()):
             continue
         # scatter is no misfit
-        left = float(np.mean((force[a : b + 1] - answer[a : b + 1]) ** 2)) - record.force_noise**2
-        worst = max(worst, float(np.sqrt(max(left, 0.0))) / size)
+        remainder = (
+            float(np.mean((force[a : b + 1] - answer[a : b + 1]) ** 2)) - record.force_noise**2
+        )
+        worst = max(worst, float(np.sqrt(max(remainder, 0.0))) / size)
     return worst

@@ -80,7 +80,7 @@ def hum_lines(
     if displacement is not None:
         stiffest = _STIFFEST * abs(force.mean() / (displacement.mean() or np.inf))
     del force  # of a long record each array weighs beside the transform
-    found: list[Hum] = []
+    hums: list[Hum] = []
     responds = False
     for _ in range(_MOST_LINES):
         windowed = window * rest
@@ -95,14 +95,14 @@ def hum_lines(
         if displacement is None or line.amplitude > stiffest * _plate_amplitude(
             _detrended(time, displacement), window, step, frequency
         ):
-            found.append(line)
+            hums.append(line)
         else:
             responds = True
         rest -= line.force(time)
     total = np.zeros(len(everywhere))
-    for line in found:
+    for line in hums:
         total += line.force(everywhere)
-    return tuple(found), total, responds
+    return tuple(hums), total, responds
 
 
 def white_noise(time: FloatArray, values: FloatArray) -> float:
@@ -128,17 +128,19 @@ def _detrended(time: FloatArray, values: FloatArray) -> FloatArray:
     return np.asarray(values - np.interp(time, time[[0, -1]], ends))
 
 
-def _plate_amplitude(moved: FloatArray, window: FloatArray, step: float, frequency: float) -> float:
+def _plate_amplitude(
+    change: FloatArray, window: FloatArray, step: float, frequency: float
+) -> float:
     """The amplitude of a line of the plate's motion, m; 0 if it does not stand out."""
-    windowed = window * moved
-    bins = find_fast_length(len(moved))
+    windowed = window * change
+    bins = find_fast_length(len(change))
     power = np.abs(np.fft.rfft(windowed, bins)) ** 2
     at = round(frequency * bins * step)
     low, high = max(at - _NEIGHBOURS, 1), at + _NEIGHBOURS + 1
     level = median(power[low:high]) / np.log(2)
     size = abs(_transform(windowed, step, frequency))
     # a motion without noise has lines of rounding alone
-    rounding = 1e-12 * float(np.abs(moved).max(initial=0.0)) * window.sum()
+    rounding = 1e-12 * float(np.abs(change).max(initial=0.0)) * window.sum()
     stands_out = size**2 > _PLATE_STANDS_OUT * level and size > rounding
     return float(2 * size / window.sum()) if stands_out else 0.0
 

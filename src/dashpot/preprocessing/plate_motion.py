@@ -81,8 +81,8 @@ def ideal_ramp(
     inside = slice(first + 1, last)
     if last - first - 1 >= 3:
         tm, xm = float(t[inside].mean()), float(x[inside].mean())
-        moved = t[inside] - tm
-        speed = float(moved @ (x[inside] - xm) / (moved @ moved))
+        change = t[inside] - tm
+        speed = float(change @ (x[inside] - xm) / (change @ change))
         return IdealRamp(speed, tm, xm, start + first + 1, start + last - 1)
     t_low = _crossing(t, x, first, low)
     t_high = max(_crossing(t, x, last - 1, high), np.nextafter(t_low, np.inf))
@@ -230,8 +230,8 @@ def motion_from_times(
     rest, segments = None, find_segments(time, x, _resolution(test))
     if first >= 1:
         # where it stood last, if it was moved before
-        moved = [part.last for part in segments if part.kind != "hold" and part.last < first]
-        stood = moved[-1] if moved and first - moved[-1] >= _FEWEST_AT_REST else 0
+        changes = [part.last for part in segments if part.kind != "hold" and part.last < first]
+        stood = changes[-1] if changes and first - changes[-1] >= _FEWEST_AT_REST else 0
         before = median(x[stood : first + 1])
         rest = MotionSegment(
             "hold", stood, first, float(time[stood]), onset, before, before
@@ -257,8 +257,8 @@ def from_contact(
     first = flown[-1] + 2
     cycle = RampHoldCycle(segments[first - 1], segments[first:])
     cycles = (*motion.cycles[: motion.index], cycle, *motion.cycles[motion.index + 1 :])
-    found = _of_cycle(test, motion.sign, cycles, motion.index)
-    return replace(found, stop=motion.stop, segments=motion.segments)
+    plate_motion = _of_cycle(test, motion.sign, cycles, motion.index)
+    return replace(plate_motion, stop=motion.stop, segments=motion.segments)
 
 
 def first_press(

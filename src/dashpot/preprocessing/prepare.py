@@ -136,7 +136,7 @@ def prepare(
     step = median(np.diff(test.time))
     late = machine.delay_sd(step)
     before, touch = _touch(
-        test.time, x, turn * clean, motion, given=contact, least_gap=gap, delay_sd=late
+        test.time, x, turn * clean, motion, provided=contact, least_gap=gap, delay_sd=late
     )
     pressed = from_contact(test, motion, touch.displacement, doubt=gap)
     if pressed is not motion:
@@ -144,9 +144,9 @@ def prepare(
         motion = pressed
         gap = _least_gap(count, motion)
         before, touch = _touch(
-            test.time, x, turn * clean, motion, given=contact, least_gap=gap, delay_sd=late
+            test.time, x, turn * clean, motion, provided=contact, least_gap=gap, delay_sd=late
         )
-    earlier = _earlier(test, x, turn * clean, motion, (before, touch), given=contact, late=late)
+    earlier = _earlier(test, x, turn * clean, motion, (before, touch), provided=contact, late=late)
     if earlier is not None:
         before, touch = earlier.zero, earlier.met_again
     force, tared = subtract_tare(test.time, force, before, drift=drift, where=where)
@@ -181,10 +181,13 @@ def prepare(
         if not judged
         else [
             checks.single_loading(
-                motion.index, motion.cycles, asked=cycle is not None, before=presses_before(motion)
+                motion.index,
+                motion.cycles,
+                requested=cycle is not None,
+                before=presses_before(motion),
             ),
             checks.baseline_recorded(before),
-            checks.contact_found(touch, record.depth, given=contact is not None),
+            checks.contact_found(touch, record.depth, provided=contact is not None),
             checks.preload_absent(
                 preload, rise, moving=earlier is None and motion.cycle.rest is None
             ),
@@ -257,7 +260,7 @@ def _earlier(
     motion: PlateMotion,
     last: tuple[Baseline, Touch],
     *,
-    given: float | None,
+    provided: float | None,
     late: float,
 ) -> _Earlier | None:
     """What came before the loading that is fitted; None if nothing that pressed the seal."""
@@ -273,7 +276,7 @@ def _earlier(
         return None
     # of the depth that is fitted: what is too small for it is none of a shallow press
     gap = _least_gap(test.displacement_quantum, motion)
-    zero, met = _touch(test.time, x, force, first, given=given, least_gap=gap, delay_sd=late)
+    zero, met = _touch(test.time, x, force, first, provided=provided, least_gap=gap, delay_sd=late)
     moves = first.departure + 1 + int(np.argmax(x[first.departure + 1 :] > met.displacement))
     tare = zero.level if zero.long_enough else before.level if before.long_enough else 0.0
     past = slice(moves, motion.departure + 1)
@@ -350,18 +353,18 @@ def _touch(
     force: FloatArray,
     motion: PlateMotion,
     *,
-    given: float | None,
+    provided: float | None,
     least_gap: float,
     delay_sd: float,
 ) -> tuple[Baseline, Touch]:
     """First contact, and the baseline before it."""
     still = slice(motion.start, motion.departure + 1)
     before = baseline_of(time[still], force[still])
-    if given is not None:
-        at = motion.sign * given
+    if provided is not None:
+        at = motion.sign * provided
         if at >= motion.cycle.hold.level:
             raise DataError(
-                f"contact = {given:g} m lies at or beyond the held displacement, "
+                f"contact = {provided:g} m lies at or beyond the held displacement, "
                 f"{motion.sign * motion.cycle.hold.level:g} m; expected it before"
             )
         touch = Touch(at, at - motion.rest)
@@ -373,9 +376,9 @@ def _touch(
             level = median(force[rising][:5])
             noise = scatter(time[rising], force[rising])
 
-        def met(moved: FloatArray) -> Touch:
+        def met(displacement: FloatArray) -> Touch:
             return first_contact(
-                moved[rising],
+                displacement[rising],
                 force[rising] - level,
                 noise=max(noise, 1e-6 * (float(force[peak]) - level)),
                 rest=motion.rest,
@@ -442,9 +445,9 @@ def _times(
     touch: Touch,
     time: FloatArray,
     step: float,
-    given: tuple[float | None, float | None, float | None],
+    provided: tuple[float | None, float | None, float | None],
 ) -> tuple[float, float, float]:
-    onset, ramp_end, hold_end = given
+    onset, ramp_end, hold_end = provided
     last = float(time[motion.stop])
     if onset is None:
         onset = max(_snapped(motion.line.time_of(touch.displacement), time, step), float(time[0]))
@@ -478,13 +481,13 @@ def _record(
             "of order; expected them in this order"
         )
     if earlier is None:
-        kept = slice(motion.start, motion.stop + 1)
+        span = slice(motion.start, motion.stop + 1)
         compression = np.maximum(x - touch.displacement, 0.0)
         # before the plate departs, whatever the encoder shows is scatter
         if touch.gap >= 0:
             compression[: motion.departure + 1] = 0.0
     else:
-        kept, touch = slice(0, motion.stop + 1), earlier.touch
+        span, touch = slice(0, motion.stop + 1), earlier.touch
         compression = x - touch.displacement
         compression[: earlier.moves] = 0.0
     t = test.time
@@ -496,9 +499,9 @@ def _record(
         )
     late = slice(held.start + (held.stop - held.start) // 10, held.stop)
     return RampHold(
-        time=t[kept],
-        displacement=set_readonly(compression)[kept],
-        force=set_readonly(force)[kept],
+        time=t[span],
+        displacement=set_readonly(compression)[span],
+        force=set_readonly(force)[span],
         onset=onset,
         ramp_end=ramp_end,
         hold_end=hold_end,
@@ -510,7 +513,7 @@ def _record(
         source=test.source,
         gap=max(touch.gap, 0.0),
         loading_start=None if earlier is None else float(t[motion.start]),
-        plate=None if earlier is None or earlier.bonded else set_readonly(compression.copy())[kept],
+        plate=None if earlier is None or earlier.bonded else set_readonly(compression.copy())[span],
     )
 
 
@@ -602,8 +605,8 @@ def _on_the_machine(record: RampHold, preload: float, machine: Machine) -> RampH
     if record.force_noise > 0:
         force, _ = denoised(force, record.force_noise)
     pressed = record.displacement > 0
-    given = np.where(pressed, machine.compliance * (force - preload), 0.0)
-    sank = _mean(record.time[record.hold], given[record.hold])
+    indices = np.where(pressed, machine.compliance * (force - preload), 0.0)
+    sank = _mean(record.time[record.hold], indices[record.hold])
     if not sank < record.depth:
         raise DataError(
             f"a machine of {format_quantity(machine.compliance, 'um/N')} gives "
@@ -614,12 +617,12 @@ def _on_the_machine(record: RampHold, preload: float, machine: Machine) -> RampH
         )
     return replace(
         record,
-        displacement=record.displacement - given,
-        plate=None if record.plate is None else record.plate - given,
+        displacement=record.displacement - indices,
+        plate=None if record.plate is None else record.plate - indices,
         depth=record.depth - sank,
         preload=preload,
         machine=machine,
-        given=given,
+        given=indices,
     )
 
 
@@ -646,11 +649,11 @@ def _known(machine: Machine) -> tuple[Step, ...]:
         ("force_filter_hz", machine.force_filter,
          "force behind a first-order low-pass of {:.4g} Hz, which the fit's motion passes too"),
     )  # fmt: skip
-    said = [(name, value, words) for name, value, words in done if value is not None]
-    if not said:
+    stated = [(name, value, words) for name, value, words in done if value is not None]
+    if not stated:
         return ()
-    says = "; ".join(words.format(value) for _, value, words in said)
-    return (Step("machine", tuple((name, repr(value)) for name, value, _ in said), says),)
+    says = "; ".join(words.format(value) for _, value, words in stated)
+    return (Step("machine", tuple((name, repr(value)) for name, value, _ in stated), says),)
 
 
 def _turned(displacement: int, force: int) -> Step:

@@ -53,13 +53,13 @@ def depths_of(test: RelaxationTest, **how: Any) -> tuple[RampHold, ...]:
     parameters = next(dict(step.parameters) for step in chosen.steps if step.name == "segments")
     of = int(parameters["cycle"].partition(" of ")[2])
     every = [prepare(test, **how, cycle=number) for number in range(1, of + 1)] if of > 1 else []
-    apart: list[RampHold] = []
-    for one in sorted(every, key=lambda one: -one.hold_time):
-        if all(abs(one.depth / other.depth - 1) > SAME_DEPTH for other in apart):
-            apart.append(one)
-    if len(apart) < 2:
+    records: list[RampHold] = []
+    for ramp_hold in sorted(every, key=lambda record: -record.hold_time):
+        if all(abs(ramp_hold.depth / other.depth - 1) > SAME_DEPTH for other in records):
+            records.append(ramp_hold)
+    if len(records) < 2:
         return (chosen,)
-    return tuple(map(_alone, sorted(apart, key=lambda one: one.time[one.start])))
+    return tuple(map(_alone, sorted(records, key=lambda record: record.time[record.start])))
 
 
 def _alone(record: RampHold) -> RampHold:
@@ -73,13 +73,13 @@ def _alone(record: RampHold) -> RampHold:
     met = int(np.searchsorted(record.time, record.onset))
     last = record.last_loading
     if last.plate is None:
-        left = float(record.force[max(met - 1, 0)]) / float(record.force.max())
+        ratio = float(record.force[max(met - 1, 0)]) / float(record.force.max())
     else:
         face = float(record.displacement[max(met - 1, 0)])
-        left = face / record.depth
-        way = np.maximum(last.plate - face, 0.0) / (1 - left)
+        ratio = face / record.depth
+        way = np.maximum(last.plate - face, 0.0) / (1 - ratio)
         last = replace(last, displacement=way, plate=None)
-    return replace(last, checks=(*record.checks, history_forgotten(left)))
+    return replace(last, checks=(*record.checks, history_forgotten(ratio)))
 
 
 def _prepared(test: object) -> RampHold:

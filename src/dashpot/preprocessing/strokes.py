@@ -62,18 +62,18 @@ def strokes_of(x: FloatArray, *, resolution: float) -> tuple[Stroke, ...]:
     """
     least = max(LEAST_STROKE * float(np.ptp(x)), 4 * resolution)
     turns = _turning_points(x, least)
-    found = []
+    strokes = []
     for first, last in zip(turns[:-1].tolist(), turns[1:].tolist(), strict=True):
         rises = bool(x[last] > x[first])
         part = x[first : last + 1]
         low, high = sorted((float(x[first]), float(x[last])))
         margin = max(resolution, 2e-3 * (high - low))
         begins, ends = (low, high) if rises else (high, low)
-        left = np.flatnonzero(np.abs(part - begins) <= margin)
-        leaves = int(left[-1]) if left.size else 0
+        indices = np.flatnonzero(np.abs(part - begins) <= margin)
+        leaves = int(indices[-1]) if indices.size else 0
         reached = np.flatnonzero(np.abs(part[leaves:] - ends) <= margin)
-        found.append(Stroke(first + leaves, first + leaves + int(reached[0]), rises))
-    return tuple(found)
+        strokes.append(Stroke(first + leaves, first + leaves + int(reached[0]), rises))
+    return tuple(strokes)
 
 
 def _turning_points(x: FloatArray, least: float) -> IndexArray:
@@ -101,11 +101,11 @@ def _turning_points(x: FloatArray, least: float) -> IndexArray:
 
 def _refined(x: FloatArray, rough: IndexArray) -> IndexArray:
     """Each turning point at the extreme sample between its neighbours."""
-    found = []
+    indices = []
     for i, here in enumerate(rough):
         first = int(rough[i - 1]) if i else 0
         last = int(rough[i + 1]) if i + 1 < len(rough) else len(x) - 1
-        beside = x[rough[i - 1] if i else rough[i + 1]] if len(rough) > 1 else x[here]
+        parallel = x[rough[i - 1] if i else rough[i + 1]] if len(rough) > 1 else x[here]
         part = x[first : last + 1]
-        found.append(first + int(np.argmax(part) if x[here] >= beside else np.argmin(part)))
-    return distinct(np.array(found))
+        indices.append(first + int(np.argmax(part) if x[here] >= parallel else np.argmin(part)))
+    return distinct(np.array(indices))

@@ -130,5 +130,5 @@ def _in_air(
 
 def later_contact(x: FloatArray, force: FloatArray, *, noise: float) -> float | None:
     """Return the compression at which a later loading meets the seal, m; None if in no air."""
-    found = find_contact(x, force, noise=noise)
-    return None if found is None or found.sample < _RESTED else found.displacement
+    contact = find_contact(x, force, noise=noise)
+    return None if contact is None or contact.sample < _RESTED else contact.displacement

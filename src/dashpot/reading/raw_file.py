@@ -130,15 +130,15 @@ def missing(path: str | Path) -> str:
     from difflib import get_close_matches  # few need it, and it costs time to import
 
     place = Path(path)
-    above = next((one for one in reversed(place.parents) if not one.is_dir()), None)
+    above = next((parent for parent in reversed(place.parents) if not parent.is_dir()), None)
     if above is not None:
         return f"{place}: there is no folder {above}. Check the path."
     try:
-        with os.scandir(place.parent) as found:
-            beside = [one.name for one in islice(found, _BESIDE) if one.name[:1] != "."]
+        with os.scandir(place.parent) as result:
+            extras = [entry.name for entry in islice(result, _BESIDE) if entry.name[:1] != "."]
     except OSError:
-        beside = []
-    folded = {name.casefold(): name for name in beside}
+        extras = []
+    folded = {name.casefold(): name for name in extras}
     near = get_close_matches(place.name.casefold(), folded, 1)
     meant = (
         f"Did you mean {escape_terminal_text(str(place.with_name(folded[near[0]])))}?"
@@ -149,16 +149,16 @@ def missing(path: str | Path) -> str:
 
 
 def _open_path(path: Path) -> RawFile:
-    found, name = path.stat(), escape_terminal_text(path.name)
-    mode = found.st_mode
+    status, name = path.stat(), escape_terminal_text(path.name)
+    mode = status.st_mode
     if stat.S_ISFIFO(mode):  # it has no path to be opened again
-        return RawFile(name, None, _fifo(path, (found.st_dev, found.st_ino)))
+        return RawFile(name, None, _fifo(path, (status.st_dev, status.st_ino)))
     if not stat.S_ISREG(mode):
         what = "folder" if stat.S_ISDIR(mode) else "socket" if stat.S_ISSOCK(mode) else "device"
         raise ReadError(f"{path} is a {what}; give the file to read")
     _keep_what_is_freed()
     with path.open("rb") as stream:
-        return RawFile(name, path, b"" if found.st_size >= _HELD else stream.read())
+        return RawFile(name, path, b"" if status.st_size >= _HELD else stream.read())
 
 
 @lru_cache(maxsize=1)

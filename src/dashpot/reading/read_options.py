@@ -182,8 +182,8 @@ class ReadOptions:
 
     def __post_init__(self) -> None:
         scoped = tuple(
-            (str(glob), said if isinstance(said, ReadOptions) else ReadOptions(**said))
-            for glob, said in self.own
+            (str(glob), options if isinstance(options, ReadOptions) else ReadOptions(**options))
+            for glob, options in self.own
         )
         object.__setattr__(self, "own", scoped)
         si_fields(self)
@@ -210,10 +210,10 @@ class ReadOptions:
 
     def unit_of(self, role: str, column: str) -> str | None:
         """The unit given for a column, by its name or by its role, or None."""
-        given, name = self.by_name(), column.strip().casefold()
-        by_role = given.get(role, given.get(_ALSO.get(role, "")))
+        options, name = self.by_name(), column.strip().casefold()
+        by_role = options.get(role, options.get(_ALSO.get(role, "")))
         # "force=N" speaks of the force, whichever column is it and whatever another is called
-        return by_role if by_role and name in _FLAGS else given.get(name, by_role)
+        return by_role if by_role and name in _FLAGS else options.get(name, by_role)
 
     def of(self, path: str | Path) -> ReadOptions:
         """These options for one file: what was said of it alone wins.
@@ -222,11 +222,11 @@ class ReadOptions:
         >>> asked.of("rig/hit.csv").force, asked.of("seal.csv").force
         ('hammer', 'F')
         """
-        said = replace(self, own=()) if self.own else self
+        options = replace(self, own=()) if self.own else self
         for glob, more in self.own:
             if Path(path).match(glob) or str(path) == glob:
-                said = more.over(said)
-        return said
+                options = more.over(options)
+        return options
 
     @property
     def of_bench(self) -> tuple[str, ...]:
@@ -244,9 +244,9 @@ class ReadOptions:
         """These options, and the profile's wherever these say nothing."""
         default = ReadOptions()
         stated = {
-            one.name: getattr(self, one.name)
-            for one in fields(self)
-            if getattr(self, one.name) != getattr(default, one.name)
+            field.name: getattr(self, field.name)
+            for field in fields(self)
+            if getattr(self, field.name) != getattr(default, field.name)
         }
         stated["units"] = {**dict(profile.units), **dict(self.units)}
         stated["own"] = (*profile.own, *self.own)
@@ -254,12 +254,12 @@ class ReadOptions:
 
     def only(self, names: Sequence[str]) -> ReadOptions:
         """These fields of what is for all files, all else as if it had not been said."""
-        kept = {name: getattr(self, name) for name in names if name != "own"}
-        return ReadOptions(**kept, own=self.own)
+        retained = {name: getattr(self, name) for name in names if name != "own"}
+        return ReadOptions(**retained, own=self.own)
 
     def without(self, names: Sequence[str]) -> ReadOptions:
         """All but these fields."""
-        return self.only([one.name for one in fields(self) if one.name not in names])
+        return self.only([field.name for field in fields(self) if field.name not in names])
 
 
 OF_HAMMER = (
@@ -275,11 +275,11 @@ OF_BENCH = ("displacement", "cycle")
 
 def _sections() -> dict[str, tuple[str, ...]]:
     """The fields of a profile by section; "" is its head. A field without one is an error."""
-    found: dict[str, tuple[str, ...]] = {}
-    for one in iterate_option_fields(ReadOptions):
-        section = one.metadata["section"]
-        found[section] = (*found.get(section, ()), one.name)
-    return found
+    entries: dict[str, tuple[str, ...]] = {}
+    for field in iterate_option_fields(ReadOptions):
+        section = field.metadata["section"]
+        entries[section] = (*entries.get(section, ()), field.name)
+    return entries
 
 
 _SECTIONS = _sections()
@@ -289,12 +289,12 @@ _HEAD: Mapping[str, tuple[Dimension, str]] = {
 """Quantities at the head of a profile: their dimension and SI unit."""
 PROFILE = frozenset({*_HEAD, "units", *filter(None, _SECTIONS)})
 """What stands in a profile: its tables, and the quantities at its head."""
-_ASKED = {one.name: one.metadata for one in iterate_option_fields(ReadOptions)}
+_ASKED = {field.name: field.metadata for field in iterate_option_fields(ReadOptions)}
 _ALSO = {"hammer": "force", "complex_modulus": "magnitude", "loss_angle": "phase"}
 """Roles whose unit may be given by another's name."""
 _FLAGS = {
-    one.name: f"{flag_of(one)} {key_of(one)}" if "under" in one.metadata else flag_of(one)
-    for one in iterate_option_fields(ReadOptions)
+    field.name: f"{flag_of(field)} {key_of(field)}" if "under" in field.metadata else flag_of(field)
+    for field in iterate_option_fields(ReadOptions)
 }
 
 
@@ -397,28 +397,28 @@ def _from_toml(content: dict[str, Any]) -> ReadOptions:
     stated: dict[str, Any] = {}
     for section, entries in content.items():
         if section in _HEAD:
-            given = isinstance(entries, str)
+            provided = isinstance(entries, str)
             stated[section] = (
-                parse_quantity(entries, _HEAD[section][0]) if given else float(entries)
+                parse_quantity(entries, _HEAD[section][0]) if provided else float(entries)
             )
         elif section == "units":
             stated["units"] = {str(name): str(unit) for name, unit in entries.items()}
         elif section in _SECTIONS:
             stated |= {name: _option(section, name, value) for name, value in entries.items()}
         else:
-            known = ", ".join(sorted(PROFILE))
-            raise DataError(f"'{section}' is unknown in a profile; known are {known}")
+            text = ", ".join(sorted(PROFILE))
+            raise DataError(f"'{section}' is unknown in a profile; known are {text}")
     return ReadOptions(**stated)
 
 
 def _option(section: str, name: str, value: Any) -> Any:
     if name not in _SECTIONS[section]:
-        known = ", ".join(_SECTIONS[section])
-        raise DataError(f"[{section}] {name} is unknown; known are {known}")
-    asked = _ASKED[name]
-    if "multiple" in asked:
+        text = ", ".join(_SECTIONS[section])
+        raise DataError(f"[{section}] {name} is unknown; known are {text}")
+    options = _ASKED[name]
+    if "multiple" in options:
         return tuple(map(str, value)) if isinstance(value, list) else (str(value),)
-    return int(value) if "least" in asked else str(value)
+    return int(value) if "least" in options else str(value)
 
 
 def _toml(value: object) -> str:

@@ -72,10 +72,10 @@ class Section:
 
     def find_single_key(self, *names: str) -> str:
         """Return the one of these keys that stands there, "" if none does."""
-        found = [name for name in names if name in self.entries]
-        if len(found) > 1:
-            raise ReadError(f"{self.where}: {' and '.join(found)} say the same; keep one")
-        return found[0] if found else ""
+        results = [name for name in names if name in self.entries]
+        if len(results) > 1:
+            raise ReadError(f"{self.where}: {' and '.join(results)} say the same; keep one")
+        return results[0] if results else ""
 
     def quantity(self, name: str, dimension: Dimension) -> float | None:
         """Return a quantity in SI units, such as ``"25kg"``; None if it is not there."""
@@ -90,22 +90,22 @@ class Section:
         if isinstance(value, str):
             *first, last = value.split(",")
             unit = last.lstrip("+-0123456789.eE ")
-            value = [one if one.lstrip("+-0123456789.eE ") else one + unit for one in first]
+            value = [text if text.lstrip("+-0123456789.eE ") else text + unit for text in first]
             value.append(last)
         if not isinstance(value, list):
             value = [value]
-        return tuple(self._quantity(name, one, dimension) for one in value)
+        return tuple(self._quantity(name, item, dimension) for item in value)
 
     def vector(self, name: str, dimension: Dimension) -> Vector | None:
         """Return three quantities, along x, y and z: ``"0, 300, 0 mm"``."""
-        found = self.quantities(name, dimension)
-        if found is None:
+        values = self.quantities(name, dimension)
+        if values is None:
             return None
-        if len(found) != 3:
+        if len(values) != 3:
             raise ReadError(
-                f"{self.where}: {name} has {len(found)} numbers; expected three, of x, y and z"
+                f"{self.where}: {name} has {len(values)} numbers; expected three, of x, y and z"
             )
-        return found[0], found[1], found[2]
+        return values[0], values[1], values[2]
 
     def direction(self, name: str) -> Vector | None:
         """Return three plain numbers: ``[0, 0, 1]``."""
@@ -113,7 +113,7 @@ class Section:
         if value is None:
             return None
         plain = isinstance(value, list) and len(value) == 3
-        if not plain or not all(_is_number(one) for one in value) or not any(value):
+        if not plain or not all(_is_number(item) for item in value) or not any(value):
             raise ReadError(
                 f"{self.where}: {name} = {value!r}; expected a direction, three numbers such as "
                 "[0, 0, 1]"
@@ -138,7 +138,7 @@ class Section:
         """Return texts."""
         value = self.entries.get(name)
         if value is not None and not (
-            isinstance(value, list) and all(isinstance(one, str) for one in value)
+            isinstance(value, list) and all(isinstance(item, str) for item in value)
         ):
             raise ReadError(f"{self.where}: {name} = {value!r}; expected a list of texts")
         return None if value is None else tuple(value)

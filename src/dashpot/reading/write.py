@@ -106,10 +106,10 @@ def write_trajectory(
     if motion.position is not None:
         head += ["x [mm]", "y [mm]", "z [mm]"]
         columns += list(motion.position.T)
-    moved = [
+    changes = [
         np.round(convert_to_unit(column, "mm"), 9) + 0.0 for column in columns
     ]  # no zero is negative
-    return _write_text(_text(comments, head, [motion.time, *moved]), path)
+    return _write_text(_text(comments, head, [motion.time, *changes]), path)
 
 
 def temperature_line(kelvin: float) -> str:
@@ -128,13 +128,13 @@ def write_shifts(
 
     The columns are ``temperature [degC], log10_a_t [1], se [1], b_t [1]``; `se` is of log10_a_t.
     """
-    each = shifts.shifts
+    all_shifts = shifts.shifts
     head = ["temperature [degC]", "log10_a_t [1]", "se [1]", "b_t [1]"]
     columns = [
-        np.array([round(convert_to_unit(one.temperature, "degC"), 9) for one in each]),
-        np.array([one.log10_a_t for one in each]),
-        np.array([one.se for one in each]),
-        np.array([one.b_t for one in each]),
+        np.array([round(convert_to_unit(shift.temperature, "degC"), 9) for shift in all_shifts]),
+        np.array([shift.log10_a_t for shift in all_shifts]),
+        np.array([shift.se for shift in all_shifts]),
+        np.array([shift.b_t for shift in all_shifts]),
     ]
     reference = f"reference {format_quantity(shifts.reference, 'degC', '.9g')}"
     above = [byline("shift factors"), *comments, f"{reference}, law {shifts.law.kind}"]
@@ -259,8 +259,8 @@ def _format_channel_name(name: str) -> str:
 def _add_simulated_stamp(sources: Iterable[Source], comments: Sequence[str]) -> list[str]:
     """The comments, under the stamp of what was simulated unless one carries it already."""
     stamp = "simulated" if any(source.simulated for source in sources) else ""
-    said = any(stamp in comment.casefold() for comment in comments)
-    return [*([] if said or not stamp else [stamp]), *comments]
+    stated = any(stamp in comment.casefold() for comment in comments)
+    return [*([] if stated or not stamp else [stamp]), *comments]
 
 
 def _format_temperature(specimen: Specimen) -> list[str]:

@@ -130,18 +130,18 @@ FIT_FILES = "dashpot.workflow.fit_bench_tests:fit_files"
 RESPONSES = tuple(kind.name for kind in KINDS.values() if kind.place in {"response", "base"})
 """Kinds that are what a mass on its seals does, over frequency."""
 
-_NOUNS = {noun: kind for kind in KINDS.values() for noun in kind.nouns}
+_NOUNS = {name: kind for kind in KINDS.values() for name in kind.nouns}
 _HANDLERS: dict[str, dict[str, str]] = {}
 for _extension in EXTENSIONS:
     for _task, _words in _extension.handlers.items():
         _HANDLERS.setdefault(_task, {}).update(_words)
 FIGURES = {
-    noun: figure for kind in KINDS.values() for noun, figure in kind.nouns.items()
+    name: figure for kind in KINDS.values() for name, figure in kind.nouns.items()
 } | _HANDLERS.get("figure", {})
 """What draws each record and result."""
 
 _PAGES = {
-    noun: page for kind in KINDS.values() for noun, page in kind.pages.items()
+    name: page for kind in KINDS.values() for name, page in kind.pages.items()
 } | _HANDLERS.get("page", {})
 
 PREDICTED = tuple(kind for kind in KINDS.values() if kind.predict)
@@ -182,20 +182,20 @@ def find_kinds_by_option(option: str) -> str:
     return " ".join(kind.name for kind in KINDS.values() if option in kind.takes)
 
 
-def row_of(noun: object) -> KindOfTest | None:
+def row_of(result: object) -> KindOfTest | None:
     """Return the kind that a record or a result is of; None of what is of none, or of several."""
-    return _NOUNS.get(_type_name(type(noun)))
+    return _NOUNS.get(_type_name(type(result)))
 
 
-def figure_of(noun: object) -> Any:
+def figure_of(result: object) -> Any:
     """Return the function that draws a record or a result; None if none does."""
-    word = FIGURES.get(_type_name(type(noun)))
+    word = FIGURES.get(_type_name(type(result)))
     return load_object(word) if word else None
 
 
-def page_of(noun: object) -> Any:
+def page_of(result: object) -> Any:
     """Return what lays out the page of a result or of what it is one of; None if nothing does."""
-    words = (_PAGES.get(_type_name(kind)) for kind in type(noun).__mro__)
+    words = (_PAGES.get(_type_name(kind)) for kind in type(result).__mro__)
     return next((load_object(word) for word in words if word), None)
 
 

@@ -47,7 +47,7 @@ def html(
     if write is not None:
         return str(write(study))
     return _render_template(
-        "judged.html", result_page.build_page_contents(study, lead=lead, beside=beside)
+        "judged.html", result_page.build_page_contents(study, lead=lead, pictures=beside)
     )
 
 
@@ -56,9 +56,9 @@ def write_study(study: Study) -> str:
     return _render_template("report.html", _contents(study))
 
 
-def paged(found: object) -> bool:
+def paged(result: object) -> bool:
     """Whether a result has a page."""
-    return find_handler("html", found) is not None or result_page.has_kind_page(found)
+    return find_handler("html", result) is not None or result_page.has_kind_page(result)
 
 
 def _render_template(name: str, contents: dict[str, Any]) -> str:
@@ -68,8 +68,8 @@ def _render_template(name: str, contents: dict[str, Any]) -> str:
 def _contents(study: Study) -> dict[str, Any]:
     length = study.prepared.specimen.length
     stages = summary.stages(study)
-    found = recommendation(study)
-    decks = first_screen.decks(found)
+    new_recommendation = recommendation(study)
+    decks = first_screen.decks(new_recommendation)
     return {
         "study": study,
         **frame(),
@@ -77,15 +77,18 @@ def _contents(study: Study) -> dict[str, Any]:
         "header": first_screen.header(study),
         "verdict": study.verdict,
         "colour": COLOURS[study.verdict.use],
-        "lights": first_screen.lights(study, found),
-        "found": found,
-        "heading": first_screen.heading(found),
-        "under_mass": first_screen.under_mass(study, found),
-        "one_seal": (*first_screen.rows(found.one_seal), first_screen.band_row(found)),
-        "about_decks": first_screen.about_decks(found, decks),
-        "files": first_screen.files(study, found, decks),
-        "sentences": summary.sentences(study, found),
-        "weighty": summary.select_decisive_checks(study, found),
+        "lights": first_screen.lights(study, new_recommendation),
+        "found": new_recommendation,
+        "heading": first_screen.heading(new_recommendation),
+        "under_mass": first_screen.under_mass(study, new_recommendation),
+        "one_seal": (
+            *first_screen.rows(new_recommendation.one_seal),
+            first_screen.band_row(new_recommendation),
+        ),
+        "about_decks": first_screen.about_decks(new_recommendation, decks),
+        "files": first_screen.files(study, new_recommendation, decks),
+        "sentences": summary.sentences(study, new_recommendation),
+        "weighty": summary.select_decisive_checks(study, new_recommendation),
         "simulated": summary.find_simulated_files(study),
         "straight": summary.straight(study),
         "inferred": summary.inferred_mass(study),
@@ -97,8 +100,8 @@ def _contents(study: Study) -> dict[str, Any]:
         "figures": figures_of(study),
         "peaks": tables.peaks(study),
         "facts": tables.test_facts(study.prepared),
-        "solid_heading": first_screen.solid_heading(found),
-        "recommended": tables.coefficients(found.solid, length),
+        "solid_heading": first_screen.solid_heading(new_recommendation),
+        "recommended": tables.coefficients(new_recommendation.solid, length),
         "coefficients": tables.coefficients(study.fit, length),
         "orders": tables.orders(study),
         "routes": tables.two_routes(study),

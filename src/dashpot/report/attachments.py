@@ -100,27 +100,27 @@ class AttachedDeck(NamedTuple):
 def load_exportable(document: str) -> DeckSource | None:
     """What ``dashpot export`` reads from a result's document; None where it reads nothing."""
     try:
-        found = from_json(document)
+        result = from_json(document)
     except DashpotError:
         return None
-    judged: DeckSource | None = found if find_handler("deck terms", found) else None
-    return judged
+    source: DeckSource | None = result if find_handler("deck terms", result) else None
+    return source
 
 
-def find_terms(found: Fit | NonlinearFit) -> DeckTerms:
+def find_terms(result: Fit | NonlinearFit) -> DeckTerms:
     """Return what the decks of a fit are asked for: those of a part, or of a material."""
-    material = isinstance(found, Fit) and found.unit == "Pa"
+    material = isinstance(result, Fit) and result.unit == "Pa"
     wanted = ["temperature"] if material else list(_UNSTATED)
-    unstated = tuple(name for name in wanted if getattr(found.specimen, name) is None)
-    return DeckTerms(found.band, {"form": "prony"} if material else {}, unstated)
+    unstated = tuple(name for name in wanted if getattr(result.specimen, name) is None)
+    return DeckTerms(result.band, {"form": "prony"} if material else {}, unstated)
 
 
-def _terms_of(found: DeckSource) -> DeckTerms:
-    terms: DeckTerms = find_handler("deck terms", found)(found)
+def _terms_of(source: DeckSource) -> DeckTerms:
+    terms: DeckTerms = find_handler("deck terms", source)(source)
     return terms
 
 
-def decks(found: DeckSource, compression: float | None = None) -> tuple[AttachedDeck, ...]:
+def decks(source: DeckSource, compression: float | None = None) -> tuple[AttachedDeck, ...]:
     """Decks of one seal, or cards of a material, over the band of its tests and no further.
 
     What is not known of the specimen is allowed by name, so each deck marks it in its header. None
@@ -128,20 +128,20 @@ def decks(found: DeckSource, compression: float | None = None) -> tuple[Attached
 
     Parameters
     ----------
-    found : Fit or another result that a row names
+    source : Fit or another result that a row names
     compression : float, optional
         About which the deck is of small vibration, m.
     """
-    if found.verdict.use == "do not use":
+    if source.verdict.use == "do not use":
         return ()
-    said: dict[str, Any] = {}
+    stated: dict[str, Any] = {}
     options = ["--unit-system", _SYSTEM]
     if compression is not None:
         depth = f"{round(convert_to_unit(compression, 'mm'), 4)}mm"
-        said["compression"] = depth
+        stated["compression"] = depth
         options += ["--compression", depth]
-    terms = _terms_of(found)
-    said |= terms.choices
+    terms = _terms_of(source)
+    stated |= terms.choices
     options += [word for name, value in terms.choices.items() for word in (f"--{name}", value)]
     of_band: dict[str, Any] = {}
     if terms.band and not terms.choices:
@@ -151,7 +151,7 @@ def decks(found: DeckSource, compression: float | None = None) -> tuple[Attached
     for target in _SOLVERS:
         band = of_band if reads(target, "frequency_range") else {}
         try:
-            text = deck_for(target, found, units=_SYSTEM, allow=terms.unstated, **said, **band)
+            text = deck_for(target, source, units=_SYSTEM, allow=terms.unstated, **stated, **band)
         except ExportError:
             continue
         ends = [word for low, high in band.values() for word in ("--band", f"{low!r}:{high!r}Hz")]
@@ -159,16 +159,20 @@ def decks(found: DeckSource, compression: float | None = None) -> tuple[Attached
     return tuple(made)
 
 
-def format_deck_note(found: DeckSource, made: Sequence[AttachedDeck]) -> str:
+def format_deck_note(source: DeckSource, made: Sequence[AttachedDeck]) -> str:
     """Where the decks hold, and what they miss; why there is none."""
-    if found.verdict.use == "do not use":
+    if source.verdict.use == "do not use":
         return ""
-    terms = _terms_of(found)
+    terms = _terms_of(source)
     if not made:
         return f"No deck is here, because {terms.reason}."
     unknown = " and ".join(words for name, words in _UNSTATED.items() if name in made[0].options)
-    asked = f" Before you use one, state {unknown}." if unknown else ""
-    return f"Decks are valid {format_band(terms.band)}.{asked}" if terms.band else asked.strip()
+    requested = f" Before you use one, state {unknown}." if unknown else ""
+    return (
+        f"Decks are valid {format_band(terms.band)}.{requested}"
+        if terms.band
+        else requested.strip()
+    )
 
 
 def attach_decks(made: Sequence[AttachedDeck], document: str) -> list[Attachment]:

@@ -71,19 +71,19 @@ def render_figure(
     """
     name = validate_svg_id(picture.name)
     columns = min(picture.columns, len(picture.strips))
-    each = width or min(picture.width, (PAGE - 24 * (columns - 1)) / columns)
+    number = width or min(picture.width, (PAGE - 24 * (columns - 1)) / columns)
 
     full = tuple(count for count, row in picture.in_rows for _ in row)
 
-    def strips(each: float, kind: str, most: float = math.inf) -> tuple[str, ...]:
-        across = PHONE if kind == "narrow" else each * columns + _GUTTER * (columns - 1)
-        found = []
-        for i, (one, count) in enumerate(zip(picture.strips, full, strict=True)):
-            beside = count if kind == "wide" else min(count, _FEW) if count > _FEW else 1
-            own = (across - _GUTTER * (beside - 1)) / beside if picture.rows else each
-            shown = _scale_to_height(one, most)
-            found.append(strip(shown, name=f"{name}-{kind}-{i}", width=own, kind=kind))
-        return tuple(found)
+    def strips(value: float, kind: str, most: float = math.inf) -> tuple[str, ...]:
+        across = PHONE if kind == "narrow" else value * columns + _GUTTER * (columns - 1)
+        names = []
+        for i, (panels, count) in enumerate(zip(picture.strips, full, strict=True)):
+            index = count if kind == "wide" else min(count, _FEW) if count > _FEW else 1
+            ratio = (across - _GUTTER * (index - 1)) / index if picture.rows else value
+            shown = _scale_to_height(panels, most)
+            names.append(strip(shown, name=f"{name}-{kind}-{i}", width=ratio, kind=kind))
+        return tuple(names)
 
     key = tuple(
         (swatch(mark, name=f"{name}-key{i}"), mark.label) for i, mark in enumerate(picture.key)
@@ -92,7 +92,7 @@ def render_figure(
     most, sheet = low or math.inf, (PAPER - 24 * (on_paper - 1)) / on_paper
     small = (PHONE - 16 * (phone - 1)) / phone
     paper = strips(sheet, "paper", most) if low or columns > 2 else ()
-    made = strips(each, "wide"), strips(small, "narrow", most), paper
+    made = strips(number, "wide"), strips(small, "narrow", most), paper
     rows = full if picture.rows else ()
     return RenderedFigure(name, picture.caption, picture.stamp, *made, key, columns, rows)
 
@@ -106,13 +106,14 @@ def _scale_to_height(panels: tuple[Panel, ...], most: float) -> tuple[Panel, ...
 def figures_of(study: Study) -> dict[str, RenderedFigure]:
     """Every figure that this study can fill, by name; "lead" is that of the first screen."""
     every = (*_make_relaxation_pictures(study), *_make_vibration_pictures(study))
-    found = {
-        one.name: render_figure(
-            replace(one, stamp=stamp(study)), width=HALF if one.name in BESIDE_WORDS else None
+    figures = {
+        picture.name: render_figure(
+            replace(picture, stamp=stamp(study)),
+            width=HALF if picture.name in BESIDE_WORDS else None,
         )
-        for one in every
+        for picture in every
     }
-    return found | {"lead": render_figure(replace(lead(study), name="lead"), width=LEAD, low=LOW)}
+    return figures | {"lead": render_figure(replace(lead(study), name="lead"), width=LEAD, low=LOW)}
 
 
 def stamp(study: Study) -> str:
@@ -127,15 +128,15 @@ def stamp(study: Study) -> str:
 
 def lead(study: Study) -> plot.Picture:
     """The figure that answers: the FRF of the mass on its seals; without a mass the fit."""
-    said = stamp(study)
+    text = stamp(study)
     if study.prediction is None or study.mass is None:
-        one = plot.fit(study.fit, study.prepared, stamp=said)
-        return replace(one, width=LEAD)
+        picture = plot.fit(study.fit, study.prepared, stamp=text)
+        return replace(picture, width=LEAD)
     predicted = study.prediction
     if study.comparison is not None:
         # on lines of its own: its peak may lie beyond the measured ones
-        given = study.at_rest.point if study.at_rest is not None else None
-        compression = given.compression if given is not None and given.given else None
+        point = study.at_rest.point if study.at_rest is not None else None
+        compression = point.compression if point is not None and point.given else None
         predicted = predict_frf(
             study.fit, mass=study.mass, seals=study.seals, compression=compression
         )
@@ -146,7 +147,7 @@ def lead(study: Study) -> plot.Picture:
         failed=_has_failed_joint_fit(study),
         band=study.frf_band,
         rival=study.rival,
-        stamp=said,
+        stamp=text,
     )
 
 

@@ -89,19 +89,19 @@ def tally(checks: Iterable[Check], weighed: Collection[Check]) -> tuple[str, str
 
     What the verdict does not weigh, for the joint fit has mended it, is a note.
     """
-    judged = [check for check in checks if check.passed is not None]
-    if not judged:
+    checked_checks = [check for check in checks if check.passed is not None]
+    if not checked_checks:
         return "note", "not applicable"
-    failed = [check for check in judged if check.failed]
+    failed = [check for check in checked_checks if check.failed]
     notes = sum(check.grade == "note" for check in failed)
-    said = f"{len(judged) - len(failed)} of {len(judged)}"
+    text = f"{len(checked_checks) - len(failed)} of {len(checked_checks)}"
     if notes and notes == len(failed):
-        said += f", {format_count(notes, 'note')}"
-    heavy = mark_of(check for check in judged if check in weighed)
-    return ("note" if failed and heavy == "good" else heavy), said
+        text += f", {format_count(notes, 'note')}"
+    heavy = mark_of(check for check in checked_checks if check in weighed)
+    return ("note" if failed and heavy == "good" else heavy), text
 
 
-def lights(study: Study, found: Recommendation) -> tuple[Light, Light, Light]:
+def lights(study: Study, recommendation: Recommendation) -> tuple[Light, Light, Light]:
     """Whether the test is sound, and whether the hammer bears out stiffness and damping.
 
     Those of the joint solid if it is recommended, else those of the relaxation test alone: a joint
@@ -109,7 +109,7 @@ def lights(study: Study, found: Recommendation) -> tuple[Light, Light, Light]:
     """
     hammer = () if study.measured is None else study.measured.checks
     test = test_light((*study.fit.checks, *hammer))
-    held = study.joint_comparison if found.joint else study.comparison
+    held = study.joint_comparison if recommendation.joint else study.comparison
     if held is None:
         untested = "no hammer test"
         return (
@@ -119,7 +119,7 @@ def lights(study: Study, found: Recommendation) -> tuple[Light, Light, Light]:
         )
     return (
         test,
-        _stiffness_light(study, found, held),
+        _stiffness_light(study, recommendation, held),
         _light(
             "Damping",
             held,
@@ -129,30 +129,30 @@ def lights(study: Study, found: Recommendation) -> tuple[Light, Light, Light]:
     )
 
 
-def _stiffness_light(study: Study, found: Recommendation, held: Comparison) -> Light:
+def _stiffness_light(study: Study, recommendation: Recommendation, held: Comparison) -> Light:
     """Whether the stiffness is that of the hammer, K' = m w^2 / n at its peak, and of the test.
 
     A joint fit peaks where the hammer does with any mass. So its stiffness is held against the
     limits of the relaxation test, and its disagreement with either test is heeded.
     """
-    asked = [check for check in held.checks if check.name == "stiffness_agrees"]
-    if found.joint and study.joint is not None:
-        asked += [check for check in study.joint.checks if check.name in _STIFF]
-    mark = mark_of(asked)
-    seen = _storage_at_peak(study, found)
+    checks = [check for check in held.checks if check.name == "stiffness_agrees"]
+    if recommendation.joint and study.joint is not None:
+        checks += [check for check in study.joint.checks if check.name in _STIFF]
+    mark = mark_of(checks)
+    seen = _storage_at_peak(study, recommendation)
     if seen is None:
-        said = f"{percent(held.frequency_error)} in frequency"
+        text = f"{percent(held.frequency_error)} in frequency"
     else:
         off = max(seen.off, default=0.0)
         worst = "bad" if off > 2 * STORAGE_LIMIT else "care" if off > 0 else "good"
         mark = max(mark, worst, key=ORDER.index)
         here, there, *ends = (
-            round_to_error(convert_to_unit(one, "N/mm"), digits=3)
-            for one in (seen.model, seen.hammer, *seen.test)
+            round_to_error(convert_to_unit(value, "N/mm"), digits=3)
+            for value in (seen.model, seen.hammer, *seen.test)
         )
         other = f"test {' to '.join(ends)}" if max(seen.off[1:], default=0.0) else f"hammer {there}"
-        said = f"K\N{PRIME}{NBSP}{here}, {other}{NBSP}N/mm"
-    return Light("Stiffness", mark, f"{'agrees' if mark in _FINE else 'misses'}, {said}")
+        text = f"K\N{PRIME}{NBSP}{here}, {other}{NBSP}N/mm"
+    return Light("Stiffness", mark, f"{'agrees' if mark in _FINE else 'misses'}, {text}")
 
 
 _STIFF = {"tests_agree", "stiffness_believable", "mass_believable"}
@@ -172,7 +172,7 @@ class _Storage(NamedTuple):
     test: tuple[float, ...] = ()
 
 
-def _storage_at_peak(study: Study, found: Recommendation) -> _Storage | None:
+def _storage_at_peak(study: Study, recommendation: Recommendation) -> _Storage | None:
     """Return what the solid and the hammer say of K' at the peak; None where a mass was found."""
     direct, held = study.direct, study.comparison
     if direct is None or held is None or study.mass_inferred or not len(direct.frequency):
@@ -180,14 +180,18 @@ def _storage_at_peak(study: Study, found: Recommendation) -> _Storage | None:
     at = int(np.argmin(np.abs(direct.frequency - held.measured_hz)))
     hertz, hammer = float(direct.frequency[at]), float(direct.storage[at])
     error = 2 * float(direct.storage_sd[at])
-    solid, point = found.solid, found.point
+    solid, point = recommendation.solid, recommendation.point
     factor = 1.0 if point is None else point.factor
     model = solid.under_hammer * factor * float(solid.solid.storage(frequency=hertz))
     near = STORAGE_LIMIT * abs(hammer)
     off = [_compute_excess(model, hammer - max(error, near), hammer + max(error, near))]
     test: tuple[float, ...] = ()
     wide = study.unseen
-    if found.joint and wide is not None and wide.frequency[0] <= hertz <= wide.frequency[-1]:
+    if (
+        recommendation.joint
+        and wide is not None
+        and wide.frequency[0] <= hertz <= wide.frequency[-1]
+    ):
         rests = 1.0 if study.at_rest is None else study.at_rest.point.factor
         test = low, high = tuple(
             rests * float(np.interp(np.log(hertz), np.log(wide.frequency), edge))
@@ -210,73 +214,73 @@ def test_light(checks: Iterable[Check]) -> Light:
     return Light("Test", mark, says[mark])
 
 
-def _light(name: str, held: Comparison, asked: set[str], off: str) -> Light:
-    mark = mark_of(check for check in held.checks if check.name in asked)
-    said = "agrees" if mark in {"good", "note"} else "misses"
-    return Light(name, mark, f"{said}, {off}")
+def _light(name: str, held: Comparison, requested: set[str], off: str) -> Light:
+    mark = mark_of(check for check in held.checks if check.name in requested)
+    text = "agrees" if mark in {"good", "note"} else "misses"
+    return Light(name, mark, f"{text}, {off}")
 
 
 # -- numbers --------------------------------------------------------------------------------------
 
 
-def heading(found: Recommendation) -> str:
+def heading(recommendation: Recommendation) -> str:
     """Which solid to take, or that none is recommended."""
-    if not found.recommended:
+    if not recommendation.recommended:
         return "No model is recommended"
-    return f"Recommended: model of {source(found)}, {found.solid.called}"
+    return f"Recommended: model of {source(recommendation)}, {recommendation.solid.called}"
 
 
-def source(found: Recommendation) -> str:
+def source(recommendation: Recommendation) -> str:
     """Which data the solid comes from."""
-    return "both tests" if found.joint else "the relaxation test"
+    return "both tests" if recommendation.joint else "the relaxation test"
 
 
-def solid_heading(found: Recommendation) -> str:
+def solid_heading(recommendation: Recommendation) -> str:
     """What the table of the solid's parameters is of."""
-    if not found.recommended:
+    if not recommendation.recommended:
         return "Model of the relaxation test, not recommended, one seal"
-    return f"The recommended model, of {source(found)}, one seal"
+    return f"The recommended model, of {source(recommendation)}, one seal"
 
 
-def band_row(found: Recommendation) -> Row:
+def band_row(recommendation: Recommendation) -> Row:
     """The frequencies that the solid is known at."""
-    low, high = (round_to_error(end, digits=2) for end in found.solid.band)
+    low, high = (round_to_error(end, digits=2) for end in recommendation.solid.band)
     return Row("Valid band", "", low, high, "Hz", "", bound=False)
 
 
-def under_mass(study: Study, found: Recommendation) -> tuple[str, tuple[Row, ...]]:
+def under_mass(study: Study, recommendation: Recommendation) -> tuple[str, tuple[Row, ...]]:
     """What the mass does on its seals; nothing without a mass."""
-    if study.mass is None or not found.under_mass:
+    if study.mass is None or not recommendation.under_mass:
         return "", ()
     weight, seals = format_with_error(study.mass, "g", digits=4), study.seals
-    said = f"{weight} on {number_format.seals(seals)}"
+    text = f"{weight} on {number_format.seals(seals)}"
     if study.mass_inferred:
-        said += ", the mass found from the FRF"
-    elif not found.recommended:
-        said += ", as given"
-    return said, rows(found.under_mass)
+        text += ", the mass found from the FRF"
+    elif not recommendation.recommended:
+        text += ", as given"
+    return text, rows(recommendation.under_mass)
 
 
 def rows(answers: Iterable[Answer]) -> tuple[Row, ...]:
     """Numbers to as many digits as their ends know."""
-    return tuple(_row(one) for one in answers)
+    return tuple(_row(answer) for answer in answers)
 
 
-def _row(one: Answer) -> Row:
-    measured = "" if one.measured_fact is None else one.measured_fact.cells.value
-    return Row(_name(one), *one.fact.ends, one.fact.word, measured, one.bound)
+def _row(answer: Answer) -> Row:
+    measured = "" if answer.measured_fact is None else answer.measured_fact.cells.value
+    return Row(_name(answer), *answer.fact.ends, answer.fact.word, measured, answer.bound)
 
 
-def _name(one: Answer) -> str:
-    where = "" if one.at is None else f"{round_to_error(one.at)}{NBSP}Hz"
+def _name(answer: Answer) -> str:
+    where = "" if answer.at is None else f"{round_to_error(answer.at)}{NBSP}Hz"
     return {
         "frequency": "Peak frequency",
         "damping": "Damping ratio",
         "peak": "Peak height",
-        "end of hold": f"Stiffness at end of hold, {_format_hold_time(one.at or 0.0)}",
+        "end of hold": f"Stiffness at end of hold, {_format_hold_time(answer.at or 0.0)}",
         "dynamic stiffness": f"Dynamic stiffness, {where}",
         "loss factor": f"Loss factor, {where}",
-    }[one.quantity]
+    }[answer.quantity]
 
 
 def _format_hold_time(seconds: float) -> str:
@@ -287,40 +291,49 @@ def _format_hold_time(seconds: float) -> str:
 
 
 def files(
-    study: Study, found: Recommendation, made_decks: Sequence[AttachedDeck]
+    study: Study, recommendation: Recommendation, made_decks: Sequence[AttachedDeck]
 ) -> tuple[Attachment, ...]:
     """What can be taken along, the recommended solid and its decks first."""
     fits = {"fit.json": (study.fit, "the fit of the relaxation test")}
     if study.joint is not None:
         fits["joint.json"] = (study.joint, "the fit of both tests")
-    name = "joint.json" if found.joint else "fit.json"
+    name = "joint.json" if recommendation.joint else "fit.json"
     solid, about = fits.pop(name)
-    label = "Download this model" if found.recommended else "Download anyway"
-    made = [_json(name, label, about if found.recommended else f"DO NOT USE: {about}", solid)]
+    label = "Download this model" if recommendation.recommended else "Download anyway"
+    made = [
+        _json(name, label, about if recommendation.recommended else f"DO NOT USE: {about}", solid)
+    ]
     made += attachments.attach_decks(made_decks, name)
     if study.comparison is not None:
         lines = _lines(study.comparison, study.joint_comparison)
         about = "measured and predicted accelerance, line by line"
         made.append(attachment("frf.csv", "frf.csv", about, "text/csv", lines))
-    return (*made, *(_json(name, name, about, one) for name, (one, about) in fits.items()))
+    return (*made, *(_json(name, name, about, fit) for name, (fit, about) in fits.items()))
 
 
-def decks(found: Recommendation) -> tuple[AttachedDeck, ...]:
+def decks(recommendation: Recommendation) -> tuple[AttachedDeck, ...]:
     """Decks of one recommended seal; a solid that hardens is written as the mass feels it."""
-    if not found.recommended:
+    if not recommendation.recommended:
         return ()
-    bent = found.point is not None and not found.point.linear
-    return attachments.decks(found.solid, found.point.compression if found.point and bent else None)
+    bent = recommendation.point is not None and not recommendation.point.linear
+    return attachments.decks(
+        recommendation.solid,
+        recommendation.point.compression if recommendation.point and bent else None,
+    )
 
 
-def about_decks(found: Recommendation, made_decks: Sequence[AttachedDeck]) -> str:
+def about_decks(recommendation: Recommendation, made_decks: Sequence[AttachedDeck]) -> str:
     """Where the decks hold, and what they miss."""
-    return attachments.format_deck_note(found.solid, made_decks) if found.recommended else ""
+    return (
+        attachments.format_deck_note(recommendation.solid, made_decks)
+        if recommendation.recommended
+        else ""
+    )
 
 
-def _json(name: str, label: str, about: str, noun: object) -> Attachment:
+def _json(name: str, label: str, about: str, result: object) -> Attachment:
     about += ", SI units, full precision"
-    return attachment(name, label, about, "application/json", to_json(noun))
+    return attachment(name, label, about, "application/json", to_json(result))
 
 
 def _lines(c: Comparison, joint: Comparison | None) -> str:

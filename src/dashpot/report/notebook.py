@@ -23,12 +23,12 @@ from dashpot.workflow.vibration.modes import Modes
 
 
 @singledispatch
-def picture(noun: object) -> Picture:
+def picture(result: object) -> Picture:
     """Return the picture of a noun; that of a kind of test, or a door, is named in the register."""
-    draw = figure_of(noun)
+    draw = figure_of(result)
     if draw is None:
-        raise TypeError(f"a {type(noun).__name__} has no picture")
-    drawn: Picture = draw(noun)
+        raise TypeError(f"a {type(result).__name__} has no picture")
+    drawn: Picture = draw(result)
     return drawn
 
 
@@ -54,8 +54,8 @@ def _(noun: Agreement) -> Picture:
 
 @picture.register
 def _(noun: Inspection) -> Picture:
-    names = [f"{one.name or one.number} [{one.unit or '?'}]" for one in noun.columns]
-    roles = [one.role for one in noun.columns]
+    names = [f"{column.name or column.number} [{column.unit or '?'}]" for column in noun.columns]
+    roles = [column.role for column in noun.columns]
     stamp = f"{noun.file}{', SIMULATED' * noun.simulated}"
     return plot.columns(names, roles, noun.course, stamp=stamp)
 
@@ -77,10 +77,10 @@ def draw_prediction(
     )
 
 
-def html(noun: object) -> str:
+def html(result: object) -> str:
     """Return a noun's words above its picture, as a piece of an HTML page."""
-    words = repr(noun)
+    words = repr(result)
     # pictures on one page must not share their ids
     name = "n" + hashlib.sha256(words.encode()).hexdigest()[:12]
-    drawing = plot.to_svg(replace(picture(noun), name=name))
+    drawing = plot.to_svg(replace(picture(result), name=name))
     return f"<div><pre>{escape(words)}</pre>{drawing}</div>"

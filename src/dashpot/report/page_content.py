@@ -97,24 +97,27 @@ def lights(checks: Iterable[Check], first: Topic, *others: Topic) -> tuple[Light
     it was judged.
     """
     every = tuple(dict.fromkeys(checks))
-    elsewhere = {name for one in others for name in one.checks}
-    own = [one for one in every if one.name not in elsewhere]
-    behind = [own, *([one for one in every if one.name in part.checks] for part in others)]
+    alternative = {name for other in others for name in other.checks}
+    local_checks = [check for check in every if check.name not in alternative]
+    behind = [
+        local_checks,
+        *([check for check in every if check.name in part.checks] for part in others),
+    ]
     lit = tuple(map(_light, (first, *others), behind))
-    return lit[1:] if others and all(one.passed is None for one in own) else lit
+    return lit[1:] if others and all(check.passed is None for check in local_checks) else lit
 
 
 def _light(part: Topic, behind: Sequence[Check]) -> Light:
     mark, count = tally(behind, behind)
-    said = part.says if mark in {"good", "note"} else part.fails
-    return Light(part.name, mark, said or how_many(behind).rstrip(".") or count)
+    text = part.says if mark in {"good", "note"} else part.fails
+    return Light(part.name, mark, text or how_many(behind).rstrip(".") or count)
 
 
 def row(fact: ReportedValue, name: str = "") -> Row:
     """A number as the table has it: value, from, to, unit."""
-    known = fact.bounded and fact.error != 0
+    certain = fact.bounded and fact.error != 0
     cells = fact.cells
-    value, low, high = fact.ends if known else (cells.value, "", "")
+    value, low, high = fact.ends if certain else (cells.value, "", "")
     low = UNKNOWN if not fact.bounded and cells.error == UNKNOWN else low
     if math.isnan(fact.value):
         value = "" if fact.bound_alone else value
@@ -128,33 +131,41 @@ def group(title: str, facts: Iterable[ReportedValue]) -> Group:
 
 def group_by_record(facts: Iterable[ReportedValue]) -> Iterable[Group]:
     """Facts of the whole, then those of each record, whose names begin with it."""
-    for place, each in groupby(facts, lambda one: one.symbol.rpartition(": ")[0]):
-        yield Group(place, tuple(row(one, one.symbol.rpartition(": ")[2]) for one in each))
+    for place, reported_values in groupby(facts, lambda fact: fact.symbol.rpartition(": ")[0]):
+        yield Group(
+            place, tuple(row(value, value.symbol.rpartition(": ")[2]) for value in reported_values)
+        )
 
 
 def format_specimen_header(specimen: Specimen | None) -> tuple[tuple[str, str], ...]:
     """What is said of the specimen: the first four facts of the line."""
-    one = specimen or Specimen()
-    length = "" if one.length is None else f"{format_quantity(one.length, 'mm', '.4g')} long"
-    told = (
-        ("Specimen", ", ".join(filter(None, (one.name, length)))),
-        ("Lot", one.lot),
-        ("Operator", one.operator),
+    single_specimen = specimen or Specimen()
+    length = (
+        ""
+        if single_specimen.length is None
+        else f"{format_quantity(single_specimen.length, 'mm', '.4g')} long"
+    )
+    items = (
+        ("Specimen", ", ".join(filter(None, (single_specimen.name, length)))),
+        ("Lot", single_specimen.lot),
+        ("Operator", single_specimen.operator),
         (
             "Temperature",
-            "" if one.temperature is None else format_quantity(one.temperature, "°C", ".1f"),
+            ""
+            if single_specimen.temperature is None
+            else format_quantity(single_specimen.temperature, "°C", ".1f"),
         ),
     )
-    return tuple((name, said or NOT_GIVEN) for name, said in told)
+    return tuple((name, text or NOT_GIVEN) for name, text in items)
 
 
-def sources_behind(found: Any) -> tuple[Source, ...]:
+def sources_behind(result: Any) -> tuple[Source, ...]:
     """The files behind a result, wherever its noun keeps them."""
-    given = getattr(found, "sources", None)
-    given = getattr(found, "source", None) if given is None else given
-    if given is None:
+    value = getattr(result, "sources", None)
+    value = getattr(result, "source", None) if value is None else value
+    if value is None:
         return ()
-    return (given,) if isinstance(given, Source) else tuple(dict.fromkeys(given))
+    return (value,) if isinstance(value, Source) else tuple(dict.fromkeys(value))
 
 
 def make_law_ranking(orders: Sequence[tuple[str, float]]) -> CollapsibleSection:
@@ -168,7 +179,7 @@ def make_law_ranking(orders: Sequence[tuple[str, float]]) -> CollapsibleSection:
     )
 
 
-def kind_page(found: Any) -> KindPage:
+def kind_page(verdict: Any) -> KindPage:
     """Return what the page of a result holds; of one without a page of its own, its facts.
 
     Raises
@@ -176,23 +187,23 @@ def kind_page(found: Any) -> KindPage:
     TypeError
         If it is no result that was judged, or tells no number.
     """
-    own = page_of(found)
-    if own is not None:
-        page: KindPage = own(found)
-        return page if page.name else replace(page, name=_get_schema_name(found.schema))
-    facts = found.facts if isinstance(found, HasVerdict) else ()
+    value = page_of(verdict)
+    if value is not None:
+        page: KindPage = value(verdict)
+        return page if page.name else replace(page, name=_get_schema_name(verdict.schema))
+    facts = verdict.facts if isinstance(verdict, HasVerdict) else ()
     if not facts:
-        raise TypeError(f"a {type(found).__name__} has no page")
-    picture = found.plot()
+        raise TypeError(f"a {type(verdict).__name__} has no page")
+    picture = verdict.plot()
     return KindPage(
         about=picture.name.replace("-", " "),
-        strip=format_specimen_header(getattr(found, "specimen", None)),
-        lights=lights(found.checks, Topic("Checks")),
+        strip=format_specimen_header(getattr(verdict, "specimen", None)),
+        lights=lights(verdict.checks, Topic("Checks")),
         answers="Measured and fitted",
         picture=picture,
         told="What was found",
         groups=tuple(group_by_record(facts)),
-        sources=sources_behind(found),
+        sources=sources_behind(verdict),
         name=picture.name,
     )
 

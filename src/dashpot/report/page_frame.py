@@ -26,14 +26,14 @@ def environment(package: str) -> Environment:
     """The templates of a package, and those that pages share; whatever fills them is escaped."""
     from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 
-    found = Environment(
+    result = Environment(
         loader=ChoiceLoader([PackageLoader(package), PackageLoader("dashpot.report")]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    found.filters.update(
+    result.filters.update(
         words=number_format.split_identifier,
         sentence=sentence,
         readable=number_format.format_typographic,
@@ -41,7 +41,7 @@ def environment(package: str) -> Environment:
         rounded=number_format.round_to_error,
         hertz=number_format.hertz,
     )
-    return found
+    return result
 
 
 @cache
@@ -53,9 +53,9 @@ def _part(package: str, *path: str) -> str:
 def frame() -> dict[str, Any]:
     """What every page of the report's look has: style, script, policy, what computed it."""
     style = f"{tokens.css()}\n{_part('dashpot.report', 'templates', 'report.css')}"
-    own = _part("dashpot.report", "templates", "report.js")
+    name = _part("dashpot.report", "templates", "report.js")
     # the one page holds the modules one after the other, so the second imports nothing
-    script = f"{_part('dashpot.plot', 'charts.js')}\n{own.partition(chr(10))[2]}"
+    script = f"{_part('dashpot.plot', 'charts.js')}\n{name.partition(chr(10))[2]}"
     return {
         "byline": byline("report"),
         "style": style,

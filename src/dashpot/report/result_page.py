@@ -27,43 +27,45 @@ _ALL = "numbers.json"
 
 
 def build_page_contents(
-    found: Any, *, lead: Picture | None = None, beside: Sequence[Picture] = ()
+    result: Any, *, lead: Picture | None = None, pictures: Sequence[Picture] = ()
 ) -> dict[str, Any]:
     """What the page of a result of a kind holds.
 
     Parameters
     ----------
-    found
+    result
         It was judged.
     lead : Picture, optional
-        The figure that answers, where more is known than `found` itself tells.
-    beside : sequence of Picture
+        The figure that answers, where more is known than `result` itself tells.
+    pictures : sequence of Picture
         Figures of the records behind it, which are folded.
     """
-    page = kind_page(found)
+    page = kind_page(result)
     figure = lead or page.picture
     folds = (
-        *(CollapsibleSection("The test", one.caption, None, one) for one in beside),
+        *(CollapsibleSection("The test", picture.caption, None, picture) for picture in pictures),
         *page.folds,
     )
-    names = dict.fromkeys(one.file for one in page.sources)
+    names = dict.fromkeys(source.file for source in page.sources)
     document = f"{page.name}.json"
-    text = text_of(found.kept)
-    told = "every number" if found.kept is found else "the fit, for other commands"
-    files = [attachment(document, f"Download {document}", told, "application/json", text)]
+    text = text_of(result.kept)
+    sentence = "every number" if result.kept is result else "the fit, for other commands"
+    files = [attachment(document, f"Download {document}", sentence, "application/json", text)]
     behind = attachments.load_exportable(text)
     decks = () if behind is None else attachments.decks(behind)
     files += attachments.attach_decks(decks, document)
-    if found.kept is not found:
-        whole = text_of(found)
+    if result.kept is not result:
+        whole = text_of(result)
         files.append(attachment(_ALL, _ALL, "every number", "application/json", whole))
     return {
-        **judgement(page.name, found.verdict, found.checks, page.sources),
+        **judgement(page.name, result.verdict, result.checks, page.sources),
         "title": ", ".join(names) or page.about,
         "page": page,
         "figures": {"lead": _wide(figure, "lead")}
         | {
-            f"fold{i}": _wide(one.picture, f"fold{i}") for i, one in enumerate(folds) if one.picture
+            f"fold{i}": _wide(fold.picture, f"fold{i}")
+            for i, fold in enumerate(folds)
+            if fold.picture
         },
         "folds": folds,
         "files": files,
@@ -76,7 +78,7 @@ def judgement(
 ) -> dict[str, Any]:
     """What every page of a judged result holds: verdict, checks, files behind it."""
     every = tuple(dict.fromkeys(checks))
-    also = [one for one in every if one.failed and one not in verdict.because]
+    also = [check for check in every if check.failed and check not in verdict.because]
     return {
         **frame(),
         "verdict": verdict,
@@ -85,25 +87,25 @@ def judgement(
         "tally": tally(every, every),
         "checks": tables.checks([(name, every)], every),
         "sources": sources,
-        "simulated": list(dict.fromkeys(one.file for one in sources if one.simulated)),
+        "simulated": list(dict.fromkeys(source.file for source in sources if source.simulated)),
     }
 
 
 def _wide(picture: Picture, name: str) -> RenderedFigure:
     """A figure for the 760 px of a page, or for less."""
     columns = min(picture.columns, len(picture.strips), _COLUMNS)
-    each = (LEAD - 24 * (columns - 1)) / columns
-    return render_figure(replace(picture, name=name, columns=columns), width=each)
+    ratio = (LEAD - 24 * (columns - 1)) / columns
+    return render_figure(replace(picture, name=name, columns=columns), width=ratio)
 
 
-def has_kind_page(found: object) -> bool:
+def has_kind_page(result: object) -> bool:
     """Whether a result has all that its page holds."""
     try:
-        return isinstance(kind_page(found), KindPage)
+        return isinstance(kind_page(result), KindPage)
     except TypeError:
         return False
 
 
-def text_of(found: Serialisable) -> str:
+def text_of(document: Serialisable) -> str:
     """The JSON that ``dashpot fit --json`` prints."""
-    return json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False)
+    return json.dumps(document.document, indent=2, ensure_ascii=False, allow_nan=False)

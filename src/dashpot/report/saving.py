@@ -24,7 +24,7 @@ _TABLES: dict[type, Callable[..., str]] = {
 """What is written as a table that every tool here reads back."""
 
 
-def save(noun: Any, path: str | Path) -> Path:
+def save(result: Any, path: str | Path) -> Path:
     """Write a record or a result, and return where it stands.
 
     ``.json``: its document, which ``dashpot.read`` takes back where it has a schema; ``.png``,
@@ -41,49 +41,49 @@ def save(noun: Any, path: str | Path) -> Path:
     if suffix in get_choice_values(Drawn):
         from dashpot.plot.figure_files import save as save_picture
 
-        save_picture(_picture(noun), target)
+        save_picture(_picture(result), target)
     elif suffix in writers:
-        text = writers[suffix](noun, target.name)
+        text = writers[suffix](result, target.name)
         try:
             write_atomic(target, text.encode())
         except OSError as error:
             reason = error.strerror or error
             raise ExportError(f"{target}: it cannot be written: {reason}") from None
     else:
-        known = ", ".join(f".{one}" for one in (*writers, *get_choice_values(Drawn)))
-        raise ExportError(f"{target.name}: a result is written as {known}. Name the file so")
+        name = ", ".join(f".{writer}" for writer in (*writers, *get_choice_values(Drawn)))
+        raise ExportError(f"{target.name}: a result is written as {name}. Name the file so")
     return target
 
 
-def _picture(noun: Any) -> Any:
-    if not hasattr(noun, "plot"):
-        raise ExportError(f"a {type(noun).__name__} has no picture. Write it as .json")
-    return noun.plot()
+def _picture(result: Any) -> Any:
+    if not hasattr(result, "plot"):
+        raise ExportError(f"a {type(result).__name__} has no picture. Write it as .json")
+    return result.plot()
 
 
-def _document(noun: Any, name: str) -> str:
-    if not isinstance(noun, Serialisable):
-        raise ExportError(f"{name}: a {type(noun).__name__} has no document")
-    return json.dumps(noun.document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+def _document(document: Any, name: str) -> str:
+    if not isinstance(document, Serialisable):
+        raise ExportError(f"{name}: a {type(document).__name__} has no document")
+    return json.dumps(document.document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def _page(noun: Any, name: str) -> str:
+def _page(item: Any, name: str) -> str:
     from dashpot.report import html, paged
 
-    if not paged(noun):
+    if not paged(item):
         raise ExportError(
-            f"{name}: a {type(noun).__name__} has no page of its own. Write it as .json, or make a "
+            f"{name}: a {type(item).__name__} has no page of its own. Write it as .json, or make a "
             'report: dp.report(test, hits).save("report.html")'
         )
-    return html(noun)
+    return html(item)
 
 
-def _table(noun: Any, name: str) -> str:
-    frf = getattr(noun, "frf", None)
-    noun = frf if isinstance(frf, FRF) else noun
+def _table(result: Any, name: str) -> str:
+    frf = getattr(result, "frf", None)
+    result = frf if isinstance(frf, FRF) else result
     for kind, write in _TABLES.items():
-        if isinstance(noun, kind):
-            return str(write(noun))
-    if callable(getattr(noun, "csv", None)):
-        return str(noun.csv())
-    raise ExportError(f"{name}: a {type(noun).__name__} has no table. Write it as .json")
+        if isinstance(result, kind):
+            return str(write(result))
+    if callable(getattr(result, "csv", None)):
+        return str(result.csv())
+    raise ExportError(f"{name}: a {type(result).__name__} has no table. Write it as .json")

@@ -38,21 +38,27 @@ def title(study: Study) -> str:
     return source.file if source is not None else "relaxation test"
 
 
-def sentences(study: Study, found: Recommendation) -> tuple[str, ...]:
+def sentences(study: Study, recommendation: Recommendation) -> tuple[str, ...]:
     """What the tests say, one thought a sentence, below the verdict."""
     return tuple(
         format_typographic(sentence)
-        for sentence in (_solid(found), _end(found), _resting(study), _hammer(study), _joint(study))
+        for sentence in (
+            _solid(recommendation),
+            _end(recommendation),
+            _resting(study),
+            _hammer(study),
+            _joint(study),
+        )
         if sentence
     )
 
 
-def _solid(found: Recommendation) -> str:
-    fit = found.solid
+def _solid(recommendation: Recommendation) -> str:
+    fit = recommendation.solid
     arms = format_count(fit.model.arms, "Maxwell arm")
     if isinstance(fit.solid, FractionalZener):
         arms = f"a springpot of slope {round_to_error(fit.solid.alpha)} beside it"
-    tests = "both tests" if found.joint else "the relaxation test"
+    tests = "both tests" if recommendation.joint else "the relaxation test"
     return (
         f"One seal behaves as a spring of {_format_k_inf(fit)} with {arms}. At once it "
         f"has {format_with_error(fit.model.k_0, 'N/mm')}. The valid band of {tests} is "
@@ -66,9 +72,9 @@ def _format_k_inf(fit: Fit) -> str:
     return ", ".join(filter(None, (cells.with_unit, cells.interval)))
 
 
-def _end(found: Recommendation) -> str:
+def _end(recommendation: Recommendation) -> str:
     """What naming the machine would give, if that is much."""
-    end = found.solid.end_of_hold
+    end = recommendation.solid.end_of_hold
     return "" if end is None else end.naming
 
 
@@ -79,12 +85,14 @@ def _resting(study: Study) -> str:
         return ""
     tangent, secant, depth = rests.tangent, rests.secant, rests.point.depth or 0.0
     here, there = (
-        "" if one.frequency is None else f" ({round_to_error(one.frequency, digits=4)} Hz)"
-        for one in (tangent, secant)
+        ""
+        if stiffness.frequency is None
+        else f" ({round_to_error(stiffness.frequency, digits=4)} Hz)"
+        for stiffness in (tangent, secant)
     )
-    beyond = ", deeper than tested" if rests.point.beyond else ""
+    text = ", deeper than tested" if rests.point.beyond else ""
     return (
-        f"The mass rests at {format_with_error(rests.point.compression, 'mm')}{beyond}. It "
+        f"The mass rests at {format_with_error(rests.point.compression, 'mm')}{text}. It "
         "vibrates on the "
         "tangent stiffness, "
         f"{format_with_error(tangent.stiffness, 'N/mm', tangent.stiffness_se)}{here}. The "
@@ -170,10 +178,10 @@ def find_simulated_files(study: Study) -> tuple[str, ...]:
 
 def sources(study: Study) -> tuple[Source, ...]:
     """Every file that went into the study, once."""
-    found = [study.test.source, study.prepared.source, *study.fit.source]
+    sources = [study.test.source, study.prepared.source, *study.fit.source]
     for frf in (study.measured, study.impact):
-        found += list(frf.source) if frf is not None else []
-    return tuple(dict.fromkeys(source for source in found if source is not None))
+        sources += list(frf.source) if frf is not None else []
+    return tuple(dict.fromkeys(source for source in sources if source is not None))
 
 
 # what a check of each stage speaks of
@@ -195,7 +203,7 @@ class DecisiveCheck(NamedTuple):
 
 
 def select_decisive_checks(
-    study: Study, found: Recommendation
+    study: Study, recommendation: Recommendation
 ) -> tuple[tuple[DecisiveCheck, ...], int]:
     """The failed checks behind the verdict that there is room for, the gravest first; how many not.
 
@@ -211,10 +219,10 @@ def select_decisive_checks(
         DecisiveCheck(SUBJECTS[subject.get(check, "story")], check)
         for check in study.weighed
         if check.failed and check not in quoted
-        if not (found.joint and check.grade == "note" and subject.get(check) == "fit")
+        if not (recommendation.joint and check.grade == "note" and subject.get(check) == "fit")
     ]
-    failed.sort(key=lambda one: -GRADES.index(one.check.grade))
-    words = np.cumsum([len(one.check.told.split()) for one in failed])
+    failed.sort(key=lambda decisive_check: -GRADES.index(decisive_check.check.grade))
+    words = np.cumsum([len(decisive_check.check.told.split()) for decisive_check in failed])
     shown = max(int(np.sum(words <= MOST_WORDS)), min(len(failed), 1))
     return tuple(failed[:shown]), len(failed) - shown
 
@@ -230,9 +238,9 @@ def parts(
         "joint": ("joint fit", "after joint fit"),
         "hits": ("hammer",),
     }
-    found = dict(stages)
+    checks = dict(stages)
     named = [
-        (part, [check for stage in names for check in found.get(stage, ())])
+        (part, [check for stage in names for check in checks.get(stage, ())])
         for part, names in of_part.items()
     ]
     return [*named, ("checks", list(weighed))]
@@ -252,5 +260,5 @@ def stages(study: Study) -> list[tuple[str, tuple[Check, ...]]]:
     return [
         ("relaxation", study.prepared.checks),
         ("fit", of_fit),
-        *((stage, found.checks) for stage, found in later.items() if found is not None),
+        *((stage, item.checks) for stage, item in later.items() if item is not None),
     ]

@@ -57,13 +57,19 @@ class TextTable:
 def assumptions(study: Study) -> TextTable:
     """What the results suppose, what the checks of this study say of it, and what lifts it."""
     checks = (*study.prepared.checks, *study.every_check)
-    told = [(one, one.state(checks)) for one in ASSUMPTIONS]
+    pairs = [(assumption, assumption.state(checks)) for assumption in ASSUMPTIONS]
     rows = tuple(
-        (one.name, one.holds, state, ", ".join(one.options) or "–", one.advice)
-        for one, state in told
+        (
+            assumption.name,
+            assumption.holds,
+            state,
+            ", ".join(assumption.options) or "–",
+            assumption.advice,
+        )
+        for assumption, state in pairs
     )
     head = ("assumed", "what that means", "here", "option that lifts it", "on the bench")
-    return TextTable(head, rows, tuple("bad" if state == "doubted" else "" for _, state in told))
+    return TextTable(head, rows, tuple("bad" if state == "doubted" else "" for _, state in pairs))
 
 
 def checks(groups: Sequence[tuple[str, Sequence[Check]]], weighed: Collection[Check]) -> TextTable:
@@ -72,8 +78,8 @@ def checks(groups: Sequence[tuple[str, Sequence[Check]]], weighed: Collection[Ch
     One that the verdict does not weigh, such as what a joint fit has mended, says so.
     """
     distinct: dict[tuple[str, str], tuple[str, Check]] = {}
-    for stage, found in groups:
-        for check in found:
+    for stage, checks in groups:
+        for check in checks:
             distinct.setdefault((check.name, check.says), (stage, check))
     ordered = sorted(distinct.values(), key=lambda pair: _gravity(pair[1], weighed))
     rows = tuple(
@@ -148,15 +154,15 @@ def coefficients(fit: Fit | None, length: float | None) -> TextTable | None:
     if fit is None:
         return None
     rows = []
-    for one in fit.known:
-        cells = one.cells
-        row = (one.symbol, cells.with_error, cells.interval, cells.unit)
-        each = ""
-        if length is not None and one.unit not in ("s", ""):
+    for fact in fit.known:
+        cells = fact.cells
+        row = (fact.symbol, cells.with_error, cells.interval, cells.unit)
+        name = ""
+        if length is not None and fact.unit not in ("s", ""):
             scale = 0.1 / length
-            value = round_to_error(one.shown(one.value) * scale, one.size * scale)
-            each = f"{value} {cells.unit}"
-        rows.append(row if length is None else (*row, each))
+            value = round_to_error(fact.shown(fact.value) * scale, fact.size * scale)
+            name = f"{value} {cells.unit}"
+        rows.append(row if length is None else (*row, name))
     head = ("", "value ± standard error", "95 % interval", "unit", "per 100 mm")
     return TextTable(head if length is not None else head[:-1], tuple(rows))
 
@@ -164,18 +170,26 @@ def coefficients(fit: Fit | None, length: float | None) -> TextTable | None:
 def orders(study: Study) -> TextTable:
     """One, two and more arms side by side."""
     fit = study.fit
-    best = min((one.bic for one in fit.orders), default=math.nan)
+    best = min((order.bic for order in fit.orders), default=math.nan)
     scores = {
-        one.arms: (round_to_error(one.bic - best, digits=4), "yes" if one.significant else "no")
-        for one in fit.orders
+        order.arms: (
+            round_to_error(order.bic - best, digits=4),
+            "yes" if order.significant else "no",
+        )
+        for order in fit.orders
     }
-    shown = {one.arms: (one.model, math.sqrt(one.sse / fit.residual.n)) for one in fit.orders}
-    own = (fit,) if fit.family == "maxwell" else ()
-    shown |= {one.model.arms: (one.model, one.residual.rms) for one in (*study.alternatives, *own)}
+    shown = {
+        order.arms: (order.model, math.sqrt(order.sse / fit.residual.n)) for order in fit.orders
+    }
+    value = (fit,) if fit.family == "maxwell" else ()
+    shown |= {
+        alternative.model.arms: (alternative.model, alternative.residual.rms)
+        for alternative in (*study.alternatives, *value)
+    }
     rows, marks = [], []
     for arms in sorted(shown):
         model, rms = shown[arms]
-        chosen = arms == fit.model.arms and bool(own)
+        chosen = arms == fit.model.arms and bool(value)
         listed = ", ".join(
             f"{format_cell(k, 'N/mm')} at {round_to_error(tau)} s"
             for k, tau in zip(model.k, model.tau, strict=True)
@@ -200,16 +214,16 @@ def two_routes(study: Study) -> TextTable | None:
     fit, hold = study.fit, study.hold_fit
     if hold is None or fit.model.arms != hold.model.arms:
         return None
-    there = {one.name: one for one in hold.known}
+    there = {fact.name: fact for fact in hold.known}
     rows = tuple(
         (
-            f"{one.symbol}, {one.word}",
-            one.cells.with_error,
-            there[one.name].cells.with_error,
-            percent(there[one.name].value / one.value - 1),
+            f"{fact.symbol}, {fact.word}",
+            fact.cells.with_error,
+            there[fact.name].cells.with_error,
+            percent(there[fact.name].value / fact.value - 1),
         )
-        for one in fit.known
-        if one.name in there and one.error is not None and one.value and one.name[0] != "b"
+        for fact in fit.known
+        if fact.name in there and fact.error is not None and fact.value and fact.name[0] != "b"
     )
     return TextTable(("", "full history", "hold only, eq. (5)", "difference"), rows)
 
@@ -218,34 +232,34 @@ def nuisances(fit: Fit | None) -> TextTable | None:
     """What the fit needed and nobody asked for."""
     if fit is None or not fit.also_fitted:
         return None
-    each = (term.fact for term in fit.also_fitted)
-    rows = tuple((one.symbol, one.cells.with_error, one.word or "–") for one in each)
+    facts = (term.fact for term in fit.also_fitted)
+    rows = tuple((fact.symbol, fact.cells.with_error, fact.word or "–") for fact in facts)
     return TextTable(VALUE, rows)
 
 
 def make_frequency_table(study: Study) -> TextTable:
     """Stiffness and loss factor of one seal at some frequencies, and whether they are known."""
-    (low, high), unseen = study.fit.band, study.unseen
+    (low, high), bounds = study.fit.band, study.unseen
     marked = () if study.comparison is None else (study.comparison.measured_hz,)
     rows, marks = [], []
     for f in sorted({low, float(np.sqrt(low * high)), high, 1.0, 50.0, *marked}):
         stiffness = complex(study.fit.solid.complex_stiffness(omega=2 * np.pi * f))
         factor = max(f / high, low / f)
-        known = factor < 1.0001
+        value = factor < 1.0001
         cells = [
             round_to_error(f),
             format_cell(stiffness.real, "N/mm"),
             format_cell(stiffness.imag, "N/mm"),
             round_to_error(stiffness.imag / stiffness.real),
         ]
-        if unseen is not None:
-            cells.append(_range_at(unseen, convert_to_unit(unseen.storage, "N/mm"), f))
-            cells.append(_range_at(unseen, unseen.loss_factor, f))
-        cells.append("identified" if known else f"extrapolated ×{round_to_error(factor, digits=2)}")
+        if bounds is not None:
+            cells.append(_range_at(bounds, convert_to_unit(bounds.storage, "N/mm"), f))
+            cells.append(_range_at(bounds, bounds.loss_factor, f))
+        cells.append("identified" if value else f"extrapolated ×{round_to_error(factor, digits=2)}")
         rows.append(tuple(cells))
-        marks.append("" if known else "doubt")
+        marks.append("" if value else "doubt")
     head = ["frequency, Hz", "storage K′, N/mm", "loss K″, N/mm", "loss factor"]
-    if unseen is not None:
+    if bounds is not None:
         head += ["K′ left open, N/mm", "loss factor left open"]
     return TextTable((*head, "this test"), tuple(rows), tuple(marks))
 
@@ -330,10 +344,10 @@ def resonance(study: Study) -> TextTable | None:
     }
     rows = [(f"measured: {says}", *_mode_cells(measured, way, c)) for way, says in ways.items()]
     rests = study.at_rest
-    given = rests.point.compression if rests is not None and rests.point.given else None
-    for says, one, mass in _solids(study, study.mass):
-        point = operating_point(one, mass=mass, seals=study.seals, compression=given)
-        on = study.seals * one.under_hammer * point.solid(one)
+    compression = rests.point.compression if rests is not None and rests.point.given else None
+    for says, fit, mass in _solids(study, study.mass):
+        point = operating_point(fit, mass=mass, seals=study.seals, compression=compression)
+        on = study.seals * fit.under_hammer * point.solid(fit)
         for mode in model_modes(on, mass)[:1]:
             rows.append((f"{says}: exact pole", round_to_error(mode.frequency, digits=5),
                          round_to_error(100 * mode.damping_ratio)))  # fmt: skip
@@ -358,8 +372,8 @@ def _mode_cells(measured: FRF, way: str, c: Comparison) -> tuple[str, str]:
     if not modes:
         return "none found", ""
     # rocking and other modes beside it are not what the prediction is of
-    mode = min(modes, key=lambda one: abs(one.frequency - c.measured_hz))
-    frequency, ratio, _ = (one.cells.with_error for one in mode.facts)
+    mode = min(modes, key=lambda mode: abs(mode.frequency - c.measured_hz))
+    frequency, ratio, _ = (fact.cells.with_error for fact in mode.facts)
     return frequency, ratio
 
 
@@ -405,11 +419,11 @@ def explanations(joint: Fit | None) -> TextTable | None:
         return None
     rows = tuple(
         (
-            format_typographic(one.says),
-            round_to_error(one.fall, digits=4),
-            "yes" if one.explains else "no",
+            format_typographic(explanation.says),
+            round_to_error(explanation.fall, digits=4),
+            "yes" if explanation.explains else "no",
         )
-        for one in joint.explanations
+        for explanation in joint.explanations
     )
     return TextTable(("if", "chi-square falls by", "explains both tests"), rows)
 
@@ -418,7 +432,7 @@ def make_change_table(joint: Fit | None) -> TextTable | None:
     """What the hammer changed in the solid."""
     if joint is None or not joint.moved:
         return None
-    rows = tuple(_make_change_row(one) for one in joint.moved)
+    rows = tuple(_make_change_row(change) for change in joint.moved)
     marks = tuple("doubt" if row[-1] == "new" else "" for row in rows)
     head = (
         "",

@@ -33,8 +33,8 @@ def clock_jumps(time: FloatArray) -> list[Leap]:
         return []
     least = np.minimum(np.append(np.inf, steps[:-1]), np.append(steps[1:], np.inf))
     longest = np.flatnonzero(steps > LEAP * least)[:_LOOKED_AT]
-    found = (Leap(i, float(steps[i]), _usual_beside(steps, i)) for i in longest.tolist())
-    return [one for one in found if one.step > LEAP * one.beside]
+    leaps = (Leap(i, float(steps[i]), _usual_beside(steps, i)) for i in longest.tolist())
+    return [leap for leap in leaps if leap.step > LEAP * leap.beside]
 
 
 def lasting_change(time: FloatArray) -> Leap | None:

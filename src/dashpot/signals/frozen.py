@@ -86,9 +86,9 @@ def frozen_runs(
     shortest = _shortest_fault(levels, count, least, len(values))
     if besides:
         shown = [
-            _shortest_fault(_changes(one), count, least, len(values), turns=False)
-            for one in besides
-            if len(one) >= FEWEST
+            _shortest_fault(_changes(row), count, least, len(values), turns=False)
+            for row in besides
+            if len(row) >= FEWEST
         ]
         if len(shown) == len(besides):
             shortest = min(shortest, max(shown))
@@ -105,8 +105,8 @@ def frozen_runs(
         )
 
     runs = [slice(int(starts[i]), int(ends[i])) for i in long]
-    found = [(run.start, run.stop - 1) for run in runs if is_fault(run)]
-    return np.array(found, dtype=np.intp).reshape(-1, 2)
+    results = [(run.start, run.stop - 1) for run in runs if is_fault(run)]
+    return np.array(results, dtype=np.intp).reshape(-1, 2)
 
 
 def _changes(values: FloatArray) -> FloatArray:

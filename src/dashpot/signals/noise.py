@@ -30,8 +30,8 @@ def scatter(time: FloatArray, values: FloatArray) -> float:
         return 0.0
     squares = _misses(time, values, len(values) // _ENOUGH or 1) ** 2
     count = max(3, int(0.98 * len(squares)))
-    kept = np.partition(squares, count - 1)[:count]
-    return float(np.sqrt(kept.mean())) / (0.935 if count < len(squares) else 1.0)
+    retained = np.partition(squares, count - 1)[:count]
+    return float(np.sqrt(retained.mean())) / (0.935 if count < len(squares) else 1.0)
 
 
 def robust_scatter(time: FloatArray, values: FloatArray) -> float:
@@ -41,9 +41,9 @@ def robust_scatter(time: FloatArray, values: FloatArray) -> float:
     return 1.4826 * median(np.abs(_misses(time, values)))
 
 
-def _misses(time: FloatArray, values: FloatArray, each: int = 1) -> FloatArray:
+def _misses(time: FloatArray, values: FloatArray, count: int = 1) -> FloatArray:
     """Residuals of samples from the line between their neighbours, of variance sigma^2."""
-    before, here, after = (slice(i, len(values) - 2 + i, each) for i in range(3))
+    before, here, after = (slice(i, len(values) - 2 + i, count) for i in range(3))
     w = (time[after] - time[here]) / (time[after] - time[before])
     r = values[here] - w * values[before] - (1 - w) * values[after]
     return np.asarray(r / np.sqrt(1 + w**2 + (1 - w) ** 2))
@@ -51,20 +51,20 @@ def _misses(time: FloatArray, values: FloatArray, each: int = 1) -> FloatArray:
 
 def spikes(time: FloatArray, values: FloatArray) -> BoolArray:
     """True where one sample stands apart while its two neighbours agree."""
-    apart = np.abs(values - median_of_three(values))
+    magnitude = np.abs(values - median_of_three(values))
     agreed = np.zeros(len(values), dtype=bool)
     limit = 0.02 * float(np.ptp(values))
-    if not (apart > limit).any():  # of most records no more need be known
+    if not (magnitude > limit).any():  # of most records no more need be known
         return agreed
     limit = max(10 * scatter(time, values), limit)
-    agreed[1:-1] = np.abs(values[2:] - values[:-2]) < 0.3 * apart[1:-1]
-    return np.asarray(agreed & (apart > limit))
+    agreed[1:-1] = np.abs(values[2:] - values[:-2]) < 0.3 * magnitude[1:-1]
+    return np.asarray(agreed & (magnitude > limit))
 
 
 def without_spikes(time: FloatArray, values: FloatArray) -> FloatArray:
     """The channel with every spike replaced by the nearer of its neighbours."""
-    found = spikes(time, values)
-    return np.where(found, median_of_three(values), values) if found.any() else values
+    mask = spikes(time, values)
+    return np.where(mask, median_of_three(values), values) if mask.any() else values
 
 
 def median_of_three(values: FloatArray) -> FloatArray:

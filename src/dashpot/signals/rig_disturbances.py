@@ -45,16 +45,16 @@ def machine_terms(
         No reading would show it if the crosshead did.
     """
     force = solid.force(time, x)
-    found: dict[str, tuple[FloatArray, float]] = {}
+    entries: dict[str, tuple[FloatArray, float]] = {}
     peak = float(np.abs(force).max())
     give = machine.give_sd(depth, peak)
     if give > 0 and peak > 0:
-        found["give"] = solid.force(time, force / peak), give
+        entries["give"] = solid.force(time, force / peak), give
     creep = machine.creep_sd(depth)
     if creep > 0 and settles:
         way = np.log1p(np.maximum(since, 0.0) / ramp_time)
-        found["settling"] = solid.force(time, way), creep
-    return found
+        entries["settling"] = solid.force(time, way), creep
+    return entries
 
 
 def earlier_press(
@@ -77,8 +77,8 @@ def set_sd(machine: Machine, solid: GeneralizedMaxwell, *, depth: float, gap: fl
     A set goes as what the solid remembers does.
     """
     usual = float(_remembered(solid, USUAL["rest after it"].size).sum())
-    left = float(_remembered(solid, machine.rested).sum()) / usual if usual > 0 else 0.0
-    return min(gap / 2, USUAL["set"].size * depth * left)
+    ratio = float(_remembered(solid, machine.rested).sum()) / usual if usual > 0 else 0.0
+    return min(gap / 2, USUAL["set"].size * depth * ratio)
 
 
 def _remembered(solid: GeneralizedMaxwell, rested: float) -> FloatArray:
@@ -139,5 +139,5 @@ def warming(
     # time counts for more as the seal gets faster
     pace = np.exp(-by_a * rise)
     reduced = np.concatenate(([0.0], np.cumsum(np.diff(time) * (pace[1:] + pace[:-1]) / 2)))
-    moved = np.exp(by_b * rise) * solid.force(reduced, x) - solid.force(time, x)
-    return np.asarray(moved / _RISE)
+    change = np.exp(by_b * rise) * solid.force(reduced, x) - solid.force(time, x)
+    return np.asarray(change / _RISE)

@@ -126,15 +126,15 @@ def _polygon(time: FloatArray, x: FloatArray, tolerance: float) -> list[int]:
     """
     corners = {0, len(x) - 1}
     stack = [(0, len(x) - 1)]
-    left = _LOOKS * len(x)
+    remaining = _LOOKS * len(x)
     while stack:
         a, b = stack.pop()
         if b - a < 2:
             continue
-        left -= b - a
+        remaining -= b - a
         worst, miss = _farthest(time[a : b + 1], x[a : b + 1])
         if miss > tolerance:
-            corner = a + worst if left > 0 or b - a < _SHORT else (a + b) // 2
+            corner = a + worst if remaining > 0 or b - a < _SHORT else (a + b) // 2
             corners.add(corner)
             stack += [(a, corner), (corner, b)]
     return sorted(corners)
@@ -155,14 +155,14 @@ def _farthest(time: FloatArray, x: FloatArray) -> tuple[int, float]:
 
 
 def _kinds(time: FloatArray, x: FloatArray, travel: float) -> list[_Kind]:
-    moved = np.diff(x)
-    speed = np.abs(moved) / np.diff(time)
-    long = np.abs(moved) > _LEAST_MOVE * travel
+    steps = np.diff(x)
+    speed = np.abs(steps) / np.diff(time)
+    long = np.abs(steps) > _LEAST_MOVE * travel
     fastest = speed[long].max() if long.any() else speed.max()
-    moving = (speed > 0.02 * fastest) | (np.abs(moved) > 0.25 * travel)
+    moving = (speed > 0.02 * fastest) | (np.abs(steps) > 0.25 * travel)
     return [
         "hold" if not moves else "load" if step > 0 else "unload"
-        for moves, step in zip(moving, moved, strict=True)
+        for moves, step in zip(moving, steps, strict=True)
     ]
 
 
@@ -209,11 +209,11 @@ def _rung_out(sides: list[_Side], x: FloatArray) -> list[_Side]:
     settled: list[_Side] = []
     ramp = 0.0
     for kind, first, last in sides:
-        moved = abs(x[last] - x[first])
-        ringing = kind != "hold" and 0 < moved < 0.3 * ramp
+        change = abs(x[last] - x[first])
+        ringing = kind != "hold" and 0 < change < 0.3 * ramp
         settled.append(("hold" if ringing else kind, first, last))
         if not ringing:
-            ramp = 0.0 if kind == "hold" else moved
+            ramp = 0.0 if kind == "hold" else change
     return settled
 
 
@@ -263,7 +263,7 @@ def cycles_of(segments: tuple[MotionSegment, ...]) -> tuple[RampHoldCycle, ...]:
     A loading ends where the displacement comes back to within 10 % of where it began: there the
     plate may leave the seal, and no linear solid describes what follows.
     """
-    found: list[RampHoldCycle] = []
+    cycles: list[RampHoldCycle] = []
     rest: MotionSegment | None = None
     current: list[MotionSegment] = []
     top = 0.0
@@ -277,9 +277,9 @@ def cycles_of(segments: tuple[MotionSegment, ...]) -> tuple[RampHoldCycle, ...]:
         current.append(segment)
         begin, top = current[0].origin, max(top, segment.level)
         if segment.kind == "unload" and segment.level <= begin + 0.1 * (top - begin):
-            found += _closed(rest, current)
+            cycles += _closed(rest, current)
             current, rest = [], None
-    return tuple(found + _closed(rest, current))
+    return tuple(cycles + _closed(rest, current))
 
 
 def choose_cycle(
@@ -300,14 +300,14 @@ def choose_cycle(
     DataError
         If there is no such loading.
     """
-    found = cycles_of(segments)
+    cycles = cycles_of(segments)
     if number is None:
-        return int(np.argmax([cycle.hold.duration for cycle in found])), found
-    if not 1 <= number <= len(found):
+        return int(np.argmax([cycle.hold.duration for cycle in cycles])), cycles
+    if not 1 <= number <= len(cycles):
         raise DataError(
-            f"{where}: cycle {number} was asked for, but the record holds {listed(found)}"
+            f"{where}: cycle {number} was asked for, but the record holds {listed(cycles)}"
         )
-    return number - 1, found
+    return number - 1, cycles
 
 
 def listed(cycles: tuple[RampHoldCycle, ...]) -> str:
@@ -321,15 +321,15 @@ def listed(cycles: tuple[RampHoldCycle, ...]) -> str:
 
 def nothing_held(segments: tuple[MotionSegment, ...], where: str, advice: str) -> str:
     """The sentence for a record without a ramp and a hold."""
-    found = loading_of(segments)
-    if found == "still":
+    text = loading_of(segments)
+    if text == "still":
         return f"{where}: the displacement never moves by more than its scatter. {sentence(advice)}"
     shown = ", ".join(_in_words(segment) for segment in segments[:4])
     more = f", and {len(segments) - 4} more" if len(segments) > 4 else ""
     names = {"cld": "a triangle, a ramp up and down", "cyclic": "a cyclic (fatigue) run"}
-    if found in names:
+    if text in names:
         return (
-            f"{where}: there is no hold, but {names[found]} ({shown}{more}). Relaxation times need "
+            f"{where}: there is no hold, but {names[text]} ({shown}{more}). Relaxation times need "
             "a ramp and then a rest. For force and hysteresis use dashpot fit"
         )
     return (
@@ -367,5 +367,5 @@ def _in_words(segment: MotionSegment) -> str:
     if segment.kind == "hold":
         return f"hold {segment.start:.5g} to {segment.end:.5g} s"
     verb = "ramp" if segment.kind == "load" else "unloading"
-    moved = format_quantity(segment.level - segment.origin, "mm", "+.4g")
-    return f"{verb} {segment.start:.5g} to {segment.end:.5g} s by {moved}"
+    quantity = format_quantity(segment.level - segment.origin, "mm", "+.4g")
+    return f"{verb} {segment.start:.5g} to {segment.end:.5g} s by {quantity}"

@@ -47,11 +47,11 @@ class Daq:
             "daq ", **select_fields(self, "bits", "span", "rate", "channels", "fastest")
         )
         require_nonnegative("daq ", filter=self.filter, expected="a corner in Hz, or 0")
-        asked = self.channels * self.rate
-        if asked > self.fastest:
+        requested = self.channels * self.rate
+        if requested > self.fastest:
             raise DataError(
                 f"{self.channels} channels at {format_quantity(self.rate, 'kHz', 'g')} are "
-                f"{convert_to_unit(asked, 'kHz'):g} kS/s; the card converts "
+                f"{convert_to_unit(requested, 'kHz'):g} kS/s; the card converts "
                 f"{convert_to_unit(self.fastest, 'kHz'):g} kS/s in all: take "
                 f"{format_quantity(self.fastest / self.channels, 'kHz')} at most, or fewer channels"
             )
@@ -94,7 +94,7 @@ class Daq:
         """
         seen = self._filter_voltages(clock, volts)
         return np.array(
-            [np.interp(at + self.skew(i), clock, one) for i, one in enumerate(seen, start=1)]
+            [np.interp(at + self.skew(i), clock, item) for i, item in enumerate(seen, start=1)]
         )
 
     def _filter_voltages(self, clock: FloatArray, volts: FloatArray) -> FloatArray:

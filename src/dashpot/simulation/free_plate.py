@@ -66,12 +66,12 @@ def free_plate(
     )  # fmt: skip
     root = np.sqrt(np.diag(M))  # Legendre polynomials are orthogonal
     squared, vectors = np.linalg.eigh(K / root / root[:, None])
-    kept = 3 + elastic
+    retained = 3 + elastic
     x, y = 2 * p[:, 0] / width - 1, 2 * p[:, 1] / height - 1
     product = evaluate_derivatives(width, 0, x)[:, None] * evaluate_derivatives(height, 0, y)[None]
-    moved = (vectors[:, :kept] / root[:, None]).T @ product.reshape(-1, len(p))
-    shape = np.zeros((kept, len(p), 3))
-    shape[:, :, 2] = moved
-    frequency = np.sqrt(np.maximum(squared[:kept], 0.0)) / (2 * np.pi)
+    change = (vectors[:, :retained] / root[:, None]).T @ product.reshape(-1, len(p))
+    shape = np.zeros((retained, len(p), 3))
+    shape[:, :, 2] = change
+    frequency = np.sqrt(np.maximum(squared[:retained], 0.0)) / (2 * np.pi)
     frequency[:3] = 0.0
     return FreeModes(frequency, p, shape)

@@ -149,8 +149,8 @@ class Arm:
         """Return where its encoders say that it is, m: whole counts of each joint."""
         quanta = (self.count, self.count, self.encoder)
         turned = [
-            np.round(q / one) * one if one else q
-            for q, one in zip(self.joints(positions).T, quanta, strict=True)
+            np.round(q / value) * value if value else q
+            for q, value in zip(self.joints(positions).T, quanta, strict=True)
         ]
         return self.place(np.column_stack(turned))
 

@@ -167,8 +167,8 @@ def prepare_specimen(
     """Return the seal as it is in a climate, and what a record on the rig says of it."""
     if climate is None:
         return seal, Specimen(length=rig.length, notes="simulated")
-    said = Specimen(length=rig.length, temperature=climate.temperature, notes="simulated")
-    return climate.felt(seal), said
+    specimen = Specimen(length=rig.length, temperature=climate.temperature, notes="simulated")
+    return climate.felt(seal), specimen
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -70,8 +70,8 @@ class Transducer:
     def volts(self, load: FloatArray) -> FloatArray:
         """Return the gauge voltages under force and torque, both of shape (6, n)."""
         hung = np.array([0.0, 0.0, -self.tool, 0.0, 0.0, 0.0])
-        felt = np.linalg.solve(np.array(self.matrix), load + hung[:, None])
-        return np.asarray(felt + np.array(self.bias)[:, None])
+        solution = np.linalg.solve(np.array(self.matrix), load + hung[:, None])
+        return np.asarray(solution + np.array(self.bias)[:, None])
 
     def saturated(self, load: FloatArray) -> BoolArray:
         """Return which axes pass their range, shape (6, n); both across where their sum does."""
@@ -116,8 +116,8 @@ class Instrument:
 
     def load(self, force: FloatArray) -> FloatArray:
         """Return force and torque, shape (6, n), under a force along the plate's normal, N."""
-        felt = tilted(force, self.misaligned, towards=self.towards)
-        return np.vstack([felt, np.zeros_like(felt)])
+        response = tilted(force, self.misaligned, towards=self.towards)
+        return np.vstack([response, np.zeros_like(response)])
 
     def read(self, time: FloatArray, force: FloatArray, *, rig: Rig, seed: int = 0) -> FloatArray:
         """Return the gauge voltages that the card writes, shape (6, n), V.
@@ -145,20 +145,20 @@ class Instrument:
 
     def says(self, force: FloatArray, rig: Rig) -> tuple[str, ...]:
         """Return what limits the use of such a record: overload, and lines that alias."""
-        found = []
+        names = []
         over = self.transducer.saturated(self.load(force))
-        axes = ", ".join(axis for axis, beyond in zip(AXES, over, strict=True) if beyond.any())
+        axes = ", ".join(axis for axis, item in zip(AXES, over, strict=True) if item.any())
         if axes:
-            found.append(f"the transducer is beyond its range in {axes}")
+            names.append(f"the transducer is beyond its range in {axes}")
         for name in ("hum", "vibration"):
             size, line = getattr(rig, name), getattr(rig, f"{name}_frequency")
             seen = self.daq.alias(line)
-            left = size * self.daq.passed(line)
+            remainder = size * self.daq.passed(line)
             if seen is not None and size:
-                found.append(
+                names.append(
                     f"{name} of {line:g} Hz shows at {seen:g} Hz, "
-                    f"{format_quantity(left, 'mN', '.3g')}: "
+                    f"{format_quantity(remainder, 'mN', '.3g')}: "
                     f"{self.daq.rate:g} samples a second are too few for it, and the filter lets "
                     "it through"
                 )
-        return tuple(found)
+        return tuple(names)

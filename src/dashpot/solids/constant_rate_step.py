@@ -38,14 +38,14 @@ class EvenStep(NamedTuple):
     @classmethod
     def of(cls, ratio: FloatArray) -> EvenStep:
         """For steps of h / tau > 0."""
-        kept = -np.expm1(-ratio) / ratio
-        onward = np.where(ratio < 1e-4, 0.5 - ratio / 6, (1 - kept) / ratio)
-        return cls(kept, 1 - ratio * kept, onward)
+        retained = -np.expm1(-ratio) / ratio
+        onward = np.where(ratio < 1e-4, 0.5 - ratio / 6, (1 - retained) / ratio)
+        return cls(retained, 1 - ratio * retained, onward)
 
-    def mean(self, carried: FloatArray, given: FloatArray) -> FloatArray:
+    def mean(self, carried: FloatArray, provided: FloatArray) -> FloatArray:
         """What arms carry on the average of the step, N."""
-        return carried * self.kept + given * self.onward
+        return carried * self.kept + provided * self.onward
 
-    def end(self, carried: FloatArray, given: FloatArray) -> FloatArray:
+    def end(self, carried: FloatArray, provided: FloatArray) -> FloatArray:
         """What they carry at its end, N."""
-        return carried * self.left + given * self.kept
+        return carried * self.left + provided * self.kept

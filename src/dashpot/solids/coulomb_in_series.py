@@ -39,11 +39,11 @@ def coulomb_in_series(solid: GeneralizedMaxwell, omega: float, ratio: FloatArray
         Amplitude over the one at which it begins to slip, :math:`F_c / |K|`.
     """
     table = _table(solid, omega)
-    beyond = np.clip(ratio - 1, _BEYOND[0], _BEYOND[-1])
-    found = np.exp(-np.log1p(beyond)) * table(np.log(beyond)).view(complex)[..., 0]
+    clipped = np.clip(ratio - 1, _BEYOND[0], _BEYOND[-1])
+    value = np.exp(-np.log1p(clipped)) * table(np.log(clipped)).view(complex)[..., 0]
     # below the first it grows from what sticks, beyond the last the force is all slip
-    near = 1 - (1 - found) * np.clip((ratio - 1) / _BEYOND[0], 0, 1) ** 1.5
-    far = found * (1 + _BEYOND[-1]) / np.maximum(ratio, 1 + _BEYOND[-1])
+    near = 1 - (1 - value) * np.clip((ratio - 1) / _BEYOND[0], 0, 1) ** 1.5
+    far = value * (1 + _BEYOND[-1]) / np.maximum(ratio, 1 + _BEYOND[-1])
     return np.asarray(np.where(ratio < 1 + _BEYOND[0], near, far))
 
 
@@ -51,8 +51,8 @@ def coulomb_in_series(solid: GeneralizedMaxwell, omega: float, ratio: FloatArray
 def _table(solid: GeneralizedMaxwell, omega: float) -> PchipInterpolator:
     """Stiffness times ratio over the solid's own, real and imaginary, over ln(ratio - 1)."""
     ratio = 1 + _BEYOND
-    found = ratio * _steady(solid, omega, ratio)
-    return PchipInterpolator(np.log(_BEYOND), np.column_stack([found.real, found.imag]))
+    values = ratio * _steady(solid, omega, ratio)
+    return PchipInterpolator(np.log(_BEYOND), np.column_stack([values.real, values.imag]))
 
 
 def _steady(solid: GeneralizedMaxwell, omega: float, ratio: FloatArray) -> ComplexArray:
@@ -67,8 +67,8 @@ def _steady(solid: GeneralizedMaxwell, omega: float, ratio: FloatArray) -> Compl
         tau = np.append(tau, _AT_ONCE / omega)
         k = np.append(k, solid.b / tau[-1])
     z = np.diff(theta)[:, None] / omega / tau
-    one = np.ones((_STEPS, 1))
-    keeps, gains = np.hstack([one, np.exp(-z)]), np.hstack([one, -np.expm1(-z) / z])
+    weights = np.ones((_STEPS, 1))
+    keeps, gains = np.hstack([weights, np.exp(-z)]), np.hstack([weights, -np.expm1(-z) / z])
     rise = gains @ k
     state = np.zeros((len(X), len(k)))
     unit = np.eye(len(k))
@@ -85,9 +85,9 @@ def _steady(solid: GeneralizedMaxwell, omega: float, ratio: FloatArray) -> Compl
             slips = np.abs(tried) > 1
             follows = -np.einsum("k,nkj->nj", k * keeps[i], turns) / rise[i] * slips[:, None]
             turns = keeps[i][:, None] * turns + gains[i][:, None] * follows[:, None, :]
-        left = here + state
-        if np.abs(left).max() <= _SETTLED * np.abs(here).max():
+        residual = here + state
+        if np.abs(residual).max() <= _SETTLED * np.abs(here).max():
             break
-        state = state - np.linalg.solve(turns + unit, left[..., None])[..., 0]
+        state = state - np.linalg.solve(turns + unit, residual[..., None])[..., 0]
     first = 2 / np.pi * np.trapezoid(force * np.exp(-1j * theta), theta, axis=1) / X
     return np.asarray(first / K)

@@ -88,7 +88,7 @@ class ElasticLaw(Serialisable):
     @property
     def kind(self) -> str:
         """``"linear"`` or ``"piecewise"``."""
-        return "linear" if all(one == 1.0 for one in self.ratio) else "piecewise"
+        return "linear" if all(value == 1.0 for value in self.ratio) else "piecewise"
 
     @property
     def depth(self) -> float:
@@ -107,8 +107,8 @@ class ElasticLaw(Serialisable):
         i = knots[1:-1].searchsorted(within, side="right")
         step = within - knots[i]
         inside = below[i] + step * (ratio[i] + bend[i] * step)
-        beyond = np.where(x < 0.0, ratio[0], ratio[-1]) * (x - within)
-        return np.asarray(inside + beyond)
+        excess = np.where(x < 0.0, ratio[0], ratio[-1]) * (x - within)
+        return np.asarray(inside + excess)
 
     @cached_property
     def _stretches(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
@@ -258,7 +258,9 @@ class PolynomialLaw:
 
     def __mul__(self, count: float) -> PolynomialLaw:
         """So many in parallel."""
-        return replace(self, coefficients=tuple(count * one for one in self.coefficients))
+        return replace(
+            self, coefficients=tuple(count * coefficient for coefficient in self.coefficients)
+        )
 
     __rmul__ = __mul__
 
@@ -312,7 +314,7 @@ def compare_with_curve(
     x = increasing("displacement", samples("displacement", displacement, minimum=2))
     y = samples("force", force, minimum=2)
     same_length(displacement=x, force=y)
-    found = []
+    agreements = []
     for depth in depths:
         if not x[0] <= depth <= x[-1]:
             raise DataError(
@@ -323,7 +325,7 @@ def compare_with_curve(
             )
         relaxed, curve = float(law.force(depth)), float(np.interp(depth, x, y))
         ratio = 100 * (curve / relaxed - 1.0)
-        found.append(
+        agreements.append(
             CurveAgreement(
                 depth,
                 relaxed,
@@ -333,4 +335,4 @@ def compare_with_curve(
                 "speed lies above by what has not relaxed yet",
             )
         )
-    return tuple(found)
+    return tuple(agreements)

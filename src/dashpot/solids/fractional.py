@@ -78,21 +78,21 @@ def weights_at(u: FloatArray, alpha: float) -> Weights:
     """
     h = float(u[1] - u[0])
     density = density_at(u, alpha)
-    found = Weights(*(h * part for part in density))
+    weights = Weights(*(h * part for part in density))
     for end in (0, -1):
-        for part in found:
+        for part in weights:
             part[end] /= 2
-    return _with_ends(found, u, density.value[[0, -1]], alpha)
+    return _with_ends(weights, u, density.value[[0, -1]], alpha)
 
 
-def _with_ends(found: Weights, u: FloatArray, density: FloatArray, alpha: float) -> Weights:
+def _with_ends(weights: Weights, u: FloatArray, density: FloatArray, alpha: float) -> Weights:
     """Add what lies beyond the first and the last arm to them."""
     for end, sign in ((0, -1.0), (-1, 1.0)):
         share, slope = _beyond(sign * float(u[end]), alpha)
-        found.value[end] += share
-        found.by_log_tau[end] += sign * float(density[end])
-        found.by_alpha[end] += slope
-    return found
+        weights.value[end] += share
+        weights.by_log_tau[end] += sign * float(density[end])
+        weights.by_alpha[end] += slope
+    return weights
 
 
 def _even(reach: float, alpha: float, step: float) -> tuple[FloatArray, Weights]:
@@ -113,9 +113,9 @@ def _graded(reach: float, alpha: float, nodes: int) -> tuple[FloatArray, Weights
     half = np.diff(cuts)[:, None] / 2
     u = (cuts[:-1, None] + half * (1 + x)).ravel()
     scale = (half * weight).ravel()
-    found = Weights(*(scale * part for part in density_at(u, alpha)))
+    weights = Weights(*(scale * part for part in density_at(u, alpha)))
     ends = density_at(cuts[[0, -1]], alpha).value
-    return u, _with_ends(found, cuts[[0, -1]], ends, alpha)
+    return u, _with_ends(weights, cuts[[0, -1]], ends, alpha)
 
 
 def _gathered(
@@ -289,8 +289,8 @@ class FractionalZener(Solid, Serialisable):
         if not 0 < tolerance < 1:
             raise DataError(f"tolerance = {tolerance!r}; expected a part of 1, such as 1e-4")
         if self.alpha == 1.0:
-            one = np.ones(1)
-            return np.zeros(1), Weights(one, 0 * one, 0 * one)
+            weights = np.ones(1)
+            return np.zeros(1), Weights(weights, 0 * weights, 0 * weights)
         strip = pi**2 * min(1.0, 2 * (1 - self.alpha) / self.alpha)
         step = strip / log(_FACTOR / tolerance)
         nodes = int(np.ceil(log(_FACTOR / tolerance) / (2 * log(_GAIN))))
@@ -359,10 +359,10 @@ class FractionalZener(Solid, Serialisable):
 
     def _within(self, t: FloatArray) -> GeneralizedMaxwell:
         """Arms for an answer in time that is exact to rounding."""
-        asked = t[np.isfinite(t) & (t > 0)]
-        if not asked.size:
+        requested = t[np.isfinite(t) & (t > 0)]
+        if not requested.size:
             return self.maxwell
-        return self._between(float(asked.min()), float(asked.max()))
+        return self._between(float(requested.min()), float(requested.max()))
 
     def _between(self, first: float, last: float) -> GeneralizedMaxwell:
         return self.arms(EXACT, (1 / (2 * pi * last), 1 / (2 * pi * first)))

@@ -68,9 +68,9 @@ class Masing(RateIndependent):
         return force, (*turns, (x, force))
 
 
-def _opposed(one: float, other: float) -> bool:
+def _opposed(first: float, second: float) -> bool:
     """Whether two motions go opposite ways; their product may be too small to have a sign."""
-    return one < 0 < other or other < 0 < one
+    return first < 0 < second or second < 0 < first
 
 
 @dataclass(frozen=True)
@@ -159,12 +159,12 @@ class Coulomb(RateIndependent):
             coulomb_in_series,  # costs an import that few need
         )
 
-        found = np.empty(K.shape, dtype=complex)
-        for each in np.unique(omega):
-            here = omega == each
+        values = np.empty(K.shape, dtype=complex)
+        for value in np.unique(omega):
+            here = omega == value
             ratio = amplitude[here] * np.abs(K[here]) / self.slip
-            found[here] = K[here] * coulomb_in_series(arms, float(each), ratio)
-        return found
+            values[here] = K[here] * coulomb_in_series(arms, float(value), ratio)
+        return values
 
     def start(self) -> tuple[float, float]:
         """Displacement and force."""
@@ -366,8 +366,8 @@ def jenkins_like(element: RateIndependent, *, to: float, per_decade: int = 10) -
     k, _ = nnls(share, element.stiffness(grid).real)
     return InParallel(
         tuple(
-            Jenkins(float(each), float(each * at))
-            for each, at in zip(k, yields, strict=True)
-            if each > 1e-9 * k.sum()
+            Jenkins(float(value), float(value * at))
+            for value, at in zip(k, yields, strict=True)
+            if value > 1e-9 * k.sum()
         )
     )

@@ -154,23 +154,23 @@ def relaxation_sensitivity(creep: CreepSpectrum, tau: Sequence[float]) -> FloatA
     """
     d, lam = np.array(creep.d, dtype=float), np.array(creep.lam, dtype=float)
     rho, x, n = 1 / np.array(tau, dtype=float), 1 / lam, len(lam)
-    above, one = x - rho[:, None], np.ones((len(rho), 1))
+    above, row = x - rho[:, None], np.ones((len(rho), 1))
     weight = d * x
-    value = np.hstack((one, x / above, weight * rho[:, None] / above**2, -one / rho[:, None]))
+    value = np.hstack((row, x / above, weight * rho[:, None] / above**2, -row / rho[:, None]))
     slope = np.hstack((
-        0 * one, -x / above**2, -weight * (x + rho[:, None]) / above**3, -one / rho[:, None] ** 2,
+        0 * row, -x / above**2, -weight * (x + rho[:, None]) / above**3, -row / rho[:, None] ** 2,
     ))  # fmt: skip
     first = -creep.flow / rho**2 - (weight / above**2).sum(axis=1)
     second = -2 * creep.flow / rho**3 + 2 * (weight / above**3).sum(axis=1)
-    moved = value / first[:, None]
-    log_k = -moved / rho[:, None] - (slope - second[:, None] * moved) / first[:, None]
+    ratio = value / first[:, None]
+    log_k = -ratio / rho[:, None] - (slope - second[:, None] * ratio) / first[:, None]
     k = -1 / (rho * first)
     at_rest = np.concatenate(([1.0], np.ones(n), np.zeros(n + 1)))
     viscous = np.concatenate(([0.0], x, -weight, [1.0]))
     k_inf = 0.0 if creep.flow > 0 else 1 / creep.equilibrium
     b = 0.0 if creep.glass > 0 else 1 / (creep.flow + float(weight.sum()))
     return np.vstack(
-        (-(k_inf**2) * at_rest, k[:, None] * log_k, -moved / rho[:, None], -(b**2) * viscous)
+        (-(k_inf**2) * at_rest, k[:, None] * log_k, -ratio / rho[:, None], -(b**2) * viscous)
     )
 
 

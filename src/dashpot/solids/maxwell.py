@@ -192,7 +192,7 @@ class GeneralizedMaxwell(Solid, Serialisable):
     b: float = 0.0
 
     def __post_init__(self) -> None:
-        k, tau = (np.atleast_1d(np.asarray(each, dtype=float)) for each in (self.k, self.tau))
+        k, tau = (np.atleast_1d(np.asarray(pair, dtype=float)) for pair in (self.k, self.tau))
         if len(k) != len(tau):
             raise DataError(f"every arm needs a k and a tau, found {len(k)} k and {len(tau)} tau")
         for name, value in (("k_inf", self.k_inf), ("b", self.b)):
@@ -439,10 +439,10 @@ class GeneralizedMaxwell(Solid, Serialisable):
         """
         s = np.asarray(s, dtype=complex)[:, None]
         k, tau = self._arms()
-        x, below, one = s * tau, 1 + s * tau, np.ones_like(s)
+        x, below, values = s * tau, 1 + s * tau, np.ones_like(s)
         return (
-            np.hstack((one, x / below, k * x / below**2)),
-            np.hstack((0 * one, tau / below**2, k * tau * (1 - x) / below**3)),
+            np.hstack((values, x / below, k * x / below**2)),
+            np.hstack((0 * values, tau / below**2, k * tau * (1 - x) / below**3)),
         )
 
     # -- private ------------------------------------------------------------------------------
@@ -480,10 +480,10 @@ def arm_response(time: FloatArray, displacement: FloatArray, tau: float | FloatA
     Boltzmann superposition integrated exactly, segment by segment; any sampling.
     """
     z = np.divide.outer(np.diff(time), tau)
-    moved = np.concatenate((displacement[:1], np.diff(displacement)))
+    joined = np.concatenate((displacement[:1], np.diff(displacement)))
     decay, mean = np.zeros((2, len(time), *z.shape[1:]))
     decay[1:], mean[0], mean[1:] = np.exp(-z), 1.0, -np.expm1(-z) / z
-    return decaying_sum(decay, (mean.T * moved).T)
+    return decaying_sum(decay, (mean.T * joined).T)
 
 
 def _arms_carry(time: FloatArray, x: FloatArray, k: FloatArray, tau: FloatArray) -> FloatArray:

@@ -82,8 +82,8 @@ def kelvin_chain(
     return from_creep(
         CreepSpectrum(
             glass=0.0 if k_g is None else 1 / _positive("k_g", k_g),
-            d=tuple(1 / _positive("k", each) for each in k),
-            lam=tuple(_positive("tau", each) for each in tau),
+            d=tuple(1 / _positive("k", value) for value in k),
+            lam=tuple(_positive("tau", value) for value in tau),
             flow=0.0 if b is None else 1 / _positive("b", b),
         )
     )

@@ -91,8 +91,8 @@ class StagedSpring(_Elastic):
     def at(self, x: FloatArray) -> FloatArray:
         """Force, N."""
         size, ends = np.abs(x), np.asarray(self.until)
-        beyond = np.maximum(size[..., None] - ends, 0.0)
-        return np.asarray(np.copysign(self.k[0] * size + beyond @ np.diff(self.k), x))
+        excess = np.maximum(size[..., None] - ends, 0.0)
+        return np.asarray(np.copysign(self.k[0] * size + excess @ np.diff(self.k), x))
 
     def stiffness(self, amplitude: npt.ArrayLike) -> ComplexArray:
         """Equivalent stiffness, N/m, in closed form."""
@@ -102,4 +102,4 @@ class StagedSpring(_Elastic):
 
     def __mul__(self, count: float) -> StagedSpring:
         """`count` in parallel."""
-        return replace(self, k=tuple(count * each for each in self.k))
+        return replace(self, k=tuple(count * value for value in self.k))

@@ -32,8 +32,8 @@ class Parallel(Solid, Serialisable):
     def __post_init__(self) -> None:
         flat = [
             part
-            for one in self.parts
-            for part in (one.parts if isinstance(one, Parallel) else [one])
+            for solid in self.parts
+            for part in (solid.parts if isinstance(solid, Parallel) else [solid])
         ]
         if not flat or not all(isinstance(part, Solid) for part in flat):
             raise DataError(

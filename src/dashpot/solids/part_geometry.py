@@ -70,14 +70,14 @@ def bonded_cylinder(S: float, poisson: float = RUBBER) -> float:
     return _compressible((a * S + b * S**2 + 2 * c * S**3) / (1 + c * S), S, poisson, _COMPRESSED)
 
 
-def _compressible(alone: float, S: float, poisson: float, edges: tuple[float, ...]) -> float:
+def _compressible(single: float, S: float, poisson: float, edges: tuple[float, ...]) -> float:
     """The bonded factor, of what an incompressible one is more than 1."""
     from scipy.special import i0e, i1e
 
     p_1, p_2, p_3, p_4 = edges
     nu = min(poisson, 0.5 - 1e-7)
     M = (1 - nu) / ((1 + nu) * (1 - 2 * nu)) - 1
-    u = (2 * nu) ** (p_1 + p_2 * S / (1 + S)) * alone / M
+    u = (2 * nu) ** (p_1 + p_2 * S / (1 + S)) * single / M
     x = np.sqrt(8 * u)
     edge = 1 + (p_3 + p_4 * (1 - 2 * nu)) * u / (1 + u) ** 2
     return float(1 + M * (1 - 2 * i1e(x) / (x * i0e(x))) * edge)
@@ -111,7 +111,7 @@ def bonded_block(S: float, aspect: float, poisson: float = RUBBER) -> float:
     thin = (
         4 / 3 * (1 + r) ** 2 * (1 - 192 * r / np.pi**5 * np.sum(np.tanh(n * np.pi / 2 / r) / n**5))
     )
-    A, B, C = (float(np.polyval(one[::-1], r)) for one in _BLOCK)
+    A, B, C = (float(np.polyval(values[::-1], r)) for values in _BLOCK)
     return _compressible(
         (A * S + B * S**2 + thin * C * S**3) / (1 + C * S), S, poisson, _BLOCK_EDGE
     )
@@ -140,15 +140,15 @@ class Geometry:
         DataError
             If the shape is not loaded so.
         """
-        asked = mode or self.modes[0]
-        if asked not in self.modes:
+        requested = mode or self.modes[0]
+        if requested not in self.modes:
             raise DataError(
-                f"a {type(self).__name__.lower()} in {asked}; expected one of "
+                f"a {type(self).__name__.lower()} in {requested}; expected one of "
                 f"{', '.join(self.modes)}"
             )
-        if asked == "shear" and not bonded:
+        if requested == "shear" and not bonded:
             raise DataError("a lubricated part carries no shear; leave one of the two out")
-        return self._factor(asked, bonded)
+        return self._factor(requested, bonded)
 
     def _factor(self, mode: PartMode, bonded: bool) -> float:
         raise NotImplementedError
@@ -186,13 +186,13 @@ class _Pad(Geometry):
         By the logarithm of the height, and by Poisson's ratio over what is not known of a rubber's.
         """
 
-        def slope(one: _Pad, other: _Pad, apart: float) -> float:
-            return float(np.log(one._stiffer() / other._stiffer()) / apart)
+        def slope(first: _Pad, second: _Pad, difference: float) -> float:
+            return float(np.log(first._stiffer() / second._stiffer()) / difference)
 
         step, nu = 1e-4, min(self.poisson, _HIGHEST - _WITHIN)
-        own: Any = self  # a dataclass, as every pad is
-        tall, flat = (replace(own, height=self.height * np.exp(by)) for by in (step, -step))
-        stiff, soft = (replace(own, poisson=nu + by) for by in (_WITHIN, -_WITHIN))
+        value: Any = self  # a dataclass, as every pad is
+        tall, flat = (replace(value, height=self.height * np.exp(by)) for by in (step, -step))
+        stiff, soft = (replace(value, poisson=nu + by) for by in (_WITHIN, -_WITHIN))
         return slope(tall, flat, 2 * step), slope(stiff, soft, 2 * _WITHIN)
 
 
@@ -279,7 +279,7 @@ class Bush(Geometry):
     def _factor(self, mode: PartMode, bonded: bool) -> float:
         if not bonded:
             raise DataError("a bush is bonded to its sleeves; leave the lubrication out")
-        a, b, L = (float(one) / 2 for one in (self.inner, self.outer, 2 * self.length))
+        a, b, L = (float(value) / 2 for value in (self.inner, self.outer, 2 * self.length))
         if mode == "axial":
             return float(2 * np.pi * L / np.log(b / a) / 3)
         if mode == "torsion":
@@ -366,11 +366,11 @@ def named_shape(words: str) -> Geometry:
     if name not in shapes:
         raise DataError(f"'{words}' is no shape. Write {', '.join(shapes)}, such as disc:20mm,20mm")
     kind = shapes[name]
-    asked = [one.name for one in fields(kind) if not one.kw_only]  # type: ignore[arg-type]
-    given = lengths.split(",")
-    if len(given) != len(asked):
+    requested = [attribute.name for attribute in fields(kind) if not attribute.kw_only]  # type: ignore[arg-type]
+    parts = lengths.split(",")
+    if len(parts) != len(requested):
         raise DataError(
-            f"'{words}' has {format_count(len(given), 'length')}; expected {len(asked)}: "
-            f"{', '.join(asked)}, with their units and commas between them"
+            f"'{words}' has {format_count(len(parts), 'length')}; expected {len(requested)}: "
+            f"{', '.join(requested)}, with their units and commas between them"
         )
-    return kind(*(convert_to_si(one.strip(), "length") for one in given))
+    return kind(*(convert_to_si(part.strip(), "length") for part in parts))

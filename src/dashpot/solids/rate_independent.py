@@ -86,11 +86,11 @@ class AmplitudeDependent(ABC):
         """Force, N, along displacements, m, straight between times, s; from rest at zero."""
         time, x = increasing("t", samples("t", t)), samples("displacement", displacement)
         same_length(t=time, displacement=x)
-        state, found = self.start(), []
+        state, values = self.start(), []
         for dt, place in zip(np.diff(time, prepend=time[0]).tolist(), x.tolist(), strict=True):
             force, state = self.advance(state, dt, place)
-            found.append(force)
-        return np.array(found)
+            values.append(force)
+        return np.array(values)
 
 
 class RateIndependent(AmplitudeDependent):
@@ -138,11 +138,11 @@ class RateIndependent(AmplitudeDependent):
 
     def force(self, displacement: npt.ArrayLike) -> FloatArray:
         """Force, N, along a path of displacements, m, that starts from rest at zero."""
-        state, found = self.start(), []
+        state, values = self.start(), []
         for x in samples("displacement", displacement).tolist():
             force, state = self.step(state, x)
-            found.append(force)
-        return np.array(found)
+            values.append(force)
+        return np.array(values)
 
     def loop(self, amplitude: float, *, points: int = 400) -> tuple[FloatArray, FloatArray]:
         """The steady loop: displacement, m, and force, N, once round from +amplitude."""
@@ -165,8 +165,8 @@ class RelativeToAmplitude(AmplitudeDependent):
 
     def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
         """Change of the equivalent stiffness, N/m."""
-        known = self.element.equivalent(omega, max(self.amplitude, _VANISHING))
-        return self.element.equivalent(omega, amplitude) - known
+        values = self.element.equivalent(omega, max(self.amplitude, _VANISHING))
+        return self.element.equivalent(omega, amplitude) - values
 
     def start(self) -> Any:
         """Refused: a change of stiffness has no path.
@@ -201,8 +201,8 @@ class InParallel(AmplitudeDependent):
     def __post_init__(self) -> None:
         flat = tuple(
             part
-            for one in self.parts
-            for part in (one.parts if isinstance(one, InParallel) else (one,))
+            for item in self.parts
+            for part in (item.parts if isinstance(item, InParallel) else (item,))
         )
         if not flat or not all(isinstance(part, Solid | AmplitudeDependent) for part in flat):
             raise DataError(
@@ -220,8 +220,8 @@ class InParallel(AmplitudeDependent):
 
     def advance(self, state: tuple[Any, ...], dt: float, x: float) -> tuple[float, tuple[Any, ...]]:
         """Force, N, and the states of the parts."""
-        found = [part.advance(each, dt, x) for part, each in zip(self._marched, state, strict=True)]
-        return sum(force for force, _ in found), tuple(each for _, each in found)
+        pairs = [part.advance(item, dt, x) for part, item in zip(self._marched, state, strict=True)]
+        return sum(force for force, _ in pairs), tuple(item for _, item in pairs)
 
     def __mul__(self, count: float) -> InParallel:
         """`count` of each."""
@@ -331,8 +331,8 @@ class Linearised(Solid):
     def stiffness_at(self, s: npt.ArrayLike) -> ComplexArray:
         """Stiffness on the Laplace plane, N/m, `s` in 1/s; the part's is that of Im s."""
         s = np.asarray(s, dtype=complex)
-        beside = self.beside.equivalent(np.abs(s.imag), self.amplitude)
-        lost = np.where(s.imag < 0, beside.conj(), beside)
+        extra = self.beside.equivalent(np.abs(s.imag), self.amplitude)
+        lost = np.where(s.imag < 0, extra.conj(), extra)
         return np.asarray(self.solid.stiffness_at(s) + lost)
 
     def __mul__(self, count: float) -> Linearised:

@@ -20,26 +20,26 @@ def render_text(result: object) -> Text:
     TypeError
         If it is none.
     """
-    found = _teller(result)
-    if found is None:
+    function = _teller(result)
+    if function is None:
         raise TypeError(f"a {type(result).__name__} is no result that is told")
-    return found(result)
+    return function(result)
 
 
-def format_result(noun: Any) -> str:
+def format_result(result: Any) -> str:
     """Return what a command prints of a result; of what is none, what a shell shows."""
-    found = _teller(noun)
-    if found is None:
-        return repr(noun)
+    function = _teller(result)
+    if function is None:
+        return repr(result)
     from dashpot.text_output.terminal_layout import format_for_screen
 
-    checks = getattr(noun, "weighed", None) or noun.checks
-    return "\n".join(format_for_screen(found(noun), getattr(noun, "verdict", None), checks))
+    checks = getattr(result, "weighed", None) or result.checks
+    return "\n".join(format_for_screen(function(result), getattr(result, "verdict", None), checks))
 
 
-def _teller(noun: object) -> Callable[[Any], Text] | None:
-    handler: Callable[[Any], Text] | None = find_handler("text", noun)
-    if handler is None and isinstance(noun, HasVerdict) and noun.facts:
+def _teller(result: object) -> Callable[[Any], Text] | None:
+    handler: Callable[[Any], Text] | None = find_handler("text", result)
+    if handler is None and isinstance(result, HasVerdict) and result.facts:
         from dashpot.text_output.frequency_table import render_facts
 
         return render_facts

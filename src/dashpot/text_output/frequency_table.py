@@ -59,16 +59,16 @@ class Measured(Protocol):
         ...
 
 
-def render_facts(found: HasVerdict) -> Text:
+def render_facts(verdict: HasVerdict) -> Text:
     """Return the numbers of a result with their intervals, and what the readers noticed."""
-    sources = getattr(found, "sources", ())
-    notes = [f"  read        {one.file}: {note}" for one in sources for note in one.notes]
-    return Text(facts(found.facts), ascii_only("\n".join(notes)).splitlines())
+    sources = getattr(verdict, "sources", ())
+    notes = [f"  read        {source.file}: {note}" for source in sources for note in source.notes]
+    return Text(facts(verdict.facts), ascii_only("\n".join(notes)).splitlines())
 
 
-def render_summary(found: object) -> Text:
+def render_summary(result: object) -> Text:
     """Return what a result says of itself."""
-    return Text(str(found).splitlines())
+    return Text(str(result).splitlines())
 
 
 def sensitive(of: Measured, *, errors: tuple[str, ...], unit: str, shown: int) -> list[str]:
@@ -83,9 +83,9 @@ def sensitive(of: Measured, *, errors: tuple[str, ...], unit: str, shown: int) -
         Of SI, of the storage.
     shown : int
     """
-    told = [(ERRORS[name], of.changes(name, ERRORS[name][2])) for name in errors]
+    pairs = [(ERRORS[name], of.changes(name, ERRORS[name][2])) for name in errors]
     rows = [["Hz", f"storage, {get_display_unit(unit)}", "loss factor"]]
-    for (heading, _, _), _ in told:
+    for (heading, _, _), _ in pairs:
         rows[0] += [f"{heading}: %", "loss factor"]
     for i in _spread(of, shown):
         row = [
@@ -93,7 +93,7 @@ def sensitive(of: Measured, *, errors: tuple[str, ...], unit: str, shown: int) -
             with_error(float(of.storage[i]), float(of.storage_sd[i]), unit),
             with_error(float(of.loss_factor[i]), float(of.loss_factor_sd[i])),
         ]
-        for _, (storage, loss) in told:
+        for _, (storage, loss) in pairs:
             row += [f"{100 * storage[i]:+.2f}", f"{loss[i]:+.4f}"]
         rows.append(row)
     if not errors:
@@ -109,5 +109,5 @@ def _spread(of: Measured, shown: int) -> IndexArray:
         return lines
     f = of.frequency[lines]
     low, high = float(f[0]), float(f[-1])
-    asked = np.geomspace(low, high, shown)
-    return np.unique(lines[np.abs(f[:, None] - asked).argmin(axis=0)])
+    grid = np.geomspace(low, high, shown)
+    return np.unique(lines[np.abs(f[:, None] - grid).argmin(axis=0)])

@@ -17,14 +17,14 @@ _ROWS = 3
 """Lines of a transmissibility that are shown: both ends of its band, and between."""
 
 
-def render_identification(found: Identified) -> Text:
+def render_identification(result: Identified) -> Text:
     """Return the solid, and the modes of what was measured where nothing else was fitted."""
-    solid, straight = fit(found.fit), found.direct.of
+    solid, straight = fit(result.fit), result.direct.of
     first, lines = list(solid.lines[:1]), solid.lines[1:]
     if straight.over_base:
         first += sensitive(straight, errors=("phase", "mass"), unit="N/m", shown=_ROWS)
-    assumed = [one.says for one in found.noted if one.failed and one.name == _ASSUMED]
-    rests = [str(found.at_rest)] if str(found.at_rest) else []
-    modes = impact(found.vibration) if found.vibration else Text()
+    assumed = [check.says for check in result.noted if check.failed and check.name == _ASSUMED]
+    rests = [str(result.at_rest)] if str(result.at_rest) else []
+    modes = impact(result.vibration) if result.vibration else Text()
     shown = [*first, *lines, *assumed, *rests, *modes.lines]
     return Text(shown, [*solid.details, *modes.details], solid.asked)

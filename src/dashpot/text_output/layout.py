@@ -35,9 +35,9 @@ def table(rows: Sequence[Sequence[str]], *, left: bool = False) -> list[str]:
     return [(form % tuple(row)).rstrip() for row in rows]
 
 
-def facts(found: Sequence[ReportedValue]) -> list[str]:
+def facts(reported_values: Sequence[ReportedValue]) -> list[str]:
     """Return named numbers as a table: value, error, interval and unit, where any has one."""
     head = ("", "value", "± SE", "95 % interval", "unit")
-    rows = [one.cells.ascii for one in found]
+    rows = [value.cells.ascii for value in reported_values]
     some = [i for i in range(len(head)) if any(row[i] for row in rows)]
     return table([[row[i] for i in some] for row in (head, *rows)])

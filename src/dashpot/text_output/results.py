@@ -50,17 +50,17 @@ _RESIDUAL = {"N": "mN", "m": "um", "1": "%"}
 """In which unit people read what is left of a fit."""
 
 
-def fit(found: Fit, *, asked: int | str = "auto") -> Text:
+def fit(fit: Fit, *, asked: int | str = "auto") -> Text:
     """Return a fit as the paper's Table 1 with intervals, and what it must not be asked.
 
     `asked` is the number of arms that was wanted.
     """
-    residual = found.residual
+    residual = fit.residual
     lines = [
-        _format_fit_heading(found, asked),
-        *_solid(found),
+        _format_fit_heading(fit, asked),
+        *_solid(fit),
         f"  residual    {_size(residual)}; {_samples(residual)}",
-        f"  valid band  {hertz(found.band)}",
+        f"  valid band  {hertz(fit.band)}",
     ]
     for section in (
         _creep,
@@ -71,28 +71,28 @@ def fit(found: Fit, *, asked: int | str = "auto") -> Text:
         _format_depth_stiffnesses,
         _format_explanations,
     ):
-        lines += section(found)
-    of = " of the one solid of all depths, at the deepest" if found.by_depth else ""
-    every = [f"every parameter{of}", *facts(found.known)] if found.parameters else []
-    details = [*every, *_format_parameter_changes(found), f"  optimiser   {found.status.value}"]
-    if found.certificate:
-        details.append(f"  optimality  {found.certificate.says}")
-    (details if residual.unit == "N" else lines).extend(_nuisance(found))
-    return Text(lines, [*details, *list_notes(found.source), *_orders(found)])
+        lines += section(fit)
+    of = " of the one solid of all depths, at the deepest" if fit.by_depth else ""
+    every = [f"every parameter{of}", *facts(fit.known)] if fit.parameters else []
+    details = [*every, *_format_parameter_changes(fit), f"  optimiser   {fit.status.value}"]
+    if fit.certificate:
+        details.append(f"  optimality  {fit.certificate.says}")
+    (details if residual.unit == "N" else lines).extend(_nuisance(fit))
+    return Text(lines, [*details, *list_notes(fit.source), *_orders(fit)])
 
 
-def _format_fit_heading(found: Fit, asked: int | str) -> str:
+def _format_fit_heading(fit: Fit, request: int | str) -> str:
     """What was fitted to which files, and whether it is less than was asked for."""
-    files = ", ".join(source.file for source in found.source) or "arrays in memory"
-    arms = f"{found.model.arms} Maxwell arm{'s' * (found.model.arms != 1)}"
-    if found.family == "fractional":
+    files = ", ".join(source.file for source in fit.source) or "arrays in memory"
+    arms = f"{fit.model.arms} Maxwell arm{'s' * (fit.model.arms != 1)}"
+    if fit.family == "fractional":
         arms = f"fractional Zener model ({arms} stand for it)"
-    elif found.unplaced:
-        of = ", ".join(f"{tau:.3g} s" for tau in found.unplaced)
+    elif fit.unplaced:
+        of = ", ".join(f"{tau:.3g} s" for tau in fit.unplaced)
         arms += f", relaxation time {of} not determined"
-    short = asked not in ("auto", found.model.arms) and found.family == "maxwell"
-    kept = f", not the {asked} asked for: {found.status.value}" if short else ""
-    return f"{files}: {arms}, method {found.method}{kept}"
+    short = request not in ("auto", fit.model.arms) and fit.family == "maxwell"
+    text = f", not the {request} asked for: {fit.status.value}" if short else ""
+    return f"{files}: {arms}, method {fit.method}{text}"
 
 
 def _size(residual: Residual) -> str:
@@ -104,30 +104,32 @@ def _size(residual: Residual) -> str:
     )
 
 
-def _solid(found: Fit) -> list[str]:
+def _solid(fit: Fit) -> list[str]:
     """What is told of the solid: an arm a row, and apart what has an interval and no error."""
-    known = {one.name: one for one in found.known}
+    reported_values = {reported_value.name: reported_value for reported_value in fit.known}
     # stiffnesses that each depth has of its own stand there, and nowhere else
-    of = ("tau",) if found.by_depth else ("k", "tau", "b")
+    of = ("tau",) if fit.by_depth else ("k", "tau", "b")
     arms = [
-        [known.pop(name) for name in names]
-        for j in range(1, found.model.arms + 1)
-        if known.keys() >= set(names := [f"{one}_{j}" for one in of])
+        [reported_values.pop(name) for name in names]
+        for j in range(1, fit.model.arms + 1)
+        if reported_values.keys() >= set(names := [f"{name}_{j}" for name in of])
     ]
     if not arms:
-        return facts(found.known)
+        return facts(fit.known)
     rows = [["arm"]]
-    for one, fact in zip(of, arms[0], strict=True):
-        rows[0] += [f"{one}, {fact.cells.ascii.unit}", "±"]
-    rest = known.get("k_inf")
-    if found.by_depth:
-        known.clear()
+    for text, fact in zip(of, arms[0], strict=True):
+        rows[0] += [f"{text}, {fact.cells.ascii.unit}", "±"]
+    rest = reported_values.get("k_inf")
+    if fit.by_depth:
+        reported_values.clear()
     elif rest is not None and rest.cells.error:
-        rows.append([known.pop("k_inf").called, *_format_value_and_error(rest), *[""] * 4])
+        rows.append(
+            [reported_values.pop("k_inf").called, *_format_value_and_error(rest), *[""] * 4]
+        )
     for arm in arms:
         number = arm[0].name.partition("_")[2]
         rows.append([number, *(cell for fact in arm for cell in _format_value_and_error(fact))])
-    return [*(facts([*known.values()]) if known else ()), *table(rows)]
+    return [*(facts([*reported_values.values()]) if reported_values else ()), *table(rows)]
 
 
 def _format_value_and_error(fact: ReportedValue) -> tuple[str, str]:
@@ -147,37 +149,39 @@ def _samples(residual: Residual) -> str:
     return f"{count:,} samples, equal to {independent:,.0f} independent ones"
 
 
-def _format_elastic_law(found: Fit) -> list[str]:
+def _format_elastic_law(fit: Fit) -> list[str]:
     """The elastic law, where it is no straight line."""
-    law = found.elastic_law
+    law = fit.elastic_law
     if law is None or law.kind == "linear":
         return []
     secant = (
         f"secant {format_quantity(law.stiffness, 'N/mm')} at "
         f"{format_quantity(law.depth, 'mm', '.3g')}; "
     )
-    noise = "" if found.estimate.of_noise is None else f" ({found.error_beside})"
-    return [f"  elastic     {'' if found.by_depth else secant}tangent{noise} {_law(law)}"]
+    noise = "" if fit.estimate.of_noise is None else f" ({fit.error_beside})"
+    return [f"  elastic     {'' if fit.by_depth else secant}tangent{noise} {_law(law)}"]
 
 
-def _format_hold_end(found: Fit) -> list[str]:
-    end = found.end_of_hold
-    return [f"  not known   {ascii_only(end.says(found.unit))}"] if end else []
+def _format_hold_end(fit: Fit) -> list[str]:
+    end = fit.end_of_hold
+    return [f"  not known   {ascii_only(end.says(fit.unit))}"] if end else []
 
 
-def _format_alternative(found: Fit) -> list[str]:
+def _format_alternative(fit: Fit) -> list[str]:
     """The other family of solids, unless the verdict has named it."""
-    other = found.alternative
+    other = fit.alternative
     return (
         [f"  beside it   {other.says}"]
-        if other and other.says.partition(".")[0] not in found.verdict.says
+        if other and other.says.partition(".")[0] not in fit.verdict.says
         else []
     )
 
 
-def _nuisance(found: Fit) -> list[str]:
-    each = (item.fact for item in found.also_fitted)
-    listed = ascii_only(", ".join(f"{one.called} {one.cells.with_unit}" for one in each))
+def _nuisance(fit: Fit) -> list[str]:
+    reported_values = (item.fact for item in fit.also_fitted)
+    listed = ascii_only(
+        ", ".join(f"{value.called} {value.cells.with_unit}" for value in reported_values)
+    )
     return [f"  fitted too  {listed}"] if listed else []
 
 
@@ -190,71 +194,73 @@ def list_notes(sources: Sequence[Source]) -> list[str]:
     ]
 
 
-def _creep(found: Fit) -> list[str]:
+def _creep(fit: Fit) -> list[str]:
     """The compliances that were fitted to creep, and their times."""
-    creep = found.creep
+    creep = fit.creep
     if creep is None:
         return []
-    known = creep.facts("m/N" if found.unit == "N/m" else "1/Pa")
-    told = {one.name: one.cells.ascii.with_unit for one in known}
-    parts = [f"at once {told['glass']}"]
+    reported_values = creep.facts("m/N" if fit.unit == "N/m" else "1/Pa")
+    texts = {value.name: value.cells.ascii.with_unit for value in reported_values}
+    parts = [f"at once {texts['glass']}"]
     parts += [
-        f"{told[f'd_{j}']} in {told[f'lam_{j}']}" for j in range(1, len(creep.spectrum.d) + 1)
+        f"{texts[f'd_{j}']} in {texts[f'lam_{j}']}" for j in range(1, len(creep.spectrum.d) + 1)
     ]
-    if "flow" in told:
-        parts.append(f"flow {told['flow']}, without end")
+    if "flow" in texts:
+        parts.append(f"flow {texts['flow']}, without end")
     return [f"  creep       {'; '.join(parts)}"]
 
 
-def _temperatures(found: Fit) -> list[str]:
+def _temperatures(fit: Fit) -> list[str]:
     """Return the law of temperature and the shifts, where several were fitted."""
-    moved = found.temperatures
-    if moved is None:
+    shifts = fit.temperatures
+    if shifts is None:
         return []
-    rows = [["", "log10 a_T", found.error_beside, "b_T"]]
-    for one in moved.shifts:
-        along, across = (fact.cells.ascii for fact in one.facts)
-        rows.append([celsius(one.temperature), along.value, along.error, across.value])
+    rows = [["", "log10 a_T", fit.error_beside, "b_T"]]
+    for shift in shifts.shifts:
+        along, across = (fact.cells.ascii for fact in shift.facts)
+        rows.append([celsius(shift.temperature), along.value, along.error, across.value])
     return [
-        f"  reference   {celsius(moved.reference)}, of {len(moved.shifts)} temperatures; b_T "
-        + ("free" if moved.vertical == "free" else f"= {moved.vertical}"),
-        f"  law         {_shift_law(found, moved)}",
+        f"  reference   {celsius(shifts.reference)}, of {len(shifts.shifts)} temperatures; b_T "
+        + ("free" if shifts.vertical == "free" else f"= {shifts.vertical}"),
+        f"  law         {_shift_law(fit, shifts)}",
         *table(rows),
         *(
             f"  advice      {check.told}"
-            for check in found.checks
+            for check in fit.checks
             if check.name == "shifts_told_apart" and check.failed
         ),
     ]
 
 
-def _shift_law(found: Fit, moved: TemperatureShifts) -> str:
+def _shift_law(fit: Fit, shifts: TemperatureShifts) -> str:
     """The law of the shifts with its constants, where it has any."""
-    constants = ", ".join(f"{one.called} {one.cells.with_unit}" for one in moved.constants)
-    if constants and found.estimate.of_noise is not None:
-        constants += f" ({found.error_beside})"
-    law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(moved.law.kind, "none, the shifts alone")
+    constants = ", ".join(
+        f"{constant.called} {constant.cells.with_unit}" for constant in shifts.constants
+    )
+    if constants and fit.estimate.of_noise is not None:
+        constants += f" ({fit.error_beside})"
+    law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(shifts.law.kind, "none, the shifts alone")
     return ascii_only(": ".join(filter(None, (law, constants))))
 
 
-def _format_depth_stiffnesses(found: Fit) -> list[str]:
+def _format_depth_stiffnesses(fit: Fit) -> list[str]:
     """Return the stiffnesses of each depth, where each has its own."""
-    if not found.by_depth:
+    if not fit.by_depth:
         return []
-    each = [one.facts(found.unit) for one in found.by_depth]
-    rows = [["  depth", *(one.called for one in each[0])]]
-    for at, known in zip(found.by_depth, each, strict=True):
-        cells = (one.cells.ascii.with_limit for one in known)
+    fact_groups = [depth_stiffness.facts(fit.unit) for depth_stiffness in fit.by_depth]
+    rows = [["  depth", *(fact.called for fact in fact_groups[0])]]
+    for at, group in zip(fit.by_depth, fact_groups, strict=True):
+        cells = (fact.cells.ascii.with_limit for fact in group)
         rows.append([f"  {format_quantity(at.depth, 'mm')}", *cells])
-    return [f"    by depth, {each[0][0].word}, ± SE", *table(rows)]
+    return [f"    by depth, {fact_groups[0][0].word}, ± SE", *table(rows)]
 
 
-def _format_parameter_changes(found: Fit) -> list[str]:
+def _format_parameter_changes(fit: Fit) -> list[str]:
     """Return what a further test changed, one parameter a row."""
-    if not found.moved:
+    if not fit.moved:
         return []
     rows = [["  moved", "before, ± noise", "after, ± noise", "by, in SE before"]]
-    for item in found.moved:
+    for item in fit.moved:
         before = "-" if item.was is None else _with_limit(item.was)
         by = (
             "new"
@@ -271,52 +277,52 @@ def _with_limit(fact: ReportedValue) -> str:
     return f"{cells.with_limit} {cells.unit}".rstrip()
 
 
-def _match(one: Explanation) -> str:
-    if one.explains:
+def _match(explanation: Explanation) -> str:
+    if explanation.explains:
         return "a match"
-    return "closer, but no match" if one.fall > 0 else "no match"
+    return "closer, but no match" if explanation.fall > 0 else "no match"
 
 
-def _format_explanations(found: Fit) -> list[str]:
+def _format_explanations(fit: Fit) -> list[str]:
     """Return what would explain two tests that disagree, the best first."""
     return [
         ascii_only(
-            f"  tried       {one.says} ({_match(one)}; chi-square "
-            f"{'falls' if one.fall > 0 else 'rises'} by {abs(one.fall):.4g})"
+            f"  tried       {explanation.says} ({_match(explanation)}; chi-square "
+            f"{'falls' if explanation.fall > 0 else 'rises'} by {abs(explanation.fall):.4g})"
         )
-        for one in found.explanations
+        for explanation in fit.explanations
     ]
 
 
-def _orders(found: Fit) -> list[str]:
-    if len(found.orders) < 2:
+def _orders(fit: Fit) -> list[str]:
+    if len(fit.orders) < 2:
         return []
-    best = min(order.bic for order in found.orders)
+    best = min(order.bic for order in fit.orders)
     rows = [["  arms", "SSE", "BIC - best", "all arms significant"]]
     rows += [
         [
-            f"  {order.arms}{' <' if order.arms == found.model.arms else ''}",
+            f"  {order.arms}{' <' if order.arms == fit.model.arms else ''}",
             f"{order.sse:.6g}",
             f"{order.bic - best:.1f}",
             "yes" if order.significant else "no",
         ]
-        for order in found.orders
+        for order in fit.orders
     ]
     return table(rows)
 
 
-def impact(found: ImpactResult) -> Text:
+def impact(result: ImpactResult) -> Text:
     """Return the modes, the hits with their verdicts, and why a hit was left out."""
-    frf = found.frf
+    frf = result.frf
     lines = []
-    for mode in found.modes:
+    for mode in result.modes:
         frequency, ratio, _ = (fact.cells.ascii.with_unit for fact in mode.mode.facts)
         lines.append(f"  mode  {frequency}, damping ratio {ratio} ({mode.method})")
     used = f"{frf.averages} of {len(frf.hits)} hit{'s' * (len(frf.hits) != 1)} used"
     spacing = frf.frequency[1] - frf.frequency[0]
     if frf.quantity.over_base:
         used = f"base shaken, equal to {frf.averages} averages"
-    lines.append(f"{used}; {found.estimator}; frequency resolution {spacing:.3g} Hz")
+    lines.append(f"{used}; {result.estimator}; frequency resolution {spacing:.3g} Hz")
     return Text([*lines, *(_hits(frf.hits) if frf.hits else ())])
 
 
@@ -347,93 +353,93 @@ def format_bic_differences(orders: Sequence[tuple[str, float]]) -> str:
     return "  BIC above the least: " + ", ".join(f"{name} {at - least:.1f}" for name, at in orders)
 
 
-def agreement(found: Agreement) -> Text:
+def agreement(result: Agreement) -> Text:
     """Return predicted against measured, where the mass rests, and whether it was inferred."""
-    lines = comparison(found.comparison)
-    if str(found.at_rest):
-        lines.append(str(found.at_rest))
-    if found.mass_inferred:
+    lines = comparison(result.comparison)
+    if str(result.at_rest):
+        lines.append(str(result.at_rest))
+    if result.mass_inferred:
         lines.append(
-            f"  mass        {format_quantity(found.mass, 'g', '.5g')}, inferred from the measured "
+            f"  mass        {format_quantity(result.mass, 'g', '.5g')}, inferred from the measured "
             "FRF: the "
             "agreement in frequency then proves nothing; give the mass to test it"
         )
-    return Text(lines, [f"  {arm}" for arm in found.comparison.arms])
+    return Text(lines, [f"  {arm}" for arm in result.comparison.arms])
 
 
-def comparison(found: Comparison, joint: Comparison | None = None) -> list[str]:
+def comparison(comparison: Comparison, joint: Comparison | None = None) -> list[str]:
     """Return predicted against measured, and what both tests together make of it."""
-    rows = [["", "predicted", "measured", "difference"], *(list(row) for row in found.rows)]
+    rows = [["", "predicted", "measured", "difference"], *(list(row) for row in comparison.rows)]
     if joint is not None:
         rows[0] += ["both tests", "difference"]
         for row, (_, fitted, _, difference) in zip(rows[1:], joint.rows, strict=True):
             row += [fitted, difference]
-    return [*table(rows), f"  {(joint or found).lines}"]
+    return [*table(rows), f"  {(joint or comparison).lines}"]
 
 
-def study(found: Study) -> Text:
+def study(study: Study) -> Text:
     """Return the seal under the mass and its solid; the fits behind it for who asks."""
     lines, details = [], []
-    if found.mass is not None and found.comparison is not None:
-        inferred = " (found from the FRF)" if found.mass_inferred else ""
+    if study.mass is not None and study.comparison is not None:
+        inferred = " (found from the FRF)" if study.mass_inferred else ""
         lines.append(
-            f"{format_quantity(found.mass, 'g', '.6g')}{inferred} on "
-            f"{number_format.seals(found.seals)}"
+            f"{format_quantity(study.mass, 'g', '.6g')}{inferred} on "
+            f"{number_format.seals(study.seals)}"
         )
-        lines += comparison(found.comparison, found.joint_comparison)
-        details += ["", "prediction from the relaxation test alone", str(found.comparison)]
-    if found.at_rest is not None and str(found.at_rest):
-        lines.append(str(found.at_rest))
-    solid = fit(found.fit if found.joint is None else found.joint)
-    if found.joint is not None:
-        alone = fit(found.fit)
-        details += ["", "relaxation test alone", *alone.lines, *alone.details]
+        lines += comparison(study.comparison, study.joint_comparison)
+        details += ["", "prediction from the relaxation test alone", str(study.comparison)]
+    if study.at_rest is not None and str(study.at_rest):
+        lines.append(str(study.at_rest))
+    solid = fit(study.fit if study.joint is None else study.joint)
+    if study.joint is not None:
+        text = fit(study.fit)
+        details += ["", "relaxation test alone", *text.lines, *text.details]
     return Text([*lines, *solid.lines], [*solid.details, *details])
 
 
-def prediction(found: Prediction, levels: Sequence[str] = ()) -> Text:
+def prediction(prediction: Prediction, levels: Sequence[str] = ()) -> Text:
     """Return a prediction's peak, modes and limits."""
-    (hz, height), seals = found.peak, found.seals
-    on = f"{format_quantity(found.mass, 'g', '.6g')} on {number_format.seals(seals)}"
-    does = "largest value" if found.at_edge else "peak"
-    kind = found.frf.quantity.replace("_", " ")
-    lines = [f"{on}: {does} of the {kind} {height:.5g} {found.frf.read} at {hz:.5g} Hz"]
-    if found.height_between is not None:
-        between = number_format.interval(*found.height_between)
-        lines.append(f"  by the errors of the fit {between} {found.frf.read} there")
-    if found.isolation is not None:
-        lines.append(f"  the mass moves less than its base above {found.isolation:.5g} Hz")
-    if found.shaken is not None:
-        lines += _shaken(found.shaken)
-    if found.at_edge:
-        lines.append(f"  This is the end of the band, not a peak.{_wider(found.modes)}")
+    (hz, height), seals = prediction.peak, prediction.seals
+    on = f"{format_quantity(prediction.mass, 'g', '.6g')} on {number_format.seals(seals)}"
+    does = "largest value" if prediction.at_edge else "peak"
+    kind = prediction.frf.quantity.replace("_", " ")
+    lines = [f"{on}: {does} of the {kind} {height:.5g} {prediction.frf.read} at {hz:.5g} Hz"]
+    if prediction.height_between is not None:
+        between = number_format.interval(*prediction.height_between)
+        lines.append(f"  by the errors of the fit {between} {prediction.frf.read} there")
+    if prediction.isolation is not None:
+        lines.append(f"  the mass moves less than its base above {prediction.isolation:.5g} Hz")
+    if prediction.shaken is not None:
+        lines += _shaken(prediction.shaken)
+    if prediction.at_edge:
+        lines.append(f"  This is the end of the band, not a peak.{_wider(prediction.modes)}")
     lines += levels
-    for mode in found.modes:
+    for mode in prediction.modes:
         ratio = f"{100 * mode.damping_ratio:.4g} %"
         lines.append(f"  mode  {mode.frequency:.6g} Hz, damping ratio {ratio}")
-    if str(found.at_rest):
-        lines.append(str(found.at_rest))
-    if found.limits is not None:
-        lines.append(f"  {ascii_only(found.limits.peak_says)}")
+    if str(prediction.at_rest):
+        lines.append(str(prediction.at_rest))
+    if prediction.limits is not None:
+        lines.append(f"  {ascii_only(prediction.limits.peak_says)}")
     return Text(lines)
 
 
-def _shaken(found: ShakenMass) -> list[str]:
+def _shaken(mass: ShakenMass) -> list[str]:
     """What a base that shakes at random does, and at most."""
-    band, response = found.band, found.response
+    band, response = mass.band, mass.response
     reach = "" if band is None else f" ({band[0]:.4g} to {band[1]:.4g} Hz)"
     does = (
-        f"  shaken by {found.of}{reach}, the mass has {response.acceleration:.4g} m/s^2 rms and "
+        f"  shaken by {mass.of}{reach}, the mass has {response.acceleration:.4g} m/s^2 rms and "
         f"the seals move {format_quantity(response.stretch, 'mm')} rms, {response.crossings:.4g} "
         "times a "
         "second"
     )
     lines = [does]
-    if (limits := found.limits) is not None:
-        felt, moved = _reach(limits.acceleration), _reach(limits.stretch, "mm")
+    if (limits := mass.limits) is not None:
+        text, name = _reach(limits.acceleration), _reach(limits.stretch, "mm")
         low, high = limits.band_hz
         part = "" if band is not None else f", to the noise from {low:.4g} to {high:.4g} Hz"
-        lines.append(f"  the relaxation test limits these to {felt} m/s^2 and {moved} mm rms{part}")
+        lines.append(f"  the relaxation test limits these to {text} m/s^2 and {name} mm rms{part}")
     return lines
 
 
@@ -456,8 +462,8 @@ def _law(law: ElasticLaw) -> str:
     """The tangent of an elastic law at a few compressions."""
     step = max(1, (len(law.knots) - 1) // 4)
     shown = law.knots[::step]
-    each = zip(shown, law.tangent(shown), law.stiffness * law.factor_se(shown), strict=True)
+    pairs = zip(shown, law.tangent(shown), law.stiffness * law.factor_se(shown), strict=True)
     return ", ".join(
         f"{with_error(k, se or None, 'N/m')} at {format_quantity(x, 'mm', '.3g')}"
-        for x, k, se in each
+        for x, k, se in pairs
     )

@@ -71,32 +71,32 @@ def format_for_screen(
     head = [] if verdict is None else lead(verdict, style, columns)
     # of a table of thousands no more is put into lines than can be shown, and one to be cut
     part = text.lines if verbose else text.lines[: lines + 1]
-    body, asked = _lines(part, columns), _lines(text.asked, columns)
+    body, requested = _lines(part, columns), _lines(text.asked, columns)
     counted = [f"  checks      {_format_check_counts(checks)}"] if checks else []
     failed = [
-        _check(each, verdict, style, columns)
-        for each in _select_failed_checks(verdict, checks, everything=verbose)
+        _check(check, verdict, style, columns)
+        for check in _select_failed_checks(verdict, checks, everything=verbose)
     ]
     if verbose:
         return [
             *head,
             *body,
-            *asked,
+            *requested,
             *_lines(text.details, columns),
             *counted,
-            *(part for each in failed for part in each),
+            *(part for names in failed for part in names),
         ]
-    tail = counted + [part for each in failed for part in _shorten_check_lines(each, columns)]
-    left = max(lines - 1 - len(head) - len(tail), 0)
-    if len(body) > left:
-        body, whole = [*body[: max(left - 1, 0)], "  ..."], len(body)
+    tail = counted + [part for names in failed for part in _shorten_check_lines(names, columns)]
+    remaining = max(lines - 1 - len(head) - len(tail), 0)
+    if len(body) > remaining:
+        body, whole = [*body[: max(remaining - 1, 0)], "  ..."], len(body)
     else:
         whole = len(body)
     head += body
-    kept = [*head, *tail][: lines - 1]
-    cut = len(kept) < len(head) - len(body) + whole + sum(map(len, failed)) + len(counted)
-    kept[len(head) : len(head)] = asked
-    return [*kept, "  more with -v"] if cut or text.details else kept
+    retained = [*head, *tail][: lines - 1]
+    cut = len(retained) < len(head) - len(body) + whole + sum(map(len, failed)) + len(counted)
+    retained[len(head) : len(head)] = requested
+    return [*retained, "  more with -v"] if cut or text.details else retained
 
 
 def _lines(paragraphs: Sequence[str], columns: int) -> list[str]:
@@ -121,7 +121,7 @@ def wrap_line(line: str, *, hang: int | None = None, columns: int = COLUMNS) -> 
     if len(line) <= columns:
         return [line]
     if hang is None:
-        starts = [found.end() for found in re.finditer(r"(?:^|\S) {2,}(?=\S)", line)]
+        starts = [match.end() for match in re.finditer(r"(?:^|\S) {2,}(?=\S)", line)]
         hang = max((start for start in starts if start <= columns // 2), default=2)
     return textwrap.wrap(
         line,
@@ -147,7 +147,7 @@ def _select_failed_checks(
     if verdict is not None and not everything:
         return verdict.because
     grades = ("stop", "limit", "note") if everything else ("stop", "limit")
-    return [each for grade in grades for each in checks if each.failed and each.grade == grade]
+    return [check for grade in grades for check in checks if check.failed and check.grade == grade]
 
 
 def _check(check: Check, verdict: Verdict | None, style: Style, columns: int) -> list[str]:
@@ -156,9 +156,13 @@ def _check(check: Check, verdict: Verdict | None, style: Style, columns: int) ->
     above = (
         set()
         if verdict is None
-        else {decapitalise_sentence(one) for one in sentences(verdict.says)}
+        else {decapitalise_sentence(sentence) for sentence in sentences(verdict.says)}
     )
-    new = [one for one in sentences(check.told) if decapitalise_sentence(one) not in above]
+    new = [
+        sentence
+        for sentence in sentences(check.told)
+        if decapitalise_sentence(sentence) not in above
+    ]
     if decapitalise_sentence(sentences(check.told)[0]) in above:
         says = says.replace(check.told, " ".join(["(see line 1)", *new]))
     first, *others = _format_marked_sentence(
@@ -172,16 +176,22 @@ def _check(check: Check, verdict: Verdict | None, style: Style, columns: int) ->
 
 def _shorten_check_lines(check: list[str], columns: int) -> list[str]:
     """Return a check's first lines, and a sign where there are more."""
-    kept = check[:CHECK_LINES]
-    return kept if len(check) == len(kept) else [*kept[:-1], f"{kept[-1][: columns - 4]} ..."]
+    retained = check[:CHECK_LINES]
+    return (
+        retained
+        if len(check) == len(retained)
+        else [*retained[:-1], f"{retained[-1][: columns - 4]} ..."]
+    )
 
 
 def _format_check_counts(checks: Sequence[Check]) -> str:
     """Return how many checks passed, failed, are a note, and have nothing to judge."""
     each_once = dict.fromkeys(checks)  # several tests may give one and the same answer
-    states = ["note" if one.failed and one.grade == "note" else one.passed for one in each_once]
+    states = [
+        "note" if check.failed and check.grade == "note" else check.passed for check in each_once
+    ]
     words = ((True, "passed"), (False, "failed"), ("note", "note"), (None, "not applicable"))
-    each = [(states.count(state), word) for state, word in words]
+    group = [(states.count(state), word) for state, word in words]
     return ", ".join(
-        f"{count} {word}{'s' * (word == 'note' and count > 1)}" for count, word in each if count
+        f"{count} {word}{'s' * (word == 'note' and count > 1)}" for count, word in group if count
     )

@@ -70,13 +70,13 @@ def seals_counted(seals: float) -> Finding:
 
 @criterion("distance from the band, a factor", "<=", 1.0, "the band of the fit", grade="note")
 def base_band_informed(
-    asked: tuple[float, float], peak: float, band: tuple[float, float]
+    requested: tuple[float, float], peak: float, band: tuple[float, float]
 ) -> Finding:
     """All that is asked of a base that moves lies where a test informs the solid.
 
     Below a quarter of the `peak`, Hz, the mass follows its base whatever carries it.
     """
-    low, high = max(asked[0], min(peak / 4, asked[1])), asked[1]
+    low, high = max(requested[0], min(peak / 4, requested[1])), requested[1]
     factor = max(high / band[1], band[0] / low) if band[1] > 0 else math.inf
     says = f"From {low:.3g} to {high:.3g} Hz the transmissibility"
     return Finding(
@@ -89,18 +89,18 @@ def base_band_informed(
 
 
 @criterion("ratio of damping ratios", "x/", 1.1, "10 % of damping; and 1 % of frequency")
-def families_predict_alike(own: Mode | None, other: Mode | None) -> Finding:
+def families_predict_alike(mode: Mode | None, other: Mode | None) -> Finding:
     """Another family of solids that explains the test predicts the same resonance.
 
-    `own` and `other` are the first modes of the mass on either solid.
+    `mode` and `other` are the first modes of the mass on either solid.
     """
-    if own is None or other is None or not own.damping_ratio > 0:
+    if mode is None or other is None or not mode.damping_ratio > 0:
         return Finding("No other family of models that explains the test predicts a resonance")
-    ratio, shift = other.damping_ratio / own.damping_ratio, other.frequency / own.frequency - 1
+    ratio, shift = other.damping_ratio / mode.damping_ratio, other.frequency / mode.frequency - 1
     return Finding(
         f"Another model that explains the test resonates at {other.frequency:.4g} Hz with a "
         f"damping ratio of {100 * other.damping_ratio:.3g} %. This one does at "
-        f"{own.frequency:.4g} Hz with {100 * own.damping_ratio:.3g} %",
+        f"{mode.frequency:.4g} Hz with {100 * mode.damping_ratio:.3g} %",
         ratio,
         "The test cannot separate the two",
         "Add a hammer test or a colder test, or ramp faster.",
@@ -208,13 +208,13 @@ def files_listed(added: Sequence[str]) -> Finding:
 
 
 @criterion("files", "<=", 0, "a note: they hold nothing that was finished", grade="note")
-def nothing_half_written(left: Sequence[str]) -> Finding:
+def nothing_half_written(remaining: Sequence[str]) -> Finding:
     """Runs that were killed left no half-written file."""
-    more = "" if len(left) <= LISTED else f" and {len(left) - LISTED} more"
+    more = "" if len(remaining) <= LISTED else f" and {len(remaining) - LISTED} more"
     return Finding(
         "Runs that were killed left no half-written file",
-        len(left),
-        instead=f"Runs that were killed left {', '.join(left[:LISTED])}{more}",
+        len(remaining),
+        instead=f"Runs that were killed left {', '.join(remaining[:LISTED])}{more}",
         remedy=Remedy("Clear them.", "overwrite"),
     )
 

@@ -24,9 +24,9 @@ def line(command: str, job: Job | LevelJob | ModesJob) -> str:
     """
     files: list[str] = []
     named = with_paths(job, lambda path: Path(path).name)
-    records = [one for one in fields(named) if "argument" in one.metadata]
-    for one in sorted(records, key=lambda one: int(one.metadata["argument"])):
-        value = getattr(named, one.name)
+    records = [field for field in fields(named) if "argument" in field.metadata]
+    for record in sorted(records, key=lambda field: int(field.metadata["argument"])):
+        value = getattr(named, record.name)
         files += [value] if isinstance(value, str) else value
     if isinstance(named, Job):
         named = replace(named, reading=_merge_read_options(named), reading_impact=ReadOptions())
@@ -38,9 +38,9 @@ def predict_command(job: Job, frf: FRF, fit: str = FIT) -> str:
 
     It gives the lines of `frf`, a transmissibility, evenly spaced.
     """
-    asked = replace(job, band=(float(frf.frequency[0]), float(frf.frequency[-1])))
-    said = words_of(asked, "mass", "seal_mass", "seals", "compression", "band")
-    return shlex.join(["dashpot", "predict", fit, *said, "--base"])
+    requested_job = replace(job, band=(float(frf.frequency[0]), float(frf.frequency[-1])))
+    words = words_of(requested_job, "mass", "seal_mass", "seals", "compression", "band")
+    return shlex.join(["dashpot", "predict", fit, *words, "--base"])
 
 
 def _merge_read_options(job: Job) -> ReadOptions:
@@ -53,9 +53,9 @@ def _merge_read_options(job: Job) -> ReadOptions:
     bench, hammer = job.reading, job.reading_impact
     shared = ("units",) if bench.units == hammer.units else ()
     sides = ((job.relaxation, *job.further), bench), (job.impact, hammer)
-    own = [
-        (escape(path), replace(said, own=()).without(shared))
-        for paths, said in sides
+    pairs = [
+        (escape(path), replace(options, own=()).without(shared))
+        for paths, options in sides
         for path in dict.fromkeys(paths)
     ]
-    return replace(bench.only(shared), own=(*own, *bench.own, *hammer.own))
+    return replace(bench.only(shared), own=(*pairs, *bench.own, *hammer.own))

@@ -24,7 +24,7 @@ class UnitFrame(NamedTuple):
     units: dict[str, str]
 
 
-def to_pandas(noun: object) -> Any:
+def to_pandas(result: object) -> Any:
     """Return a noun as a :class:`pandas.DataFrame`, its units in ``attrs["units"]``.
 
     Raises
@@ -32,14 +32,14 @@ def to_pandas(noun: object) -> Any:
     DataError
         If pandas is not installed.
     """
-    made = frame(noun)
+    made = frame(result)
     index, *_ = made.columns
     table = library("pandas").DataFrame(made.columns).set_index(index)
     table.attrs["units"] = made.units
     return table
 
 
-def to_xarray(noun: object) -> Any:
+def to_xarray(result: object) -> Any:
     """Return a noun as an :class:`xarray.Dataset` over its index, each variable with its unit.
 
     Raises
@@ -47,7 +47,7 @@ def to_xarray(noun: object) -> Any:
     DataError
         If xarray is not installed.
     """
-    xarray, made = library("xarray"), frame(noun)
+    xarray, made = library("xarray"), frame(result)
     index, *others = made.columns
 
     def variable(name: str) -> Any:
@@ -67,36 +67,36 @@ def library(name: str) -> Any:
 
 
 @singledispatch
-def frame(noun: object) -> UnitFrame:
+def frame(result: object) -> UnitFrame:
     """Return the numbers of a noun as columns: its own series, or the facts of a result."""
-    if isinstance(noun, HasSummary) and noun.series:
-        return _frame(**noun.series)
-    if isinstance(noun, HasVerdict | HasReportedValues) and noun.facts:
-        return _build_facts_frame(noun.facts)
-    raise DataError(f"a {type(noun).__name__} is no table")
+    if isinstance(result, HasSummary) and result.series:
+        return _frame(**result.series)
+    if isinstance(result, HasVerdict | HasReportedValues) and result.facts:
+        return _build_facts_frame(result.facts)
+    raise DataError(f"a {type(result).__name__} is no table")
 
 
 def _frame(**columns: tuple[Any, str]) -> UnitFrame:
     """Return a frame of columns that are there, each given with its unit."""
-    known = {name: pair for name, pair in columns.items() if pair[0] is not None}
+    entries = {name: pair for name, pair in columns.items() if pair[0] is not None}
     return UnitFrame(
-        {name: values for name, (values, _) in known.items()},
-        {name: unit for name, (_, unit) in known.items()},
+        {name: values for name, (values, _) in entries.items()},
+        {name: unit for name, (_, unit) in entries.items()},
     )
 
 
 @frame.register
 def _(noun: Fit) -> UnitFrame:
     """Its facts, but for the dashpots that follow of k and tau."""
-    return _build_facts_frame([one for one in noun.facts if not one.name.startswith("b")])
+    return _build_facts_frame([fact for fact in noun.facts if not fact.name.startswith("b")])
 
 
 def _build_facts_frame(rows: Sequence[ReportedValue]) -> UnitFrame:
     """One row for each, with its standard error and 95 % interval."""
     return _frame(
-        parameter=([one.name for one in rows], ""), value=(_column(rows, "value"), ""),
+        parameter=([row.name for row in rows], ""), value=(_column(rows, "value"), ""),
         standard_error=(_column(rows, "error"), ""), low=(_column(rows, "low"), ""),
-        high=(_column(rows, "high"), ""), unit=([one.unit for one in rows], ""),
+        high=(_column(rows, "high"), ""), unit=([row.unit for row in rows], ""),
     )  # fmt: skip
 
 
@@ -107,4 +107,4 @@ def _(noun: Study) -> UnitFrame:
 
 
 def _column(rows: Sequence[ReportedValue], name: str) -> FloatArray:
-    return np.array([getattr(one, name) for one in rows], dtype=float)
+    return np.array([getattr(row, name) for row in rows], dtype=float)

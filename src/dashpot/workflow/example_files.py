@@ -49,27 +49,27 @@ def _seal(
     climate = None if celsius is None else Climate(celsius + 273.15)
 
     def simulate_test_file() -> str:
-        found = simulate_relaxation(
+        relaxation = simulate_relaxation(
             BROAD, depth=depth, hold_time=hold, rig=rig, seed=seed, climate=climate
         )
-        return write_relaxation(found.test, comments=stamp(found.truth)[:1])
+        return write_relaxation(relaxation.test, comments=stamp(relaxation.truth)[:1])
 
     return simulate_test_file
 
 
 def _simulate_clipped_test() -> str:
     """A load cell whose range ends at three quarters of the force."""
-    found = simulate_relaxation(BROAD, rig=_RIG, seed=7)
-    most = 0.75 * float(found.test.force.max())
-    spoilt = replace(found.test, force=np.minimum(found.test.force, most))
+    relaxation = simulate_relaxation(BROAD, rig=_RIG, seed=7)
+    most = 0.75 * float(relaxation.test.force.max())
+    spoilt = replace(relaxation.test, force=np.minimum(relaxation.test.force, most))
     return write_relaxation(
-        spoilt, comments=(*stamp(found.truth)[:1], "spoilt: the load cell clips")
+        spoilt, comments=(*stamp(relaxation.truth)[:1], "spoilt: the load cell clips")
     )
 
 
 def _hammer() -> str:
-    found = simulate_impact(BROAD, mass=MASS, seals=2, hits=5, rig=_HAMMER, seed=1)
-    return write_impact(found.test, comments=stamp(found.truth)[:1])
+    impact = simulate_impact(BROAD, mass=MASS, seals=2, hits=5, rig=_HAMMER, seed=1)
+    return write_impact(impact.test, comments=stamp(impact.truth)[:1])
 
 
 def _sweep() -> str:
@@ -316,22 +316,22 @@ _DOOR = {
 FILES: Mapping[str, Example] = MappingProxyType({
     **_BENCH,
     **{
-        name: one
+        name: item
         for kind in KINDS.values()
         if kind.examples
-        for name, one in load_object(kind.examples).items()
+        for name, item in load_object(kind.examples).items()
     },
     **_DOOR,
 })  # fmt: skip
 """Every example file: those of a bench and a hammer, of the kinds that have a room, of a door."""
 
-CAPTIONS: Mapping[str, str] = MappingProxyType({name: one.caption for name, one in FILES.items()})
+CAPTIONS: Mapping[str, str] = MappingProxyType({name: file.caption for name, file in FILES.items()})
 """What every example file is."""
 
 FIRST = ("seal_8mm.csv", "hammer.csv")
 """The two files of the first seal."""
 
 EXAMPLES: Mapping[str, Callable[[], str]] = MappingProxyType(
-    {name: cache(one.write) for name, one in FILES.items()}
+    {name: cache(file.write) for name, file in FILES.items()}
 )
 """Every example file and what writes it: once, as it is the same every time."""

@@ -108,10 +108,12 @@ def fit_files(
         If a file cannot be read, prepared or fitted, or the choices exclude each other.
     """
     options = options or ReadOptions()
-    each = make_file_specimens(specimen, temperatures, len(files))
-    tests = [read_test(path, options, one) for path, one in zip(files, each, strict=True)]
-    said = BenchFitOptions(**asked, cycle=options.cycle, specimen=each[0])
-    return fit_records(tests, said, name=Path(files[0]).name)
+    specimens = make_file_specimens(specimen, temperatures, len(files))
+    tests = [
+        read_test(path, options, specimen) for path, specimen in zip(files, specimens, strict=True)
+    ]
+    fit_options = BenchFitOptions(**asked, cycle=options.cycle, specimen=specimens[0])
+    return fit_records(tests, fit_options, name=Path(files[0]).name)
 
 
 def fit_records(
@@ -123,23 +125,23 @@ def fit_records(
     the handler of these. `name`, of the first file, stands before what is wrong.
     """
     named = (find_handler("fit records", test) for test in tests)
-    fit_others = next((one for one in named if one is not None), None)
+    fit_others = next((item for item in named if item is not None), None)
     if fit_others is not None:
-        found: tuple[Fit, tuple[Record, ...]] = fit_others(tests, asked, name=name)
-        return found
+        result: tuple[Fit, tuple[Record, ...]] = fit_others(tests, asked, name=name)
+        return result
     prepared = prepare_ramps(tests, asked)
     return _fit_ramps(prepared, asked), prepared
 
 
 def prepare_ramps(
-    tests: Sequence[Any], asked: BenchFitOptions, *, among_others: bool = False
+    tests: Sequence[Any], result: BenchFitOptions, *, among_others: bool = False
 ) -> tuple[RampHold, ...]:
     """Prepare ramps and holds, those that are fitted with other tests with all their checks."""
     prepared = prepared_tests(
-        tests, filter=asked.filter, machine=asked.machine, cuts=asked.cuts, cycle=asked.cycle,
-        judged=asked.intervals or among_others, each_depth=asked.depth_law and not among_others,
+        tests, filter=result.filter, machine=result.machine, cuts=result.cuts, cycle=result.cycle,
+        checked=result.intervals or among_others, each_depth=result.depth_law and not among_others,
     )  # fmt: skip
-    require_test_for_machine(asked.machine, tests=len(prepared), add="a ramp and hold")
+    require_test_for_machine(result.machine, tests=len(prepared), add="a ramp and hold")
     return prepared
 
 
@@ -155,30 +157,30 @@ def read_test(
     ReadError
         If the file is of another kind, or leaves open which column is what or in which unit.
     """
-    found = recognise(path, options)
-    row = KINDS.get(found.kind, KINDS["relaxation"])
+    detection = recognise(path, options)
+    row = KINDS.get(detection.kind, KINDS["relaxation"])
     if row.fit != FIT_FILES:
         with add_name_to_errors(Path(path).name):
-            raise ReadError(other_kind(found.kind, found.reason, "a test of a bench is"))
+            raise ReadError(other_kind(detection.kind, detection.reason, "a test of a bench is"))
     test: Bench = load_object(row.reader)(path, options=options, specimen=specimen)
     return test
 
 
-def _fit_ramps(tests: tuple[RampHold, ...], asked: BenchFitOptions) -> Fit:
+def _fit_ramps(tests: tuple[RampHold, ...], options: BenchFitOptions) -> Fit:
     """Fit ramps and holds together, or, where a law of the depth is asked for, each by itself."""
-    if not asked.depth_law:
+    if not options.depth_law:
         return fit_relaxation(
             tests,
-            arms=asked.arms,
-            method=asked.method,
-            thorough=asked.thorough,
-            law=asked.law,
-            family=asked.family,
-            intervals=asked.intervals,
-            **shifted_ramps(asked.shifting),
+            arms=options.arms,
+            method=options.method,
+            thorough=options.thorough,
+            law=options.law,
+            family=options.family,
+            intervals=options.intervals,
+            **shifted_ramps(options.shifting),
         )
-    usual = asked.nothing_of("method", "law", "family")
-    if not usual or asked.thorough or asked.shifting != ShiftChoices():
+    usual = options.nothing_of("method", "law", "family")
+    if not usual or options.thorough or options.shifting != ShiftChoices():
         raise FitError(
             "a law of the depth is of arms of one temperature, found from ramps and holds with "
             "starts of its own: leave out --method, --elastic, --model, --thorough, --reference, "
@@ -186,7 +188,7 @@ def _fit_ramps(tests: tuple[RampHold, ...], asked: BenchFitOptions) -> Fit:
         )
     from dashpot.fitting.depth_dependence import fit_depths
 
-    return fit_depths(tests, arms=asked.arms).fit
+    return fit_depths(tests, arms=options.arms).fit
 
 
 def fit_fixed_order(test: RampHold, arms: int, *, method: Method = "full") -> Fit:

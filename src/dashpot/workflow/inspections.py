@@ -55,7 +55,7 @@ class InspectedFile(Inspection, Serialisable):
         Why a relaxation test cannot be prepared.
     """
 
-    keys = (*(one.name for one in fields(Inspection)), "preparation=account?")
+    keys = (*(field.name for field in fields(Inspection)), "preparation=account?")
 
     preparation: Preparation | None = None
     refusal: str = ""
@@ -78,7 +78,7 @@ class Inspections(Serialisable):
     def checks(self) -> tuple[Check, ...]:
         """What preparation noticed."""
         return tuple(
-            check for one in self.files if one.preparation for check in one.preparation.checks
+            check for file in self.files if file.preparation for check in file.preparation.checks
         )
 
 
@@ -115,20 +115,22 @@ def _inspect_path(
         return _build_inspected_file(inspect_other_path(path, bare))
     file = read_once(bare)
     with add_name_to_errors(file.raw.name):
-        found = inspect_opened(file)
-    if found.questions:
-        return _build_inspected_file(found)
-    if found.kind != "relaxation":
-        return _build_inspected_file(_with_cautions(found, _read_by_kind(path, file, found.kind)))
+        inspection = inspect_opened(file)
+    if inspection.questions:
+        return _build_inspected_file(inspection)
+    if inspection.kind != "relaxation":
+        return _build_inspected_file(
+            _with_cautions(inspection, _read_by_kind(path, file, inspection.kind))
+        )
     try:
         with add_name_to_errors(file.raw.name):
             record = read(file)
-        found = _with_cautions(found, record)
+        inspection = _with_cautions(inspection, record)
         test = prepared(record, options)
     except DashpotError as error:
-        return _build_inspected_file(found, refusal=str(error))
-    ready = Preparation(**{one.name: getattr(test, one.name) for one in fields(Preparation)})
-    return _build_inspected_file(found, preparation=ready)
+        return _build_inspected_file(inspection, refusal=str(error))
+    ready = Preparation(**{field.name: getattr(test, field.name) for field in fields(Preparation)})
+    return _build_inspected_file(inspection, preparation=ready)
 
 
 def _read_by_kind(path: str | Path, file: OpenedFile, kind: str) -> object:
@@ -137,8 +139,11 @@ def _read_by_kind(path: str | Path, file: OpenedFile, kind: str) -> object:
     if row is None or not row.reader or str(path) == "-":
         return None
     reader = load_object(row.reader)
-    asked = signature(reader).parameters
-    if "options" not in asked or sum(one.default is one.empty for one in asked.values()) > 1:
+    parameters = signature(reader).parameters
+    if (
+        "options" not in parameters
+        or sum(parameter.default is parameter.empty for parameter in parameters.values()) > 1
+    ):
         return None  # it must be told more
     cache_open_file(path, file)
     try:
@@ -149,21 +154,27 @@ def _read_by_kind(path: str | Path, file: OpenedFile, kind: str) -> object:
         pop_cached_file(path, file.options)
 
 
-def _with_cautions(found: Inspection, record: object) -> Inspection:
+def _with_cautions(inspection: Inspection, record: object) -> Inspection:
     """The inspection, with what the reader of its kind noticed that can change a number."""
     source = getattr(record, "source", None)
     sources = source if isinstance(source, tuple) else () if source is None else (source,)
-    noted = dict.fromkeys(note for one in sources for note in one.cautions)
-    known = "\n".join(found.warnings)
-    more = tuple(note for note in noted if note not in known)
+    noted = dict.fromkeys(note for source in sources for note in source.cautions)
+    text = "\n".join(inspection.warnings)
+    more = tuple(note for note in noted if note not in text)
     if not more:
-        return found
-    told = replace(found, warnings=(*found.warnings, *more))
-    vars(told).update({name: each for name, each in vars(found).items() if name not in vars(told)})
-    return told
+        return inspection
+    final_inspection = replace(inspection, warnings=(*inspection.warnings, *more))
+    vars(final_inspection).update(
+        {name: var for name, var in vars(inspection).items() if name not in vars(final_inspection)}
+    )
+    return final_inspection
 
 
-def _build_inspected_file(found: Inspection, **more: Any) -> InspectedFile:
-    made = InspectedFile(**{one.name: getattr(found, one.name) for one in fields(found)}, **more)
-    vars(made).update({name: kept for name, kept in vars(found).items() if name not in vars(made)})
+def _build_inspected_file(inspection: Inspection, **more: Any) -> InspectedFile:
+    made = InspectedFile(
+        **{field.name: getattr(inspection, field.name) for field in fields(inspection)}, **more
+    )
+    vars(made).update(
+        {name: var for name, var in vars(inspection).items() if name not in vars(made)}
+    )
     return made  # with the course of its columns, which is drawn and no field

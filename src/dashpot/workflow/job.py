@@ -364,17 +364,19 @@ class RodChoices:
 
 def deciding(job: Job, *what: str) -> Job:
     """Return what of a job decides its ``"test"`` as prepared, or the ``"fit"`` of that."""
-    said = [one.name for one in fields(job) if one.metadata.get("decides") in what]
-    return Job(**{name: getattr(job, name) for name in said})
+    sentences = [field.name for field in fields(job) if field.metadata.get("decides") in what]
+    return Job(**{name: getattr(job, name) for name in sentences})
 
 
-def with_paths(job: J, found: Callable[[str], str]) -> J:
+def with_paths(job: J, function: Callable[[str], str]) -> J:
     """Return a job with every path in it replaced: those of its parts, then its own."""
     changed: dict[str, Any] = {}
-    for one in sorted(fields(job), key=lambda one: "part" not in one.metadata):
-        value = getattr(job, one.name)
-        if "part" in one.metadata:
-            changed[one.name] = with_paths(value, found)
-        elif is_path_field(one) and value:
-            changed[one.name] = found(value) if isinstance(value, str) else (*map(found, value),)
+    for attribute in sorted(fields(job), key=lambda field: "part" not in field.metadata):
+        value = getattr(job, attribute.name)
+        if "part" in attribute.metadata:
+            changed[attribute.name] = with_paths(value, function)
+        elif is_path_field(attribute) and value:
+            changed[attribute.name] = (
+                function(value) if isinstance(value, str) else (*map(function, value),)
+            )
     return replace(job, **changed)

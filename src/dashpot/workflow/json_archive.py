@@ -42,8 +42,8 @@ from dashpot.workflow.study import Study
 from dashpot.workflow.vibration.impact_tests import ImpactResult
 
 _OF_THE_JOB: dict[str, type[Serialisable]] = {
-    noun.schema: noun
-    for noun in (
+    cls.schema: cls
+    for cls in (
         GeneralizedMaxwell, FractionalZener, Parallel, Fit, ImpactResult, Inspections, Comparison,
         Plan, Job, Study,
     )
@@ -53,12 +53,14 @@ _OF_THE_JOB: dict[str, type[Serialisable]] = {
 @cache
 def schemas() -> dict[str, type[Serialisable]]:
     """What each versioned schema name holds, those of every kind included, which it loads."""
-    of_kinds = (load_object(noun) for kind in KINDS.values() for noun in kind.nouns)
-    kept = (
-        one for one in of_kinds if issubclass(one, Serialisable) and one.schema and one.read_back
+    of_kinds = (load_object(name) for kind in KINDS.values() for name in kind.nouns)
+    retained = (
+        kind
+        for kind in of_kinds
+        if issubclass(kind, Serialisable) and kind.schema and kind.read_back
     )
     others = {name: find_handler("document", name) for name in list_names("document")}
-    return {**_OF_THE_JOB, **others, **{noun.schema: noun for noun in kept}}
+    return {**_OF_THE_JOB, **others, **{item.schema: item for item in retained}}
 
 
 def _find_schema_class(name: str) -> type[Serialisable] | None:
@@ -76,14 +78,16 @@ def to_json(noun: object, *, indent: int | None = 2) -> str:
     return json.dumps(to_document(noun), indent=indent, ensure_ascii=False, allow_nan=False)
 
 
-def to_document(noun: object) -> dict[str, Any]:
+def to_document(result: object) -> dict[str, Any]:
     """Return what :func:`to_json` writes, as plain dictionaries, lists, strings and numbers."""
-    if not isinstance(noun, Serialisable) or _find_schema_class(noun.schema) is not type(noun):
+    if not isinstance(result, Serialisable) or _find_schema_class(result.schema) is not type(
+        result
+    ):
         raise DataError(
-            f"a {type(noun).__name__} has no archive form; expected one of "
+            f"a {type(result).__name__} has no archive form; expected one of "
             f"{', '.join(sorted(kind.__name__ for kind in schemas().values()))}"
         )
-    return noun.document
+    return result.document
 
 
 def from_json(text: str | bytes) -> Any:
@@ -97,15 +101,15 @@ def from_json(text: str | bytes) -> Any:
     """
     import msgspec
 
-    kind, found = _parse_document(text)
+    kind, entries = _parse_document(text)
     name = kind.schema
     try:
         with np.errstate(divide="raise", over="raise", invalid="raise"):
-            noun = _convert_to_class(kind, _map_to_fields(kind, found))
-            unknown = find_unknown_keys(found, to_document(noun))
-            changed = has_edited_fit(found)
+            result = _convert_to_class(kind, _map_to_fields(kind, entries))
+            unknown = find_unknown_keys(entries, to_document(result))
+            changed = has_edited_fit(entries)
     except (*_WRONG, msgspec.ValidationError) as error:
-        raise ReadError(f"the {name} document is not valid: {_because(error, found)}") from None
+        raise ReadError(f"the {name} document is not valid: {_because(error, entries)}") from None
     if unknown:
         raise ReadError(f"the {name} document is not valid: {unknown}")
     if changed:
@@ -113,19 +117,19 @@ def from_json(text: str | bytes) -> Any:
             "the fit in this document is not the one that dashpot wrote: something in it was "
             'changed by hand; fit again, or take "digest" out of it if the change is meant'
         )
-    return noun
+    return result
 
 
 _WRONG = (KeyError, TypeError, ValueError, ArithmeticError, AttributeError)
 """What a value of the wrong kind raises where a noun is made of it, beside msgspec's own."""
 
 
-def _because(error: Exception, found: dict[str, Any]) -> str:
+def _because(error: Exception, entries: dict[str, Any]) -> str:
     """Why a document does not make its noun, in words."""
     import msgspec
 
     if isinstance(error, TypeError | msgspec.ValidationError):
-        return find_mistyped_number(found) or str(error)
+        return find_mistyped_number(entries) or str(error)
     if isinstance(error, AttributeError):
         return "a part has the wrong type"
     return f"{error} is missing" if isinstance(error, KeyError) else str(error)
@@ -136,17 +140,17 @@ def _parse_document(text: str | bytes) -> tuple[type[Serialisable], dict[str, An
     import json
 
     try:
-        found = json.loads(text, object_pairs_hook=require_unique_keys)
+        data = json.loads(text, object_pairs_hook=require_unique_keys)
     except (ValueError, RecursionError) as error:
         raise ReadError(f"this is not a JSON document: {error}") from None
-    name = found.get("schema") if isinstance(found, dict) else None
+    name = data.get("schema") if isinstance(data, dict) else None
     kind = _find_schema_class(name) if isinstance(name, str) else None
     if kind is None:
         raise ReadError(
             f'the document\'s "schema" is {name!r}; this version of dashpot reads '
             f"{', '.join(sorted(schemas()))}"
         )
-    return kind, found
+    return kind, data
 
 
 # -- plain values to nouns -----------------------------------------------------------------------
@@ -160,22 +164,22 @@ def _map_to_fields(kind: Any, value: Any) -> Any:
         return value
     kinds = get_args(kind) if get_origin(kind) in {Union, UnionType} else (kind,)
     if isinstance(value, list):
-        of = next((get_args(one) for one in kinds if get_origin(one) is tuple), (Any, ...))
-        each = of[:1] * len(value) if ... in of else of
-        return [_map_to_fields(*pair) for pair in zip_longest(each, value)][: len(value)]
-    noun = _find_value_class(kinds, value)
-    if noun is None:
+        of = next((get_args(kind) for kind in kinds if get_origin(kind) is tuple), (Any, ...))
+        group = of[:1] * len(value) if ... in of else of
+        return [_map_to_fields(*pair) for pair in zip_longest(group, value)][: len(value)]
+    cls = _find_value_class(kinds, value)
+    if cls is None:
         return {key: _map_to_fields(Any, item) for key, item in value.items()}
-    hints, found = _hints(noun), decode_fields(noun, _find_completion(noun)(value))
-    laid = {name: _map_to_fields(hints[name], item) for name, item in found.items()}
+    hints, entries = _hints(cls), decode_fields(cls, _find_completion(cls)(value))
+    layout = {name: _map_to_fields(hints[name], item) for name, item in entries.items()}
     # the decoder knows no noun of which there are several kinds
-    return _convert_to_class(noun, laid) if _CHOSEN.keys() & kinds else laid
+    return _convert_to_class(cls, layout) if _CHOSEN.keys() & kinds else layout
 
 
-def _convert_to_class(noun: type, laid: dict[str, Any]) -> Any:
+def _convert_to_class(cls: type, layout: dict[str, Any]) -> Any:
     import msgspec
 
-    return msgspec.convert(laid, type=noun, dec_hook=_decode_value)
+    return msgspec.convert(layout, type=cls, dec_hook=_decode_value)
 
 
 def _decode_value(kind: type, value: Any) -> Any:
@@ -201,36 +205,36 @@ def _find_value_class(kinds: Sequence[Any], value: dict[str, Any]) -> type | Non
 
 
 @cache
-def _find_completion(noun: type) -> Callable[[dict[str, Any]], dict[str, Any]]:
+def _find_completion(cls: type) -> Callable[[dict[str, Any]], dict[str, Any]]:
     """Return what adds to the values of a document what its keys leave out."""
-    other = find_handler("read document", getattr(noun, "schema", ""))
-    return _FILLED.get(noun) or other or dict
+    other = find_handler("read document", getattr(cls, "schema", ""))
+    return _FILLED.get(cls) or other or dict
 
 
 @cache
-def _hints(noun: type) -> dict[str, Any]:
-    return get_type_hints(noun)
+def _hints(cls: type) -> dict[str, Any]:
+    return get_type_hints(cls)
 
 
 _LAWS: dict[str, type] = {"wlf": WLF, "arrhenius": Arrhenius, "free": FreeShifts}
 
 
-def _law_of(found: dict[str, Any]) -> type:
-    if found["kind"] not in _LAWS:
-        raise ValueError(f"law {found['kind']!r} is none of {', '.join(_LAWS)}")
-    return _LAWS[found["kind"]]
+def _law_of(entries: dict[str, Any]) -> type:
+    if entries["kind"] not in _LAWS:
+        raise ValueError(f"law {entries['kind']!r} is none of {', '.join(_LAWS)}")
+    return _LAWS[entries["kind"]]
 
 
-def _solid_of(found: dict[str, Any]) -> type:
-    if found.get("schema") == Parallel.schema:
+def _solid_of(entries: dict[str, Any]) -> type:
+    if entries.get("schema") == Parallel.schema:
         return Parallel
-    return FractionalZener if "alpha" in found else GeneralizedMaxwell
+    return FractionalZener if "alpha" in entries else GeneralizedMaxwell
 
 
 _CHOSEN: dict[type, Callable[[dict[str, Any]], type]] = {
     Solid: _solid_of,
     TemperatureLaw: _law_of,
-    RateIndependent: lambda found: Cubic if "k3" in found else Jenkins,
+    RateIndependent: lambda entries: Cubic if "k3" in entries else Jenkins,
 }
 """Nouns of which there are several kinds, and which of them an object of a document is."""
 
@@ -238,42 +242,42 @@ _CHOSEN: dict[type, Callable[[dict[str, Any]], type]] = {
 # -- what the bare contract leaves out, and what no key says -------------------------------------
 
 
-def _model(found: dict[str, Any]) -> dict[str, Any]:
+def _model(entries: dict[str, Any]) -> dict[str, Any]:
     """The fields of a model from its list of arms."""
-    if "arms" not in found:
+    if "arms" not in entries:
         raise ValueError('a model has no "arms"; that of a spring alone is []')
-    rest = {name: found[name] for name in ("k_inf", "b") if name in found}
-    return rest | {name: [arm[name] for arm in found["arms"]] for name in ("k", "tau")}
+    rest = {name: entries[name] for name in ("k_inf", "b") if name in entries}
+    return rest | {name: [arm[name] for arm in entries["arms"]] for name in ("k", "tau")}
 
 
-def _fit(found: dict[str, Any]) -> dict[str, Any]:
+def _fit(entries: dict[str, Any]) -> dict[str, Any]:
     names = {status.name.lower(): status.value for status in Status}
-    status = found.get("status", "converged")
+    status = entries.get("status", "converged")
     if status not in names:
         raise ValueError(f"status {status!r} is none of {', '.join(names)}")
-    own, model = found.get("solid", {}), found["model"]
+    value, model = entries.get("solid", {}), entries["model"]
     # a fit typed by hand may hold no more than a model: nothing else is then claimed
     nothing = {"n": 0, "sse": 0.0, "rms": 0.0}
-    defaults = {"method": "full", "band_hz": [0.0, 0.0], **_diagonal_covariance(found)}
+    defaults = {"method": "full", "band_hz": [0.0, 0.0], **_diagonal_covariance(entries)}
     return (
         defaults
-        | found
+        | entries
         | {
             "status": names[status],
-            "solid": own if own.get("family") == "fractional" else model,
-            "residual": nothing | found.get("residual", nothing),
+            "solid": value if value.get("family") == "fractional" else model,
+            "residual": nothing | entries.get("residual", nothing),
             # the bare contract lists neither a candidate's significance nor its solid
-            "orders": [order for order in found.get("orders", []) if "model" in order],
+            "orders": [order for order in entries.get("orders", []) if "model" in order],
         }
     )
 
 
-def _diagonal_covariance(found: dict[str, Any]) -> dict[str, Any]:
+def _diagonal_covariance(entries: dict[str, Any]) -> dict[str, Any]:
     """Return the covariance that bare standard errors stand for: uncorrelated, normal."""
-    errors = found.get("standard_error")
+    errors = entries.get("standard_error")
     if not errors:
         return {"parameters": [], "covariance": [], "dof": 0.0}
-    taus, arms = _model(found["model"])["tau"], errors["arms"]
+    taus, arms = _model(entries["model"])["tau"], errors["arms"]
     k, tau = (
         [*(arm[name] for arm in arms), *(None for _ in taus)][: len(taus)] for name in ("k", "tau")
     )
@@ -294,35 +298,35 @@ def _square(error: float | None) -> float:
     return np.inf if error is None else float(error) ** 2
 
 
-def _elastic(found: dict[str, Any]) -> dict[str, Any]:
+def _elastic(entries: dict[str, Any]) -> dict[str, Any]:
     """An elastic law, with the shape that a bare one leaves to its tangents."""
-    if "ratio" in found:
-        return found
-    tangent = np.asarray(found["tangent"], dtype=float)
-    stiffness = float(np.trapezoid(tangent, found["knots"]) / found["knots"][-1])
-    return found | {"stiffness": stiffness, "ratio": (tangent / stiffness).tolist()}
+    if "ratio" in entries:
+        return entries
+    tangent = np.asarray(entries["tangent"], dtype=float)
+    stiffness = float(np.trapezoid(tangent, entries["knots"]) / entries["knots"][-1])
+    return entries | {"stiffness": stiffness, "ratio": (tangent / stiffness).tolist()}
 
 
-def _convert_old_depth(found: dict[str, Any]) -> dict[str, Any]:
+def _convert_old_depth(entries: dict[str, Any]) -> dict[str, Any]:
     """The stiffnesses of one depth; an older document holds the standard error of k_inf."""
-    error = found.get("k_inf_se")
+    error = entries.get("k_inf_se")
     if error is None:
-        return found
-    return {"k_inf_most": found["k_inf"] + NORMAL * error} | found
+        return entries
+    return {"k_inf_most": entries["k_inf"] + NORMAL * error} | entries
 
 
-def _shifts(found: dict[str, Any]) -> dict[str, Any]:
+def _shifts(entries: dict[str, Any]) -> dict[str, Any]:
     """Shifts whose law has their reference; the bare contract holds the errors alone."""
-    count = 2 * len(found["shifts"])
-    law = {**found["law"], "reference": found["reference"]}
-    return {"covariance": np.zeros((count, count)).tolist(), **found, "law": law}
+    count = 2 * len(entries["shifts"])
+    law = {**entries["law"], "reference": entries["reference"]}
+    return {"covariance": np.zeros((count, count)).tolist(), **entries, "law": law}
 
 
-def _convert_old_inspection(found: dict[str, Any]) -> dict[str, Any]:
-    account = found.get("preparation", {})
+def _convert_old_inspection(entries: dict[str, Any]) -> dict[str, Any]:
+    account = entries.get("preparation", {})
     if "error" not in account:
-        return found
-    rest = {key: item for key, item in found.items() if key != "preparation"}
+        return entries
+    rest = {key: item for key, item in entries.items() if key != "preparation"}
     return rest | {"refusal": account["error"]}
 
 
@@ -333,7 +337,7 @@ _FILLED: dict[type, Callable[[dict[str, Any]], dict[str, Any]]] = {
     TemperatureShifts: _shifts,
     DepthStiffness: _convert_old_depth,
     # the bare contract does not say how long the seal was held
-    EndOfHold: lambda found: {"time": np.nan} | found,
+    EndOfHold: lambda entries: {"time": np.nan} | entries,
     InspectedFile: _convert_old_inspection,
 }
 """What is more of a noun than its keys turned back."""

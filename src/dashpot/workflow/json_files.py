@@ -52,18 +52,18 @@ def read_exported(path: str | Path) -> object:
     ReadError
         If it holds something else.
     """
-    found = read_json_document(path, hint=f"; expected {A_FIT}, or of FRFs at several levels")
-    return found if find_handler("export", found) else _a_fit(path, found)
+    document = read_json_document(path, hint=f"; expected {A_FIT}, or of FRFs at several levels")
+    return document if find_handler("export", document) else _a_fit(path, document)
 
 
-def _a_fit(path: str | Path, found: object) -> Fit:
-    if not isinstance(found, Fit):
-        raise ReadError(f"{format_unexpected_kind(path, found)}; expected {A_FIT}")
-    return found
+def _a_fit(path: str | Path, result: object) -> Fit:
+    if not isinstance(result, Fit):
+        raise ReadError(f"{format_unexpected_kind(path, result)}; expected {A_FIT}")
+    return result
 
 
-def format_unexpected_kind(path: str | Path, found: object) -> str:
+def format_unexpected_kind(path: str | Path, result: object) -> str:
     """Return what a document holds that is not what was wanted, and who wants it."""
-    kind = str(getattr(found, "schema", "")).partition("/")[2].partition("@")[0]
+    kind = str(getattr(result, "schema", "")).partition("/")[2].partition("@")[0]
     use = get_kind_command(kind)
     return f"{path} is {get_kind_label(kind)}{f' ({use})' if use else ''}"

@@ -25,12 +25,12 @@ def has_edited_fit(value: Any) -> bool:
 
 def require_unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     """Return a JSON object whose keys each stand once."""
-    found = dict(pairs)
-    if len(found) < len(pairs):
+    entries = dict(pairs)
+    if len(entries) < len(pairs):
         keys = [key for key, _ in pairs]
         twice = next(key for key in keys if keys.count(key) > 1)
         raise ValueError(f'the key "{twice}" stands twice in one object')
-    return found
+    return entries
 
 
 def parts_of(value: Any, where: str) -> dict[str, Any]:
@@ -51,20 +51,20 @@ def find_mistyped_number(value: Any, where: str = "$") -> str:
     return next(filter(None, (find_mistyped_number(item, place) for place, item in parts)), "")
 
 
-def find_unknown_keys(given: Any, known: Any, where: str = "$") -> str:
+def find_unknown_keys(value: Any, reference: Any, where: str = "$") -> str:
     """Say what a document holds that its noun, written again, does not; nothing if all is known."""
-    if isinstance(given, dict | list) and type(given) is not type(known):
-        found, expected = (_KINDS.get(type(one), "one value") for one in (given, known))
-        return f"{where} is {found}; expected {expected}"
-    if isinstance(given, dict):
-        unknown = sorted(given.keys() - known.keys())
+    if isinstance(value, dict | list) and type(value) is not type(reference):
+        text, expected = (_KINDS.get(type(item), "one value") for item in (value, reference))
+        return f"{where} is {text}; expected {expected}"
+    if isinstance(value, dict):
+        unknown = sorted(value.keys() - reference.keys())
         if unknown:
             return f'{where} has "{unknown[0]}", which this version of dashpot does not know'
     # the bare contract's orders are left out: then there is nothing to hold the items against
-    elif isinstance(given, list) and len(given) != len(known):
+    elif isinstance(value, list) and len(value) != len(reference):
         return ""
-    there = parts_of(known, where)
-    parts = parts_of(given, where).items()
+    there = parts_of(reference, where)
+    parts = parts_of(value, where).items()
     return next(
         filter(None, (find_unknown_keys(item, there[place], place) for place, item in parts)), ""
     )

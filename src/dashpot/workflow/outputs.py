@@ -65,9 +65,9 @@ class Outputs:
     def _refuse_input(self, path: Path) -> None:
         for other in self.inputs:
             if _same(path, Path(other)):
-                known = "" if str(path) == other else f" (it is {other})"
+                name = "" if str(path) == other else f" (it is {other})"
                 raise ExportError(
-                    f"{path} is a file that is read here{known} and is never written over; give "
+                    f"{path} is a file that is read here{name} and is never written over; give "
                     "the output another name"
                 )
 

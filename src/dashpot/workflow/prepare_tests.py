@@ -25,7 +25,7 @@ def prepared_tests(
     machine: Machine | None = None,
     cuts: Cuts | None = None,
     cycle: int | None = None,
-    judged: bool = True,
+    checked: bool = True,
     each_depth: bool = False,
 ) -> tuple[RampHold, ...]:
     """Prepare ramps and holds; what is prepared already stays as it is.
@@ -33,7 +33,7 @@ def prepared_tests(
     Parameters
     ----------
     tests : sequence of RelaxationTest or RampHold
-    filter, machine, cycle, judged
+    filter, machine, cycle, checked
         As :func:`~dashpot.preprocessing.prepare.prepare` takes them.
     cuts : Cuts, optional
         Of one test, by hand.
@@ -55,12 +55,14 @@ def prepared_tests(
             "a test that is prepared already is fitted as it is: say filter, machine and cuts "
             "in test.prepare(...)"
         )
-    how = {"filter": filter, "machine": machine, "cycle": cycle, "judged": judged, **asdict(cuts)}
+    how = {"filter": filter, "machine": machine, "cycle": cycle, "judged": checked, **asdict(cuts)}
     if each_depth and len(tests) == 1 and cycle is None and cuts == Cuts():
         (test,) = tests
         if isinstance(test, RelaxationTest):
-            return depths_of(test, filter=filter, machine=machine, judged=judged)
-    return tuple(one if isinstance(one, RampHold) else prepare(one, **how) for one in tests)
+            return depths_of(test, filter=filter, machine=machine, judged=checked)
+    return tuple(
+        record if isinstance(record, RampHold) else prepare(record, **how) for record in tests
+    )
 
 
 def prepared_files(
@@ -78,8 +80,8 @@ def prepared_files(
     :func:`prepared_tests` takes them.
     """
     tests = [
-        read_relaxation(path, options=options, specimen=one)
-        for path, one in zip(
+        read_relaxation(path, options=options, specimen=specimen)
+        for path, specimen in zip(
             files, make_file_specimens(None, temperatures, len(files)), strict=True
         )
     ]
@@ -87,32 +89,32 @@ def prepared_files(
     return prepared_tests(tests, filter=filter, machine=machine, cuts=cuts, cycle=cycle)
 
 
-def refuse_others(tests: Sequence[RampHold], found: Fit) -> None:
+def refuse_others(tests: Sequence[RampHold], fit: Fit) -> None:
     """Refuse records that a fit was not made from: their bounds would be of another seal.
 
     Raises
     ------
     DataError
     """
-    known = {source.sha256: source.file for source in found.source}
+    entries = {source.sha256: source.file for source in fit.source}
     for test in tests:
-        if known and test.source is not None and test.source.sha256 not in known:
+        if entries and test.source is not None and test.source.sha256 not in entries:
             raise DataError(
                 f"{test.source.file} is not what was fitted (its SHA-256 is another): the fit is "
-                f"of {', '.join(dict.fromkeys(known.values()))}; give that file by --record, or "
+                f"of {', '.join(dict.fromkeys(entries.values()))}; give that file by --record, or "
                 "fit "
                 "this one"
             )
 
 
-def fill_missing_temperatures(tests: Sequence[RampHold], found: Fit) -> tuple[RampHold, ...]:
+def fill_missing_temperatures(tests: Sequence[RampHold], fit: Fit) -> tuple[RampHold, ...]:
     """Return records that do not say their temperature with that under which they were fitted."""
-    step = next((step for step in reversed(found.steps) if step.name == "fit"), None)
-    told = dict(step.parameters).get("temperatures_K", "") if step is not None else ""
-    known = dict(zip((one.sha256 for one in found.source), told.split(", "), strict=False))
+    step = next((step for step in reversed(fit.steps) if step.name == "fit"), None)
+    text = dict(step.parameters).get("temperatures_K", "") if step is not None else ""
+    entries = dict(zip((source.sha256 for source in fit.source), text.split(", "), strict=False))
 
     def fill_temperature(test: RampHold) -> RampHold:
-        kelvin = known.get(test.source.sha256) if test.source is not None else None
+        kelvin = entries.get(test.source.sha256) if test.source is not None else None
         if not kelvin or test.specimen.temperature is not None:
             return test
         return replace(test, specimen=replace(test.specimen, temperature=float(kelvin)))

@@ -100,16 +100,16 @@ class Recommendation:
     one_seal: tuple[Answer, ...]
 
 
-def recommendation(study: Study, *, asked: bool = False) -> Recommendation:
+def recommendation(study: Study, *, requested: bool = False) -> Recommendation:
     """Return the solid to take, and what it says, each with its interval or bound.
 
     The joint fit where there is one and the verdict allows it; else that of the relaxation test.
-    Where the joint fit is what was `asked` for it is told, whether or not it is to be used.
+    Where the joint fit is what was `requested` for it is told, whether or not it is to be used.
     Ends of the joint fit are 95 % intervals of its parameters; those of the relaxation test are
     bounds over unresolved arms wherever they were computed.
     """
     usable = study.verdict.use != "do not use"
-    fitted = study.joint if usable or asked else None
+    fitted = study.joint if usable or requested else None
     solid = study.fit if fitted is None else fitted
     joint = fitted is not None
     point, resonance = _resonance(study, solid)
@@ -141,8 +141,8 @@ def _resonance(study: Study, solid: Fit) -> tuple[OperatingPoint | None, _Resona
     if mass is None:
         return None, None
     rests = study.at_rest
-    given = None if rests is None or not rests.point.given else rests.point.compression
-    point = operating_point(solid, mass=mass, seals=study.seals, compression=given)
+    compression = None if rests is None or not rests.point.given else rests.point.compression
+    point = operating_point(solid, mass=mass, seals=study.seals, compression=compression)
     seals = study.seals * solid.under_hammer * point.solid(solid)
     mode = next(iter(model_modes(seals, mass)), None)
     if mode is None:

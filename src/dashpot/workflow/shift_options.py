@@ -9,7 +9,7 @@ from dashpot.base.choices import ShiftLaw, VerticalAsked, get_choice_values
 from dashpot.base.errors import FitError
 from dashpot.base.option_fields import option
 
-_TYPED = {one.removesuffix("/T_r"): one for one in get_choice_values(VerticalAsked)}
+_TYPED = {value.removesuffix("/T_r"): value for value in get_choice_values(VerticalAsked)}
 """Shifts of the moduli, by the words that are typed."""
 
 

@@ -190,7 +190,7 @@ class Study(Plottable, Serialisable):
         A prediction from the relaxation test alone that misses the hammer is no fault of the
         joint fit, which is made to mend it.
         """
-        return verdict(self.weighed, sound=self._headline_text)
+        return verdict(self.weighed, headline=self._headline_text)
 
     @property
     def weighed(self) -> tuple[Check, ...]:
@@ -223,7 +223,7 @@ def characterise(
     test: RelaxationTest,
     measured: FRF | None = None,
     *,
-    further: Sequence[RelaxationTest] = (),
+    tests: Sequence[RelaxationTest] = (),
     impact: ImpactTest | None = None,
     mass: Quantity | None = None,
     seals: float = 1.0,
@@ -248,7 +248,7 @@ def characterise(
         One seal, ramp and hold.
     measured : FRF, optional
         Of a mass on the seals.
-    further : sequence of RelaxationTest
+    tests : sequence of RelaxationTest
         Of the same seal, to be fitted with `test`, such as a cold one.
     impact : ImpactTest, optional
         The hits behind `measured`, kept for the report.
@@ -279,7 +279,7 @@ def characterise(
     compression = convert_to_si(compression, "length")
     send_progress("fitting the relaxation test")
     every = prepared_tests(
-        (test, *further), filter=filter, machine=_on_bench(machine, measured), cuts=cuts,
+        (test, *tests), filter=filter, machine=_on_bench(machine, measured), cuts=cuts,
         cycle=cycle,
     )  # fmt: skip
     chosen = fit(every, arms=arms, method=method, law=law, family=family)
@@ -287,21 +287,21 @@ def characterise(
         chosen = chosen.at_temperature(impact_temperature)
     # what is shown is of the temperature of the solid
     first = of_solid(chosen, every)
-    test, prepared = (test, *further)[first], every[first]
-    given = mass
+    test, prepared = (test, *tests)[first], every[first]
+    value = mass
     if measured is not None:
         mass = weighed(chosen, measured, mass=mass, seals=seals, band=band, compression=compression)
-    felt, mended = _MassResponse(), _JointResults()
+    response, mended = _MassResponse(), _JointResults()
     if mass is not None:
         on = _MassSetup(mass, seals, band, compression)
-        felt = _predict_mass_response(chosen, every, measured, on)
+        response = _predict_mass_response(chosen, every, measured, on)
         if joint and measured is not None:
             send_progress("fitting relaxation and hammer together")
             usual = BenchFit(method, law)
             before, number = _before_hammer(chosen, every, arms, usual, impact_temperature)
             both = identify(
-                measured, tests=every, fit=before, mass=given, seals=seals, band=band, arms=number,
-                compression=felt.compression if given is None else compression,
+                measured, tests=every, fit=before, mass=value, seals=seals, band=band, arms=number,
+                compression=response.compression if value is None else compression,
                 family=family, rig=HammerRig().on(machine), bench=usual,
             )  # fmt: skip
             on = on._replace(mass=both.mass_found or mass, seals=seals * both.under_hammer)
@@ -318,18 +318,18 @@ def characterise(
         hold_fit=hold_fit,
         seals=seals,
         mass=mass,
-        mass_inferred=given is None and mass is not None,
+        mass_inferred=value is None and mass is not None,
         impact=impact,
         measured=measured,
         unseen=unseen_arm_band(chosen, every, STIFFNESS_LINES),
         parameters=parameter_band(chosen, STIFFNESS_LINES),
-        checks=(*checks, *felt.untested),
+        checks=(*checks, *response.untested),
         further=(*every[:first], *every[first + 1 :]),
-        prediction=felt.prediction,
-        comparison=felt.comparison,
-        at_rest=felt.at_rest,
-        frf_band=felt.frf_band,
-        direct=felt.direct,
+        prediction=response.prediction,
+        comparison=response.comparison,
+        at_rest=response.at_rest,
+        frf_band=response.frf_band,
+        direct=response.direct,
         **mended._asdict(),
     )
 
@@ -353,10 +353,10 @@ def _before_hammer(
     """
     if arms == "auto":
         return chosen, arms
-    own = fit(tests, **bench.choices)
+    local_fit = fit(tests, **bench.choices)
     if temperature is not None:
-        own = own.at_temperature(temperature)
-    return own, arms if arms >= own.model.arms else "auto"
+        local_fit = local_fit.at_temperature(temperature)
+    return local_fit, arms if arms >= local_fit.model.arms else "auto"
 
 
 class _MassSetup(NamedTuple):
@@ -437,9 +437,9 @@ def run(job: Job, *, read: Reader | None = None) -> Study:
     """
     files = job.relaxation, *job.further
     send_progress(f"reading {_format_file_names(files)}")
-    test, *further = (
-        (read or _read)(file, job.reading, one)
-        for file, one in zip(
+    test, *tests = (
+        (read or _read)(file, job.reading, specimen)
+        for file, specimen in zip(
             files, make_file_specimens(job.specimen, job.temperatures, len(files)), strict=True
         )
     )
@@ -454,7 +454,7 @@ def run(job: Job, *, read: Reader | None = None) -> Study:
     study = characterise(
         test,
         measured,
-        further=further,
+        tests=tests,
         impact=impact,
         mass=mass,
         seals=job.seals,
@@ -484,12 +484,12 @@ def _format_file_names(files: Sequence[str]) -> str:
 
 
 def _predict_and_compare(
-    found: Fit, measured: FRF | None, on: _MassSetup
+    fit: Fit, measured: FRF | None, on: _MassSetup
 ) -> tuple[FRF, Comparison | None]:
     """Return the FRF that a fit predicts, on the measured lines if there are any."""
     if measured is None:
-        return predict_frf(found, mass=on.mass, seals=on.seals, compression=on.compression), None
-    return compare_with_measured(found, measured, **on._asdict())
+        return predict_frf(fit, mass=on.mass, seals=on.seals, compression=on.compression), None
+    return compare_with_measured(fit, measured, **on._asdict())
 
 
 def _check_untested_prediction(

@@ -58,10 +58,10 @@ class FitRequest:
             If it is another.
         """
         named = self.said["model"] or usual
-        known = get_choice_values(choice)
-        if named not in known:
+        values = get_choice_values(choice)
+        if named not in values:
             raise click.UsageError(
-                f"--model: '{named}' is unknown. {format_suggestion(named, known)}"
+                f"--model: '{named}' is unknown. {format_suggestion(named, values)}"
             )
         return named
 
@@ -78,14 +78,14 @@ class FitRequest:
     @property
     def reading(self) -> ReadOptions:
         """What was said of the files."""
-        found: ReadOptions = self.said["options"]
-        return found
+        options: ReadOptions = self.said["options"]
+        return options
 
     @property
     def hammer(self) -> HammerChoices:
         """How hits are averaged."""
-        found: HammerChoices = self.said["hammer"]
-        return found
+        choices: HammerChoices = self.said["hammer"]
+        return choices
 
     @property
     def output(self) -> str | None:
@@ -103,8 +103,8 @@ class FitRequest:
             )
         from dataclasses import replace
 
-        said: Specimen = self.said["specimen"]
-        return replace(said, temperature=warmth[0]) if warmth else said
+        specimen: Specimen = self.said["specimen"]
+        return replace(specimen, temperature=warmth[0]) if warmth else specimen
 
     def refuse_polarity(self) -> None:
         """Refuse a sign of FRFs where none is heeded: a mass or a level does not depend on it.
@@ -131,8 +131,8 @@ class FitRequest:
         suffix = Path(self.output).suffix.lower()
         if suffix in (*suffixes, *PAGE) or not suffix:
             return suffix or suffixes[0]
-        known = " or ".join((*suffixes, PAGE[0]))
-        raise click.UsageError(f"-o {self.output}: {what} is written as {known}, not as {suffix}.")
+        text = " or ".join((*suffixes, PAGE[0]))
+        raise click.UsageError(f"-o {self.output}: {what} is written as {text}, not as {suffix}.")
 
     def draw(self, figure: Any) -> None:
         """Draw the figure that a function makes, if it was asked for."""
@@ -144,7 +144,7 @@ class FitRequest:
         """Whether the result goes to a page."""
         return bool(self.output) and str(self.output).lower().endswith(PAGE)
 
-    def keep(self, found: Any, **figures: Any) -> None:
+    def keep(self, result: Any, **figures: Any) -> None:
         """Write what is kept of a result, or its page, if it was asked for.
 
         `figures` are what the page may show beside the result's own, each made when it is needed.
@@ -152,18 +152,18 @@ class FitRequest:
         if not self.output:
             return
         if not self.page:
-            write(self.output, format_json(found.kept) + "\n")
+            write(self.output, format_json(result.kept) + "\n")
             return
         made = {name: make() for name, make in figures.items()}
-        write(self.output, workflow.html(found, **made))
+        write(self.output, workflow.html(result, **made))
 
     def told(
-        self, found: Any, *, figure: Callable[[], Any] | None = None, follow: str = ""
+        self, result: Any, *, figure: Callable[[], Any] | None = None, follow: str = ""
     ) -> CommandResult:
         """Draw and keep a result as was asked, and return what is told of it."""
-        self.draw(figure or found.plot)
-        self.keep(found)
-        return CommandResult.from_result(found, follow=follow)
+        self.draw(figure or result.plot)
+        self.keep(result)
+        return CommandResult.from_result(result, follow=follow)
 
     @property
     def result_path(self) -> str:

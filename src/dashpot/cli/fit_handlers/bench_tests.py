@@ -15,54 +15,54 @@ from dashpot.cli.fit_handlers._request import FitRequest
 from dashpot.text_output import results as text_of
 
 
-def run(given: FitRequest) -> CommandResult:
+def run(request: FitRequest) -> CommandResult:
     """Fit a solid to relaxation tests, creep, sweeps or a modulus."""
-    given.check_output_suffix(".json", what="a fit")
-    elastic = given["elastic"]
-    found, records = workflow.fit_files(
-        given.files,
+    request.check_output_suffix(".json", what="a fit")
+    elastic = request["elastic"]
+    fit, records = workflow.fit_files(
+        request.files,
         depth_law=elastic == "by-depth",
         law="auto" if elastic == "by-depth" else elastic,
-        family=given.model(FamilyAsked, "maxwell"),
-        options=given.reading,
-        **given.some("arms", "method", "thorough", "filter", "cuts", "machine", "specimen",
+        family=request.model(FamilyAsked, "maxwell"),
+        options=request.reading,
+        **request.some("arms", "method", "thorough", "filter", "cuts", "machine", "specimen",
                      "temperatures", "shifting"),
     )  # fmt: skip
-    given.draw(lambda: _figure(found, records))
-    if given["save_shifts"]:
-        write(given["save_shifts"], shift_table(found))
-    given.keep(found, **_figures(found, records))
+    request.draw(lambda: _figure(fit, records))
+    if request["save_shifts"]:
+        write(request["save_shifts"], shift_table(fit))
+    request.keep(fit, **_figures(fit, records))
     return CommandResult(
-        found,
-        text_of.fit(found, asked=given["arms"]),
-        found.checks,
-        verdict=found.verdict,
-        follow=_follow(given, found),
+        fit,
+        text_of.fit(fit, asked=request["arms"]),
+        fit.checks,
+        verdict=fit.verdict,
+        follow=_follow(request, fit),
     )
 
 
-def shift_table(found: dp.Fit) -> str:
+def shift_table(fit: dp.Fit) -> str:
     """Return the shift factors of a fit of several temperatures as CSV."""
     from dashpot.reading.write import write_shifts
 
-    if found.temperatures is None:
+    if fit.temperatures is None:
         raise FitError("one temperature has no shift factors; leave out --save-shifts")
-    stamp = ["simulated"] if any(source.simulated for source in found.source) else []
-    return write_shifts(found.temperatures, comments=stamp)
+    stamp = ["simulated"] if any(source.simulated for source in fit.source) else []
+    return write_shifts(fit.temperatures, comments=stamp)
 
 
-def _follow(given: FitRequest, found: dp.Fit) -> str:
-    if not given.output or given.page:
+def _follow(request: FitRequest, fit: dp.Fit) -> str:
+    if not request.output or request.page:
         why = "keeps it for predict, compare, export"
         return format_command(
-            "fit", *given.files, *given.get_option_words(), "-o", "fit.json", why=why
+            "fit", *request.files, *request.get_option_words(), "-o", "fit.json", why=why
         )
-    if not given.result_path:
+    if not request.result_path:
         return ""
-    if found.unit == "Pa":  # no mass rests on a material
+    if fit.unit == "Pa":  # no mass rests on a material
         deck = (
             "export",
-            given.result_path,
+            request.result_path,
             "--to",
             "abaqus",
             "--form",
@@ -70,26 +70,26 @@ def _follow(given: FitRequest, found: dp.Fit) -> str:
             "--unit-system",
             "mm-t-s",
         )
-        missing = ("--temperature", "TEMPERATURE") if found.specimen.temperature is None else ()
+        missing = ("--temperature", "TEMPERATURE") if fit.specimen.temperature is None else ()
         return format_command(*deck, *missing)
-    return format_command("predict", given.result_path, "--mass", "MASS", "--seals", 2)
+    return format_command("predict", request.result_path, "--mass", "MASS", "--seals", 2)
 
 
-def _figures(found: dp.Fit, records: tuple[Any, ...]) -> dict[str, Callable[[], Any]]:
+def _figures(fit: dp.Fit, records: tuple[Any, ...]) -> dict[str, Callable[[], Any]]:
     """What a page of the fit shows: the answer, with what the test leaves open, and the test."""
     first = records[0]
-    drawn = partial(_figure, found, records)
-    if found.temperatures is not None and not isinstance(first, dp.RampHold):
-        return {"lead": drawn, "beside": lambda: (found.plot(),)}
+    drawn = partial(_figure, fit, records)
+    if fit.temperatures is not None and not isinstance(first, dp.RampHold):
+        return {"lead": drawn, "beside": lambda: (fit.plot(),)}
     return {
-        "lead": lambda: workflow.over_frequency(found, records),
+        "lead": lambda: workflow.over_frequency(fit, records),
         "beside": lambda: (drawn(),),
     }
 
 
-def _figure(found: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:
+def _figure(fit: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:
     others: list[dp.Fit] = []
     if len(records) == 1 and isinstance(records[0], dp.RampHold):
-        method: Method = "hold" if found.method == "hold" else "full"
+        method: Method = "hold" if fit.method == "hold" else "full"
         others = [workflow.fit_fixed_order(records[0], n, method=method) for n in (1, 2)]  # Fig. 4
-    return dp.plot.bench(found, records, alternatives=others)
+    return dp.plot.bench(fit, records, alternatives=others)

@@ -7,12 +7,14 @@ from dashpot.cli.fit_handlers._request import FitRequest
 from dashpot.registry import KINDS, load_object
 
 
-def run(given: FitRequest) -> CommandResult:
+def run(request: FitRequest) -> CommandResult:
     """Fit the files as the row of their kind says."""
-    row = KINDS[given.kinds[given.files[0]]]
-    given.check_output_suffix(".json", what="this fit")
-    found = load_object(row.fit)(given.files, options=given.reading, **given.some(*row.takes))
-    follow = (given.result_path if one == "FILE" else one for one in row.follow.split())
-    return given.told(
-        found, follow=format_command(*follow) if given.result_path and row.follow else ""
+    row = KINDS[request.kinds[request.files[0]]]
+    request.check_output_suffix(".json", what="this fit")
+    result = load_object(row.fit)(
+        request.files, options=request.reading, **request.some(*row.takes)
+    )
+    follow = (request.result_path if part == "FILE" else part for part in row.follow.split())
+    return request.told(
+        result, follow=format_command(*follow) if request.result_path and row.follow else ""
     )

@@ -11,40 +11,40 @@ from dashpot.cli.fit_handlers._request import FitRequest
 FRF = (".csv", ".uff", ".unv")
 
 
-def run(given: FitRequest) -> CommandResult:
+def run(value: FitRequest) -> CommandResult:
     """Cut records into hits, judge each, and average them into an FRF."""
-    given.check_output_suffix(*FRF, ".json", what="the FRF of hits")
-    mass = given.mass
-    found, reason = workflow.impact_files(
-        given.files, file=given.output, hammer=given.hammer, options=given.reading, mass=mass,
-        band=given["band"],
+    value.check_output_suffix(*FRF, ".json", what="the FRF of hits")
+    mass = value.mass
+    result, reason = workflow.impact_files(
+        value.files, file=value.output, hammer=value.hammer, options=value.reading, mass=mass,
+        band=value["band"],
     )  # fmt: skip
     if reason:
         to_stderr(f"no mode: {reason}")
-    if given.page:
-        given.keep(found)
-    elif given.output:
-        keep(found, found.frf, given.output)
-    given.draw(
+    if value.page:
+        value.keep(result)
+    elif value.output:
+        keep(result, result.frf, value.output)
+    value.draw(
         lambda: dp.plot.frf(
-            found.frf, labels=("measured",), stamp=dp.plot.stamp(found.frf.source, mass=mass)
+            result.frf, labels=("measured",), stamp=dp.plot.stamp(result.frf.source, mass=mass)
         )
     )
     block = "MASS" if mass is None else grams(mass)
     return CommandResult.from_result(
-        found,
-        follow=format_command("compare", "FIT", *given.files, "--mass", block, "--seals", 2,
-                     *given.get_option_words("mass", "seals"), why="tests the fit of a relaxation "
+        result,
+        follow=format_command("compare", "FIT", *value.files, "--mass", block, "--seals", 2,
+                     *value.get_option_words("mass", "seals"), why="tests the fit of a relaxation "
                                                                    "test"),
     )  # fmt: skip
 
 
-def keep(found: workflow.ImpactResult, frf: dp.FRF, path: str) -> None:
+def keep(result: workflow.ImpactResult, frf: dp.FRF, path: str) -> None:
     """Write the result as JSON, or its FRF as CSV or UFF 58, by how the file's name ends."""
     from dashpot.reading.write import frf_uff, write_frf
 
     ends = path.lower()
     if ends.endswith(".json"):
-        write(path, format_json(found) + "\n")
+        write(path, format_json(result) + "\n")
     else:
         write(path, frf_uff(frf) if ends.endswith((".uff", ".unv")) else write_frf(frf))

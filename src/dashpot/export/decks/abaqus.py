@@ -247,9 +247,9 @@ def _line(
 def pairs_of_nodes(row: SpringRow, first_id: int) -> list[str]:
     """Coincident nodes at each station, in a set of either side, and the frames."""
     sides: list[list[str]] = [[], []]
-    for i, one in enumerate(row.stations):
+    for i, station in enumerate(row.stations):
         for side, node in zip(sides, row.nodes(i, first_id), strict=True):
-            side.append(f"{node}, {', '.join(map(text, one.place))}")
+            side.append(f"{node}, {', '.join(map(text, station.place))}")
     cards = ["*NODE, NSET=SEAL_GROUND", *sides[0], "*NODE, NSET=SEAL_MOVING", *sides[1]]
     for rank, (normal, across, _) in enumerate(_frames_of(row), start=1):
         axes = ", ".join(text(value) for value in (*normal, *across))
@@ -258,7 +258,7 @@ def pairs_of_nodes(row: SpringRow, first_id: int) -> list[str]:
 
 
 def _frames_of(row: SpringRow) -> list[tuple[tuple[float, ...], ...]]:
-    return list(dict.fromkeys(one.frame for one in row.stations))
+    return list(dict.fromkeys(station.frame for station in row.stations))
 
 
 def groups_of(
@@ -266,11 +266,11 @@ def groups_of(
 ) -> Iterator[tuple[int, int, tuple[float, float, float], list[tuple[int, int]]]]:
     """Stations of one frame and one share: their first element, their frame, share and nodes."""
     frames = {frame: rank for rank, frame in enumerate(_frames_of(row), start=1)}
-    found: dict[tuple[int, tuple[float, float, float]], list[tuple[int, int]]] = {}
-    for i, one in enumerate(row.stations):
-        same = found.setdefault((frames[one.frame], one.shares), [])
+    entries: dict[tuple[int, tuple[float, float, float]], list[tuple[int, int]]] = {}
+    for i, station in enumerate(row.stations):
+        same = entries.setdefault((frames[station.frame], station.shares), [])
         same.append(row.nodes(i, first_id))
     first = first_id
-    for (frame, shares), members in found.items():
+    for (frame, shares), members in entries.items():
         yield first, frame, shares, members
         first += len(members)

@@ -45,7 +45,9 @@ def _arms(deck: Deck) -> DeckText:
     ]
     names = f"element,k [{units.stiffness_word}],tau [{units.words[2]}],b [{units.damping_word}]"
     body = [names, *(",".join(row) for row in rows)]
-    return deck.written("#", "springs and dashpots", body, verified=_VERIFIED, said=_format_remark)
+    return deck.written(
+        "#", "springs and dashpots", body, verified=_VERIFIED, function=_format_remark
+    )
 
 
 def _format_remark(line: str) -> str:
@@ -76,5 +78,5 @@ def _frequency(deck: Deck, frequency_range: tuple[float, float], tolerance: floa
         [",".join([*columns, "extrapolated"]), *rows],
         verified=_VERIFIED,
         table=table,
-        said=_format_remark,
+        function=_format_remark,
     )

@@ -83,34 +83,37 @@ def nastran(
         return _arms(deck, row, first_id)
     damping: Damping = "loss_factor" if deck.form == "table" else "damping"
     require_positive("--", nominal=nominal, unit=" Hz", optional=True)
-    asked = frequency_range, tolerance
-    return _table(deck, row, asked=asked, damping=damping, nominal=nominal, first_id=first_id)
+    requested = frequency_range, tolerance
+    return _table(
+        deck, row, requested=requested, damping=damping, nominal=nominal, first_id=first_id
+    )
 
 
 def _table(
     deck: Deck,
     row: SpringRow,
     *,
-    asked: tuple[tuple[float, float], float],
+    requested: tuple[tuple[float, float], float],
     damping: Damping,
     nominal: float | None,
     first_id: int,
 ) -> DeckText:
-    at = nominal or float(np.sqrt(np.prod(asked[0])))
+    at = nominal or float(np.sqrt(np.prod(requested[0])))
     properties: list[str] = []
     tables: list[Table] = []
     for shares, rank in row.shares.items():
         springs = row.springs(shares)
-        each = [
-            deck.table(*asked, solid=one, damping=damping, printed=_large) for _, one in springs
+        frequency_tables = [
+            deck.table(*requested, solid=solid, damping=damping, printed=_large)
+            for _, solid in springs
         ]
-        own = first_id + 2 * row.ways * rank
+        count = first_id + 2 * row.ways * rank
         rows = [
-            _component(deck, way, one, table, damping=damping, nominal=at)
-            for (way, one), table in zip(springs, each, strict=True)
+            _component(deck, way, solid, table, damping=damping, nominal=at)
+            for (way, solid), table in zip(springs, frequency_tables, strict=True)
         ]
-        properties += bush_property(own, rows, label="GE" if damping == "loss_factor" else "B")
-        tables += each
+        properties += bush_property(count, rows, label="GE" if damping == "loss_factor" else "B")
+        tables += frequency_tables
     acts = "the bushing acts along its x axis"
     if row.ways > 1:
         acts = "components 1 to 3 act normal to the line, across it and along it"
@@ -166,13 +169,13 @@ def bush_property(
     fields: list[list[float | str]] = [K, damped, K_table, damping_table]  # type: ignore[list-item]
     blank = [""] * (6 - last)
     tables = []
-    for rank, one in enumerate(components):
+    for rank, component in enumerate(components):
         first, second = property_id + 2 * rank, property_id + 2 * rank + 1
-        for row, value in zip(fields, (*one.nominal, first, second), strict=True):
-            row[one.number - 1] = value
+        for row, value in zip(fields, (*component.nominal, first, second), strict=True):
+            row[component.number - 1] = value
         tables += [
-            *_tabled1(first, one.frequency, one.stiffness),
-            *_tabled1(second, one.frequency, one.damping),
+            *_tabled1(first, component.frequency, component.stiffness),
+            *_tabled1(second, component.frequency, component.damping),
         ]
     return [
         # large: a small field holds four digits of a small number
@@ -192,13 +195,13 @@ def _frames(row: SpringRow, first_id: int) -> list[str]:
 
 def _bushings(row: SpringRow, first_id: int) -> list[str]:
     cards = _frames(row, first_id)
-    for i, one in enumerate(row.stations):
+    for i, station in enumerate(row.stations):
         a, b = row.nodes(i, first_id)
         for grid in (a, b):
-            cards += _card("GRID*", [grid, "", *one.place])
-        system = first_id + row.frames[one.frame] if one.frame in row.frames else 0
-        own = first_id + 2 * row.ways * row.shares[one.shares]
-        cards.append(_small("CBUSH", first_id + i, own, a, b, "", "", "", system))
+            cards += _card("GRID*", [grid, "", *station.place])
+        system = first_id + row.frames[station.frame] if station.frame in row.frames else 0
+        count = first_id + 2 * row.ways * row.shares[station.shares]
+        cards.append(_small("CBUSH", first_id + i, count, a, b, "", "", "", system))
     return cards
 
 
@@ -209,14 +212,14 @@ def _coordinates(number: int, normal: Sequence[float], along: Sequence[float]) -
 
 def _arms(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
     cards, grid, element = _frames(row, first_id), first_id, itertools.count(first_id)
-    for one in row.stations:
+    for station in row.stations:
         a, b = grid, grid + 1
         # its own components are those of the line there
-        system = [first_id + row.frames[one.frame]] if one.frame in row.frames else []
+        system = [first_id + row.frames[station.frame]] if station.frame in row.frames else []
         for point in (a, b):
-            cards += _card("GRID*", [point, "", *one.place, *system])
+            cards += _card("GRID*", [point, "", *station.place, *system])
         grid = b + 1
-        for way, solid in row.springs(one.shares):
+        for way, solid in row.springs(station.shares):
             arms = deck.of(solid)
             if arms.k_inf > 0:
                 cards += _card("CELAS2*", [next(element), arms.k_inf, a, way + 1, b, way + 1])

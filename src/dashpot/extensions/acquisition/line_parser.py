@@ -29,8 +29,8 @@ _NAMED = re.compile(r"([^\[\]]+)\[([^\[\]]+)\]")
 
 def _split_time_column(columns: Sequence[str]) -> tuple[tuple[str, ...], int | None, float]:
     """The columns beside the time, where that stands, and its unit, s."""
-    named = [_NAMED.fullmatch(" ".join(one.split())) for one in columns]
-    words = [(one[1].strip(), one[2].strip()) for one in filter(None, named)]
+    named = [_NAMED.fullmatch(" ".join(column.split())) for column in columns]
+    words = [(match[1].strip(), match[2].strip()) for match in filter(None, named)]
     if not words or None in named:
         raise DataError(
             "each column needs a name and a unit, such as 'time [s], displacement [mm], force [N]'"
@@ -104,24 +104,24 @@ class Lines:
 
     def notes(self) -> tuple[str, ...]:
         """Return what was lost so far, in sentences."""
-        found = []
+        names = []
         if self._at is None:
-            found.append("the device sends no time: it is that of this computer, as lines arrived")
+            names.append("the device sends no time: it is that of this computer, as lines arrived")
         if self._garbled:
             lines = format_count(self._garbled, "garbled line")
-            found.append(f"{lines} left out, first {self._example}")
+            names.append(f"{lines} left out, first {self._example}")
         if self._fell:
             lines = format_count(self._fell, "line")
-            found.append(f"{lines} left out that came no later than the line before")
+            names.append(f"{lines} left out that came no later than the line before")
         if self._gaps:
-            found.append(
+            names.append(
                 f"{format_count(self._gaps, 'gap')} in the clock, {self._missing} samples missing, "
                 "the "
                 f"longest gap {self._longest:.4g} s"
             )
         if self.begun_again:
-            found.append("the device's clock began again: the record ends there")
-        return tuple(found)
+            names.append("the device's clock began again: the record ends there")
+        return tuple(names)
 
     def _row(self, line: bytes) -> list[float] | None:
         """The numbers of a line; None if it is empty or garbled."""
@@ -159,13 +159,13 @@ class Lines:
         A time far ahead of the one before is a gap if the next one follows it; if the next one
         falls back behind it, it was garbled. Until then it is held.
         """
-        kept = []
+        retained = []
         for row in rows:
             sample = row.pop(at) * self._factor, row
             if self._held is not None and sample[0] <= self._held[0]:
                 self._count_garbled_line(f"time {self._held[0]:g} s")
             elif self._held is not None:
-                kept.append(self._register_sample(self._held))
+                retained.append(self._register_sample(self._held))
             self._held = None
             if sample[0] <= self._last:
                 self._fell, self._falls = self._fell + 1, self._falls + 1
@@ -173,8 +173,8 @@ class Lines:
             elif sample[0] - self._last > _GAP * self._get_usual_step():
                 self._held = sample
             else:
-                kept.append(self._register_sample(sample))
-        return kept
+                retained.append(self._register_sample(sample))
+        return retained
 
     def _register_sample(self, sample: tuple[float, list[float]]) -> tuple[float, list[float]]:
         """A sample that is kept; its step is put in the account."""
@@ -203,7 +203,7 @@ class Lines:
 
 
 def _checksum(body: bytes) -> int:
-    found = 0
+    count = 0
     for byte in body:
-        found ^= byte
-    return found
+        count ^= byte
+    return count

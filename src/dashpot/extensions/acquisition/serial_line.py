@@ -44,8 +44,8 @@ class SerialLine:
 
     def describe(self) -> Description:
         """Return what is read, and what was lost so far."""
-        said = (self._said,) if self._said else ()
-        return Description(self._device, self._lines.channels, (*self._lines.notes(), *said))
+        stated = (self._said,) if self._said else ()
+        return Description(self._device, self._lines.channels, (*self._lines.notes(), *stated))
 
     def blocks(self) -> Iterator[Block]:
         """Yield the samples that came, until the line is closed or the clock begins again."""

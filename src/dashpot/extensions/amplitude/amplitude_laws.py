@@ -88,8 +88,8 @@ class Fitted:
     @property
     def loss_deviance(self) -> float:
         """As `deviance`, of the losses alone."""
-        n, left = len(self.left), self.left.imag
-        return deviance(float(left @ left) / n, effective=n, floor=_NOTHING / n)
+        n, residual = len(self.left), self.left.imag
+        return deviance(float(residual @ residual) / n, effective=n, floor=_NOTHING / n)
 
     @property
     def residual(self) -> float:
@@ -110,45 +110,45 @@ def fit_sweep_law(sweep: AmplitudeSweep, law: str, exponent: float | None = None
     """
     problem = _LawOnSweep(sweep, law, exponent)
     best = require_optimum(problem.least_squares_problem, problem.starts)
-    left, n = problem.compute_relative_residual(best), len(best.residual)
+    residual, n = problem.compute_relative_residual(best), len(best.residual)
     numbers = problem.numbers(best.values)
-    known = estimate(best, noises=[white_noise(best)])
-    law_error = known.derive_quantity(
+    uncertainty = estimate(best, noises=[white_noise(best)])
+    law_error = uncertainty.derive_quantity(
         lambda values: np.array(list(problem.numbers(values).values()))
     )
     se = dict(zip(numbers, law_error.standard_error.tolist(), strict=True))
     if problem.kraus and exponent is not None:
         se["exponent"] = 0.0
     of_levels = slice(len(best.theta), len(best.theta) + 2 * len(problem.tones))
-    levels, sd = best.values[of_levels], known.standard_error[of_levels]
+    levels, sd = best.values[of_levels], uncertainty.standard_error[of_levels]
     closeness = {"effective": n, "floor": _NOTHING}
     bends = 0.0
     if problem.cubic:
         bends, other = problem.compute_cubic_gain(best)
         # the number depends on what is taken for the spring, or for the friction beside it
         others = [other] * (bends > MATTERS) + [problem.among_sliders()] * problem.kraus
-        se["k3"] = float(np.hypot(se["k3"], sum(abs(one - numbers["k3"]) for one in others)))
+        se["k3"] = float(np.hypot(se["k3"], sum(abs(other - numbers["k3"]) for other in others)))
     return Fitted(
         law,
         _join_complex_parts(levels),
         _join_complex_parts(sd),
         numbers,
         se,
-        left,
-        _worst_third(sweep, left.imag * problem.size),
+        residual,
+        _worst_third(sweep, residual.imag * problem.size),
         bic(best.sse / n, parameters=len(best.values), **closeness),
         deviance(best.sse / n, **closeness),
-        numbers.get("lost", 0.0) >= 0 and problem.rises(left),
+        numbers.get("lost", 0.0) >= 0 and problem.rises(residual),
         bends,
     )
 
 
-def _worst_third(sweep: AmplitudeSweep, left: FloatArray) -> float:
+def _worst_third(sweep: AmplitudeSweep, residual: FloatArray) -> float:
     """Rms of the loss that is left over the loss, in the worst third of ln X: they differ."""
     place = np.log(sweep.amplitude)
     third = np.floor(3 * (place - place.min()) / max(float(np.ptp(place)), 1e-12)).clip(0, 2)
     parts = [
-        float(np.sqrt(np.sum(left[here] ** 2) / max(np.sum(sweep.loss[here] ** 2), 1e-300)))
+        float(np.sqrt(np.sum(residual[here] ** 2) / max(np.sum(sweep.loss[here] ** 2), 1e-300)))
         for here in (third == i for i in range(3))
         if here.any()
     ]
@@ -230,12 +230,12 @@ class _LawOnSweep:
         if self.factor:
             shape = softening_factor(X, p[2], float(np.exp(p[0])), p[1])
         levels = self.chosen * shape[:, None]
-        found = [levels, 1j * levels]
+        arrays = [levels, 1j * levels]
         if self.kraus and not self.factor:
-            found.append((softening_factor(X, 1.0, float(np.exp(p[0])), p[1]) - 1)[:, None])
+            arrays.append((softening_factor(X, 1.0, float(np.exp(p[0])), p[1]) - 1)[:, None])
         if self.cubic:
-            found.append(0.75 * (X / X.max())[:, None] ** 2)
-        return np.asarray(np.hstack(found) / size[:, None], dtype=complex)
+            arrays.append(0.75 * (X / X.max())[:, None] ** 2)
+        return np.asarray(np.hstack(arrays) / size[:, None], dtype=complex)
 
     def compute_relative_residual(self, best: Optimum) -> ComplexArray:
         """Fit less sample, over the size of the sample."""
@@ -247,7 +247,8 @@ class _LawOnSweep:
         more = stack_real_rows((X / X.max()) ** 4 / self.size)
         wider = solve_ordinary(best.rows.y, np.column_stack((best.rows.A, more)))
         gain = [
-            bic(one.sse / n, effective=n, parameters=0, floor=_NOTHING) for one in (best, wider)
+            bic(optimum.sse / n, effective=n, parameters=0, floor=_NOTHING)
+            for optimum in (best, wider)
         ]
         return gain[0] - gain[1], float(wider.beta[-2] / X.max() ** 2)
 
@@ -266,16 +267,16 @@ class _LawOnSweep:
     def numbers(self, values: FloatArray) -> dict[str, float]:
         """What the law is, by name, of everything that was sought."""
         theta, coefficients = np.split(values, [len(self.least_squares_problem.parameters)])
-        found = {}
+        entries = {}
         if self.kraus:
             p = self.insert_fixed_parameters(theta)
             lost = p[2] if self.factor else coefficients[2 * len(self.tones)]
-            found = {"lost": lost, "half_way": np.exp(p[0]), "exponent": p[1]}
+            entries = {"lost": lost, "half_way": np.exp(p[0]), "exponent": p[1]}
         if self.cubic:
-            found["k3"] = coefficients[-1] / self.sweep.amplitude.max() ** 2
-        return {name: float(one) for name, one in found.items()}
+            entries["k3"] = coefficients[-1] / self.sweep.amplitude.max() ** 2
+        return {name: float(entry) for name, entry in entries.items()}
 
-    def rises(self, left: ComplexArray) -> bool:
+    def rises(self, residual: ComplexArray) -> bool:
         """Whether the storage rises at the end, where a spring stands beside Kraus's law.
 
         A spring that only bends how the storage falls is but another way to soften.
@@ -283,8 +284,8 @@ class _LawOnSweep:
         if not (self.kraus and self.cubic):
             return True
         size = self.size
-        storage, X = self.sweep.storage + left.real * size, self.sweep.amplitude
-        least = _RISES * float(np.sqrt((np.abs(left) ** 2).mean() / 2))
+        storage, X = self.sweep.storage + residual.real * size, self.sweep.amplitude
+        least = _RISES * float(np.sqrt((np.abs(residual) ** 2).mean() / 2))
         for here in self.chosen.T:
             last = storage[here][X[here].argmax()]
             if last - storage[here].min() > least * size[here].min():

@@ -165,7 +165,7 @@ class SweptPart(Serialisable):
     @property
     def names(self) -> tuple[str, ...]:
         """Of the laws."""
-        return tuple(one.law for one in self.laws)
+        return tuple(law.law for law in self.laws)
 
     def stretch(self, factor: float) -> float:
         """Displacement of the part, m, for each of the sweep's amplitude."""
@@ -189,9 +189,9 @@ class SweptPart(Serialisable):
         `solid` is all that carries the mass as it was measured, N/m, `scale` N/m of it for each
         of the sweep's unit, `coupled` the mass by which the mounts couple it to a base, kg.
         """
-        beside = law.beside(solid, scale, stretch=self.stretch(factor), since=self.fitted_at)
+        dependent = law.beside(solid, scale, stretch=self.stretch(factor), since=self.fitted_at)
         frf, stretch = mass_at_level(
-            solid, beside, mass=mass, level=level, frequency=frequency, kind=kind
+            solid, dependent, mass=mass, level=level, frequency=frequency, kind=kind
         )
         if coupled > 0:
             frf = on_heavy_mounts(frf, mass=mass, coupled=coupled)
@@ -251,23 +251,23 @@ class SweptPart(Serialisable):
 
         `anchor` is the resonance that told the part's geometry, if one did.
         """
-        found, known = [], anchor or ReferencePoint(None, self.fitted_at)
+        resonances, reference_point = [], anchor or ReferencePoint(None, self.fitted_at)
         for level in levels:
             how: dict[str, Any] = {
                 "scale": scale, "mass": mass, "level": level, "kind": kind, "coupled": coupled,
             }  # fmt: skip
-            each = [
+            group = [
                 self.peak(solid, law, factor, about=about, **how)
                 for law in self.laws
                 for factor in self.factors
             ]
-            hz, value, moved = each[0]
+            hz, value, change = group[0]
             frf, _ = self.frf(solid, self.law, self.factors[0], frequency=frequency, **how)
-            strain = moved / self.stretch(self.factors[0])
-            off_hz, off_value = self.doubt(strain, hz, known)
-            lowest, highest = (pick(one[0] for one in each) for pick in (min, max))
-            least, most = (pick(one[1] for one in each) for pick in (min, max))
-            found.append(
+            strain = change / self.stretch(self.factors[0])
+            off_hz, off_value = self.doubt(strain, hz, reference_point)
+            lowest, highest = (pick(values[0] for values in group) for pick in (min, max))
+            least, most = (pick(values[1] for values in group) for pick in (min, max))
+            resonances.append(
                 LevelResonance(
                     level,
                     unit_of(kind),
@@ -275,14 +275,14 @@ class SweptPart(Serialisable):
                     value,
                     (min(lowest, hz * np.exp(-off_hz)), max(highest, hz * np.exp(off_hz))),
                     (min(least, value * np.exp(-off_value)), max(most, value * np.exp(off_value))),
-                    moved,
-                    None if self.height is None else moved / self.height,
+                    change,
+                    None if self.height is None else change / self.height,
                     frf,
                 )
             )
-        return tuple(found)
+        return tuple(resonances)
 
-    def doubt(self, strain: float, hz: float, known: ReferencePoint) -> tuple[float, float]:
+    def doubt(self, strain: float, hz: float, anchor: ReferencePoint) -> tuple[float, float]:
         r"""Two standard deviations of ln f and of ln of the height at a strain of the sweep.
 
         .. math:: s_K^2 = r'^2 + r_0'^2 + d^2 + 0.02^2 + (0.05 \ln f_0/f)^2, \qquad
@@ -296,9 +296,9 @@ class SweptPart(Serialisable):
         if self.record is None:
             return 0.0, 0.0
         storage, loss = self._compute_law_misfit(strain)
-        before, _ = self._compute_law_misfit(known.strain)
-        differ, height = self._between_tones(strain, known.strain)
-        away = 0.0 if known.frequency is None else _PER_E * np.log(known.frequency / hz)
+        before, _ = self._compute_law_misfit(anchor.strain)
+        differ, height = self._between_tones(strain, anchor.strain)
+        away = 0.0 if anchor.frequency is None else _PER_E * np.log(anchor.frequency / hz)
         of_stiffness = np.sqrt(storage**2 + before**2 + differ**2 + _MASTER**2 + away**2)
         return float(of_stiffness), float(2 * np.sqrt(loss**2 + height**2 + _HEIGHT**2))
 
@@ -317,37 +317,39 @@ class SweptPart(Serialisable):
             model.real / record.storage,
             model.imag / np.where(record.loss, record.loss, np.nan),
         )
-        left = [float(np.sqrt(np.nanmean((one[near] - 1) ** 2))) for one in parts]
-        return left[0], left[1]
+        residuals = [float(np.sqrt(np.nanmean((part[near] - 1) ** 2))) for part in parts]
+        return residuals[0], residuals[1]
 
     def _between_tones(self, strain: float, before: float) -> tuple[float, float]:
         """By how much laws of each frequency alone differ: ln of stiffness, and of loss factor."""
         assert self.record is not None  # noqa: S101
         tones = np.unique(self.record.frequency)
         before = max(before, _VANISHES * float(self.record.amplitude.min()))
-        each = [self.record.only(self.record.frequency == tone) for tone in tones]
-        if len(each) < 2 or min(len(one.amplitude) for one in each) < _ALONE:
+        sweeps = [self.record.only(self.record.frequency == tone) for tone in tones]
+        if len(sweeps) < 2 or min(len(sweep.amplitude) for sweep in sweeps) < _ALONE:
             ends = self.law.stiffness([before, strain]).real
             return 0.5 * abs(float(np.log(ends[1] / ends[0]))), _ONE_TONE
-        moved, lossy = [], []
-        for one in each:
-            alone = fit_amplitude(one, law=self.law.law if self.law.law != "none" else "auto")
-            first, last = alone.stiffness([before, strain]).tolist()
-            moved.append(float(np.log(last.real / first.real)))
-            factor = alone.linear[0].imag / alone.linear[0].real
+        changes, lossy = [], []
+        for amplitude_sweep in sweeps:
+            amplitude_fit = fit_amplitude(
+                amplitude_sweep, law=self.law.law if self.law.law != "none" else "auto"
+            )
+            first, last = amplitude_fit.stiffness([before, strain]).tolist()
+            changes.append(float(np.log(last.real / first.real)))
+            factor = amplitude_fit.linear[0].imag / amplitude_fit.linear[0].real
             lossy.append(float(np.log(max(last.imag / last.real, 1e-12) / max(factor, 1e-12))))
-        return float(np.ptp(moved)), float(np.ptp(lossy))
+        return float(np.ptp(changes)), float(np.ptp(lossy))
 
-    def check_level_coverage(self, found: Sequence[LevelResonance]) -> tuple[Check, ...]:
+    def check_level_coverage(self, resonances: Sequence[LevelResonance]) -> tuple[Check, ...]:
         """Whether the sweep goes as far as the part is moved at each level."""
         return tuple(
             level_covered(
-                one.amplitude / self.stretch(self.factors[0]),
+                resonance.amplitude / self.stretch(self.factors[0]),
                 self.law.amplitudes,
-                at=f"{one.level:.4g} {one.unit}",
+                at=f"{resonance.level:.4g} {resonance.unit}",
                 of=self.law.of,
             )
-            for one in found
+            for resonance in resonances
         )
 
 
@@ -359,10 +361,10 @@ def unit_of(kind: Kind) -> str:
 def level_of(word: str, kind: Kind) -> float:
     """A level as it was typed, N or m/s^2."""
     of: Dimension = "acceleration" if kind.over_base else "force"
-    found = convert_to_si(word, of)
-    if not found > 0:
+    value = convert_to_si(word, of)
+    if not value > 0:
         raise DataError(f"--level {word}; expected an amplitude > 0")
-    return found
+    return value
 
 
 def swept_part(
@@ -460,9 +462,9 @@ def amplitude_file(
 
 def _strain_factors(sweep: Source | None) -> tuple[float, ...]:
     """Of parts loaded as the sweep, and otherwise: in shear beside tension, or the other way."""
-    said = " ".join(sweep.columns) if sweep else ""
+    text = " ".join(sweep.columns) if sweep else ""
     alike, otherwise = STRAIN_FACTORS
-    return alike, 1 / otherwise if "storage: G" in said or "shear" in said.lower() else otherwise
+    return alike, 1 / otherwise if "storage: G" in text or "shear" in text.lower() else otherwise
 
 
 def _height(choices: LevelChoices, law: AmplitudeFit, height: float | None) -> float | None:
@@ -479,13 +481,13 @@ def _height(choices: LevelChoices, law: AmplitudeFit, height: float | None) -> f
                 "this sweep is over displacement; leave them out"
             )
         return None
-    known = height if choices.height is None else choices.height
-    if known is None:
+    value = height if choices.height is None else choices.height
+    if value is None:
         raise DataError(
             "the sweep is over strain: the height of the part turns it into a displacement "
             "(--height 20mm, or a shape: --shape disc:20mm,20mm)"
         )
-    return known
+    return value
 
 
 def _rivals(law: AmplitudeFit, sweep: AmplitudeSweep) -> tuple[AmplitudeFit, ...]:

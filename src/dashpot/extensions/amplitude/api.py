@@ -42,13 +42,13 @@ def fit_levels(
         hits_at_levels,
     )
 
-    at = [convert_to_si(one, "force") for one in resonance_at]
+    at = [convert_to_si(item, "force") for item in resonance_at]
     kilograms, hertz = convert_to_si(mass, "mass"), si_range(band, "frequency")
-    if any(isinstance(one, VIBRATION_RECORDS) for one in records):
+    if any(isinstance(record, VIBRATION_RECORDS) for record in records):
         require_test_for_machine(machine, tests=0, add="recorded loops")
-    if all(isinstance(one, ImpactTest) for one in records):
+    if all(isinstance(record, ImpactTest) for record in records):
         return hits_at_levels(records, levels, mass=kilograms, band=hertz, at=at)
-    if all(isinstance(one, FRF) for one in records):
+    if all(isinstance(record, FRF) for record in records):
         return frfs_at_levels(records, levels, mass=kilograms, seals=seals, band=hertz, at=at)
     if len(records) > 1:
         raise FitError(

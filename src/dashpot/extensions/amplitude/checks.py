@@ -119,23 +119,23 @@ def ways_agree(change: float) -> Finding:
 @criterion(
     "loss left / loss, worst third of ln X", "<=", 0.12, "own sweeps: 58 of 61 sound ones keep it"
 )
-def loss_followed(left: float) -> Finding:
+def loss_followed(remainder: float) -> Finding:
     """The law follows the loss at small, middle and large amplitudes, each by itself."""
     return Finding(
-        f"In one third of the amplitudes the law misses the loss by {100 * left:.2g} %",
-        left,
+        f"In one third of the amplitudes the law misses the loss by {100 * remainder:.2g} %",
+        remainder,
         "A damping from the law is as much off",
         "Use the loss where it was measured.",
     )
 
 
 @criterion("said / struck, a factor", "x/", 2.0, "hits of one intent differ by less")
-def levels_as_struck(said: Sequence[float], struck: Sequence[float]) -> Finding:
+def levels_as_struck(stated: Sequence[float], struck: Sequence[float]) -> Finding:
     """Hits were as hard as is said of their files."""
-    off = np.log(np.divide(said, struck))
-    forces, names = (", ".join(f"{one:.3g}" for one in each) for each in (struck, said))
+    off = np.log(np.divide(stated, struck))
+    forces, names = (", ".join(f"{value:.3g}" for value in values) for values in (struck, stated))
     within = np.log(2)
-    if np.abs(np.log(np.divide(np.sort(said), np.sort(struck)))).max() <= within:
+    if np.abs(np.log(np.divide(np.sort(stated), np.sort(struck)))).max() <= within:
         why = "The levels belong to each other's files."
     elif np.abs(np.abs(off) - np.log(1e3)).max() <= within and abs(off.sum()) > np.abs(off).max():
         why = "A factor of 1000 looks like mN or kN."
@@ -189,7 +189,7 @@ def level_covered(
 ) -> Finding:
     """At the level asked for the seal moves as far as it did in a test."""
     unit, (low, high) = get_display_unit(of), tested
-    moves, least, most = (f"{convert_to_unit(one, unit):.3g}" for one in (amplitude, low, high))
+    moves, least, most = (f"{convert_to_unit(value, unit):.3g}" for value in (amplitude, low, high))
     factor = max(amplitude / high, low / amplitude)
     says = f"At {at} the seal {'moves' if of == 'm' else 'is moved by'} {moves} {unit}"
     range_ = f"{least} to {most} {unit} of the tests"

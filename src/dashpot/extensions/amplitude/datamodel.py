@@ -83,12 +83,12 @@ class AmplitudeSweep(EqualByValue, HasSummary):
 
     def __post_init__(self) -> None:
         of: Dimensions = ("stress", "stiffness")
-        said = convert_arrays_to_si(
+        arrays = convert_arrays_to_si(
             self, frequency="frequency", amplitude=("strain", "length"), storage=of, loss=of, sd=of
         )
-        resolve_unit(self, said, "storage", "loss", "sd")
-        if said:
-            object.__setattr__(self, "of", {"length": "m"}.get(said["amplitude"], "strain"))
+        resolve_unit(self, arrays, "storage", "loss", "sd")
+        if arrays:
+            object.__setattr__(self, "of", {"length": "m"}.get(arrays["amplitude"], "strain"))
         hold_measured(self, "frequency", "amplitude", "storage", "loss", "sd")
         for name, unit in (("frequency", "Hz"), ("amplitude", self.of)):
             values = getattr(self, name)
@@ -110,7 +110,7 @@ class AmplitudeSweep(EqualByValue, HasSummary):
     @property
     def described(self) -> tuple[str, ...]:
         """Which sweep it is, and what it covers."""
-        tones = ", ".join(f"{one:.4g}" for one in np.unique(self.frequency))
+        tones = ", ".join(f"{item:.4g}" for item in np.unique(self.frequency))
         return (
             describe_record_source(self.source, len(self.frequency)),
             (
@@ -127,9 +127,9 @@ class AmplitudeSweep(EqualByValue, HasSummary):
     def only(self, chosen: BoolArray) -> AmplitudeSweep:
         """The chosen samples."""
         names = ("frequency", "amplitude", "storage", "loss", "sd")
-        known = {name: getattr(self, name) for name in names}
+        entries = {name: getattr(self, name) for name in names}
         return replace(
-            self, **{name: one[chosen] for name, one in known.items() if one is not None}
+            self, **{name: entry[chosen] for name, entry in entries.items() if entry is not None}
         )
 
 
@@ -255,7 +255,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     def sound(self) -> str:
         """By how much the stiffness changes over the amplitudes, and what the law leaves of it."""
         unit, of = get_display_unit(self.unit), get_display_unit(self.of)
-        low, high = (convert_to_unit(one, of) for one in self.amplitudes)
+        low, high = (convert_to_unit(amplitude, of) for amplitude in self.amplitudes)
         ends = self.stiffness(self.amplitudes).real
         way = "falls" if ends[1] < ends[0] else "rises"
         return (
@@ -286,7 +286,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         """The verdict, the law and its numbers."""
         lines, error = [str(self.verdict)], dict(self.se)
         unit, of = get_display_unit(self.unit), get_display_unit(self.of)
-        low, high = (convert_to_unit(one, of) for one in self.amplitudes)
+        low, high = (convert_to_unit(amplitude, of) for amplitude in self.amplitudes)
         kraus = self.law.partition("+")[0]
         if kraus in {"factor", "additive"}:
             lost = (
@@ -295,7 +295,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
                 else format_quantity(self.lost, unit)
             )
             half_way, doubt = (
-                convert_to_unit(one, of) for one in (self.half_way, error["half_way"])
+                convert_to_unit(value, of) for value in (self.half_way, error["half_way"])
             )
             lines.append(
                 f"{kraus} law: {lost} of the stiffness is lost with amplitude, half of it at "
@@ -334,13 +334,13 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         """Complex stiffness at amplitudes over that at a vanishing one, at one frequency."""
         X = np.asarray(amplitude, dtype=float)
         linear, kraus = complex(self.linear[tone]), self.law.partition("+")[0]
-        found = np.ones(X.shape, dtype=complex)
+        weights = np.ones(X.shape, dtype=complex)
         if kraus == "factor":
-            found = softening_factor(X, self.lost, self.half_way, self.exponent)
+            weights = softening_factor(X, self.lost, self.half_way, self.exponent)
         elif kraus == "additive":
             change = softening_factor(X, 1.0, self.half_way, self.exponent) - 1
-            found = found + self.lost * change / linear
-        return np.asarray(found + 0.75 * self.k3 * X**2 / linear)
+            weights = weights + self.lost * change / linear
+        return np.asarray(weights + 0.75 * self.k3 * X**2 / linear)
 
     def beside(
         self, solid: Solid, scale: float = 1.0, *, stretch: float = 1.0, since: float = 0.0

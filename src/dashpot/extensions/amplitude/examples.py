@@ -42,16 +42,16 @@ def _make_frf_writer(level: float, seed: int) -> Callable[[], str]:
 
     def render_file() -> str:
         mount = Mount(2 * BROAD, ("block", "ground"), friction=2 * _RUBBING)
-        found = response_at_level(
+        frf = response_at_level(
             System((point_mass("block", round(BROAD_MASS, 4)),), (mount,)),
             response="block.z", force="block.z", level=level, frequency=np.linspace(8, 20, 97),
         ).frf()  # fmt: skip
         draw = np.random.default_rng(seed).standard_normal
-        value = found.value * (1 + 0.005 * (draw(97) + 1j * draw(97)))
-        rows = zip(found.frequency, value.real, value.imag, strict=True)
+        value = frf.value * (1 + 0.005 * (draw(97) + 1j * draw(97)))
+        rows = zip(frf.frequency, value.real, value.imag, strict=True)
         head = "frequency [Hz],real [(m/s^2)/N],imaginary [(m/s^2)/N]"
         lines = [f"# {byline('simulated shaker test')}", "# simulated", head]
-        return "\n".join([*lines, *(",".join(f"{one:.6g}" for one in row) for row in rows), ""])
+        return "\n".join([*lines, *(",".join(f"{item:.6g}" for item in row) for row in rows), ""])
 
     return render_file
 

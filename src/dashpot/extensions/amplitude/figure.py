@@ -62,7 +62,7 @@ _BINS = 16
 
 
 def level(
-    found: AmplitudeFit | LevelFit | HitLevels,
+    result: AmplitudeFit | LevelFit | HitLevels,
     records: Sequence[AmplitudeSweep | RelaxationTest | FRF],
     *,
     stamp: str = "",
@@ -71,27 +71,27 @@ def level(
 
     Parameters
     ----------
-    found : AmplitudeFit, LevelFit or HitLevels
+    result : AmplitudeFit, LevelFit or HitLevels
     records : sequence of AmplitudeSweep, RelaxationTest or FRF
         As fitted: one sweep, one record of loops, or the FRF of each level.
     stamp : str
         What the figure says of its origin; by default files, specimen and date.
     """
-    if isinstance(found, HitLevels):
-        return hits_as_levels(found, stamp=stamp)
-    if isinstance(found, LevelFit):
-        frfs = [one for one in records if isinstance(one, FRF)]
-        return frfs_at_levels(found, frfs, stamp=stamp)
+    if isinstance(result, HitLevels):
+        return hits_as_levels(result, stamp=stamp)
+    if isinstance(result, LevelFit):
+        frfs = [record for record in records if isinstance(record, FRF)]
+        return frfs_at_levels(result, frfs, stamp=stamp)
     first = records[0]
     if isinstance(first, RelaxationTest):
-        return loops(first, found, stamp=stamp)
+        return loops(first, result, stamp=stamp)
     assert isinstance(first, AmplitudeSweep)  # noqa: S101
-    return amplitude_sweep(first, found, stamp=stamp)
+    return amplitude_sweep(first, result, stamp=stamp)
 
 
-def draw_levels(found: Levels) -> Picture:
+def draw_levels(levels: Levels) -> Picture:
     """Return the figure of a fit over amplitude with its records."""
-    return level(found.fit, found.records)
+    return level(levels.fit, levels.records)
 
 
 def loops(test: RelaxationTest, fit: AmplitudeFit | None = None, *, stamp: str = "") -> Picture:
@@ -110,12 +110,12 @@ def loops(test: RelaxationTest, fit: AmplitudeFit | None = None, *, stamp: str =
         What the figure says of its origin; by default file, specimen and date.
     """
     shown = _select_distinct_loops(steady_cycles(test))
-    word, mm = unit_of(np.array([one.amplitude for one in shown]), "m")
+    word, mm = unit_of(np.array([loop.amplitude for loop in shown]), "m")
     drawn: list[tuple[str, list[Line]]] = []
-    for one in shown:
-        curves = [] if fit is None else [(BENEATH, "fitted loop", *_ellipse(one, fit))]
-        curves.append((UPON, "measured", one.displacement, one.force))
-        X = one.amplitude
+    for hysteresis_loop in shown:
+        curves = [] if fit is None else [(BENEATH, "fitted loop", *_ellipse(hysteresis_loop, fit))]
+        curves.append((UPON, "measured", hysteresis_loop.displacement, hysteresis_loop.force))
+        X = hysteresis_loop.amplitude
         lines = [
             Line(_close_curve(x) / X, convert_to_unit(_close_curve(F) / X, "N/mm"), pen, name)
             for pen, name, x, F in curves
@@ -134,9 +134,9 @@ def loops(test: RelaxationTest, fit: AmplitudeFit | None = None, *, stamp: str =
 
 def _draw_loop_panels(drawn: Sequence[tuple[str, Sequence[Line]]]) -> Iterator[Panel]:
     """Small multiples on one pair of scales."""
-    every = [one for _, lines in drawn for one in lines]
-    x = Scale("x/X, 1", compute_padded_limits(*(one.x for one in every)), ticks=(-1, 0, 1))
-    y = Scale("F/X, N/mm", compute_padded_limits(*(one.y for one in every)))
+    every = [line for _, lines in drawn for line in lines]
+    x = Scale("x/X, 1", compute_padded_limits(*(line.x for line in every)), ticks=(-1, 0, 1))
+    y = Scale("F/X, N/mm", compute_padded_limits(*(line.y for line in every)))
     for title, lines in drawn:
         yield Panel(x, y, tuple(lines), title=title, height=_SMALL)
 
@@ -174,29 +174,29 @@ def frfs_at_levels(fit: LevelFit, frfs: Sequence[FRF], *, stamp: str = "") -> Pi
     stamp : str
         What the figure says of its origin; by default files, mass and seals.
     """
-    said = stamp or stamped(fit.source, mass=fit.mass, seals=fit.seals)
-    strips = ((_magnitudes(fit, frfs),), *((one,) for one in _draw_amplitude_panels(fit, frfs)))
+    text = stamp or stamped(fit.source, mass=fit.mass, seals=fit.seals)
+    strips = ((_magnitudes(fit, frfs),), *((panel,) for panel in _draw_amplitude_panels(fit, frfs)))
     caption = (
         "The FRF at each level with the one solid that follows them all and its backbone, and "
         "stiffness and loss of one seal over its amplitude."
     )
-    return Picture("levels", caption, strips, 3, said, width=1100.0)
+    return Picture("levels", caption, strips, 3, text, width=1100.0)
 
 
-def hits_as_levels(found: HitLevels, *, stamp: str = "") -> Picture:
+def hits_as_levels(levels: HitLevels, *, stamp: str = "") -> Picture:
     """Frequency and damping of every hit over the motion that it made, with their lines.
 
     Shaded is the 95 % interval of the line, dashed what no hit tested.
 
     Parameters
     ----------
-    found : HitLevels
+    levels : HitLevels
     stamp : str
         What the figure says of its origin; by default the files.
     """
-    hits = [one for one in found.frf.hits if one.amplitude]
-    X = DECAYED * np.array([one.amplitude for one in hits])
-    low, high = found.amplitudes
+    hits = [hit for hit in levels.frf.hits if hit.amplitude]
+    X = DECAYED * np.array([hit.amplitude for hit in hits])
+    low, high = levels.amplitudes
     dense = np.geomspace(low / 2, high * 2, 80)
     within = (dense >= low * 0.999) & (dense <= high * 1.001)
     word, mm = unit_of(X, "m")
@@ -204,10 +204,10 @@ def hits_as_levels(found: HitLevels, *, stamp: str = "") -> Picture:
         f"amplitude of motion, {word}", compute_padded_log_limits(mm * dense, margin=1.0), log=True
     )
     strips = []
-    f, zeta = [one.frequency for one in hits], [one.damping_ratio for one in hits]
+    f, zeta = [hit.frequency for hit in hits], [hit.damping_ratio for hit in hits]
     for name, scale, values, line, power in (
-        ("resonance, Hz", 1.0, f, found.trend.stiffness_line, 0.5),
-        ("damping ratio, %", 100.0, zeta, found.trend.damping_line, 1.0),
+        ("resonance, Hz", 1.0, f, levels.trend.stiffness_line, 0.5),
+        ("damping ratio, %", 100.0, zeta, levels.trend.damping_line, 1.0),
     ):
         ends = np.array([line.at(float(x)) for x in np.log2(dense)])
         middle, lower, upper = (
@@ -223,26 +223,30 @@ def hits_as_levels(found: HitLevels, *, stamp: str = "") -> Picture:
         limits = compute_padded_limits(dots, lower[within], upper[within], margin=0.3)
         strips.append((Panel(across, Scale(name, limits), marks, height=_HEIGHT),))
     caption = "The resonance of every hit over the motion that it made."
-    said = stamp or stamped(found.frf.source)
-    return Picture("hits", caption, tuple(strips), 2, said, width=_WIDE)
+    text = stamp or stamped(levels.frf.source)
+    return Picture("hits", caption, tuple(strips), 2, text, width=_WIDE)
 
 
 def _select_distinct_loops(cycles: Sequence[HysteresisLoop]) -> list[HysteresisLoop]:
     """A cycle of each amplitude, the smallest first; of many, as many as stand in a row."""
-    found: list[HysteresisLoop] = []
-    for one in sorted(cycles, key=lambda one: one.amplitude):
-        if not found or one.amplitude > 1.1 * found[-1].amplitude:
-            found.append(one)
-    chosen = np.linspace(0, len(found) - 1, min(len(found), _MULTIPLES)).round().astype(int)
-    return [found[i] for i in chosen]
+    hysteresis_loops: list[HysteresisLoop] = []
+    for cycle in sorted(cycles, key=lambda loop: loop.amplitude):
+        if not hysteresis_loops or cycle.amplitude > 1.1 * hysteresis_loops[-1].amplitude:
+            hysteresis_loops.append(cycle)
+    chosen = (
+        np.linspace(0, len(hysteresis_loops) - 1, min(len(hysteresis_loops), _MULTIPLES))
+        .round()
+        .astype(int)
+    )
+    return [hysteresis_loops[i] for i in chosen]
 
 
-def _ellipse(one: HysteresisLoop, fit: AmplitudeFit) -> tuple[FloatArray, FloatArray]:
+def _ellipse(loop: HysteresisLoop, fit: AmplitudeFit) -> tuple[FloatArray, FloatArray]:
     """The loop of the fitted stiffness, m and N."""
     turn = np.exp(1j * np.linspace(0, 2 * np.pi, 181))
-    tone = int(np.abs(fit.frequency - one.frequency).argmin())
-    K = complex(fit.stiffness(one.amplitude, tone=tone))
-    return one.amplitude * turn.real, (K * one.amplitude * turn).real
+    tone = int(np.abs(fit.frequency - loop.frequency).argmin())
+    K = complex(fit.stiffness(loop.amplitude, tone=tone))
+    return loop.amplitude * turn.real, (K * loop.amplitude * turn).real
 
 
 def _close_curve(values: FloatArray) -> FloatArray:
@@ -276,7 +280,7 @@ def _over_amplitude(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> list[Pan
                     Line(mm * dense, np.where(within, np.nan, curve), PREDICTED, "extrapolated"),
                     Line(mm * dense, np.where(within, curve, np.nan), FIT, "fit"),
                 ]
-        shown = [one.y for one in marks if isinstance(one, Line | Dots)]
+        shown = [mark.y for mark in marks if isinstance(mark, Line | Dots)]
         panels.append(
             Panel(
                 across,
@@ -302,13 +306,13 @@ def _magnitudes(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
         lines = frfs[i].to(kind, mass=fit.mass).band(*fit.band)
         over_base = frfs[i].quantity.over_base
         force = fit.levels[i] * (fit.mass if over_base else 1.0)
-        said = f"{fit.levels[i]:.3g} {'m/s²' if over_base else 'N'}"
+        text = f"{fit.levels[i]:.3g} {'m/s²' if over_base else 'N'}"
         size = scale * np.abs(lines.value)
         curve = receptance_at_level(fit, force, dense).to(kind, mass=fit.mass)
         y = scale * np.abs(curve.value)
         top = int(np.argmax(y))
         peak = (
-            f"{said}: {round_to_error(float(dense[top]), digits=4)} Hz, "
+            f"{text}: {round_to_error(float(dense[top]), digits=4)} Hz, "
             f"{round_to_error(float(y[top]))} {unit}"
         )
         marks.append(Dots(lines.frequency, size, colour, "" if fits else "measured"))
@@ -356,7 +360,7 @@ def _draw_amplitude_panels(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
         rows_at_level(frf, level, fit.mass, fit.seals, fit.band)
         for frf, level in zip(frfs, fit.levels, strict=True)
     ]
-    omega, X, K, weight = (np.concatenate(each) for each in zip(*rows, strict=True))
+    omega, X, K, weight = (np.concatenate(group) for group in zip(*rows, strict=True))
     solid = fit.solid.complex_stiffness(omega=np.append(omega, middle))
     at, mean, error = _means(X, K - solid[:-1] + solid[-1], weight / fit.residual)
     dense = np.geomspace(*fit.amplitudes, 60)
@@ -395,8 +399,8 @@ def _draw_amplitude_panels(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
 def _interval(fit: LevelFit, omega: float, X: FloatArray) -> FloatArray:
     """95 % interval of storage and loss over amplitude, N/m, shape (2, 2, n)."""
 
-    def compute_stiffness_parts(solid: GeneralizedMaxwell, beside: Elements) -> FloatArray:
-        K = InParallel((solid, *beside)).equivalent(omega, X)
+    def compute_stiffness_parts(solid: GeneralizedMaxwell, elements: Elements) -> FloatArray:
+        K = InParallel((solid, *elements)).equivalent(omega, X)
         return np.array((K.real, K.imag))
 
     return fit.interval(compute_stiffness_parts)

@@ -104,14 +104,14 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         checks.insert(2, softening_seen(reach))
     if back is not None:
         checks.append(ways_agree(back))
-    unseen = 0.0
+    cubic = 0.0
     if "k3" in best.numbers:
         checks.append(spring_cubic(best.bends))
     else:
-        unseen = _estimate_hidden_cubic(sweep, best)
+        cubic = _estimate_hidden_cubic(sweep, best)
         top = sweep.amplitude == sweep.amplitude.max()
         storage = float(sweep.storage[top].min())
-        checks.append(spring_unseen(0.75 * unseen * range_[1] ** 2 / max(storage, 1e-300)))
+        checks.append(spring_unseen(0.75 * cubic * range_[1] ** 2 / max(storage, 1e-300)))
     linear_se, se = _errors_with_delay(sweep, best)
     return AmplitudeFit(
         best.law,
@@ -124,14 +124,14 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         tuple(se.items()),
         range_,
         best.residual,
-        tuple((one.law, one.bic) for one in (plain, *tried)),
+        tuple((fitted.law, fitted.bic) for fitted in (plain, *tried)),
         int(np.count_nonzero(stray)),
         sweep.unit,
         sweep.of,
         (*checks, *caution_checks(sources_of([sweep]))),
         sweep.source,
         best.numbers.get("k3", 0.0),
-        unseen,
+        cubic,
         delay_sd=sweep.delay_sd,
     )
 
@@ -149,8 +149,8 @@ def _errors_with_delay(
     def numbers(later: float) -> FloatArray:
         K = sweep.value * np.exp(-2j * np.pi * sweep.frequency * later)
         turned = replace(sweep, storage=K.real, loss=K.imag, units="SI")
-        one = fit_sweep_law(turned, best.law, held)
-        return np.array([*one.linear.real, *one.linear.imag, *one.numbers.values()])
+        fitted = fit_sweep_law(turned, best.law, held)
+        return np.array([*fitted.linear.real, *fitted.linear.imag, *fitted.numbers.values()])
 
     def levels(later: float) -> FloatArray:
         L = best.linear * np.exp(-2j * np.pi * np.unique(sweep.frequency) * later)
@@ -164,15 +164,15 @@ def _errors_with_delay(
     storage, loss, law = np.split(by_delay, [len(best.linear), 2 * len(best.linear)])
     linear_se = np.hypot(best.linear_se.real, storage) + 1j * np.hypot(best.linear_se.imag, loss)
     wide = zip(best.se.items(), law.tolist(), strict=True)
-    return linear_se, {name: float(np.hypot(own, by)) for (name, own), by in wide}
+    return linear_se, {name: float(np.hypot(value, by)) for (name, value), by in wide}
 
 
 def _estimate_hidden_cubic(sweep: AmplitudeSweep, best: Fitted) -> float:
     """Size of a cubic spring that might stand beside a law that has none, 95 %."""
     law = "cubic" if best.law == "none" else f"{best.law}+cubic"
     held = best.numbers.get("exponent") if best.se.get("exponent") == 0 else None
-    beside = fit_sweep_law(sweep, law, held)
-    return abs(beside.numbers["k3"]) + NORMAL * beside.se["k3"]
+    fitted = fit_sweep_law(sweep, law, held)
+    return abs(fitted.numbers["k3"]) + NORMAL * fitted.se["k3"]
 
 
 def _sort_candidate_laws(sweep: AmplitudeSweep, law: str) -> list[Fitted]:
@@ -181,34 +181,34 @@ def _sort_candidate_laws(sweep: AmplitudeSweep, law: str) -> list[Fitted]:
     One with a spring that is but another way to soften is not among them, whatever its BIC.
     """
     home = "factor" if sweep.unit == "Pa" else "additive"
-    tried = [fit_sweep_law(sweep, each) for each in LAWS if law in {"auto", each}]
-    spring = next((one for one in tried if one.law == "cubic"), None)
+    tried = [fit_sweep_law(sweep, name) for name in LAWS if law in {"auto", name}]
+    spring = next((fitted for fitted in tried if fitted.law == "cubic"), None)
 
-    def cost(one: Fitted) -> float:
-        return one.deviance + MATTERS * one.terms
+    def cost(fitted: Fitted) -> float:
+        return fitted.deviance + MATTERS * fitted.terms
 
-    def is_plausible(one: Fitted) -> bool:
-        if one.terms < 2 or spring is None:
-            return one.sound
+    def is_plausible(fitted: Fitted) -> bool:
+        if fitted.terms < 2 or spring is None:
+            return fitted.sound
         # friction beside a spring shows in the loss, another kind of spring in the storage alone
-        return one.sound and spring.loss_deviance - one.loss_deviance > MATTERS / 2
+        return fitted.sound and spring.loss_deviance - fitted.loss_deviance > MATTERS / 2
 
-    tried = [one for one in tried if is_plausible(one)] or tried
+    tried = [fitted for fitted in tried if is_plausible(fitted)] or tried
     least = min(map(cost, tried))
     return sorted(
         tried,
-        key=lambda one: (
-            cost(one) > least + _PARTED,
-            one.terms,
-            home not in one.law,
-            cost(one),
+        key=lambda fitted: (
+            cost(fitted) > least + _PARTED,
+            fitted.terms,
+            home not in fitted.law,
+            cost(fitted),
         ),
     )
 
 
 def _way_back(sweep: AmplitudeSweep) -> float | None:
     """Change of the modulus at the same amplitude on the way down; None if there is no such way."""
-    found = []
+    values = []
     for tone in np.unique(sweep.frequency):
         rows = np.flatnonzero(sweep.frequency == tone)
         X, size = np.log(sweep.amplitude[rows]), np.abs(sweep.value[rows])
@@ -219,13 +219,13 @@ def _way_back(sweep: AmplitudeSweep) -> float | None:
         met = (X[down] >= X[0]) & (X[down] < X[top])
         if top >= 2 and np.count_nonzero(met) >= 3:
             before = np.interp(X[down][met], X[up], size[up])
-            found.append(float(median(size[down][met] / before)) - 1)
-    return max(found, key=abs) if found else None
+            values.append(float(median(size[down][met] / before)) - 1)
+    return max(values, key=abs) if values else None
 
 
-def _strays(sweep: AmplitudeSweep, left: ComplexArray) -> BoolArray:
+def _strays(sweep: AmplitudeSweep, residual: ComplexArray) -> BoolArray:
     """The smallest amplitudes of a frequency whose residual is beyond the scatter of the rest."""
-    size = np.abs(left)
+    size = np.abs(residual)
     limit = _STRAY * 1.4826 * median(size)
     out = np.zeros(len(size), dtype=bool)
     for tone in np.unique(sweep.frequency):

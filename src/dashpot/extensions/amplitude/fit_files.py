@@ -83,15 +83,15 @@ class Levels(HasVerdict, Serialisable):
     @property
     def verdict(self) -> Verdict:
         """What to make of it."""
-        return verdict(self.checks, sound=self.fit.sound)
+        return verdict(self.checks, headline=self.fit.sound)
 
     @property
     def source(self) -> tuple[Source, ...]:
         """The files."""
-        given = self.fit.source
-        if isinstance(given, Source):
-            return (given,)
-        return given or ()
+        source = self.fit.source
+        if isinstance(source, Source):
+            return (source,)
+        return source or ()
 
     @property
     def loss_per_lag(self) -> float | None:
@@ -160,18 +160,20 @@ def level_files(
         return frfs_at_levels(frfs, levels, mass=mass, seals=seals, band=band, at=at)
     struck = all(kind in HITS for kind in kinds)
     _refuse_mixture(files, kinds)
-    asked = {
+    request = {
         "--level": levels, "--mass": mass is not None, "--seals": seals != 1,
         "--relative": motion != "absolute", "--band": band is not None, "--resonance-at": at,
     }  # fmt: skip
-    _refuse_frf_options(files[0], asked, *(_OF_HITS if struck else ()))
+    _refuse_frf_options(files[0], request, *(_OF_HITS if struck else ()))
     if struck:
         _refuse_law(law, "hits")
         return _fit_hit_files(files, levels, mass=mass, band=band, at=at, options=options)
     if len(files) > 1:
         raise ReadError("one amplitude sweep at a time; only FRFs of several levels go together")
-    found, _, record = amplitude_file(files[0], kinds[0], law=law, options=options, machine=machine)
-    return _swept(found, record)
+    amplitude_fit, _, record = amplitude_file(
+        files[0], kinds[0], law=law, options=options, machine=machine
+    )
+    return _swept(amplitude_fit, record)
 
 
 def fit_amplitude_record(
@@ -189,22 +191,24 @@ def fit_amplitude_record(
     return _swept(fit_amplitude(sweep, law=law), record)
 
 
-def _swept(found: AmplitudeFit, record: AmplitudeSweep | RelaxationTest) -> Levels:
+def _swept(amplitude_fit: AmplitudeFit, record: AmplitudeSweep | RelaxationTest) -> Levels:
     if isinstance(record, RelaxationTest):
-        found = replace(found, loss_per_lag=float(2 * np.pi * found.frequency.max()))
-    return Levels(found, (), found.checks, (record,))
+        amplitude_fit = replace(
+            amplitude_fit, loss_per_lag=float(2 * np.pi * amplitude_fit.frequency.max())
+        )
+    return Levels(amplitude_fit, (), amplitude_fit.checks, (record,))
 
 
 _OF_HITS = ("--level", "--mass", "--band", "--resonance-at")
 """Options that belong to FRFs, and to hits too."""
 
 
-def _refuse_frf_options(path: str | Path, asked: Mapping[str, object], *but: str) -> None:
+def _refuse_frf_options(path: str | Path, options: Mapping[str, object], *but: str) -> None:
     """Refuse options of FRFs that were given with a file that is none."""
-    given = [flag for flag, said in asked.items() if said and flag not in but]
-    if given:
+    provided = [flag for flag, option in options.items() if option and flag not in but]
+    if provided:
         raise ReadError(
-            f"{given[0]} belongs to FRFs of a mass, and {Path(path).name} is another kind of "
+            f"{provided[0]} belongs to FRFs of a mass, and {Path(path).name} is another kind of "
             "file; leave it out"
         )
 
@@ -237,7 +241,7 @@ def _forces(levels: Sequence[Quantity], tests: int) -> list[float]:
             "hits of each file, in their order, or none (--level): hits show how hard they are"
         )
     forces = [convert_to_si(level, "force") for level in levels]
-    if not all(0 < one < np.inf for one in forces):
+    if not all(0 < force < np.inf for force in forces):
         raise ReadError(f"a level of {min(forces):g} N; expected a peak force > 0 (--level)")
     return forces
 
@@ -266,24 +270,27 @@ def hits_at_levels(
     at: Sequence[float] = (),
 ) -> Levels:
     """Find what hits of different height say; the parameters are those of :func:`level_files`."""
-    said = _forces(levels, len(tests))
+    stated = _forces(levels, len(tests))
     frf = estimate_frf(tests, resonance_band=band, mass=mass)
-    found = hits_as_levels(frf, band=band)
-    if said:
+    hit_levels = hits_as_levels(frf, band=band)
+    if stated:
         counts = np.cumsum([len(cut_hits([test])) for test in tests])[:-1]
-        peaks_of = np.split(np.array([one.peak for one in frf.hits]), counts)
-        struck = [median(each) for each in peaks_of]
-        found = replace(found, checks=(levels_as_struck(said, struck), *found.checks))
+        peaks_of = np.split(np.array([hit.peak for hit in frf.hits]), counts)
+        struck = [median(peak) for peak in peaks_of]
+        hit_levels = replace(
+            hit_levels, checks=(levels_as_struck(stated, struck), *hit_levels.checks)
+        )
     peaks = []
     for level in at:
-        hz, receptance, about_hz, about_receptance = found.resonance(level)
+        hz, receptance, about_hz, about_receptance = hit_levels.resonance(level)
         peaks.append(
             PeakAtLevel(level, hz, receptance, about_hz, about_receptance, level * receptance)
         )
     covered = tuple(
-        level_covered(one.amplitude, found.amplitudes, at=f"{one.level:.4g} N") for one in peaks
+        level_covered(peak.amplitude, hit_levels.amplitudes, at=f"{peak.level:.4g} N")
+        for peak in peaks
     )
-    return Levels(found, tuple(peaks), (*found.checks, *covered), (frf,))
+    return Levels(hit_levels, tuple(peaks), (*hit_levels.checks, *covered), (frf,))
 
 
 def frfs_at_levels(
@@ -302,23 +309,24 @@ def frfs_at_levels(
             "expected the mass (--mass) and the level of each FRF, in their order (--level 0.05N "
             "--level 0.5N)"
         )
-    found = fit_levels(frfs, levels, mass=mass, seals=seals, band=band)
-    peaks = tuple(_peak(found, level) for level in at)
+    level_fit = fit_levels(frfs, levels, mass=mass, seals=seals, band=band)
+    peaks = tuple(_peak(level_fit, level) for level in at)
     covered = tuple(
-        level_covered(one.amplitude, found.amplitudes, at=f"{one.level:.4g} N") for one in peaks
+        level_covered(peak.amplitude, level_fit.amplitudes, at=f"{peak.level:.4g} N")
+        for peak in peaks
     )
-    return Levels(found, peaks, (*found.checks, *covered), tuple(frfs))
+    return Levels(level_fit, peaks, (*level_fit.checks, *covered), tuple(frfs))
 
 
-def _peak(found: LevelFit, level: float) -> PeakAtLevel:
+def _peak(level_fit: LevelFit, level: float) -> PeakAtLevel:
     """The largest motion of the mass at a level, and what the draws say of it."""
 
-    def find_largest_motion(solid: GeneralizedMaxwell, beside: Elements) -> FloatArray:
-        hz, X = resonance_at_level(found, level, of=(solid, beside))
+    def find_largest_motion(solid: GeneralizedMaxwell, elements: Elements) -> FloatArray:
+        hz, X = resonance_at_level(level_fit, level, of=(solid, elements))
         return np.array((hz, X / level))
 
-    frequency, receptance = find_largest_motion(found.solid, found.beside).tolist()
-    (least_hz, least), (most_hz, most) = found.interval(find_largest_motion).tolist()
+    frequency, receptance = find_largest_motion(level_fit.solid, level_fit.beside).tolist()
+    (least_hz, least), (most_hz, most) = level_fit.interval(find_largest_motion).tolist()
     return PeakAtLevel(
         level,
         frequency,

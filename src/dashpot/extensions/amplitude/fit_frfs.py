@@ -106,7 +106,7 @@ def fit_levels(
         rows_at_level(frf, size, kilograms, seals, si_range(band, "frequency"))
         for frf, size in zip(frfs, sizes, strict=True)
     ]
-    omega, X, K, weight = (np.concatenate(each) for each in zip(*rows, strict=True))
+    omega, X, K, weight = (np.concatenate(group) for group in zip(*rows, strict=True))
     low, high = float(X.min()) / 2, float(X.max())
     SIZES["amplitude"].refuse(
         high,
@@ -115,20 +115,25 @@ def fit_levels(
     )
     count = max(round(_PER_DECADE * np.log10(high / low)), 2)
     inertia, yields = kilograms / seals, np.geomspace(low, high, count + 1)[:-1]
-    known = weight * np.abs(K - inertia * omega**2)
-    problem = _LineData(omega, X, weight, known, inertia, yields)
+    values = weight * np.abs(K - inertia * omega**2)
+    problem = _LineData(omega, X, weight, values, inertia, yields)
     tried = [problem.fit_terms(K, terms) for terms in _TERMS]
-    plain, best = tried[0], min(tried, key=lambda one: one.deviance + MATTERS * len(one.terms))
+    plain, best = (
+        tried[0],
+        min(tried, key=lambda optimum: optimum.deviance + MATTERS * len(optimum.terms)),
+    )
     draws = _draws(problem, K, best, seed)
-    solid, beside = best.parts
+    solid, elements = best.parts
     range_ = (float(X.min()), high)
-    begins = np.cumsum([len(each[0]) for each in rows])[:-1]
+    begins = np.cumsum([len(row[0]) for row in rows])[:-1]
     followed = levels_followed(best.residual, _noise(problem, K, begins))
-    gains = {" and ".join(one.terms): plain.deviance - one.deviance for one in tried[1:]}
+    gains = {
+        " and ".join(optimum.terms): plain.deviance - optimum.deviance for optimum in tried[1:]
+    }
     by = " and ".join(best.terms)
     return LevelFit(
         solid,
-        beside,
+        elements,
         range_,
         (float(omega.min() / 2 / np.pi), float(omega.max() / 2 / np.pi)),
         best.residual,
@@ -138,9 +143,9 @@ def fit_levels(
         seals,
         tuple(sizes),
         (
-            levels_held([_name(one, i) for i, one in enumerate(frfs, 1) if one.struck]),
+            levels_held([_name(frf, i) for i, frf in enumerate(frfs, 1) if frf.struck]),
             level_matters(
-                gains.get(by) or max(gains[one] for one in get_args(Term)),
+                gains.get(by) or max(gains[arg] for arg in get_args(Term)),
                 range_,
                 "m",
                 by,
@@ -149,13 +154,13 @@ def fit_levels(
             amplitudes_spread(range_[1] / range_[0], "m"),
             followed,
         ),
-        tuple(one for frf in frfs for one in frf.source),
+        tuple(source for frf in frfs for source in frf.source),
         tuple(gains.items()),
     )
 
 
 def _name(frf: FRF, number: int) -> str:
-    return ", ".join(one.file for one in frf.source) or f"FRF {number}"
+    return ", ".join(source.file for source in frf.source) or f"FRF {number}"
 
 
 def _draws(
@@ -165,14 +170,14 @@ def _draws(
     rng, inertia = np.random.default_rng(seed), problem.inertia * problem.omega**2
     direct = K + best.left / best.problem.weight - inertia  # F/X of the fit itself
     scatter = best.residual / np.sqrt(2)
-    known = replace(problem, weight=best.problem.weight, bent=best.problem.bent)
-    found = []
+    data = replace(problem, weight=best.problem.weight, bent=best.problem.bent)
+    pairs = []
     for _ in range(_DRAWS):
         # one error of the FRF is in the stiffness and in the amplitude
         off = 1 + scatter * (rng.normal(size=len(K)) + 1j * rng.normal(size=len(K))) / problem.known
-        again = replace(known, X=problem.X / np.abs(off))
-        found.append(again.fit_terms(direct * off + inertia, best.terms, passes=0).parts)
-    return tuple(found)
+        again = replace(data, X=problem.X / np.abs(off))
+        pairs.append(again.fit_terms(direct * off + inertia, best.terms, passes=0).parts)
+    return tuple(pairs)
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,16 +209,16 @@ class _TermsOptimum:
         solid = GeneralizedMaxwell(
             float(k[0]), tuple(arms[arms > least]), tuple(problem.tau[arms > least])
         )
-        beside: list[Jenkins | Cubic] = []
+        parallel: list[Jenkins | Cubic] = []
         if "friction" in self.terms:
-            beside += [
-                Jenkins(float(each), float(each * at))
-                for each, at in zip(rest, problem.yields, strict=False)
-                if each > least
+            parallel += [
+                Jenkins(float(value), float(value * at))
+                for value, at in zip(rest, problem.yields, strict=False)
+                if value > least
             ]
         if "a cubic spring" in self.terms and rest[-2] != rest[-1]:
-            beside.append(Cubic(float(rest[-2] - rest[-1]) / problem.X.max() ** 2))
-        return solid, tuple(beside)
+            parallel.append(Cubic(float(rest[-2] - rest[-1]) / problem.X.max() ** 2))
+        return solid, tuple(parallel)
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,18 +245,20 @@ class _LineData:
         self, K: ComplexArray, terms: tuple[Term, ...], *, passes: int = _PASSES
     ) -> _TermsOptimum:
         """Solved; sliders on a coarse grid, then on a finer one about those found there."""
-        found = self._solve(K, terms)
+        optimum = self._solve(K, terms)
         count = len(self.tau) + 1
-        sliders = found.k[count : count + len(self.yields)] if "friction" in terms else np.zeros(0)
-        active = np.flatnonzero(sliders > _NOTHING * float(found.k.sum()))
+        sliders = (
+            optimum.k[count : count + len(self.yields)] if "friction" in terms else np.zeros(0)
+        )
+        active = np.flatnonzero(sliders > _NOTHING * float(optimum.k.sum()))
         if len(active):
             step = self.yields[1] / self.yields[0]
             near = step ** (np.arange(-_FINER, _FINER + 1) / _FINER)
             finer = np.unique((self.yields[active, None] * near).round(15))
-            found = replace(self, yields=finer)._solve(K, terms)
+            optimum = replace(self, yields=finer)._solve(K, terms)
         for _ in range(passes if terms else 0):
-            found = found.problem.about(found.parts, K)._solve(K, terms)
-        return found
+            optimum = optimum.problem.about(optimum.parts, K)._solve(K, terms)
+        return optimum
 
     def about(self, parts: Parts, K: ComplexArray) -> _LineData:
         r"""With what is known once a solution is: the third harmonic, and what its X do.
@@ -268,13 +275,13 @@ class _LineData:
 
     def _columns(self, terms: tuple[Term, ...]) -> ComplexArray:
         product = 1j * self.omega[:, None] * self.tau
-        found = [np.ones((len(self.X), 1), dtype=complex), product / (1 + product)]
+        arrays = [np.ones((len(self.X), 1), dtype=complex), product / (1 + product)]
         if "friction" in terms:
-            found.append(jenkins_reduction(self.X[:, None], self.yields))
+            arrays.append(jenkins_reduction(self.X[:, None], self.yields))
         if "a cubic spring" in terms:  # it stiffens, or it softens
             square = 0.75 * (self.X / self.X.max()) ** 2 * self.bent
-            found.append(square[:, None] * np.array([1.0, -1.0]))
-        return np.hstack(found)
+            arrays.append(square[:, None] * np.array([1.0, -1.0]))
+        return np.hstack(arrays)
 
     def _solve(self, K: ComplexArray, terms: tuple[Term, ...]) -> _TermsOptimum:
         A = self._columns(terms) * self.weight[:, None]
@@ -330,16 +337,18 @@ def _noise(problem: _LineData, K: ComplexArray, parts: IndexArray) -> float | No
     FRF need not state its error; of neighbours, as lines beside a resonance are often worse known
     than those on it, and at most what leaves nothing explained. None with too few lines.
     """
-    left = [
+    residuals = [
         np.diff(k, 3) * (weight[1:-2] + weight[2:-1]) / 2
         for k, weight in zip(np.split(K, parts), np.split(problem.weight, parts), strict=True)
         if len(k) >= _LEAST
     ]
-    if not left:
+    if not residuals:
         return None
     near = [
-        one for each in left for one in np.array_split(np.abs(each), max(len(each) // _NEAR, 1))
+        values
+        for residual in residuals
+        for values in np.array_split(np.abs(residual), max(len(residual) // _NEAR, 1))
     ]
-    size = [min(float(np.median(one)) / _THIRD, LOST) for one in near]
-    rms = np.sqrt(np.average(np.square(size), weights=[len(one) for one in near]))
+    size = [min(float(np.median(values)) / _THIRD, LOST) for values in near]
+    rms = np.sqrt(np.average(np.square(size), weights=[len(values) for values in near]))
     return max(float(rms), FLOOR)

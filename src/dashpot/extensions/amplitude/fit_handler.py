@@ -8,19 +8,19 @@ from dashpot.cli._command_io import CommandResult
 from dashpot.cli.fit_handlers._request import FitRequest
 
 
-def run(given: FitRequest) -> CommandResult:
+def run(request: FitRequest) -> CommandResult:
     """Find how far stiffness and damping depend on how far the seal is moved."""
-    given.refuse_polarity()
-    given.check_output_suffix(".json", what="a fit over amplitude")
-    found = workflow.level_files(
-        given.files,
-        levels=given["levels"],
-        mass=given.mass,
-        at=given["at"],
-        law=given.model(AmplitudeLawAsked),
-        motion=given.hammer.motion,
-        options=given.reading,
-        **given.some("seals", "band"),
-        **(given.some("machine") if "--machine" in given.get_option_words() else {}),
+    request.refuse_polarity()
+    request.check_output_suffix(".json", what="a fit over amplitude")
+    levels = workflow.level_files(
+        request.files,
+        levels=request["levels"],
+        mass=request.mass,
+        at=request["at"],
+        law=request.model(AmplitudeLawAsked),
+        motion=request.hammer.motion,
+        options=request.reading,
+        **request.some("seals", "band"),
+        **(request.some("machine") if "--machine" in request.get_option_words() else {}),
     )
-    return given.told(found)
+    return request.told(levels)

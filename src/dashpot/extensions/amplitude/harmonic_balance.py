@@ -71,7 +71,9 @@ class LinearSubsystem:
         if base is not None and base not in system.base_dofs:
             raise DataError(f"'{base}' is no ground motion; known: {', '.join(system.base_dofs)}")
         loose = with_friction(system)
-        self.friction = [one for i in loose if (one := system.mounts[i].friction) is not None]
+        self.friction = [
+            dependent for i in loose if (dependent := system.mounts[i].friction) is not None
+        ]
         self.linear = replace(
             system, mounts=tuple(replace(mount, friction=None) for mount in system.mounts)
         )
@@ -89,12 +91,12 @@ class LinearSubsystem:
         """The problem of one frequency and level."""
         R = self.linear.receptance(1j * omega)
         if self.push is not None:
-            drive, moved = self.push.astype(complex), np.zeros(len(self.E))
+            drive, change = self.push.astype(complex), np.zeros(len(self.E))
         else:
             K = self.linear.spring_stiffness(1j * omega)
-            drive, moved = -(K * self.G) @ self.linear.stretch, self.ground
+            drive, change = -(K * self.G) @ self.linear.stretch, self.ground
         without, spread = level * (R @ drive), R @ self.E.T
-        stretch = self.E @ without + level * moved
+        stretch = self.E @ without + level * change
         return BalanceEquation(
             self.friction, omega, stretch, np.asarray(self.E @ spread), without, spread
         )
@@ -116,8 +118,8 @@ class BalanceEquation:
         if not e.any():
             return np.asarray(np.linalg.solve(self.compliance, self.stretch))
         forces = [
-            complex(part.equivalent(self.omega, max(abs(each), 1e-300))) * each
-            for part, each in zip(self.friction, e, strict=True)
+            complex(part.equivalent(self.omega, max(abs(value), 1e-300))) * value
+            for part, value in zip(self.friction, e, strict=True)
         ]
         return np.array(forces)
 
@@ -125,7 +127,7 @@ class BalanceEquation:
         """The stable answer next to that of the line before; the smallest to begin with."""
         if len(self.stretch) > 1:
             return self._newton(before)
-        answers = [each for each in self.all_answers() if self.is_stable(each)]
+        answers = [answer for answer in self.all_answers() if self.is_stable(answer)]
         if before is None or not before.any():
             return answers[0]
         return min(answers, key=lambda e: abs(np.log(max(abs(e[0]), 1e-300) / abs(before[0]))))
@@ -149,8 +151,8 @@ class BalanceEquation:
             brentq(lambda u: float(evaluate_balance(u)), _SCAN[i], _SCAN[i + 1], xtol=1e-14)
             for i in turns
         ]
-        found = [abs(e0) * float(np.exp(u)) for u in roots]
-        return [np.array([e0 / (1 + C * complex(part.equivalent(self.omega, X)))]) for X in found]
+        values = [abs(e0) * float(np.exp(u)) for u in roots]
+        return [np.array([e0 / (1 + C * complex(part.equivalent(self.omega, X)))]) for X in values]
 
     def is_stable(self, e: ComplexArray) -> bool:
         """Whether more force gives more motion at this frequency (one mount)."""
@@ -165,9 +167,9 @@ class BalanceEquation:
     def _newton(self, before: ComplexArray | None) -> ComplexArray:
         starts = [self._stuck(), self.stretch]
         for start in starts if before is None else [before, *starts]:
-            found = self._descend(np.array(start, dtype=complex))
-            if found is not None:
-                return found
+            values = self._descend(np.array(start, dtype=complex))
+            if values is not None:
+                return values
         raise DataError(
             f"no answer was reached at {self.omega / 2 / np.pi:.5g} Hz from the line before; take "
             "finer steps of frequency or level"
@@ -189,11 +191,11 @@ class BalanceEquation:
     def _newton_step(self, e: ComplexArray, r: ComplexArray) -> ComplexArray:
         """Step of e whose linearised residual is r: d(N e) = N de + (dN/dlnX) e Re(e* de) / X^2."""
         X = np.maximum(np.abs(e), 1e-300)
-        found = [
-            with_slope(part, np.asarray(self.omega), np.asarray(each))
-            for part, each in zip(self.friction, X, strict=True)
+        results = [
+            with_slope(part, np.asarray(self.omega), np.asarray(item))
+            for part, item in zip(self.friction, X, strict=True)
         ]
-        N, slope = (np.array([complex(pair[i]) for pair in found]) for i in (0, 1))
+        N, slope = (np.array([complex(pair[i]) for pair in results]) for i in (0, 1))
         u = e / X
         # columns for a real and for an imaginary part of de
         real = self.compliance * (N + slope * u * u.real) + np.eye(len(e))
@@ -246,12 +248,12 @@ def newton(
             return x
         full, share = step(x, r), 1.0
         there = x - full
-        left = residual(there)
-        while share > 1e-4 and np.abs(left).max() >= np.abs(r).max():
+        remainder = residual(there)
+        while share > 1e-4 and np.abs(remainder).max() >= np.abs(r).max():
             share /= 2
             there = x - share * full
-            left = residual(there)
-        x, r = there, left
+            remainder = residual(there)
+        x, r = there, remainder
     return x if np.abs(r).max() <= 1e-9 * size else None
 
 
@@ -267,7 +269,7 @@ def several_harmonics(
 
     def pulls(e: ComplexArray) -> ComplexArray:
         dt, path = 2 * np.pi / line.omega / _SAMPLES, between.path(e)
-        loops = [_steady(part, dt, each) for part, each in zip(line.friction, path, strict=True)]
+        loops = [_steady(part, dt, item) for part, item in zip(line.friction, path, strict=True)]
         return between.harmonics_of(np.array(loops))
 
     def stretches(z: FloatArray) -> ComplexArray:
@@ -282,13 +284,13 @@ def several_harmonics(
 
     start = np.zeros((len(harmonics), p), dtype=complex)
     start[0] = first / size
-    found = root(residual, np.concatenate((start.real.ravel(), start.imag.ravel())), tol=1e-10)
-    if float(np.abs(residual(found.x)).max()) > 1e-6:
+    solution = root(residual, np.concatenate((start.real.ravel(), start.imag.ravel())), tol=1e-10)
+    if float(np.abs(residual(solution.x)).max()) > 1e-6:
         raise DataError(
             f"harmonics {harmonics} found no balance at {line.omega / 2 / np.pi:.5g} Hz: take "
             "finer steps, or one harmonic"
         )
-    e = stretches(found.x)
+    e = stretches(solution.x)
     share = float(np.abs(e[1:]).max() / np.abs(e[0]).max())
     return e[0], pulls(e)[0], share
 

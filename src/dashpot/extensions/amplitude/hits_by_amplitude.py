@@ -99,9 +99,9 @@ class HitLevels(HasChecks, Serialisable):
     def hits(self) -> tuple[HitSummary, ...]:
         """The hits that count."""
         return tuple(
-            HitSummary(one.name, one.peak, one.amplitude, one.frequency, one.damping_ratio)
-            for one in self.frf.hits
-            if one.accepted
+            HitSummary(hit.name, hit.peak, hit.amplitude, hit.frequency, hit.damping_ratio)
+            for hit in self.frf.hits
+            if hit.accepted
         )
 
     @property
@@ -170,9 +170,9 @@ def hits_as_levels(frf: FRF, *, band: tuple[float, float] | None = None) -> HitL
     """
     modes, trend = frf.modes(band=band), trend_of_hits(frf.hits)
     if not modes or trend is None:
-        told = sum(one.amplitude is not None for one in frf.hits)
+        total = sum(hit.amplitude is not None for hit in frf.hits)
         raise DataError(
-            f"{told} hits whose resonance is told, and too few or too alike in height; expected "
+            f"{total} hits whose resonance is told, and too few or too alike in height; expected "
             "four or more, from soft to hard"
         )
     checks = (

@@ -81,9 +81,9 @@ class LevelResonances:
 
     def complete(self, plain: Prediction) -> LevelPrediction:
         """Return the prediction with its levels."""
-        own = {one.name: getattr(plain, one.name) for one in fields(plain)}
+        entries = {field.name: getattr(plain, field.name) for field in fields(plain)}
         return LevelPrediction(
-            **own, levels=self.levels, swept=self.swept, preloaded=self.preloaded
+            **entries, levels=self.levels, swept=self.swept, preloaded=self.preloaded
         )
 
 
@@ -125,12 +125,12 @@ class LevelEffect:
         anchor = self._anchor(part, rig.solid, kind=rig.kind, scale=scale)
         levels = [level_of(word, rig.kind) for word in self.choices.levels]
         if self.swept is not None:
-            found = self.swept.at(
+            resonances = self.swept.at(
                 rig.solid, levels, scale=scale, mass=rig.mass, kind=rig.kind, about=about,
                 frequency=frequency, coupled=rig.coupled, anchor=anchor,
             )  # fmt: skip
-            checks = (*self.swept.check_level_coverage(found), *self.swept.checks)
-            return LevelResonances(found, self.swept, (), checks)
+            checks = (*self.swept.check_level_coverage(resonances), *self.swept.checks)
+            return LevelResonances(resonances, self.swept, (), checks)
         bent = preloaded_levels(
             rig.fit, levels, mass=rig.mass, seals=rig.seals, kind=rig.kind, about=about,
             frequency=frequency, compression=compression, coupled=rig.coupled,
@@ -153,5 +153,5 @@ class LevelEffect:
             "level": level_of(typed, kind),
         }  # fmt: skip
         factor = swept.factors[0]
-        _, _, moved = swept.peak(solid, swept.law, factor, about=part.resonance, **how)
-        return ReferencePoint(part.resonance, moved / swept.stretch(factor))
+        _, _, change = swept.peak(solid, swept.law, factor, about=part.resonance, **how)
+        return ReferencePoint(part.resonance, change / swept.stretch(factor))

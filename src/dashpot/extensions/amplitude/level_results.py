@@ -142,14 +142,14 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
             ("k_inf", solid.k_inf, no, no, no),
             *((f"arm {j}", k, tau, no, no) for j, (k, tau) in enumerate(arms, 1)),
             *(
-                (f"slider {j}", one.k, no, one.yields_at, no)
-                for j, one in enumerate(self.sliders, 1)
+                (f"slider {j}", slider.k, no, slider.yields_at, no)
+                for j, slider in enumerate(self.sliders, 1)
             ),
             *[("cubic", no, no, no, self.k3)] * bool(self.k3),
         ]
         units = {"element": "", "k": "N/m", "tau": "s", "yields_at": "m", "k3": "N/m^3"}
-        each = zip(units.items(), zip(*rows, strict=True), strict=True)
-        return {name: (list(values), unit) for (name, unit), values in each}
+        pairs = zip(units.items(), zip(*rows, strict=True), strict=True)
+        return {name: (list(values), unit) for (name, unit), values in pairs}
 
     @property
     def digested(self) -> bool:
@@ -159,7 +159,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     @property
     def sliders(self) -> tuple[Jenkins, ...]:
         """The friction beside the solid."""
-        return tuple(one for one in self.beside if isinstance(one, Jenkins))
+        return tuple(element for element in self.beside if isinstance(element, Jenkins))
 
     @property
     def k3(self) -> float:
@@ -212,7 +212,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     @property
     def identity(self) -> str:
         """The FRFs that it was fitted to, by which a solver input names it."""
-        levels = ", ".join(f"{one:.4g}" for one in self.levels)
+        levels = ", ".join(f"{level:.4g}" for level in self.levels)
         return (
             f"FRFs of a mass of {self.mass:.6g} kg at the levels {levels} (N, or m/s^2 of a base), "
             f"which leaves {100 * self.residual:.2g} % of F/X"
@@ -230,16 +230,16 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     def in_parallel(self, count: float) -> LevelFit:
         """So many seals side by side, as one; a fraction is a shorter piece."""
 
-        def scale_parts(solid: GeneralizedMaxwell, beside: Elements) -> Parts:
-            return solid * count, tuple(one * count for one in beside)
+        def scale_parts(solid: GeneralizedMaxwell, elements: Elements) -> Parts:
+            return solid * count, tuple(element * count for element in elements)
 
-        solid, beside = scale_parts(self.solid, self.beside)
+        solid, frictions = scale_parts(self.solid, self.beside)
         length = None if self.specimen.length is None else count * self.specimen.length
         made = Step("parallel", (("count", f"{count:g}"),), f"{count:g} such seals in parallel")
         return replace(
             self,
             solid=solid,
-            beside=beside,
+            beside=frictions,
             draws=tuple(scale_parts(*draw) for draw in self.draws),
             seals=self.seals / count,
             specimen=replace(self.specimen, length=length),
@@ -312,7 +312,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         )
 
 
-def complete_document(found: dict[str, Any]) -> dict[str, Any]:
+def complete_document(entries: dict[str, Any]) -> dict[str, Any]:
     """Return the fields of a fit from its document, without the draws of chance.
 
     Raises
@@ -320,16 +320,16 @@ def complete_document(found: dict[str, Any]) -> dict[str, Any]:
     ReadError
         If the document is of another fit over amplitude.
     """
-    if "model" not in found:
-        what = "a law of stiffness and loss" if "law" in found else "hits of different height"
+    if "model" not in entries:
+        what = "a law of stiffness and loss" if "law" in entries else "hits of different height"
         raise ReadError(
             f"the {LevelFit.schema} document holds {what}, which has no force along a path: arms "
             "and sliders are what 'dashpot fit' finds of FRFs of one mass at several levels"
         )
-    cubic = found["cubic"]
-    beside = [*found["sliders"], *([] if cubic is None else [{"k3": cubic["k3"]}])]
-    return found | {"beside": beside, "draws": [], "orders": list(found["orders"].items())}
+    cubic = entries["cubic"]
+    parallel = [*entries["sliders"], *([] if cubic is None else [{"k3": cubic["k3"]}])]
+    return entries | {"beside": parallel, "draws": [], "orders": list(entries["orders"].items())}
 
 
-def _k3(_: GeneralizedMaxwell, beside: Elements) -> float:
-    return sum(one.k3 for one in beside if isinstance(one, Cubic))
+def _k3(_: GeneralizedMaxwell, elements: Elements) -> float:
+    return sum(element.k3 for element in elements if isinstance(element, Cubic))

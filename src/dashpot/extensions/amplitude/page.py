@@ -35,14 +35,14 @@ _FINEST = 1e-6
 """Part of a number to which it is known at best: no sweep has more digits."""
 
 
-def page(found: Levels) -> KindPage:
+def page(levels: Levels) -> KindPage:
     """What the page of levels holds."""
-    fit = found.fit
+    fit = levels.fit
     stiff = {"level_matters", "softening_seen", "law_followed", "levels_followed", "spring_unseen"}
     loss = {"loss_followed"}
-    asked = [Topic("Record"), Topic("Stiffness", stiff)]
-    if any(one.name in loss for one in found.checks):
-        asked.append(Topic("Damping", loss))
+    topics = [Topic("Record"), Topic("Stiffness", stiff)]
+    if any(check.name in loss for check in levels.checks):
+        topics.append(Topic("Damping", loss))
     low, high = fit.amplitudes
     word, scale = unit_of(np.array(fit.amplitudes), "m")
     if isinstance(fit, AmplitudeFit) and fit.of == "strain":
@@ -53,68 +53,68 @@ def page(found: Levels) -> KindPage:
     )
     frequencies: tuple[tuple[str, str], ...] = ()
     if isinstance(fit, AmplitudeFit):
-        told = ", ".join(round_to_error(one) for one in fit.frequency[:4].tolist())
-        frequencies = (("Frequency", f"{told} Hz"),)
-    picture = plot.level(fit, found.records)
+        text = ", ".join(round_to_error(item) for item in fit.frequency[:4].tolist())
+        frequencies = (("Frequency", f"{text} Hz"),)
+    picture = plot.level(fit, levels.records)
     return KindPage(
         about="levels of a hammer or shaker" if picture.name == "levels" else "amplitude sweep",
         strip=(
-            *format_specimen_header(getattr(found.records[0], "specimen", None)),
+            *format_specimen_header(getattr(levels.records[0], "specimen", None)),
             *frequencies,
             every,
         ),
-        lights=lights(found.checks, *asked),
+        lights=lights(levels.checks, *topics),
         answers="Stiffness and loss with amplitude",
         picture=picture,
         told="What amplitude does",
-        groups=(group("", numbers(found)),),
-        note=format_residual_note(found),
-        sources=tuple(dict.fromkeys(found.source)),
+        groups=(group("", numbers(levels)),),
+        note=format_residual_note(levels),
+        sources=tuple(dict.fromkeys(levels.source)),
     )
 
 
-def prediction_page(found: LevelPrediction) -> KindPage:
+def prediction_page(prediction: LevelPrediction) -> KindPage:
     """Return what the page of a prediction at levels holds."""
-    plain = frf_pages.prediction_page(found)
+    plain = frf_pages.prediction_page(prediction)
     levels = (
         Group(f"At {level.level:.4g} {level.unit}", tuple(row(fact) for fact in level.facts))
-        for level in found.preloaded
+        for level in prediction.preloaded
     )
     return replace(plain, groups=(plain.groups[0], *levels, *plain.groups[1:]))
 
 
-def draw_prediction(found: LevelPrediction) -> Picture:
+def draw_prediction(prediction: LevelPrediction) -> Picture:
     """Return the picture of a prediction at levels."""
-    names = (f"at {level.level:.4g} {level.unit}" for level in found.by_level)
+    names = (f"at {level.level:.4g} {level.unit}" for level in prediction.by_level)
     return notebook.draw_prediction(
-        found,
-        *(level.frf for level in found.by_level),
+        prediction,
+        *(level.frf for level in prediction.by_level),
         labels=("predicted at a vanishing level", *names),
         ordered=True,
-        intervals=[level.magnitude for level in found.preloaded],
+        intervals=[level.magnitude for level in prediction.preloaded],
     )
 
 
-def numbers(found: Levels) -> list[ReportedValue]:
+def numbers(levels: Levels) -> list[ReportedValue]:
     """What moves with amplitude, and the resonance at every level that was asked for."""
-    fit = found.fit
+    fit = levels.fit
     if isinstance(fit, AmplitudeFit):
         return [*_make_law_facts(fit)]
     rows = _make_hit_facts(fit) if isinstance(fit, HitLevels) else _make_level_facts(fit)
-    return [*rows, *(row for one in found.at for row in one.facts)]
+    return [*rows, *(row for peak in levels.at for row in peak.facts)]
 
 
-def format_residual_note(found: Levels) -> str:
+def format_residual_note(levels: Levels) -> str:
     """What the fit leaves, and where nothing is known of it."""
-    fit = found.fit
+    fit = levels.fit
     if isinstance(fit, AmplitudeFit):
         word, scale = _amplitude(fit)
-        said = f"Leaves {round_to_error(100 * fit.residual, digits=2)} % rms"
+        text = f"Leaves {round_to_error(100 * fit.residual, digits=2)} % rms"
         if fit.left_out:
-            said += f", less {fit.left_out} samples of the smallest amplitudes, which scatter"
+            text += f", less {fit.left_out} samples of the smallest amplitudes, which scatter"
     elif isinstance(fit, HitLevels):
         word, scale = unit_of(np.array(fit.amplitudes), "m")
-        said = (
+        text = (
             "Four of five such tests find "
             f"{round_to_error(100 * fit.trend.stiffness_found, digits=2)} % "
             f"of stiffness and {round_to_error(100 * fit.trend.damping_found, digits=2)} % of "
@@ -124,14 +124,14 @@ def format_residual_note(found: Levels) -> str:
     else:
         word, scale = unit_of(np.array(fit.amplitudes), "m")
         arms, sliders = fit.solid.arms, len(fit.sliders)
-        said = (
+        text = (
             f"{arms} arm{'s' * (arms != 1)}, {sliders} slider{'s' * (sliders != 1)}"
             f"{' and a cubic spring' * bool(fit.k3)} leave "
             f"{round_to_error(100 * fit.residual, digits=2)} % of F/X, arms alone "
             f"{round_to_error(100 * fit.linear_residual, digits=2)} %"
         )
     low, high = (round_to_error(scale * end) for end in fit.amplitudes)
-    return f"{said}. Nothing is known beyond {low} to {high} {word}."
+    return f"{text}. Nothing is known beyond {low} to {high} {word}."
 
 
 def _make_law_facts(fit: AmplitudeFit) -> Iterator[ReportedValue]:
@@ -148,14 +148,14 @@ def _make_law_facts(fit: AmplitudeFit) -> Iterator[ReportedValue]:
     if fit.k3:
         # per square of an amplitude it is a number that nobody has seen: what it adds is
         most = 0.75 * fit.amplitudes[1] ** 2
-        said = f"cubic spring, at {round_to_error(stretch * fit.amplitudes[1])} {word}"
-        yield _make_fact(said, most * fit.k3, most * error_of["k3"], fit.unit)
+        text = f"cubic spring, at {round_to_error(stretch * fit.amplitudes[1])} {word}"
+        yield _make_fact(text, most * fit.k3, most * error_of["k3"], fit.unit)
     if "lost" not in error_of:
         return
     lost = ("1", "%") if fit.law.startswith("factor") else (fit.unit, "")
     yield _make_fact("lost", fit.lost, error_of["lost"], *lost)
-    said, si = ("strain", "1") if fit.of == "strain" else ("amplitude", "m")
-    yield _make_fact(f"half lost, {said}", fit.half_way, error_of["half_way"], si, word)
+    text, si = ("strain", "1") if fit.of == "strain" else ("amplitude", "m")
+    yield _make_fact(f"half lost, {text}", fit.half_way, error_of["half_way"], si, word)
     # one that was set is not known
     yield _make_fact("exponent", fit.exponent, error_of["exponent"] or np.inf, "")
 
@@ -197,11 +197,11 @@ def _make_level_facts(fit: LevelFit) -> Iterator[ReportedValue]:
     for i, (name, unit) in enumerate((("K′", "N/m"), ("loss factor", ""))):
         for j, at in enumerate(X.tolist()):
             word, mm = unit_of(np.array(at), "m")
-            said = f"{name}, {round_to_error(mm * at, digits=2)} {word}"
-            yield ReportedValue(said, float(value[i, j]), float(low[i, j]), float(high[i, j]), unit)
+            text = f"{name}, {round_to_error(mm * at, digits=2)} {word}"
+            yield ReportedValue(text, float(value[i, j]), float(low[i, j]), float(high[i, j]), unit)
     if fit.k3:
         word, mm = unit_of(X[1], "m")
         share = 0.75 * X[1] ** 2
-        said = f"cubic spring, {round_to_error(mm * X[1], digits=2)} {word}"
+        text = f"cubic spring, {round_to_error(mm * X[1], digits=2)} {word}"
         low_end, high_end = (share * end for end in fit.k3_interval)
-        yield ReportedValue(said, share * fit.k3, low_end, high_end, "N/m")
+        yield ReportedValue(text, share * fit.k3, low_end, high_end, "N/m")

@@ -57,10 +57,10 @@ class Softening(AmplitudeDependent):
     def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
         """Change of the complex stiffness, N/m: its real part is below 0."""
         law = self.share, self.half_way, self.exponent
-        known = softening_factor(self.since, *law) if self.since else 1.0
+        factor = softening_factor(self.since, *law) if self.since else 1.0
         return np.asarray(
             self.solid.complex_stiffness(omega=omega)
-            * (softening_factor(amplitude, *law) / known - 1)
+            * (softening_factor(amplitude, *law) / factor - 1)
         )
 
     def start(self) -> Any:

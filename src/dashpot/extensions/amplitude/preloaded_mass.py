@@ -202,7 +202,7 @@ class PreloadedMass:
                 "with k_inf > 0"
             )
         if len(self._rests) > 1:
-            listed = ", ".join(format_quantity(one, "mm", ".4g") for one in self._rests)
+            listed = ", ".join(format_quantity(rest, "mm", ".4g") for rest in self._rests)
             raise DataError(
                 f"the elastic law is not monotone: {self.pressed:.4g} N rests at {listed}; "
                 "expected a law that rises over all the compressions meant, or another preload"
@@ -241,18 +241,18 @@ class PreloadedMass:
         F, hz = convert_to_si(level, "force"), convert_to_si(frequency, "frequency")
         require_positive("shaken: ", level=F, frequency=hz)
         line = _PressedBalance(self, hz, F, HARMONICS)
-        found = line.solve_by_continuation()
+        state = line.solve_by_continuation()
         while 2 * line.most <= _MOST:
             finer = _PressedBalance(self, hz, F, 2 * line.most)
-            more = finer.from_start(line.extend_harmonics(found.unknown, finer.most))
+            more = finer.from_start(line.extend_harmonics(state.unknown, finer.most))
             if more is None:
                 break
-            coarse, fine = line.harmonics(found.unknown), finer.harmonics(more.unknown)
-            moved = np.abs(fine[: SHOWN + 1] - coarse[: SHOWN + 1]).max()
-            line, found = finer, more
-            if moved <= _SETTLED * np.abs(fine).max():
+            coarse, fine = line.harmonics(state.unknown), finer.harmonics(more.unknown)
+            change = np.abs(fine[: SHOWN + 1] - coarse[: SHOWN + 1]).max()
+            line, state = finer, more
+            if change <= _SETTLED * np.abs(fine).max():
                 break
-        orbit = line.orbit(found)
+        orbit = line.orbit(state)
         orbit.refuse_unstable()
         return orbit
 
@@ -270,7 +270,7 @@ class PreloadedMass:
         DataError
             If its answers change so often along the frequencies that no sweep follows them.
         """
-        found: list[Orbit] = []
+        orbits: list[Orbit] = []
         before, steps = start, 0
         for hz in np.asarray(frequency, dtype=float).tolist():
             orbit = None if before is None else self._solve_near_orbit(before, hz, level)
@@ -287,8 +287,8 @@ class PreloadedMass:
                         self._refuse_bouncing(level, hz)
                 orbit = line.orbit(near)
             before = orbit if orbit.stable else None
-            found.append(orbit)
-        return tuple(found)
+            orbits.append(orbit)
+        return tuple(orbits)
 
     def _refuse_bouncing(self, level: float, hz: float) -> None:
         raise DataError(
@@ -302,24 +302,24 @@ class PreloadedMass:
 
         Beyond the jump both last, so that a sweep the other way meets the other one.
         """
-        found = []
+        jumps = []
         for last, after in pairwise(swept):
             if not (last.stable and after.stable and _compare_orbits(after, last) > _JUMP):
                 continue
             back = self._solve_near_orbit(after, last.frequency, after.level)
             if back is None or not back.stable or _compare_orbits(back, last) <= _SAME:
                 continue
-            before, beyond = last, after.frequency
+            before, excess = last, after.frequency
             for _ in range(_HALVES):
-                middle = 0.5 * (before.frequency + beyond)
+                middle = 0.5 * (before.frequency + excess)
                 on = self._solve_near_orbit(before, middle, before.level)
                 if on is None or not on.stable or _compare_orbits(on, before) > _JUMP:
-                    beyond = middle
+                    excess = middle
                 else:
                     before = on
-            there = self._solve_near_orbit(after, beyond, after.level) or after
-            found.append(Jump(before, there))
-        return tuple(found)
+            there = self._solve_near_orbit(after, excess, after.level) or after
+            jumps.append(Jump(before, there))
+        return tuple(jumps)
 
     def changes(self, orbit: Orbit, others: Sequence[PreloadedMass]) -> ComplexArray:
         r"""Return by how much its harmonics would change on others instead, to first order.
@@ -330,12 +330,12 @@ class PreloadedMass:
         """
         line = _PressedBalance(self, orbit.frequency, orbit.level, len(orbit.harmonics) - 1)
         z = line.real(orbit.harmonics)
-        left = [
+        residuals = [
             _PressedBalance(other, orbit.frequency, orbit.level, line.most).balance(z, 1.0)
             for other in others
         ]
-        moved = -np.linalg.solve(line.slope(z), np.reshape(left, (-1, len(z))).T).T
-        return np.array([line.harmonics(one) for one in moved]).reshape(-1, line.most + 1)
+        change = -np.linalg.solve(line.slope(z), np.reshape(residuals, (-1, len(z))).T).T
+        return np.array([line.harmonics(item) for item in change]).reshape(-1, line.most + 1)
 
     def end_changes(self, orbit: Orbit, others: Sequence[PreloadedMass]) -> FloatArray:
         r"""By how much the end of its branch would move on others, Hz, shape (others,).
@@ -360,18 +360,18 @@ class PreloadedMass:
     def _solve_near_orbit(self, orbit: Orbit, hz: float, level: float) -> Orbit | None:
         """The answer at a frequency to which that at another leads."""
         line = _PressedBalance(self, hz, level, len(orbit.harmonics) - 1)
-        found = line.from_start(line.real(orbit.harmonics))
-        return None if found is None else line.orbit(found)
+        state = line.from_start(line.real(orbit.harmonics))
+        return None if state is None else line.orbit(state)
 
 
 _SAME = 1e-5
 """Part of the first harmonic within which two answers are one."""
 
 
-def _compare_orbits(one: Orbit, other: Orbit) -> float:
+def _compare_orbits(orbit: Orbit, other: Orbit) -> float:
     """By how much two answers differ, of the larger first harmonic."""
-    first = max(abs(one.harmonics[1]), abs(other.harmonics[1]))
-    return float(np.abs(one.harmonics[:3] - other.harmonics[:3]).max() / first)
+    first = max(abs(orbit.harmonics[1]), abs(other.harmonics[1]))
+    return float(np.abs(orbit.harmonics[:3] - other.harmonics[:3]).max() / first)
 
 
 @lru_cache(maxsize=8)
@@ -436,10 +436,10 @@ class _PressedBalance:
     def balance(self, z: FloatArray, share: float) -> FloatArray:
         """What is left of the forces, N, at a share of the level."""
         force = np.maximum(self.pressing(z)[1], 0.0)
-        left = self.cycle.harmonics_of(force) + self.inertia * self.harmonics(z)
-        left[0] -= self.of.pressed
-        left[1] -= share * self.level
-        return self.real(left)
+        residual = self.cycle.harmonics_of(force) + self.inertia * self.harmonics(z)
+        residual[0] -= self.of.pressed
+        residual[1] -= share * self.level
+        return self.real(residual)
 
     def slope(self, z: FloatArray) -> FloatArray:
         """Of the balance by the unknowns, N/m."""
@@ -447,12 +447,12 @@ class _PressedBalance:
         tangent = np.where(x > 0, self.of.law.tangent(np.maximum(x, 0.0)), 0.0)
         force = np.where(glued > 0, self._apply_arms((tangent * self.basis.T).T).T, 0.0)
         # samples last
-        left = self.cycle.harmonics_of(force)
+        harmonics = self.cycle.harmonics_of(force)
         H = self.most
-        each = np.arange(H + 1)
-        left[each, each] += self.inertia
-        left[each[1:], H + each[1:]] += 1j * self.inertia[1:]
-        return np.concatenate((left.real, left.imag[1:]))
+        indices = np.arange(H + 1)
+        harmonics[indices, indices] += self.inertia
+        harmonics[indices[1:], H + indices[1:]] += 1j * self.inertia[1:]
+        return np.concatenate((harmonics.real, harmonics.imag[1:]))
 
     def build_rest_state(self) -> FloatArray:
         z = np.zeros(2 * self.most + 1)
@@ -461,14 +461,14 @@ class _PressedBalance:
 
     def from_start(self, z: FloatArray) -> BalancedState | None:
         """The answer near some unknowns."""
-        found = newton(
+        values = newton(
             lambda z: self.balance(z, 1.0),
             lambda z, r: np.asarray(np.linalg.solve(self.slope(z), r)),
             z,
             size=self.size,
             most=15,
         )
-        return None if found is None else self._build_balanced_state(found)
+        return None if values is None else self._build_balanced_state(values)
 
     def _build_balanced_state(self, z: FloatArray) -> BalancedState:
         x, glued = self.pressing(z)
@@ -490,24 +490,26 @@ class _PressedBalance:
         scale, step = np.append(np.full(n, np.abs(toward[1:n]).max()), 1.0), 2.0
         tangent = toward / np.linalg.norm(toward / scale)
         for _ in range(_STEPS):
-            left = float((1 - done) / tangent[n]) if tangent[n] > 0 else np.inf
-            last = left <= step
-            length = min(left, step)
+            ratio = float((1 - done) / tangent[n]) if tangent[n] > 0 else np.inf
+            last = ratio <= step
+            length = min(ratio, step)
             self.steps += 1
-            found = self._solve_arclength_step(z, done, tangent, length, scale, last=last)
-            if found is None:
+            arclength_step = self._solve_arclength_step(z, done, tangent, length, scale, last=last)
+            if arclength_step is None:
                 step = length / 2
                 if step < _SHORTEST:
                     break
                 continue
             if last:
-                return self._build_balanced_state(found[:n])
-            if found[n] > 1:  # the level lies between, and is met from below
+                return self._build_balanced_state(arclength_step[:n])
+            if arclength_step[n] > 1:  # the level lies between, and is met from below
                 step = length / 2
                 continue
-            if found[n] < 0:  # the same motion half a period later: light arms turn it in one step
-                found, tangent = half * found, half * tangent
-            z, done = found[:n], float(found[n])
+            if (
+                arclength_step[n] < 0
+            ):  # the same motion half a period later: light arms turn it in one step
+                arclength_step, tangent = half * arclength_step, half * tangent
+            z, done = arclength_step[:n], float(arclength_step[n])
             reached = max(reached, done)
             toward = self._compute_tangent(z, tangent / scale**2)
             tangent = toward / np.linalg.norm(toward / scale)
@@ -553,13 +555,13 @@ class _PressedBalance:
             border[:n] /= self.size
             return np.asarray(np.linalg.solve(border, r))
 
-        found = newton(residual, step, ahead, size=1.0, most=10)
-        if found is None:
+        values = newton(residual, step, ahead, size=1.0, most=10)
+        if values is None:
             return None
-        off = float(np.linalg.norm((found - ahead) / scale))
-        return found if off <= _WIDEST * length else None
+        off = float(np.linalg.norm((values - ahead) / scale))
+        return values if off <= _WIDEST * length else None
 
-    def orbit(self, found: BalancedState) -> Orbit:
+    def orbit(self, state: BalancedState) -> Orbit:
         """The noun of an answer.
 
         Raises
@@ -567,7 +569,7 @@ class _PressedBalance:
         DataError
             If it moves farther than in any test.
         """
-        far = float(np.abs(self.harmonics(found.unknown)[1:]).max())
+        far = float(np.abs(self.harmonics(state.unknown)[1:]).max())
         SIZES["amplitude"].refuse(
             max(far, SIZES["amplitude"].hard[0]),
             f"at a level of {format_quantity_short(self.level, 'N')} the mass would move by "
@@ -578,11 +580,11 @@ class _PressedBalance:
             self.hz,
             self.level,
             self.of.rest,
-            self.harmonics(found.unknown),
-            self._multiplier(found.unknown),
-            float((~found.pressing).mean()),
-            float(found.path.min()),
-            float(found.path.max()),
+            self.harmonics(state.unknown),
+            self._multiplier(state.unknown),
+            float((~state.pressing).mean()),
+            float(state.path.min()),
+            float(state.path.max()),
         )
 
     def _multiplier(self, z: FloatArray) -> complex:
@@ -593,7 +595,7 @@ class _PressedBalance:
         """
         solid, law = self.of.solid.maxwell, self.of.law
         omega, n = 2 * np.pi * self.hz, _FLOQUET_STEPS
-        g, tau = (np.asarray(one) for one in (solid.k, solid.tau))
+        g, tau = (np.asarray(pair) for pair in (solid.k, solid.tau))
         g = g / solid.k_inf
         at_once, dash = 1 + g.sum(), solid.b / solid.k_inf
         width, phase, turn = _gauss_points(self.most)
@@ -616,14 +618,16 @@ class _PressedBalance:
         whole = width / 2 * (first + second) + np.sqrt(3) / 12 * width**2 * (
             second @ first - first @ second
         )
-        square, one = whole @ whole / 12, np.eye(2 + len(g))
-        steps = np.linalg.solve(one - whole / 2 + square, one + whole / 2 + square)
+        square, values = whole @ whole / 12, np.eye(2 + len(g))
+        steps = np.linalg.solve(values - whole / 2 + square, values + whole / 2 + square)
         while len(steps) > 1:  # a power of two of them, the later on the left
             steps = steps[1::2] @ steps[::2]
-        found = np.linalg.eigvals(steps[0])
-        return complex(found[np.abs(found).argmax()])
+        result = np.linalg.eigvals(steps[0])
+        return complex(result[np.abs(result).argmax()])
 
 
 def find_largest_orbit(orbits: Sequence[Orbit], harmonic: int = 1) -> Orbit:
     """The orbit of a sweep that lasts and has the most of a harmonic."""
-    return max((one for one in orbits if one.stable), key=lambda one: one.amplitudes[harmonic])
+    return max(
+        (orbit for orbit in orbits if orbit.stable), key=lambda orbit: orbit.amplitudes[harmonic]
+    )

@@ -141,7 +141,7 @@ class PreloadedLevel(Serialisable):
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
         """The resonance, mean and harmonics, with their intervals."""
-        known, lost = self.interval, (np.nan, np.nan)
+        interval, lost = self.interval, (np.nan, np.nan)
         at = f"at {self.level:.4g} {self.unit}"
 
         def fact(
@@ -149,17 +149,17 @@ class PreloadedLevel(Serialisable):
         ) -> ReportedValue:
             low, high = ends or lost
             words = f"{name.replace('_', ' ')} {at}"
-            error = None if ends or known is None else math.inf
+            error = None if ends or interval is None else math.inf
             return ReportedValue(name, value, low, high, unit, error, read, words)
 
         harmonics: Sequence[Ends | None] = (None,) * len(self.orbit.shown)
-        if known is not None and known.harmonics is not None:
-            harmonics = known.harmonics
+        if interval is not None and interval.harmonics is not None:
+            harmonics = interval.harmonics
         amplitudes = self.orbit.shown.tolist()
         return (
-            fact("peak_frequency", self.frequency, known.frequency if known else None, "Hz"),
-            fact("peak_height", self.value, known.value if known else None, self.frf.unit),
-            fact("mean_shift", self.orbit.shift, known.shift if known else None, "m", "mm"),
+            fact("peak_frequency", self.frequency, interval.frequency if interval else None, "Hz"),
+            fact("peak_height", self.value, interval.value if interval else None, self.frf.unit),
+            fact("mean_shift", self.orbit.shift, interval.shift if interval else None, "m", "mm"),
             *(
                 fact(f"harmonic_{h}", amplitudes[h], harmonics[h], "m", "mm")
                 for h in range(1, _TOLD + 1)
@@ -169,7 +169,7 @@ class PreloadedLevel(Serialisable):
     @property
     def jumps_hz(self) -> list[float]:
         """Where a rising frequency jumps, Hz."""
-        return [one.after.frequency for one in self.jumps]
+        return [jump.after.frequency for jump in self.jumps]
 
     @property
     def response(self) -> dict[str, Any]:
@@ -239,7 +239,7 @@ def preloaded_levels(
             "was not "
             "tested; expected a thousandth of that, or more. Check the mass and its unit"
         )
-    others = [build_preloaded_mass(*one) for one in _off_by_error(fit, fit.elastic_law)]
+    others = [build_preloaded_mass(*group) for group in _off_by_error(fit, fit.elastic_law)]
     band = frequency[:: -(-len(frequency) // _LINES)]
     rig = _AtLevels(here, others, mass, kind, coupled)
     return tuple(rig.at(level, band, about) for level in levels)
@@ -282,9 +282,9 @@ class _AtLevels:
         ends = about * _REACH[0], about * _REACH[1]
         lines = np.union1d(band, np.geomspace(*ends, _LINES))
         swept = self.here.sweep(level=force, frequency=lines)
-        lasting = [one for one in swept if one.stable]
-        near = [one for one in lasting if ends[0] <= one.frequency <= ends[1]]
-        top = int(np.argmax([self.size(one) for one in near])) if near else 0
+        lasting = [orbit for orbit in swept if orbit.stable]
+        near = [orbit for orbit in lasting if ends[0] <= orbit.frequency <= ends[1]]
+        top = int(np.argmax([self.size(orbit) for orbit in near])) if near else 0
         if top in {0, max(len(near) - 1, 0)}:
             raise DataError(
                 f"at {level:g} {unit_of(self.kind)} no resonance is found between {ends[0]:.4g} "
@@ -296,8 +296,10 @@ class _AtLevels:
             force, into.after if into else near[top - 1], out.before if out else near[top + 1]
         )
         # both sides of a jump, between which nothing is to be drawn
-        known = {one.frequency: one for one in (*lasting, *(end for one in jumps for end in one))}
-        shown = [known[hz] for hz in sorted(known) if band[0] <= hz <= band[-1]]
+        orbits = {
+            end.frequency: end for end in (*lasting, *(end for jump in jumps for end in jump))
+        }
+        shown = [orbits[hz] for hz in sorted(orbits) if band[0] <= hz <= band[-1]]
         return PreloadedLevel(
             level,
             unit_of(self.kind),
@@ -315,22 +317,22 @@ class _AtLevels:
         """The responses that last between two, and which of them is the largest."""
         close = np.linspace(start.frequency, last.frequency, _FINE)[1:-1]
         about_top = self.here.sweep(level=force, frequency=close, start=start)
-        run = [start, *(one for one in about_top if one.stable), last]
-        best = int(np.argmax([self.size(one) for one in run]))
+        run = [start, *(orbit for orbit in about_top if orbit.stable), last]
+        best = int(np.argmax([self.size(orbit) for orbit in run]))
         if 0 < best < len(run) - 1:
             # between the lines, where the parabola through three is highest
             three = run[best - 1 : best + 2]
-            bend, slope, _ = _parabola(three) @ np.log([self.size(one) for one in three])
+            bend, slope, _ = _parabola(three) @ np.log([self.size(orbit) for orbit in three])
             near_top = np.array([three[1].frequency - slope / (2 * bend)])
             summit = self.here.sweep(level=force, frequency=near_top, start=three[1])
-            run[best : best + 1] = [one for one in summit if one.stable] or three[1:2]
+            run[best : best + 1] = [orbit for orbit in summit if orbit.stable] or three[1:2]
         return run, best
 
     def frf(self, orbits: Sequence[Orbit], moved: complex = 0.0) -> FRF:
         """First harmonics, all changed by so much, m, as the kind has them."""
-        f = np.array([one.frequency for one in orbits])
-        force = np.array([one.level for one in orbits])
-        shaken = np.array([complex(one.harmonics[1]) for one in orbits]) + moved
+        f = np.array([orbit.frequency for orbit in orbits])
+        force = np.array([orbit.level for orbit in orbits])
+        shaken = np.array([complex(orbit.harmonics[1]) for orbit in orbits]) + moved
         H = np.asarray(shaken / force, dtype=complex)
         if not self.kind.over_base:
             return FRF.of_receptance(f, H, kind=self.kind)
@@ -355,8 +357,8 @@ class _AtLevels:
         """
         if not self.others:
             return None
-        response, f = np.abs(self.frf(shown).value), [one.frequency for one in shown]
-        some = [_norm(self._logs(one)) for one in shown[::_THINNED]]
+        response, f = np.abs(self.frf(shown).value), [orbit.frequency for orbit in shown]
+        some = [_norm(self._logs(orbit)) for orbit in shown[::_THINNED]]
         spread = np.exp(NORMAL * np.interp(f, f[::_THINNED], some))
         magnitude = np.array([response / spread, response * spread])
         at, first, last = run[best], best == 0, best == len(run) - 1
@@ -369,23 +371,23 @@ class _AtLevels:
         if last:
             return LevelInterval(frequency, None, None, None, magnitude)
         by_frequency = self._slopes(run[:2] if first else run[best - 1 : best + 2])
-        along = by_frequency(lambda one: np.log(self.size(one)))
+        along = by_frequency(lambda orbit: np.log(self.size(orbit)))
         value = self.size(at) * np.exp(NORMAL * _norm(self._logs(at) + along * shift) * _BOTH)
         count = len(at.shown)
         turn = np.conj(at.harmonics[:count]) / np.maximum(at.shown, 1e-300)
-        moved = (turn * self.here.changes(at, self.others)[:, :count]).real
-        moved += np.outer(shift, by_frequency(lambda one: one.shown))
-        rests = np.array([one.rest for one in self.others]) - at.rest
+        real = (turn * self.here.changes(at, self.others)[:, :count]).real
+        real += np.outer(shift, by_frequency(lambda orbit: orbit.shown))
+        rests = np.array([other.rest for other in self.others]) - at.rest
         low, high = value.tolist()
         return LevelInterval(
             frequency,
             (low, high) if high < (1 + _WIDE) * self.size(at) else None,
-            _compute_narrow_interval(at.shift, moved[:, 0] - rests),
+            _compute_narrow_interval(at.shift, real[:, 0] - rests),
             tuple(
-                _compute_narrow_interval(float(one), moved[:, h])
-                if one > _SLIGHT * at.shown[1]
+                _compute_narrow_interval(float(number), real[:, h])
+                if number > _SLIGHT * at.shown[1]
                 else None
-                for h, one in enumerate(at.shown)
+                for h, number in enumerate(at.shown)
             ),
             magnitude,
         )
@@ -394,37 +396,37 @@ class _AtLevels:
         """By how much the logarithm of the response changes on each of the others."""
         first = complex(orbit.harmonics[1])
         part = _PART * first
-        own, less = (complex(self.frf([orbit], off).value[0]) for off in (0.0, -part))
-        moved = self.here.changes(orbit, self.others)[:, 1]
-        return np.asarray(((own - less) / part / own * moved).real)
+        value, less = (complex(self.frf([orbit], off).value[0]) for off in (0.0, -part))
+        change = self.here.changes(orbit, self.others)[:, 1]
+        return np.asarray(((value - less) / part / value * change).real)
 
     def _moves(self, three: Sequence[Orbit]) -> FloatArray:
         """By how much the largest response moves in frequency on each of the others, Hz."""
         bend, slope, _ = _parabola(three)
-        size = np.log([self.size(one) for one in three])
-        return np.asarray(-(slope @ [self._logs(one) for one in three]) / (2 * bend @ size))
+        size = np.log([self.size(orbit) for orbit in three])
+        return np.asarray(-(slope @ [self._logs(orbit) for orbit in three]) / (2 * bend @ size))
 
     @staticmethod
     def _slopes(few: Sequence[Orbit]) -> Callable[[Callable[[Orbit], Any]], Any]:
         """What finds the slope by frequency of anything: at the middle of three, or along two."""
         if len(few) == 2:
-            apart = few[1].frequency - few[0].frequency
-            return lambda of: (of(few[1]) - of(few[0])) / apart
-        return lambda of: _parabola(few)[1] @ [of(one) for one in few]
+            difference = few[1].frequency - few[0].frequency
+            return lambda of: (of(few[1]) - of(few[0])) / difference
+        return lambda of: _parabola(few)[1] @ [of(orbit) for orbit in few]
 
 
 def _find_adjacent_jumps(
     low: Orbit, top: Orbit, high: Orbit, jumps: Sequence[Jump]
 ) -> tuple[Jump | None, Jump | None]:
     """The jump into the largest response from the one below it, and out of it to the one above."""
-    into = (one for one in jumps if low.frequency < one.after.frequency <= top.frequency)
-    out = (one for one in jumps if top.frequency <= one.before.frequency < high.frequency)
+    into = (jump for jump in jumps if low.frequency < jump.after.frequency <= top.frequency)
+    out = (jump for jump in jumps if top.frequency <= jump.before.frequency < high.frequency)
     return next(into, None), next(out, None)
 
 
 def _parabola(three: Sequence[Orbit]) -> FloatArray:
     """What makes of values at three the bend, slope and height of their parabola at the second."""
-    f = np.array([one.frequency for one in three])
+    f = np.array([orbit.frequency for orbit in three])
     return np.asarray(np.linalg.inv(np.vander(f - f[1], 3)))
 
 
@@ -433,25 +435,25 @@ _PART, _THINNED = 1e-3, 3
 """Of the first harmonic, by which a slope is told; of so many lines one is asked for its errors."""
 
 
-def _norm(moved: FloatArray) -> float:
-    return float(np.linalg.norm(moved))
+def _norm(change: FloatArray) -> float:
+    return float(np.linalg.norm(change))
 
 
-def _compute_interval(value: float, moved: FloatArray) -> Ends:
+def _compute_interval(value: float, change: FloatArray) -> Ends:
     """The 95 % interval of a value that independent errors move by so much each."""
-    half = NORMAL * _norm(moved)
+    half = NORMAL * _norm(change)
     return value - half, value + half
 
 
-def _compute_narrow_interval(value: float, moved: FloatArray) -> Ends | None:
+def _compute_narrow_interval(value: float, change: FloatArray) -> Ends | None:
     """That interval, where it is narrower than the value."""
-    ends = _compute_interval(value, moved)
+    ends = _compute_interval(value, change)
     return ends if ends[1] - value < _WIDE * abs(value) else None
 
 
 def _unsteady(lines: FloatArray, lasting: Sequence[Orbit]) -> tuple[tuple[float, float], ...]:
     """Runs of lines without an answer that lasts, Hz."""
-    gone = ~np.isin(lines, [one.frequency for one in lasting])
+    gone = ~np.isin(lines, [orbit.frequency for orbit in lasting])
     turns = np.flatnonzero(np.diff(np.concatenate(([0], gone.astype(int), [0]))))
     return tuple(
         (float(lines[a]), float(lines[b - 1])) for a, b in zip(turns[::2], turns[1::2], strict=True)

@@ -65,17 +65,17 @@ def sweep_of_loops(test: RelaxationTest, machine: Machine | None = None) -> Ampl
     machine = machine or Machine()
     machine.heeds("sync", of="recorded loops")
     cycles = steady_cycles(test)
-    K = np.array([one.stiffness for one in cycles])
+    K = np.array([cycle.stiffness for cycle in cycles])
     return AmplitudeSweep(
-        np.array([one.frequency for one in cycles]),
-        np.array([one.amplitude for one in cycles]),
+        np.array([cycle.frequency for cycle in cycles]),
+        np.array([cycle.amplitude for cycle in cycles]),
         K.real,
         K.imag,
         "N/m",
         "m",
         test.specimen,
         test.source,
-        np.array([one.sd for one in cycles]),
+        np.array([cycle.sd for cycle in cycles]),
         machine.delay_sd(median(np.diff(test.time))),
         units="SI",
     )
@@ -102,7 +102,7 @@ def steady_cycles(test: RelaxationTest) -> tuple[HysteresisLoop, ...]:
             "each amplitude; a ramp and a hold, or a creep test, is for dashpot fit"
         )
     tones, means = _tones(1 / np.diff(starts)), _means(t, signals, starts)
-    found, last = [], np.nan
+    loops, last = [], np.nan
     for i, (begin, end) in enumerate(pairwise(starts.tolist())):
         inside = (t >= begin) & (t < end)
         if np.count_nonzero(inside) < _LEAST:
@@ -119,13 +119,13 @@ def steady_cycles(test: RelaxationTest) -> tuple[HysteresisLoop, ...]:
         if abs(size / last - 1) <= _STEADY:
             K = complex(F1 / X1)
             sd = _scatter(F - K.real * x) * np.sqrt(2 / len(x)) / size
-            found.append(HysteresisLoop(float(tones[i]), size, K, sd, x, F))
+            loops.append(HysteresisLoop(float(tones[i]), size, K, sd, x, F))
         last = size
-    if not found:
+    if not loops:
         raise DataError(
             "no two cycles that follow each other have one amplitude: hold each for some cycles"
         )
-    return tuple(found)
+    return tuple(loops)
 
 
 def _cycles(t: FloatArray, x: FloatArray) -> FloatArray:
@@ -163,23 +163,23 @@ def _rises(t: FloatArray, x: FloatArray, unsure: float) -> FloatArray:
 def _tones(frequency: FloatArray) -> FloatArray:
     """The frequency that each cycle was asked to have: neighbours share their median."""
     order = np.argsort(frequency)
-    apart = np.flatnonzero(np.diff(np.log(frequency[order])) > np.log(_ONE_TONE))
-    found = np.empty_like(frequency)
-    for part in np.split(order, apart + 1):
-        found[part] = median(frequency[part])
-    return found
+    indices = np.flatnonzero(np.diff(np.log(frequency[order])) > np.log(_ONE_TONE))
+    values = np.empty_like(frequency)
+    for part in np.split(order, indices + 1):
+        values[part] = median(frequency[part])
+    return values
 
 
 def _means(t: FloatArray, signals: FloatArray, starts: FloatArray) -> FloatArray:
     """Mean of each signal over each cycle, shape (signals, cycles)."""
     steps = np.diff(t) * (signals[:, 1:] + signals[:, :-1]) / 2
     total = np.pad(np.cumsum(steps, axis=1), ((0, 0), (1, 0)))
-    whole = np.array([np.interp(starts, t, one) for one in total])
+    whole = np.array([np.interp(starts, t, item) for item in total])
     return np.asarray(np.diff(whole) / np.diff(starts))
 
 
 def _harmonics(t: FloatArray, signals: FloatArray, omega: float) -> ComplexArray:
     """First harmonics over one period, beside a constant."""
     A = np.column_stack((np.ones_like(t), np.cos(omega * t), -np.sin(omega * t)))
-    found = np.linalg.lstsq(A, signals.T, rcond=None)[0]
-    return np.asarray(found[1] + 1j * found[2])
+    result = np.linalg.lstsq(A, signals.T, rcond=None)[0]
+    return np.asarray(result[1] + 1j * result[2])

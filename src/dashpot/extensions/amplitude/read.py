@@ -60,7 +60,7 @@ def read_amplitude(
             raise ReadError(f"'{called.name}' never changes: it is no amplitude sweep")
         frequency = _tones(values["frequency"])
         _require_single_temperature(frequency, amplitude, values.get("temperature"))
-        specimen, said = add_specimen_temperature(file, specimen or Specimen())
+        specimen, sentences = add_specimen_temperature(file, specimen or Specimen())
         return AmplitudeSweep(
             frequency,
             amplitude,
@@ -69,7 +69,7 @@ def read_amplitude(
             unit,
             _OF[column.role],
             specimen,
-            channels.source(file, [c.says for c in chosen], (*notes, *said)),
+            channels.source(file, [c.says for c in chosen], (*notes, *sentences)),
             units="SI",
         )
 
@@ -79,7 +79,7 @@ def _tones(frequency: FloatArray) -> FloatArray:
     if not np.all(frequency > 0):
         return frequency
     tone = groups(np.log10(frequency), ONE_FREQUENCY)
-    return np.array([np.median(frequency[tone == one]) for one in range(tone.max() + 1)])[tone]
+    return np.array([np.median(frequency[tone == index]) for index in range(tone.max() + 1)])[tone]
 
 
 def _require_single_temperature(
@@ -92,7 +92,7 @@ def _require_single_temperature(
     f, X, T = frequency[order], amplitude[order], kelvin[order]
     same = (f[1:] == f[:-1]) & (X[1:] <= 1.02 * X[:-1])
     if np.count_nonzero(np.abs(np.diff(T)[same]) > _WARMER) > 2:
-        low, high = (convert_to_unit(float(one), "degC") for one in (T.min(), T.max()))
+        low, high = (convert_to_unit(float(value), "degC") for value in (T.min(), T.max()))
         raise ReadError(
             f"the same amplitudes at temperatures from {low:.3g} to {high:.3g} degC; expected one "
             "temperature: write each to a file of its own"

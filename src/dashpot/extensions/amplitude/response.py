@@ -17,23 +17,23 @@ _AMPLITUDES = 80
 _HALVINGS = 25
 
 
-def receptance_at_level(found: LevelFit, level: float, frequency: FloatArray) -> FRF:
+def receptance_at_level(level_fit: LevelFit, level: float, frequency: FloatArray) -> FRF:
     """Motion of the mass over a force of that amplitude, by harmonic balance, m/N.
 
     Parameters
     ----------
-    found : LevelFit
+    level_fit : LevelFit
     level : float
         N.
     frequency : array, shape (n,)
         Hz, rising: where the resonance folds, what a sweep upwards shows.
     """
-    solid = found.seals * found.solid
-    beside = found.seals * InParallel(found.beside) if found.beside else None
+    solid = level_fit.seals * level_fit.solid
+    dependent = level_fit.seals * InParallel(level_fit.beside) if level_fit.beside else None
     frf, _ = mass_at_level(
         solid,
-        beside,
-        mass=found.mass,
+        dependent,
+        mass=level_fit.mass,
         level=level,
         frequency=frequency,
         kind=Kind.RECEPTANCE,
@@ -42,7 +42,7 @@ def receptance_at_level(found: LevelFit, level: float, frequency: FloatArray) ->
 
 
 def resonance_at_level(
-    found: LevelFit, level: float, *, of: Parts | None = None
+    level_fit: LevelFit, level: float, *, of: Parts | None = None
 ) -> tuple[float, float]:
     r"""Frequency, Hz, and amplitude, m, of the largest motion under a force of that amplitude.
 
@@ -54,7 +54,7 @@ def resonance_at_level(
 
     Parameters
     ----------
-    found : LevelFit
+    level_fit : LevelFit
     level : float
         N.
     of : (GeneralizedMaxwell, tuple of Jenkins or Cubic), optional
@@ -65,17 +65,17 @@ def resonance_at_level(
     DataError
         If there is no resonance between the lines that were fitted.
     """
-    parts = (found.solid, found.beside) if of is None else of
-    inertia = found.mass / found.seals
-    f = np.linspace(*found.band, _LINES)
+    parts = (level_fit.solid, level_fit.beside) if of is None else of
+    inertia = level_fit.mass / level_fit.seals
+    f = np.linspace(*level_fit.band, _LINES)
     omega = 2 * np.pi * f
 
     def missing(X: FloatArray) -> FloatArray:
         """Size of the dynamic stiffness of amplitudes X, N/m, shape (x, f)."""
         K = stiffness_at(parts, omega, np.asarray(X)[:, None], inertia)
-        return found.seals * np.abs(K - inertia * omega**2)
+        return level_fit.seals * np.abs(K - inertia * omega**2)
 
-    low = high = np.log(level / missing(np.array([found.amplitudes[0]])).min())
+    low = high = np.log(level / missing(np.array([level_fit.amplitudes[0]])).min())
     grid = np.linspace(low - 5, high + 5, _AMPLITUDES)
     X = np.exp(grid)
     enough = np.flatnonzero(X * missing(X).min(axis=1) >= level)
@@ -103,13 +103,15 @@ def resonance_at_level(
 
 def stiffness_at(parts: Parts, omega: FloatArray, X: FloatArray, inertia: float) -> ComplexArray:
     """Complex stiffness of one seal under its share of the mass, N/m; broadcasts."""
-    solid, beside = parts
-    springs = [one for one in beside if isinstance(one, Cubic)]
-    others = InParallel((solid, *(one for one in beside if not isinstance(one, Cubic))))
+    solid, elements = parts
+    springs = [element for element in elements if isinstance(element, Cubic)]
+    others = InParallel(
+        (solid, *(element for element in elements if not isinstance(element, Cubic)))
+    )
     K = others.equivalent(omega, X)
     if springs:
         bent = with_third_harmonic(parts, omega, X, inertia)
-        K = K + bent * sum(one.stiffness(X) for one in springs)
+        K = K + bent * sum(spring.stiffness(X) for spring in springs)
     return np.asarray(K)
 
 
@@ -130,8 +132,8 @@ def with_third_harmonic(
     inertia : float
         Of one seal, kg.
     """
-    solid, beside = parts
-    k3 = sum(one.k3 for one in beside if isinstance(one, Cubic))
+    solid, elements = parts
+    k3 = sum(element.k3 for element in elements if isinstance(element, Cubic))
     third = solid.complex_stiffness(omega=3 * omega) - 9 * inertia * omega**2
     ratio = -k3 * X**2 / 4 / third
     return np.asarray(1 + ratio + 2 * np.abs(ratio) ** 2)

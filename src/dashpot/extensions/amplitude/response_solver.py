@@ -123,7 +123,7 @@ def response_at_level(
         raise DataError(f"harmonics = {harmonics!r}; expected odd numbers, 1 first")
     place = system.participation(response)
     rest = LinearSubsystem(system, force=force, base=base)
-    found = []
+    pairs = []
     before: ComplexArray | None = None
     for hz, size in zip(f.tolist(), levels.tolist(), strict=True):
         line = rest.line(2 * np.pi * hz, size)
@@ -132,8 +132,8 @@ def response_at_level(
         if len(harmonics) > 1 and answer.any():
             answer, pull, third = several_harmonics(rest, line, answer, harmonics)
         motion = line.without - line.spread @ pull
-        found.append((place @ motion, np.abs(answer), line.is_stable(before), third))
-    motions, stretch, stable, share = zip(*found, strict=True)
+        pairs.append((place @ motion, np.abs(answer), line.is_stable(before), third))
+    motions, stretch, stable, share = zip(*pairs, strict=True)
     return LevelResponse(
         f, levels, np.array(motions), np.array(stretch).T, np.array(stable), np.array(share)
     )
@@ -141,7 +141,7 @@ def response_at_level(
 
 def mass_at_level(
     solid: Solid,
-    beside: AmplitudeDependent | None,
+    dependent: AmplitudeDependent | None,
     *,
     mass: float,
     level: float,
@@ -158,7 +158,7 @@ def mass_at_level(
     ----------
     solid : Solid
         All that carries the mass, N/m, at a vanishing amplitude.
-    beside : AmplitudeDependent or None
+    dependent : AmplitudeDependent or None
         What amplitude changes of it.
     mass : float
         kg.
@@ -178,10 +178,10 @@ def mass_at_level(
     K, inertia = solid.complex_stiffness(omega=omega), mass * omega**2
     force = mass * level if kind.over_base else level
     X = force / np.abs(K - inertia)
-    if beside is not None:
-        stretch = _stretch(lambda X: K + beside.equivalent(omega, X), inertia, force)
+    if dependent is not None:
+        stretch = _stretch(lambda X: K + dependent.equivalent(omega, X), inertia, force)
         if stretch is None:  # it folds: what a sweep upwards shows
-            mount = Mount(solid, ("mass", "ground"), friction=beside)
+            mount = Mount(solid, ("mass", "ground"), friction=dependent)
             stretch = response_at_level(
                 System((point_mass("mass", mass),), (mount,)),
                 response="mass.z",
@@ -190,7 +190,7 @@ def mass_at_level(
                 frequency=frequency,
             ).stretch[0]
         X = stretch
-        K = K + beside.equivalent(omega, X)
+        K = K + dependent.equivalent(omega, X)
     far = float(X.max(initial=0.0))
     SIZES["amplitude"].refuse(
         max(far, SIZES["amplitude"].hard[0]),  # however little, a level is asked for
@@ -256,14 +256,14 @@ def responses_at(
         )
     place = system.participation(response)
     answers = line.all_answers()
-    motion = [place @ (line.without - line.spread @ line.pull(each)) for each in answers]
+    motion = [place @ (line.without - line.spread @ line.pull(answer)) for answer in answers]
     count = len(answers)
     return LevelResponse(
         np.full(count, hz),
         np.full(count, size),
         np.array(motion),
         np.abs(np.array(answers)).T,
-        np.array([line.is_stable(each) for each in answers]),
+        np.array([line.is_stable(answer) for answer in answers]),
         np.zeros(count),
     )
 
@@ -310,14 +310,14 @@ def backbone(
             mounts = list(system.mounts)
             for i, share in zip(loose, shares, strict=True):
                 mounts[i] = replace(mounts[i], amplitude=X * max(float(share), 1e-9))
-            found = newton_modes(replace(system, mounts=tuple(mounts)))[mode - 1]
-            moved = np.abs(system.stretch @ found.shape)
-            if not moved[mount] > 0:
+            new_mode = newton_modes(replace(system, mounts=tuple(mounts)))[mode - 1]
+            magnitude = np.abs(system.stretch @ new_mode.shape)
+            if not magnitude[mount] > 0:
                 raise DataError(f"mode {mode} does not stretch mount {mount}")
-            before, shares = shares, moved[loose] / moved[mount]
+            before, shares = shares, magnitude[loose] / magnitude[mount]
             if np.abs(shares / before - 1).max() < 1e-9:
                 break
-        rows.append((X, found.frequency, found.damping_ratio))
+        rows.append((X, new_mode.frequency, new_mode.damping_ratio))
     return Backbone(*np.array(rows).T)
 
 

@@ -82,13 +82,13 @@ class Guard:
         origin = headers.get("origin")
         if origin is not None and urlsplit(origin).netloc not in self._hosts:
             return "this request comes from another page"
-        given = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[0]
-        if scope["path"] == "/" and given:
-            return "" if self._is_valid_token(given) else "the token is not this server's"
-        kept = dict(
+        value = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[0]
+        if scope["path"] == "/" and value:
+            return "" if self._is_valid_token(value) else "the token is not this server's"
+        text = dict(
             part.strip().partition("=")[::2] for part in headers.get("cookie", "").split(";")
         ).get(self._cookie, "")
-        return "" if self._is_valid_token(kept) else "open the address that 'dashpot app' printed"
+        return "" if self._is_valid_token(text) else "open the address that 'dashpot app' printed"
 
     def _is_valid_token(self, token: str) -> bool:
         return hmac.compare_digest(token.encode(), self.token.encode())

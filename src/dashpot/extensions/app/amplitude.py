@@ -25,11 +25,11 @@ from dashpot.workflow.job import LevelJob
 
 
 @lru_cache(KEPT)
-def _fit_and_plot(asked: LevelJob) -> tuple[Levels, Picture]:
+def _fit_and_plot(level_job: LevelJob) -> tuple[Levels, Picture]:
     """The fit of these files, and its figure."""
-    send_progress(f"fitting {', '.join(Path(path).name for path in asked.files)}")
-    found = level_files(**vars(asked))
-    return found, plot.level(found.fit, found.records)
+    send_progress(f"fitting {', '.join(Path(path).name for path in level_job.files)}")
+    levels = level_files(**vars(level_job))
+    return levels, plot.level(levels.fit, levels.records)
 
 
 def _parse_request(request: Mapping[str, Any], folder: Path) -> LevelJob:
@@ -44,31 +44,31 @@ def _parse_request(request: Mapping[str, Any], folder: Path) -> LevelJob:
 
 def level(request: Mapping[str, Any], folder: Path) -> bytes:
     """The fit of such files: verdict, numbers, checks, figures, and the command that gives it."""
-    asked = _parse_request(request, folder)
-    found, picture = _fit_and_plot(asked)
-    page = kind_page(found)
-    rows = [view_models.term(one) for one in numbers(found)]
+    level_job = _parse_request(request, folder)
+    levels, picture = _fit_and_plot(level_job)
+    page = kind_page(levels)
+    rows = [view_models.term(number) for number in numbers(levels)]
     return wire_format.encode_message(
         {
-            "verdict": view_models.verdict(found.verdict, page.lights),
-            "colour": COLOURS[found.verdict.use],
+            "verdict": view_models.verdict(levels.verdict, page.lights),
+            "colour": COLOURS[levels.verdict.use],
             "solid": view_models.term_table(
-                "What amplitude does", rows, format_residual_note(found)
+                "What amplitude does", rows, format_residual_note(levels)
             ),
             "arms": "",
-            "checks": view_models.check_list(found.checks),
+            "checks": view_models.check_list(levels.checks),
             "figures": make_figure_cards(picture, sizes_of(request).get("bench", WIDE)[0]),
-            "facts": [list(one) for one in page.strip],
-            "simulated": any(source.simulated for source in found.source),
-            "command": line("fit", asked),
+            "facts": [list(names) for names in page.strip],
+            "simulated": any(source.simulated for source in levels.source),
+            "command": line("fit", level_job),
         }
     )
 
 
 def download_level(request: Mapping[str, Any], folder: Path) -> bytes:
     """The fit as its JSON, as ``dashpot fit --json`` prints it."""
-    found, _ = _fit_and_plot(_parse_request(request, folder))
-    text = text_of(found)
+    levels, _ = _fit_and_plot(_parse_request(request, folder))
+    text = text_of(levels)
     return wire_format.encode_message(
         {"name": "levels.json", "kind": "application/json", "text": text}
     )

@@ -31,39 +31,39 @@ KEPT = 4
 def _fit_and_plot(job: Job) -> tuple[Fit, Picture]:
     """The fit of a file, and its figure."""
     send_progress(f"fitting {Path(job.relaxation).name}")
-    found, records = fit_files(
+    fit, records = fit_files(
         [job.relaxation], arms=job.arms, temperatures=job.temperatures, options=job.reading
     )
-    return found, plot.bench(found, records)
+    return fit, plot.bench(fit, records)
 
 
 def _parse_request(request: Mapping[str, Any], folder: Path) -> Job:
     """File, options, arms and temperature of a request."""
     warmth = request.get("temperature")
-    asked = {
+    options = {
         "relaxation": request.get("file"),
         "reading": request.get("options", {}),
         "arms": request.get("arms"),
         "temperatures": [warmth] if warmth else [],
     }
-    return build_from_request(Job, asked, folder)
+    return build_from_request(Job, options, folder)
 
 
 def bench(request: Mapping[str, Any], folder: Path) -> bytes:
     """The fit of one such file: verdict, solid, checks, figures, and the command that gives it."""
     job = _parse_request(request, folder)
-    found, picture = _fit_and_plot(job)
-    page = kind_page(found)
+    fit, picture = _fit_and_plot(job)
+    page = kind_page(fit)
     return wire_format.encode_message(
         {
-            "verdict": view_models.verdict(found.verdict, page.lights),
-            "colour": COLOURS[found.verdict.use],
-            "solid": view_models.solid_table(found),
-            "arms": found.model.arms,
-            "checks": view_models.check_list(found.checks),
+            "verdict": view_models.verdict(fit.verdict, page.lights),
+            "colour": COLOURS[fit.verdict.use],
+            "solid": view_models.solid_table(fit),
+            "arms": fit.model.arms,
+            "checks": view_models.check_list(fit.checks),
             "figures": make_figure_cards(picture, sizes_of(request).get("bench", WIDE)[0]),
-            "facts": [list(one) for one in page.strip],
-            "simulated": any(source.simulated for source in found.source),
+            "facts": [list(names) for names in page.strip],
+            "simulated": any(source.simulated for source in fit.source),
             "command": line("fit", job),
         }
     )
@@ -71,7 +71,7 @@ def bench(request: Mapping[str, Any], folder: Path) -> bytes:
 
 def download_bench(request: Mapping[str, Any], folder: Path) -> bytes:
     """The fit as its JSON, as ``dashpot fit --json`` prints it."""
-    found, _ = _fit_and_plot(_parse_request(request, folder))
+    fit, _ = _fit_and_plot(_parse_request(request, folder))
     return wire_format.encode_message(
-        {"name": "fit.json", "kind": "application/json", "text": to_json(found)}
+        {"name": "fit.json", "kind": "application/json", "text": to_json(fit)}
     )

@@ -77,12 +77,12 @@ class ComparedFit(NamedTuple):
 
 
 def _side(name: str, request: Mapping[str, Any], folder: Path) -> ComparedFit:
-    asked = mapping(request.get(name.lower()), name)
-    job = job_of(asked.get("job"), folder)
+    options = mapping(request.get(name.lower()), name)
+    job = job_of(options.get("job"), folder)
     study = result_cache.study(job)
     if job.joint and study.joint is None:
         raise DataError(f"{name} has no model of both tests: open a hammer test, and give the mass")
-    return ComparedFit(name, job, study, recommendation(study, asked=True))
+    return ComparedFit(name, job, study, recommendation(study, requested=True))
 
 
 def build_fit_comparison(request: Mapping[str, Any], folder: Path) -> bytes:
@@ -105,8 +105,8 @@ def build_fit_comparison(request: Mapping[str, Any], folder: Path) -> bytes:
             ),
             "simulated": True
             in {
-                one.study.test.source is not None and one.study.test.source.simulated
-                for one in (a, b)
+                side.study.test.source is not None and side.study.test.source.simulated
+                for side in (a, b)
             },
         }
     )
@@ -118,7 +118,7 @@ def _get_source_name(side: ComparedFit) -> str:
 
 def _lights(a: ComparedFit, b: ComparedFit) -> tuple[Light, ...]:
     return tuple(
-        Light(one.name, COLOURS[one.study.verdict.use], one.study.verdict.use) for one in (a, b)
+        Light(side.name, COLOURS[side.study.verdict.use], side.study.verdict.use) for side in (a, b)
     )
 
 
@@ -135,59 +135,59 @@ class ComparedValue(NamedTuple):
 
 def _numbers(a: ComparedFit, b: ComparedFit) -> Iterator[ComparedValue]:
     """The numbers that both have, each with what A left open of it."""
-    there = {one.quantity: one for one in b.answers}
-    under = {one.quantity for one in a.told.under_mass}
-    for one in a.answers:
-        other = there.get(one.quantity)
+    there = {answer.quantity: answer for answer in b.answers}
+    under = {answer.quantity for answer in a.told.under_mass}
+    for item in a.answers:
+        other = there.get(item.quantity)
         if other is None:
             continue
-        name, unit = view_models.short_name(one), one.fact.word
-        weight = view_models.weight(a.job) if one.quantity in under else "One seal"
+        name, unit = view_models.short_name(item), item.fact.word
+        weight = view_models.weight(a.job) if item.quantity in under else "One seal"
         yield ComparedValue(
-            f"{name}, {unit}" if unit else name, one.fact.ends[0], other.fact.ends[0],
-            _format_difference(one, other), _classify_overlap(one, other), weight,
+            f"{name}, {unit}" if unit else name, item.fact.ends[0], other.fact.ends[0],
+            _format_difference(item, other), _classify_overlap(item, other), weight,
         )  # fmt: skip
 
 
-def _format_difference(one: Answer, other: Answer) -> str:
+def _format_difference(first: Answer, second: Answer) -> str:
     """How much the other number is more; of a peak in dB."""
-    if one.quantity == "peak" and one.value > 0 and other.value > 0:
-        return decibels(20 * math.log10(other.value / one.value))
-    return _format_relative_difference(one.value, other.value)
+    if first.quantity == "peak" and first.value > 0 and second.value > 0:
+        return decibels(20 * math.log10(second.value / first.value))
+    return _format_relative_difference(first.value, second.value)
 
 
-def _format_relative_difference(one: float, other: float) -> str:
+def _format_relative_difference(first: float, second: float) -> str:
     """How much the other is more: in per cent, or so many times."""
-    if not one:
+    if not first:
         return ""
-    ratio = other / one
+    ratio = second / first
     if ratio > 0 and not 1 / FACTOR < ratio < FACTOR:
         return f"×{round_to_error(ratio, digits=2)}"
     return percent(ratio - 1)
 
 
-def _classify_overlap(one: Answer, other: Answer) -> str:
+def _classify_overlap(first: Answer, second: Answer) -> str:
     """Whether what B says was possible by A."""
-    if math.isnan(one.low) or math.isnan(one.high):
+    if math.isnan(first.low) or math.isnan(first.high):
         return "A has no bound"
-    within = one.low <= other.value <= one.high
-    back = other.low <= one.value <= other.high
+    within = first.low <= second.value <= first.high
+    back = second.low <= first.value <= second.high
     return "inside both" if within and back else "inside A's" if within else "outside A's"
 
 
 def _arms(a: Fit, b: Fit) -> Iterator[ComparedValue]:
     """Springs and arms side by side: those of one time constant, and those that one has alone."""
-    known = [{fact.name: fact for fact in one.known} for one in (a, b)]
-    group = f"Solid, k in {known[0]['k_inf'].word}" if "k_inf" in known[0] else "Solid"
-    if all("k_inf" in one for one in known):
-        yield _pair("spring at rest", known[0]["k_inf"], known[1]["k_inf"], group)
+    entries = [{fact.name: fact for fact in fit.known} for fit in (a, b)]
+    group = f"Solid, k in {entries[0]['k_inf'].word}" if "k_inf" in entries[0] else "Solid"
+    if all("k_inf" in facts for facts in entries):
+        yield _pair("spring at rest", entries[0]["k_inf"], entries[1]["k_inf"], group)
     if a.family != "maxwell" or b.family != "maxwell":
         return
     for i, j in match_time_constants(a.model.tau, b.model.tau):
         taus = [tau[n] for tau, n in ((a.model.tau, i), (b.model.tau, j)) if n is not None]
         name = " to ".join(dict.fromkeys(round_to_error(tau, digits=2) for tau in sorted(taus)))
-        left = None if i is None else known[0].get(f"k_{i + 1}")
-        right = None if j is None else known[1].get(f"k_{j + 1}")
+        left = None if i is None else entries[0].get(f"k_{i + 1}")
+        right = None if j is None else entries[1].get(f"k_{j + 1}")
         yield _pair(f"arm {name} s", left, right, group)
 
 
@@ -203,23 +203,23 @@ def match_time_constants(
         (abs(math.log(x / y)), i, j) for i, x in enumerate(one) for j, y in enumerate(other)
     )
     mates: dict[int, int] = {}
-    for apart, i, j in near:
-        if apart < math.log(view_models.ALIKE) and i not in mates and j not in mates.values():
+    for value, i, j in near:
+        if value < math.log(view_models.ALIKE) and i not in mates and j not in mates.values():
             mates[i] = j
-    found: list[tuple[int | None, int | None]] = [(i, mates.get(i)) for i in range(len(one))]
-    found += [(None, j) for j in range(len(other)) if j not in mates.values()]
-    return sorted(found, key=lambda pair: one[pair[0]] if pair[0] is not None else other[pair[1]])  # type: ignore[index]
+    items: list[tuple[int | None, int | None]] = [(i, mates.get(i)) for i in range(len(one))]
+    items += [(None, j) for j in range(len(other)) if j not in mates.values()]
+    return sorted(items, key=lambda pair: one[pair[0]] if pair[0] is not None else other[pair[1]])  # type: ignore[index]
 
 
 def _pair(name: str, a: ReportedValue | None, b: ReportedValue | None, group: str) -> ComparedValue:
     if a is None or b is None:
-        alone = "B's alone" if a is None else "A's alone"
-        left, right = ("none" if one is None else one.ends[0] for one in (a, b))
-        return ComparedValue(name, left, right, "", alone, group)
-    errors = [one.error for one in (a, b)]
+        single = "B's alone" if a is None else "A's alone"
+        left, right = ("none" if fact is None else fact.ends[0] for fact in (a, b))
+        return ComparedValue(name, left, right, "", single, group)
+    errors = [fact.error for fact in (a, b)]
     size = math.hypot(*(error or 0.0 for error in errors))
-    known = all(error is not None and math.isfinite(error) for error in errors) and size > 0
-    held = f"{abs(b.value - a.value) / size:.1f} SE" if known else ""
+    certain = all(error is not None and math.isfinite(error) for error in errors) and size > 0
+    held = f"{abs(b.value - a.value) / size:.1f} SE" if certain else ""
     return ComparedValue(
         name, a.ends[0], b.ends[0], _format_relative_difference(a.value, b.value), held, group
     )
@@ -227,18 +227,18 @@ def _pair(name: str, a: ReportedValue | None, b: ReportedValue | None, group: st
 
 def _says(a: ComparedFit, b: ComparedFit, rows: list[ComparedValue]) -> str:
     """How far B is from A, in one sentence with its numbers."""
-    there = {one.quantity: one for one in b.answers}
+    there = {answer.quantity: answer for answer in b.answers}
     words = {
         "frequency": "frequency", "damping": "damping", "end of hold": "stiffness", "peak": "peak",
     }  # fmt: skip
     parts = [
-        f"{words[one.quantity]} {_format_difference(one, there[one.quantity])}"
-        for one in a.answers
-        if one.quantity in words and one.quantity in there
+        f"{words[answer.quantity]} {_format_difference(answer, there[answer.quantity])}"
+        for answer in a.answers
+        if answer.quantity in words and answer.quantity in there
     ]
-    judged = [row.held for row in rows if "A's" in row.held or row.held == "inside both"]
-    inside = sum("inside" in one for one in judged)
-    count = f" {inside} of {len(judged)} numbers lie inside what A left open." if judged else ""
+    checked = [row.held for row in rows if "A's" in row.held or row.held == "inside both"]
+    inside = sum("inside" in name for name in checked)
+    count = f" {inside} of {len(checked)} numbers lie inside what A left open." if checked else ""
     return f"B against A: {', '.join(parts)}.{count}"
 
 
@@ -263,10 +263,10 @@ def _response(side: ComparedFit) -> Curve | None:
 def _responses(a: ComparedFit, b: ComparedFit, sizes: view_models.Sizes) -> str:
     """Both responses in one panel, and the hammer's; nothing where no mass is given."""
     limits = make_prediction_bands(a.study.frf_band if a.study.joint is None else None)[:1]
-    curves = [curve for one in (a, b) if (curve := _response(one)) is not None]
+    curves = [curve for side in (a, b) if (curve := _response(side)) is not None]
     if len(curves) < 2:
         return ""
-    measured = next((one.study.comparison for one in (a, b) if one.study.comparison), None)
+    measured = next((side.study.comparison for side in (a, b) if side.study.comparison), None)
     if measured is not None:
         peak = measured.measured_hz, measured.measured_peak
         curves.insert(0, Curve(measured.measured, "measured", MEASURED, peak))
@@ -278,15 +278,15 @@ def _residuals(a: ComparedFit, b: ComparedFit, sizes: view_models.Sizes) -> str:
     """What both leave of the hold, as means over log time since the end of the ramp."""
     marks: list[Mark] = []
     notes, spans = [], []
-    for one in (a, b):
-        prepared = one.ramp_hold
+    for side in (a, b):
+        prepared = side.ramp_hold
         rest = relaxation.upon_panels(
-            relaxation.make_plotted_fits(one.solid, (), prepared)[0], prepared
+            relaxation.make_plotted_fits(side.solid, (), prepared)[0], prepared
         )[2]
         (mean,) = [mark for mark in rest.marks if isinstance(mark, Line)]
         x, y = downsample_to_means(mean.x, mean.y, log=True)
-        marks.append(Line(x, y, INKS[one.name], one.name))
-        notes.append(f"{one.name} {rest.note}")
+        marks.append(Line(x, y, INKS[side.name], side.name))
+        notes.append(f"{side.name} {rest.note}")
         spans.append(rest.x.limits)
         unit = rest.y.label.rpartition(", ")[2]
     noise = convert_to_unit(a.ramp_hold.force_noise, unit)

@@ -35,44 +35,50 @@ def row(path: Path) -> dict[str, Any]:
             "name": path.name}  # fmt: skip
 
 
-def page(found: DoorResult) -> KindPage:
+def page(result: DoorResult) -> KindPage:
     """What its own page tells, in the form of the other kinds."""
     rows = tuple(
         Row(
-            f"Mode {i}", round_to_error(one.mode.frequency, digits=4), "", "", "Hz", "", bound=False
+            f"Mode {i}",
+            round_to_error(mode.mode.frequency, digits=4),
+            "",
+            "",
+            "Hz",
+            "",
+            bound=False,
         )
-        for i, one in enumerate(found.modes[:8], 1)
+        for i, mode in enumerate(result.modes[:8], 1)
     )
     return KindPage(
-        about=format_door_summary(found),
-        strip=(("Door", format_door_summary(found)), ("Band", hertz(found.band))),
-        lights=tuple(lights_of(found, None, found.checks, found.verdict)),
+        about=format_door_summary(result),
+        strip=(("Door", format_door_summary(result)), ("Band", hertz(result.band))),
+        lights=tuple(lights_of(result, None, result.checks, result.verdict)),
         answers="A door",
-        picture=found.plot(),
+        picture=result.plot(),
         told="Modes",
         groups=(Group("", rows),),
-        sources=tuple(dict.fromkeys(found.sources)),
+        sources=tuple(dict.fromkeys(result.sources)),
         note="",
         name="door",
     )
 
 
-def figures(found: DoorResult, width: float) -> list[FigureCard]:
+def figures(result: DoorResult, width: float) -> list[FigureCard]:
     """What its own page shows: its seal line, its response, its modes with their shares, shapes."""
-    view = View.from_result(found)
-    panels = [] if view is None else [line_panel(found, view)]
-    if found.frfs:
-        panels.append(frf_panel(found, 0, height=panels[0].height if panels else _HEIGHT))
+    view = View.from_result(result)
+    panels = [] if view is None else [line_panel(result, view)]
+    if result.frfs:
+        panels.append(frf_panel(result, 0, height=panels[0].height if panels else _HEIGHT))
     cards: list[FigureCard] = []
     if panels:
-        picture = Picture("door", "", tuple((one,) for one in panels), len(panels))
+        picture = Picture("door", "", tuple((panel,) for panel in panels), len(panels))
         cards += make_figure_cards(picture, width)
-    if found.modes:
+    if result.modes:
         words = "Modes: who holds, who loses"
         cards.append(
-            FigureCard(words, view_models.render_template("door_modes", modes=modes_of(found)))
+            FigureCard(words, view_models.render_template("door_modes", modes=modes_of(result)))
         )
-    shapes = [] if view is None else shape_panels(found, view)
+    shapes = [] if view is None else shape_panels(result, view)
     if shapes:
         drawn = small_multiples(shapes, "shape", width)
         cards.append(FigureCard("Shapes, from outside", drawn))
@@ -90,12 +96,12 @@ def predict_door(files: Sequence[str], behind: str = "") -> DoorResult:
         The open relaxation test whose fit the door may name.
     """
     path = Path(files[0])
-    names = {Path(one).name: Path(one) for one in files[1:]}
+    names = {Path(file).name: Path(file) for file in files[1:]}
     try:
-        said = parsed_toml(path.read_bytes())
+        toml = parsed_toml(path.read_bytes())
     except ReadError as error:
         raise ReadError(f"{path.name}: {error}") from None
-    for text in _texts(said):
+    for text in _texts(toml):
         if Path(text).is_absolute() or ".." in Path(text).parts or text[1:3] == ":\\":
             raise ReadError(
                 f"{path.name} names a file elsewhere ({text}). Name it alone, and open it here"
@@ -104,9 +110,9 @@ def predict_door(files: Sequence[str], behind: str = "") -> DoorResult:
     shutil.rmtree(home, ignore_errors=True)
     home.mkdir(parents=True)
     shutil.copy(path, home / path.name)
-    for name, one in names.items():
-        shutil.copy(one, home / name)
-    wanted = said.get("seal", {}).get("fit") if isinstance(said.get("seal"), dict) else None
+    for name, item in names.items():
+        shutil.copy(item, home / name)
+    wanted = toml.get("seal", {}).get("fit") if isinstance(toml.get("seal"), dict) else None
     if isinstance(wanted, str) and wanted not in names and behind:
         # the door names the fit of a test that is open
         job = Job(behind)
@@ -115,10 +121,10 @@ def predict_door(files: Sequence[str], behind: str = "") -> DoorResult:
     return workflow.door_file(home / path.name)
 
 
-def _texts(said: Any) -> Iterator[str]:
+def _texts(text: Any) -> Iterator[str]:
     """Every text in a document."""
-    if isinstance(said, str):
-        yield said
-    elif isinstance(said, dict | list):
-        for one in said.values() if isinstance(said, dict) else said:
-            yield from _texts(one)
+    if isinstance(text, str):
+        yield text
+    elif isinstance(text, dict | list):
+        for item in text.values() if isinstance(text, dict) else text:
+            yield from _texts(item)

@@ -59,32 +59,32 @@ def profile(request: Mapping[str, Any], folder: Path) -> bytes:  # noqa: ARG001
 
 
 def _compute_report_study(job: Job) -> Study:
-    found = result_cache.study(job)
+    study = result_cache.study(job)
     send_progress("drawing the report")
-    return found
+    return study
 
 
 def _solid(request: Mapping[str, Any], job: Job) -> Fit:
     """The solid that the page shows: of both tests, or of the relaxation test alone."""
-    found = (
+    fit = (
         _joint(job)
         if request.get("joint") is True
         else result_cache.fit_job(result_cache.select_fit_choices(job), True, None)
     )
-    shown = request.get("solid", found.identity)
-    if shown != found.identity:
+    shown = request.get("solid", fit.identity)
+    if shown != fit.identity:
         raise DataError(
-            f"the page shows another model ({shown}) than its choices give ({found.identity}): "
+            f"the page shows another model ({shown}) than its choices give ({fit.identity}): "
             "wait until it is judged"
         )
-    return found
+    return fit
 
 
 def _joint(job: Job) -> Fit:
-    found = result_cache.study(job).joint
-    if found is None:
+    fit = result_cache.study(job).joint
+    if fit is None:
         raise DataError("there is no model of both tests. Open a hammer test and fit both")
-    return found
+    return fit
 
 
 def _deck(request: Mapping[str, Any], job: Job) -> tuple[str, str, str]:
@@ -101,17 +101,17 @@ def _deck(request: Mapping[str, Any], job: Job) -> tuple[str, str, str]:
 
 
 def _picture(job: Job) -> tuple[str, str, str]:
-    found = result_cache.study(job)
-    hero = replace(plot.hero(found), stamp=stamp(found))
+    study = result_cache.study(job)
+    hero = replace(plot.hero(study), stamp=stamp(study))
     return "seal.svg", "image/svg+xml", plot.to_svg(hero)
 
 
 def _lines(job: Job) -> str:
-    found = result_cache.study(job)
-    if found.prediction is None:
+    study = result_cache.study(job)
+    if study.prediction is None:
         raise DataError("no mass is given, so there is no response to take away")
     rows = ["frequency [Hz],real [(m/s^2)/N],imaginary [(m/s^2)/N]"]
-    values = zip(found.prediction.frequency, found.prediction.value, strict=True)
+    values = zip(study.prediction.frequency, study.prediction.value, strict=True)
     rows += [f"{f!r},{v.real!r},{v.imag!r}" for f, v in ((float(f), complex(v)) for f, v in values)]
     return "\n".join([*rows, ""])
 

@@ -26,17 +26,19 @@ class FigureCard(NamedTuple):
 
 def make_figure_cards(picture: Picture, width: float) -> list[FigureCard]:
     """A card for each strip of a picture, two in a row; one for more than two that are alike."""
-    found: list[FigureCard] = []
+    cards: list[FigureCard] = []
     # what is named at its line in one card is in no key of the others
     key = {mark.label for mark in picture.key}
     for row in _rows(picture):
-        name = f"bench{len(found)}"
+        name = f"bench{len(cards)}"
         if len(row) > 2:
-            drawn = small_multiples([one for (one,) in row], name, width)
-            found.append(FigureCard(re.split("[:,]", picture.caption)[0], drawn))
+            drawn = small_multiples([panel for (panel,) in row], name, width)
+            cards.append(FigureCard(re.split("[:,]", picture.caption)[0], drawn))
         else:
-            found += [_card(f"{name}-{i}", one, width, len(row), key) for i, one in enumerate(row)]
-    return found
+            cards += [
+                _card(f"{name}-{i}", panels, width, len(row), key) for i, panels in enumerate(row)
+            ]
+    return cards
 
 
 def _rows(picture: Picture) -> list[tuple[tuple[Panel, ...], ...]]:
@@ -52,9 +54,9 @@ def _rows(picture: Picture) -> list[tuple[tuple[Panel, ...], ...]]:
 
 def _are_alike(strips: tuple[tuple[Panel, ...], ...]) -> bool:
     """Whether each is one panel, and all show the same quantity or the same marks."""
-    shown = {one[0].y.label for one in strips}
-    marks = {tuple(mark.label for mark in Picture("", "", (one,)).key) for one in strips}
-    return all(len(one) == 1 for one in strips) and 1 in {len(shown), len(marks)}
+    shown = {panels[0].y.label for panels in strips}
+    marks = {tuple(mark.label for mark in Picture("", "", (panels,)).key) for panels in strips}
+    return all(len(panels) == 1 for panels in strips) and 1 in {len(shown), len(marks)}
 
 
 def _card(
@@ -67,7 +69,7 @@ def _card(
     drawing = (replace(first, title="", bare=bare), *below)
     across = across if width >= TWO else 1
     svg = strip(drawing, name=name, width=(width - 8 * (across - 1)) / across - CARD, kind="figure")
-    samples = [one for one in _samples(drawing, name) if one[1] in key]
+    samples = [sample for sample in _samples(drawing, name) if sample[1] in key]
     html = render_template("figure", key=samples, svg=svg, title="", note="")
     return FigureCard(title[:1].upper() + title[1:], html, across)
 
@@ -81,11 +83,11 @@ def _samples(panels: Sequence[Panel], name: str) -> list[tuple[str, str]]:
 def small_multiples(panels: Sequence[Panel], name: str, width: float) -> str:
     """Panels of one kind under one key, all in a row, or two where that is too narrow."""
     many = len(panels) if width >= TWO else 2
-    each = (width - CARD - 8 * (many - 1)) / many
+    ratio = (width - CARD - 8 * (many - 1)) / many
     drawn = []
-    for i, one in enumerate(panels):
-        (left, right), (low, high) = one.x.limits, one.y.limits
-        most = each * (high - low) / (right - left) if one.square else one.height
-        low_one = replace(one, height=min(one.height, most))
-        drawn.append(strip((low_one,), name=f"{name}-{i}", width=each, kind="figure"))
+    for i, panel in enumerate(panels):
+        (left, right), (low, high) = panel.x.limits, panel.y.limits
+        most = ratio * (high - low) / (right - left) if panel.square else panel.height
+        low_one = replace(panel, height=min(panel.height, most))
+        drawn.append(strip((low_one,), name=f"{name}-{i}", width=ratio, kind="figure"))
     return render_template("shapes", key=_samples(panels, name), drawn=drawn, two=many == 2)

@@ -41,77 +41,77 @@ class KindRequest:
 
 
 def _parse_request(request: Mapping[str, Any], folder: Path) -> KindRequest:
-    files = tuple(str(path_in(folder, one)) for one in get_list(request, "files"))
+    files = tuple(str(path_in(folder, item)) for item in get_list(request, "files"))
     if not files:
         raise DataError("no file of this kind is open: open one first")
-    kind, said = str(request.get("kind", "")), {}
+    kind, stated = str(request.get("kind", "")), {}
     for name, text in mapping(request.get("said", {}), "said").items():
         if not isinstance(text, str):
             raise DataError(f"{name} = {text!r}; expected a text")
-        said[str(name)] = text
+        stated[str(name)] = text
     row, test = KINDS.get(kind), request.get("test")
     return KindRequest(
         kind, files[:1] if row is not None and row.alone else files,
-        FormData.from_fields(asks_of(kind), said),
+        FormData.from_fields(asks_of(kind), stated),
         part(ReadOptions, request.get("options", {}), "options"),
         str(path_in(folder, test)) if test else "",
     )  # fmt: skip
 
 
 @lru_cache(KEPT)
-def _fit_with_page(asked: KindRequest) -> tuple[Any, KindPage]:
+def _fit_with_page(request: KindRequest) -> tuple[Any, KindPage]:
     """What was found in such files, and what its page tells."""
-    send_progress(f"fitting {', '.join(Path(path).name for path in asked.files)}")
-    if asked.kind == doors.DOOR:
-        door = doors.predict_door(asked.files, asked.behind)
+    send_progress(f"fitting {', '.join(Path(path).name for path in request.files)}")
+    if request.kind == doors.DOOR:
+        door = doors.predict_door(request.files, request.behind)
         return door, doors.page(door)
-    row = KINDS.get(asked.kind)
+    row = KINDS.get(request.kind)
     if row is None or not (row.panel or row.fits):
-        raise DataError(f"'{asked.kind}' is no kind of test that is fitted by itself")
+        raise DataError(f"'{request.kind}' is no kind of test that is fitted by itself")
     if row.panel:
-        found = load_object(f"{row.panel}:answered")(asked.files, asked.said, asked.options)
+        result = load_object(f"{row.panel}:answered")(request.files, request.said, request.options)
     else:
-        found = load_object(row.fit)(asked.files, options=asked.options)
-    return found, kind_page(found)
+        result = load_object(row.fit)(request.files, options=request.options)
+    return result, kind_page(result)
 
 
 def fit_kind(request: Mapping[str, Any], folder: Path) -> bytes:
     """The result of such files: verdict, lights, figures, numbers, checks and command."""
-    asked = _parse_request(request, folder)
-    found, page = _fit_with_page(asked)
-    said = found.verdict
+    kind_request = _parse_request(request, folder)
+    result, page = _fit_with_page(kind_request)
+    verdict = result.verdict
     width = sizes_of(request).get("bench", WIDE)[0]
     return wire_format.encode_message(
         {
-            "verdict": view_models.verdict(said, page.lights),
-            "colour": COLOURS[said.use],
+            "verdict": view_models.verdict(verdict, page.lights),
+            "colour": COLOURS[verdict.use],
             "answers": view_models.groups(page.groups, page.told, page.note),
             "solid": "",
             "arms": "",
-            "checks": view_models.check_list(found.checks),
-            "figures": doors.figures(found, width)
-            if asked.kind == doors.DOOR
+            "checks": view_models.check_list(result.checks),
+            "figures": doors.figures(result, width)
+            if kind_request.kind == doors.DOOR
             else make_figure_cards(page.picture, width),
-            "facts": [list(one) for one in page.strip],
-            "asks": view_models.make_form_fields(asks_of(asked.kind)),
+            "facts": [list(names) for names in page.strip],
+            "asks": view_models.make_form_fields(asks_of(kind_request.kind)),
             "simulated": any(source.simulated for source in page.sources),
-            "command": _line(asked),
+            "command": _line(kind_request),
         }
     )
 
 
 def download_kind(request: Mapping[str, Any], folder: Path) -> bytes:
     """The result as its JSON, as the command prints it with ``--json``."""
-    found, page = _fit_with_page(_parse_request(request, folder))
-    text = text_of(found) if hasattr(found, "document") else json.dumps(found)
+    result, page = _fit_with_page(_parse_request(request, folder))
+    text = text_of(result) if hasattr(result, "document") else json.dumps(result)
     return wire_format.encode_message(
         {"name": f"{page.name}.json", "kind": "application/json", "text": text}
     )
 
 
-def _line(asked: KindRequest) -> str:
+def _line(request: KindRequest) -> str:
     """The command that gives the same."""
-    names = [Path(path).name for path in asked.files]
-    if asked.kind == doors.DOOR:
+    names = [Path(path).name for path in request.files]
+    if request.kind == doors.DOOR:
         return shlex.join(["dashpot", "predict", names[0]])
-    return shlex.join(["dashpot", "fit", *names, *asked.said.options(len(names))])
+    return shlex.join(["dashpot", "fit", *names, *request.said.options(len(names))])

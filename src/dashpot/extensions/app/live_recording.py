@@ -96,7 +96,7 @@ class Live:
         """Whether an instrument is being read."""
         return self._thread is not None and self._thread.is_alive()
 
-    def start(self, asked: Mapping[str, Any]) -> None:
+    def start(self, options: Mapping[str, Any]) -> None:
         """Begin a record.
 
         Raises
@@ -105,14 +105,14 @@ class Live:
             If one is running, or the instrument or the folder is not there.
         """
         with self._one:
-            self._start(asked)
+            self._start(options)
 
-    def _start(self, asked: Mapping[str, Any]) -> None:
+    def _start(self, options: Mapping[str, Any]) -> None:
         if self.running:
             raise DataError("a record is running; stop it first")
-        driver = str(asked.get("driver", ""))
-        folder = self._folder(driver, str(asked.get("folder", "")).strip())
-        recorder = self._device(driver, asked)
+        driver = str(options.get("driver", ""))
+        folder = self._folder(driver, str(options.get("folder", "")).strip())
+        recorder = self._device(driver, options)
         name = f"record-{datetime.now():%Y-%m-%dT%H-%M-%S-%f}.csv"
         with self._lock:
             self._recorder, self._path = recorder, folder / name
@@ -135,15 +135,15 @@ class Live:
             return {"running": False, "rows": 0, "says": "", "drawn": [], "kept": None}
         device, running = recorder.describe(), self.running
         with self._lock:
-            seen = [one.curve() for one in self._traces]
-            rows, said, failed, kept = self._rows, self._said, self._failed, self._kept
-        notes = device.notes if running else said
+            seen = [trace.curve() for trace in self._traces]
+            rows, sentences, failed, retained = self._rows, self._said, self._failed, self._kept
+        notes = device.notes if running else sentences
         says = "; ".join([f"{rows} samples", device.device, *notes, *self._whereabouts(rows)])
         size = min(max(width, _WIDE[0]), _WIDE[1]), min(max(height, _TALL[0]), _TALL[1])
         drawn = _drawings(device.channels, seen, size)
         return {
             "running": running, "rows": rows, "says": says, "failed": failed, "drawn": drawn,
-            "kept": None if running else kept,
+            "kept": None if running else retained,
         }  # fmt: skip
 
     def _whereabouts(self, rows: int) -> list[str]:
@@ -156,12 +156,12 @@ class Live:
 
     def _run(self, recorder: Recorder) -> None:
         """Read until the end, in a thread of its own."""
-        failed, said, kept = "", (), None  # type: tuple[str, tuple[str, ...], dict[str, str] | None]
+        failed, sentences, retained = "", (), None  # type: tuple[str, tuple[str, ...], dict[str, str] | None]
         try:
-            _, said = record(recorder, self._path, seen=self._add_block)
+            _, sentences = record(recorder, self._path, seen=self._add_block)
             if self._path.stat().st_size <= LIMIT:
                 name = self._path.name
-                kept = {"id": self._store.put(name, self._path.read_bytes()), "name": name}
+                retained = {"id": self._store.put(name, self._path.read_bytes()), "name": name}
             else:
                 failed = f"too long for this page; fit it with: dashpot fit {self._path}"
         except (DashpotError, OSError) as error:
@@ -169,7 +169,7 @@ class Live:
         except Exception as error:  # noqa: BLE001 -- a driver of anyone's; the page must hear of it
             failed = f"a fault in the driver: {type(error).__name__}: {error}"
         with self._lock:
-            self._failed, self._said, self._kept = failed, said, kept
+            self._failed, self._said, self._kept = failed, sentences, retained
 
     def _add_block(self, block: Block) -> None:
         with self._lock:
@@ -188,28 +188,28 @@ class Live:
             raise DataError(f"{named} is no folder; name one that is there")
         return folder
 
-    def _device(self, driver: str, asked: Mapping[str, Any]) -> Recorder:
+    def _device(self, driver: str, options: Mapping[str, Any]) -> Recorder:
         made: dict[str, Callable[[], Recorder]] = {
             "serial": lambda: SerialLine(
-                str(asked.get("port", "")).strip(),
-                columns=str(asked.get("columns", "")).split(","),
-                baud=_number(asked, "baud", 115200, int),
+                str(options.get("port", "")).strip(),
+                columns=str(options.get("columns", "")).split(","),
+                baud=_number(options, "baud", 115200, int),
             ),
-            "simulated": lambda: simulated(speed=_number(asked, "speed", 1.0, float)),
+            "simulated": lambda: simulated(speed=_number(options, "speed", 1.0, float)),
             "replay": lambda: replay(
-                path_in(self._store.folder, asked.get("file")),
-                speed=_number(asked, "speed", 1.0, float),
+                path_in(self._store.folder, options.get("file")),
+                speed=_number(options, "speed", 1.0, float),
             ),
         }
         require_choice("driver", driver, Driver)
         return made[driver]()
 
 
-def _number(asked: Mapping[str, Any], name: str, usual: Any, kind: Callable[[Any], Any]) -> Any:
+def _number(options: Mapping[str, Any], name: str, usual: Any, kind: Callable[[Any], Any]) -> Any:
     try:
-        return kind(asked.get(name) or usual)
+        return kind(options.get(name) or usual)
     except (TypeError, ValueError):
-        raise DataError(f"{name}: '{asked[name]}' is no number") from None
+        raise DataError(f"{name}: '{options[name]}' is no number") from None
 
 
 def _drawings(

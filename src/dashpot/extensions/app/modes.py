@@ -43,57 +43,57 @@ def _parse_request(request: Mapping[str, Any], folder: Path) -> ModesJob:
 
 
 @lru_cache(KEPT)
-def _find_modes_and_plot(asked: ModesJob) -> tuple[MeasuredModes | ModesByMass, Picture]:
+def _find_modes_and_plot(modes_job: ModesJob) -> tuple[MeasuredModes | ModesByMass, Picture]:
     """The modes, and their figure."""
-    send_progress(f"seeking the modes of {', '.join(Path(path).name for path in asked.files)}")
-    options, band = asked.options, asked.band
-    if asked.masses:
+    send_progress(f"seeking the modes of {', '.join(Path(path).name for path in modes_job.files)}")
+    options, band = modes_job.options, modes_job.band
+    if modes_job.masses:
         held = modes_by_mass(
-            asked.files, asked.masses, seals=asked.seals, options=options, band=band
+            modes_job.files, modes_job.masses, seals=modes_job.seals, options=options, band=band
         )
-        return held, plot.several_masses(held.together, [one.frf for one in held.tests])
-    found, chart = modes_files(asked.files, options=options, band=band)
-    return found, plot.stabilisation(chart, [one.mode for one in found.modes])
+        return held, plot.several_masses(held.together, [test.frf for test in held.tests])
+    measured_modes, chart = modes_files(modes_job.files, options=options, band=band)
+    return measured_modes, plot.stabilisation(chart, [mode.mode for mode in measured_modes.modes])
 
 
 def modes(request: Mapping[str, Any], folder: Path) -> bytes:
     """The modes of such files: verdict, numbers, checks, chart, tables, and the command."""
-    asked = _parse_request(request, folder)
-    found, picture = _find_modes_and_plot(asked)
+    modes_job = _parse_request(request, folder)
+    modes, picture = _find_modes_and_plot(modes_job)
     width = sizes_of(request).get("bench", WIDE)[0]
     drawn = make_figure_cards(picture, width)
     checks: tuple[Check, ...]
     frfs: list[FRF]
-    if isinstance(found, MeasuredModes):
-        checks, frfs = found.frf.checks, [found.frf]
-        named = [(str(i), one.mode) for i, one in enumerate(found.modes, 1)]
-        drawn = [drawn[0]._replace(title="Stabilisation chart"), *_tables(found)]
+    if isinstance(modes, MeasuredModes):
+        checks, frfs = modes.frf.checks, [modes.frf]
+        named = [(str(i), mode.mode) for i, mode in enumerate(modes.modes, 1)]
+        drawn = [drawn[0]._replace(title="Stabilisation chart"), *_tables(modes)]
     else:
-        checks, frfs = found.checks, [one.frf for one in found.tests]
-        held = zip(found.together.masses, found.together.modes, strict=True)
+        checks, frfs = modes.checks, [test.frf for test in modes.tests]
+        held = zip(modes.together.masses, modes.together.modes, strict=True)
         named = [(format_quantity(mass, "g"), mode) for mass, mode in held]
-    said = found.verdict
+    verdict = modes.verdict
     return wire_format.encode_message(
         {
-            "verdict": view_models.verdict(said),
-            "colour": COLOURS[said.use],
+            "verdict": view_models.verdict(verdict),
+            "colour": COLOURS[verdict.use],
             "solid": view_models.term_table("Modes", _terms(named)),
             "arms": "",
             "checks": view_models.check_list(checks),
             "figures": drawn,
-            "simulated": any(source.simulated for one in frfs for source in one.source),
-            "command": line("fit", asked),
+            "simulated": any(source.simulated for frf in frfs for source in frf.source),
+            "command": line("fit", modes_job),
         }
     )
 
 
 def download_modes(request: Mapping[str, Any], folder: Path) -> bytes:
     """The modes as their JSON, as ``dashpot fit --json`` prints it."""
-    found, _ = _find_modes_and_plot(_parse_request(request, folder))
+    modes, _ = _find_modes_and_plot(_parse_request(request, folder))
     text = (
-        json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False)
-        if isinstance(found, ModesByMass)
-        else to_json(found)
+        json.dumps(modes.document, indent=2, ensure_ascii=False, allow_nan=False)
+        if isinstance(modes, ModesByMass)
+        else to_json(modes)
     )
     return wire_format.encode_message(
         {"name": "modes.json", "kind": "application/json", "text": text}
@@ -109,40 +109,42 @@ def _terms(named: list[tuple[str, Mode]]) -> list[view_models.Term]:
     ]
 
 
-def _tables(found: MeasuredModes) -> list[FigureCard]:
+def _tables(measured_modes: MeasuredModes) -> list[FigureCard]:
     """What each mode is beside its pole; of several points shapes and how alike they are."""
-    if not found.modes:
+    if not measured_modes.modes:
         return []
-    last = ["MPC", "MPD, °"] if found.points else ["modal mass, kg"]
+    last = ["MPC", "MPD, °"] if measured_modes.points else ["modal mass, kg"]
     rows = []
-    for i, one in enumerate(found.modes, 1):
-        own = [f"{one.modal_mass:.4g}"]
-        if found.points:
-            own = [f"{one.phase_collinearity:.3f}", f"{one.phase_deviation_deg:.2g}"]
-        residue = one.mode.facts[2].cells.with_error
-        rows.append([str(i), round_to_error(one.frequency_hz, digits=4), residue, *own,
-                     f"{one.orders} of {found.highest_order}"])  # fmt: skip
+    for i, mode in enumerate(measured_modes.modes, 1):
+        names = [f"{mode.modal_mass:.4g}"]
+        if measured_modes.points:
+            names = [f"{mode.phase_collinearity:.3f}", f"{mode.phase_deviation_deg:.2g}"]
+        residue = mode.mode.facts[2].cells.with_error
+        rows.append([str(i), round_to_error(mode.frequency_hz, digits=4), residue, *names,
+                     f"{mode.orders} of {measured_modes.highest_order}"])  # fmt: skip
     head = ["mode", "Hz", "residue, m/(N s)", *last, "orders stable"]
-    of = " of 1 kg on the base" if found.frf.quantity.over_base else ""
+    of = " of 1 kg on the base" if measured_modes.frf.quantity.over_base else ""
     tables = [(f"Modes{of}", head, rows)]
-    if found.points:
-        tables += _shapes(found)
+    if measured_modes.points:
+        tables += _shapes(measured_modes)
     return [
         FigureCard(title, view_models.render_template("cells", head=head, rows=rows), min(i, 1) + 1)
         for i, (title, head, rows) in enumerate(tables)
     ]
 
 
-def _shapes(found: MeasuredModes) -> list[tuple[str, list[str], list[list[str]]]]:
+def _shapes(measured_modes: MeasuredModes) -> list[tuple[str, list[str], list[list[str]]]]:
     """The shapes of the modes, and how alike they are: title, head and rows."""
-    numbers = [str(i + 1) for i in range(len(found.modes))]
-    parts = [complex(p.real, p.imag) for one in found.modes for p in one.shape]
+    numbers = [str(i + 1) for i in range(len(measured_modes.modes))]
+    parts = [complex(p.real, p.imag) for mode in measured_modes.modes for p in mode.shape]
     sizes = np.array(parts).reshape(len(numbers), -1).T
     shapes = [
         [point, *(f"{abs(v):.3f}, {_degrees(v)}°" for v in row)]
-        for point, row in zip(found.points, sizes, strict=True)
+        for point, row in zip(measured_modes.points, sizes, strict=True)
     ]
-    macs = [[n, *(f"{v:.3f}" for v in row)] for n, row in zip(numbers, found.mac, strict=True)]
+    macs = [
+        [n, *(f"{v:.3f}" for v in row)] for n, row in zip(numbers, measured_modes.mac, strict=True)
+    ]
     return [
         ("Shapes: size and phase", ["point", *(f"mode {n}" for n in numbers)], shapes),
         ("Modal assurance criterion", ["mode", *numbers], macs),

@@ -55,10 +55,10 @@ def get_recent_folders(_: Mapping[str, Any], __: Path) -> bytes:
 def row(request: Mapping[str, Any], home: Path) -> bytes:
     """One test of a lot, to be opened as a file with the choices that its row was made by."""
     place, wanted = _parse_folder(request), request.get("sha256")
-    found = [one for one in _rows(place) if one["sha256"] == wanted]
-    if not found:
+    entries = [row for row in _rows(place) if row["sha256"] == wanted]
+    if not entries:
         raise DataError(f"{place} has no test with that hash")
-    one = found[0]
+    one = entries[0]
     raw = next(
         (
             raw
@@ -130,7 +130,10 @@ def _rows(place: Path) -> list[dict[str, Any]]:
 def _lot(place: Path) -> dict[str, Any]:
     """The table of a lot; what is no number is null."""
     lot = Lot.read(place)
-    rows = [[_finite(one[name]) for name in COLUMNS] for one in lot.table.iter_rows(named=True)]
+    rows = [
+        [_finite(iter_row[name]) for name in COLUMNS]
+        for iter_row in lot.table.iter_rows(named=True)
+    ]
     outcomes = ", ".join(f"{count} {name}" for name, count in lot.outcomes.items())
     says = f"{format_count(len(rows), 'file')}: {outcomes}"
     return {"kind": "lot", "columns": COLUMNS, "rows": rows, "says": says}

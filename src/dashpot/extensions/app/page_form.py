@@ -21,9 +21,9 @@ LABELS = {
 def fill_form(page: str) -> str:
     """Return the page with the choices of a job in their places, and what is usual as data."""
     for name in ("method", "law", "family"):
-        one = _get_field(Job, name)
-        page = page.replace(f"<!-- {name} -->", _buttons(one))
-        page = page.replace(f"<!-- {name} says -->", escape(one.metadata["help"]))
+        field = _get_field(Job, name)
+        page = page.replace(f"<!-- {name} -->", _buttons(field))
+        page = page.replace(f"<!-- {name} says -->", escape(field.metadata["help"]))
     listed = "".join(f"<option>{word}</option>" for word in get_choice_values(AmplitudeLawAsked))
     page = page.replace("<!-- amplitude-law -->", listed)
     return page.replace("<!-- usual -->", json.dumps(get_job_defaults()))
@@ -32,19 +32,19 @@ def fill_form(page: str) -> str:
 def get_job_defaults() -> dict[str, Any]:
     """Return what a page says of a job of which nothing was said; its parts and files apart."""
     return {
-        one.name: "" if one.default is None else one.default
-        for one in iterate_option_fields(Job)
-        if not is_path_field(one)
+        field.name: "" if field.default is None else field.default
+        for field in iterate_option_fields(Job)
+        if not is_path_field(field)
     }
 
 
-def _get_field(noun: type, name: str) -> Field[Any]:
-    return next(one for one in iterate_option_fields(noun) if one.name == name)
+def _get_field(cls: type, name: str) -> Field[Any]:
+    return next(field for field in iterate_option_fields(cls) if field.name == name)
 
 
-def _buttons(one: Field[Any]) -> str:
+def _buttons(field: Field[Any]) -> str:
     return "".join(
-        f'<button data-{one.name}="{word}" aria-pressed="{str(word == one.default).lower()}">'
+        f'<button data-{field.name}="{word}" aria-pressed="{str(word == field.default).lower()}">'
         f"{LABELS.get(word, word)}</button>"
-        for word in one.metadata["choices"]
+        for word in field.metadata["choices"]
     )

@@ -21,15 +21,15 @@ WHERE = "DASHPOT_STATE"
 
 def recent() -> list[dict[str, Any]]:
     """Return folders that are still there, the last one first: path, name, and when (UTC)."""
-    return [one for one in _read_list() if Path(one["folder"]).is_dir()]
+    return [entry for entry in _read_list() if Path(entry["folder"]).is_dir()]
 
 
 def remember(folder: Path) -> None:
     """Put a folder at the head of the list; where it cannot be written nothing is kept."""
     path = str(folder.resolve())
     now = datetime.now(UTC).isoformat(timespec="seconds")
-    kept = [one for one in _read_list() if one["folder"] != path]
-    listed = [{"folder": path, "name": folder.resolve().name, "when": now}, *kept][:MOST]
+    retained = [entry for entry in _read_list() if entry["folder"] != path]
+    listed = [{"folder": path, "name": folder.resolve().name, "when": now}, *retained][:MOST]
     with suppress(OSError):
         place_of(_LIST).parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         write_atomic(place_of(_LIST), json.dumps(listed, indent=1).encode())
@@ -37,8 +37,8 @@ def remember(folder: Path) -> None:
 
 def _read_list() -> list[dict[str, Any]]:
     try:
-        found = json.loads(place_of(_LIST).read_text(encoding="utf-8"))
-        return [{name: str(one[name]) for name in ("folder", "name", "when")} for one in found]
+        data = json.loads(place_of(_LIST).read_text(encoding="utf-8"))
+        return [{name: str(values[name]) for name in ("folder", "name", "when")} for values in data]
     except (OSError, ValueError, TypeError, KeyError):
         return []
 

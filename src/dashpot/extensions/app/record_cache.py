@@ -28,12 +28,12 @@ def relaxation(path: str, reading: ReadOptions, specimen: Specimen | None) -> Re
     """
     stated = specimen or Specimen()
     place = _place(path, reading, stated.temperature)
-    found = _load_record(place)
-    if found is None:
-        asked = Specimen(temperature=stated.temperature)
-        found = read_relaxation(path, options=reading, specimen=asked)
-        _keep(place, found)
-    return replace(found, specimen=replace(stated, temperature=found.specimen.temperature))
+    test = _load_record(place)
+    if test is None:
+        requested_specimen = Specimen(temperature=stated.temperature)
+        test = read_relaxation(path, options=reading, specimen=requested_specimen)
+        _keep(place, test)
+    return replace(test, specimen=replace(stated, temperature=test.specimen.temperature))
 
 
 def keep(path: str, reading: ReadOptions, record: RelaxationTest) -> RelaxationTest:

@@ -57,7 +57,7 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
     options = part(ReadOptions, request.get("options", {}), "options")
     job = Job(str(path), reading=options)
     # what is read and prepared here is what the fit asks for next
-    (found,) = inspect_files(
+    (inspection,) = inspect_files(
         [path],
         options=options,
         read=lambda file: record_cache.keep(str(path), options, relaxation_in(file, Specimen())),
@@ -65,12 +65,12 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
             result_cache.select_test_choices(job), result_cache.WHILE_HELD
         )[0],
     ).files
-    head = view_models.file_row(found)
-    head["long"] = found.rows > result_cache.WHILE_HELD
-    head |= _get_kind_fields(found.kind)
-    if head["mark"] != "good" or view_models.place_of(found) in {"", "part"}:
+    head = view_models.file_row(inspection)
+    head["long"] = inspection.rows > result_cache.WHILE_HELD
+    head |= _get_kind_fields(inspection.kind)
+    if head["mark"] != "good" or view_models.place_of(inspection) in {"", "part"}:
         head["asked"] = view_models.render_column_questions(
-            found, _consequences(path, found, options)
+            inspection, _consequences(path, inspection, options)
         )
     return wire_format.encode_message({**head, "name": path.name})
 
@@ -85,47 +85,49 @@ def _get_kind_fields(kind: str) -> dict[str, Any]:
 
 
 def _consequences(
-    path: Path, found: InspectedFile, options: ReadOptions
+    path: Path, inspection: InspectedFile, options: ReadOptions
 ) -> list[view_models.UnitImplication]:
     """What the seal would be by each unit that a relaxation test could be in."""
-    if found.kind not in ("relaxation", "unclear") or len(found.questions) != 1:
+    if inspection.kind not in ("relaxation", "unclear") or len(inspection.questions) != 1:
         return []
-    option = found.questions[0].option
-    told = []
+    option = inspection.questions[0].option
+    implications = []
     for role, words in (("force", ("N", "gf", "mN", "kgf")), ("displacement", ("mm", "um", "m"))):
         if f"{role}=" not in option:
             continue
         for unit in words:
-            given = replace(options, units={**dict(options.units), role: unit})
+            read_options = replace(options, units={**dict(options.units), role: unit})
             try:
-                test = prepare(result_cache.downsample_test(read_relaxation(path, options=given)))
+                test = prepare(
+                    result_cache.downsample_test(read_relaxation(path, options=read_options))
+                )
                 solid = fit(test, arms=1, intervals=False).model
             except DashpotError:
                 continue
             stiffness = convert_to_unit(float(solid.relaxation(test.hold_time)), "N/mm")
-            told.append(
+            implications.append(
                 view_models.UnitImplication(
                     unit, f"{float(test.force.max()):.3g}", f"{stiffness:.3g}"
                 )
             )
-    return told
+    return implications
 
 
 def preview_fit(request: Mapping[str, Any], folder: Path) -> bytes:
     """The point estimate while a handle is held: curves and numbers, no intervals."""
     job = job_of(request.get("job"), folder)
-    found = result_cache.fit_while_dragging(result_cache.select_fit_choices(job))
-    _, prepared = result_cache.select_shown_test(job, found, result_cache.HELD)
-    by_eq5 = result_cache.fit_by_eq5(job, found, result_cache.HELD)
-    given = request.get("since")
-    since = None if given is None else number(given, "since")
+    dragging = result_cache.fit_while_dragging(result_cache.select_fit_choices(job))
+    _, prepared = result_cache.select_shown_test(job, dragging, result_cache.HELD)
+    by_eq5 = result_cache.fit_by_eq5(job, dragging, result_cache.HELD)
+    value = request.get("since")
+    since = None if value is None else number(value, "since")
     shown = view_models.live_test(
-        found, prepared, by_eq5, unit=word(request, "unit") or "N", since=since
+        dragging, prepared, by_eq5, unit=word(request, "unit") or "N", since=since
     )  # fmt: skip
     head = {
         "beside": shown.words,
         "cuts": _cuts(prepared),
-        "end": view_models.format_end_stiffness(found, prepared),
+        "end": view_models.format_end_stiffness(dragging, prepared),
         "left": shown.left,
     }
     return wire_format.encode_message(head, shown.arrays)
@@ -149,58 +151,58 @@ def fit_with_intervals(request: Mapping[str, Any], folder: Path) -> bytes:
     job = job_of(request.get("job"), folder)
     sizes = sizes_of(request)
     most = result_cache.WHILE_HELD if request.get("quick") is True else None
-    found = result_cache.fit_job(result_cache.select_fit_choices(job), True, most)
-    test, prepared = result_cache.select_shown_test(job, found, most)
-    by_eq5 = result_cache.fit_by_eq5(job, found, most)
+    fit = result_cache.fit_job(result_cache.select_fit_choices(job), True, most)
+    test, prepared = result_cache.select_shown_test(job, fit, most)
+    by_eq5 = result_cache.fit_by_eq5(job, fit, most)
     whole = result_cache.prepare_uncut_test(job, prepared)
-    panels = view_models.test_panels(found, prepared, by_eq5, sizes, whole)
-    checks = found.checks
+    panels = view_models.test_panels(fit, prepared, by_eq5, sizes, whole)
+    checks = fit.checks
     if job.mass is not None:
-        response = _predict_response(found, job, _kind(request), REACH)
+        response = _predict_response(fit, job, _kind(request), REACH)
         panels["frf"] = view_models.response_panel(
             response, sizes, view_models.format_response_title(job, _kind(request))
         )
         rests = find_static_equilibrium(
-            found, mass=job.mass, seals=job.seals, compression=job.compression
+            fit, mass=job.mass, seals=job.seals, compression=job.compression
         )
-        checks += family_checks(found, rests.point, mass=job.mass, seals=job.seals)
+        checks += family_checks(fit, rests.point, mass=job.mass, seals=job.seals)
     return wire_format.encode_message(
         {
-            "verdict": view_models.verdict(found.verdict, view_models.make_fit_lights(found)),
-            "colour": COLOURS[found.verdict.use],
-            "solid": view_models.arms_table(found),
+            "verdict": view_models.verdict(fit.verdict, view_models.make_fit_lights(fit)),
+            "colour": COLOURS[fit.verdict.use],
+            "solid": view_models.arms_table(fit),
             "checks": view_models.check_list(checks),
             "beside": view_models.render_template(
-                "beside", rows=view_models.make_parameter_rows(found, by_eq5)
+                "beside", rows=view_models.make_parameter_rows(fit, by_eq5)
             ),
             "panels": panels,
             "cuts": _cuts(prepared),
-            "pressed": _format_compression(found, job, prepared),
+            "pressed": _format_compression(fit, job, prepared),
             "temperature": format_cell(test.specimen.temperature, "°C"),
             "clock": [float(test.time[0]), float(test.time[-1])],
             "step": float(np.median(np.diff(test.time))),
-            "arms": found.model.arms if found.family == "maxwell" else "",
-            "law": _law(found),
-            "end": view_models.format_end_stiffness(found, prepared),
+            "arms": fit.model.arms if fit.family == "maxwell" else "",
+            "law": _law(fit),
+            "end": view_models.format_end_stiffness(fit, prepared),
             "simulated": test.source is not None and test.source.simulated,
             "command": line("report", job),
         }
     )
 
 
-def _law(found: Fit) -> str:
+def _law(fit: Fit) -> str:
     """The law that was chosen, as a job asks for it."""
-    if found.elastic_law is None:
+    if fit.elastic_law is None:
         return ""
-    return "linear" if found.elastic_law.kind == "linear" else "nonlinear"
+    return "linear" if fit.elastic_law.kind == "linear" else "nonlinear"
 
 
-def _format_compression(found: Fit, job: Job, prepared: RampHold) -> dict[str, str]:
+def _format_compression(fit: Fit, job: Job, prepared: RampHold) -> dict[str, str]:
     """How far the mass presses the seals, mm, and what it says beside the test."""
     depth = f"test at {format_cell(prepared.depth, 'mm')} mm"
     if job.mass is None or job.compression is not None:
         return {"value": "", "says": depth}
-    rests = find_static_equilibrium(found, mass=job.mass, seals=job.seals)
+    rests = find_static_equilibrium(fit, mass=job.mass, seals=job.seals)
     return {"value": format_cell(rests.point.compression, "mm"), "says": f"by its weight; {depth}"}
 
 
@@ -215,13 +217,13 @@ def _kind(request: Mapping[str, Any]) -> Kind:
     return Kind.TRANSMISSIBILITY if request.get("base") is True else Kind.ACCELERANCE
 
 
-def _predict_response(found: Fit, job: Job, kind: Kind, about: FloatArray) -> FRF:
+def _predict_response(fit: Fit, job: Job, kind: Kind, about: FloatArray) -> FRF:
     """The response on lines that are multiples of the highest frequency of its peak."""
     if job.mass is None:
         raise DataError("no mass is given: say what rests on the seals, such as 104 g")
-    top = highest_peak(job.seals * found.solid.k_0, job.mass)
+    top = highest_peak(job.seals * fit.solid.k_0, job.mass)
     return predict_frf(
-        found, mass=job.mass, frequency=top * about, kind=kind, seals=job.seals,
+        fit, mass=job.mass, frequency=top * about, kind=kind, seals=job.seals,
         compression=job.compression,
     )  # fmt: skip
 
@@ -230,10 +232,10 @@ def predict(request: Mapping[str, Any], folder: Path) -> bytes:
     """The response of the mass while it moves: a bare curve."""
     job = job_of(request.get("job"), folder)
     # of a long record a part says as much of a curve that moves
-    found = result_cache.fit_job(
+    fit = result_cache.fit_job(
         result_cache.select_fit_choices(job), job.arms == "auto", result_cache.WHILE_HELD
     )
-    shown = view_models.live_response(_predict_response(found, job, _kind(request), LIVE_LINES))
+    shown = view_models.live_response(_predict_response(fit, job, _kind(request), LIVE_LINES))
     return wire_format.encode_message(
         {"peak": shown.words, "command": line("report", job)}, shown.arrays
     )
@@ -243,44 +245,52 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
     """The whole story: bound, comparison, joint fit where asked, answers and verdict."""
     job = job_of(request.get("job"), folder)
     sizes = sizes_of(request)
-    found = result_cache.study(job)
+    study = result_cache.study(job)
     # what a hammer says of a mass that nobody gave, on one seal, is no verdict yet
-    asks, solid = found.mass_inferred, found.joint or found.fit
-    judged, said = (found.fit.checks, found.fit.verdict) if asks else (found.weighed, found.verdict)
-    told = recommendation(found, asked=True)
-    lights = view_models.make_fit_lights(found.fit) if asks else first_screen.lights(found, told)
+    asks, solid = study.mass_inferred, study.joint or study.fit
+    checks, verdict = (
+        (study.fit.checks, study.fit.verdict) if asks else (study.weighed, study.verdict)
+    )
+    final_recommendation = recommendation(study, requested=True)
+    lights = (
+        view_models.make_fit_lights(study.fit)
+        if asks
+        else first_screen.lights(study, final_recommendation)
+    )
     phase, title = (
         request.get("phase") is True,
         view_models.format_response_title(job, _kind(request)),
     )
-    by_eq5 = found.hold_fit if solid is found.fit and solid.family == "maxwell" else None
+    by_eq5 = study.hold_fit if solid is study.fit and solid.family == "maxwell" else None
     head: dict[str, Any] = {
-        "verdict": view_models.verdict(said, lights, mass=view_models.mass_that_explains(found)),
-        "colour": COLOURS[said.use],
+        "verdict": view_models.verdict(verdict, lights, mass=view_models.mass_that_explains(study)),
+        "colour": COLOURS[verdict.use],
         "hint": HINT if asks else "",
-        "answers": view_models.answers(found, told),
-        "solid": view_models.arms_table(solid, alone=found.fit if found.joint else None),
+        "answers": view_models.answers(study, final_recommendation),
+        "solid": view_models.arms_table(solid, single=study.fit if study.joint else None),
         "arms": solid.model.arms if solid.family == "maxwell" else "",
-        "checks": view_models.check_list(sorted(judged, key=lambda check: not check.failed)),
-        "more": view_models.tells_more(found, judged),
-        "frf": view_models.study_panel(found, sizes, title, phase=phase),
-        "hits": view_models.hit_table(found),
-        "hit_panels": view_models.hit_panels(found, sizes),
-        "hammer": view_models.hammer_line(found),
+        "checks": view_models.check_list(sorted(checks, key=lambda check: not check.failed)),
+        "more": view_models.tells_more(study, checks),
+        "frf": view_models.study_panel(study, sizes, title, phase=phase),
+        "hits": view_models.hit_table(study),
+        "hit_panels": view_models.hit_panels(study, sizes),
+        "hammer": view_models.hammer_line(study),
         "panels": view_models.test_panels(
             solid,
-            found.prepared,
+            study.prepared,
             by_eq5,
             sizes,
-            result_cache.prepare_uncut_test(job, found.prepared),
+            result_cache.prepare_uncut_test(job, study.prepared),
         ),
-        "cuts": _cuts(found.prepared),
-        "simulated": bool(find_simulated_files(found)),
+        "cuts": _cuts(study.prepared),
+        "simulated": bool(find_simulated_files(study)),
         "command": line("report", job),
     }
-    if request.get("base") is True and found.mass is not None:
-        moved, joint = result_cache.base_motion(job), found.joint is not None
-        head["frf"] = view_models.base_panel(moved, joint, sizes, title)
-        of = replace(job, mass=found.mass)
-        head["command"] += "\n" + predict_command(of, moved.frf, "joint.json" if joint else FIT)
+    if request.get("base") is True and study.mass is not None:
+        prediction, joint = result_cache.base_motion(job), study.joint is not None
+        head["frf"] = view_models.base_panel(prediction, joint, sizes, title)
+        of = replace(job, mass=study.mass)
+        head["command"] += "\n" + predict_command(
+            of, prediction.frf, "joint.json" if joint else FIT
+        )
     return wire_format.encode_message(head)

@@ -21,7 +21,7 @@ LARGEST = 8000.0
 """Of a drawing, px: no screen has more."""
 
 
-def job_of(given: object, folder: Path) -> Job:
+def job_of(value: object, folder: Path) -> Job:
     """Return the job that a page asks for: quantities as texts, files by identity.
 
     Raises
@@ -31,22 +31,22 @@ def job_of(given: object, folder: Path) -> Job:
     ReadError
         If a file is no longer there.
     """
-    asked = mapping(given, "job")
-    strange = asked.keys() - _names(Job)
+    options = mapping(value, "job")
+    strange = options.keys() - _names(Job)
     if strange:
         raise DataError(f"a job has no '{min(strange)}'")
-    if not asked.get("relaxation"):
+    if not options.get("relaxation"):
         raise DataError("no relaxation test is open: open one first")
-    warmth = get_list(asked, "temperatures")
+    warmth = get_list(options, "temperatures")
     if "" in warmth:
         raise DataError(
             f"{warmth.count('')} of {len(warmth)} tests that are fitted together has no "
             "temperature: give every one its own, or none"
         )
-    return build_from_request(Job, asked, folder)
+    return build_from_request(Job, options, folder)
 
 
-def build_from_request(kind: type[T], asked: Mapping[str, Any], folder: Path) -> T:
+def build_from_request(kind: type[T], options: Mapping[str, Any], folder: Path) -> T:
     """Return a noun whose fields are declared options, of what a page says of them.
 
     Raises
@@ -56,81 +56,81 @@ def build_from_request(kind: type[T], asked: Mapping[str, Any], folder: Path) ->
     ReadError
         If a file is no longer there.
     """
-    said = [one for one in _fields(kind) if one.name in asked]
-    return kind(**{one.name: _value(one, asked, folder) for one in said})
+    attributes = [field for field in _fields(kind) if field.name in options]
+    return kind(**{attribute.name: _value(attribute, options, folder) for attribute in attributes})
 
 
-def _value(one: Field[Any], asked: Mapping[str, Any], folder: Path) -> Any:
+def _value(field: Field[Any], options: Mapping[str, Any], folder: Path) -> Any:
     """What a field is, by what a page says: nothing, or an empty text, is the default."""
-    how, name, given = one.metadata, one.name, asked[one.name]
+    how, name, value = field.metadata, field.name, options[field.name]
     if "part" in how:
-        return part(how["part"], given, name)
-    if isinstance(one.default, tuple):
-        return tuple(_single(one, each, folder) for each in get_list(asked, name))
-    if isinstance(one.default, bool):
-        return given is True
-    return one.default if given in (None, "") else _single(one, given, folder)
+        return part(how["part"], value, name)
+    if isinstance(field.default, tuple):
+        return tuple(_single(field, item, folder) for item in get_list(options, name))
+    if isinstance(field.default, bool):
+        return value is True
+    return field.default if value in (None, "") else _single(field, value, folder)
 
 
-def _single(one: Field[Any], given: Any, folder: Path) -> Any:
-    how, name = one.metadata, one.name
-    if is_path_field(one):
-        return str(path_in(folder, given))
+def _single(field: Field[Any], value: Any, folder: Path) -> Any:
+    how, name = field.metadata, field.name
+    if is_path_field(field):
+        return str(path_in(folder, value))
     if "ends" in how:
-        return _convert_value(lambda text: si_range(text, how["unit"]), given, name)
+        return _convert_value(lambda text: si_range(text, how["unit"]), value, name)
     if "unit" in how:
-        return quantity({name: given}, name, how["unit"])
+        return quantity({name: value}, name, how["unit"])
     if "choices" in how:
-        require_choice(name, given, how["choices"])
-        return given
+        require_choice(name, value, how["choices"])
+        return value
     if "least" in how:
-        return arms_of(given)
-    return number(given, name) if isinstance(one.default, float) else word({name: given}, name)
+        return arms_of(value)
+    return number(value, name) if isinstance(field.default, float) else word({name: value}, name)
 
 
 def page_of(job: Job) -> dict[str, Any]:
     """Return the choices of a job as a page says them: what :func:`job_of` takes back exactly."""
-    said = convert_to_request(job)
-    specimen = said["specimen"]
+    stated = convert_to_request(job)
+    specimen = stated["specimen"]
     if "temperature" in specimen:
-        said["temperatures"] = [specimen.pop("temperature")]
-    beside = ("joint", "temperatures", "reading", "reading_impact")
-    return {name: said.pop(name) for name in beside} | {"job": said}
+        stated["temperatures"] = [specimen.pop("temperature")]
+    extras = ("joint", "temperatures", "reading", "reading_impact")
+    return {name: stated.pop(name) for name in extras} | {"job": stated}
 
 
-def convert_to_request(noun: Any) -> dict[str, Any]:
+def convert_to_request(result: Any) -> dict[str, Any]:
     """Return what a noun says as a page says it, but for its files; of its parts no default."""
-    said = {}
-    for one in _fields(noun):
-        value = getattr(noun, one.name)
-        if "part" in one.metadata:
-            said[one.name] = _get_changed_fields(value)
-        elif not is_path_field(one) and value not in (None, ""):
-            said[one.name] = _format_field(one, value)
-    return said
+    stated = {}
+    for field in _fields(result):
+        value = getattr(result, field.name)
+        if "part" in field.metadata:
+            stated[field.name] = _get_changed_fields(value)
+        elif not is_path_field(field) and value not in (None, ""):
+            stated[field.name] = _format_field(field, value)
+    return stated
 
 
-def _format_field(one: Field[Any], value: Any) -> Any:
-    if "unit" not in one.metadata:
+def _format_field(field: Field[Any], value: Any) -> Any:
+    if "unit" not in field.metadata:
         return value
-    texts = texts_of(one, value)
-    return texts if isinstance(value, tuple) and "ends" not in one.metadata else texts[0]
+    texts = texts_of(field, value)
+    return texts if isinstance(value, tuple) and "ends" not in field.metadata else texts[0]
 
 
-def _get_changed_fields(noun: Any) -> dict[str, Any]:
+def _get_changed_fields(result: Any) -> dict[str, Any]:
     """What a part of a job says that is not the default."""
-    said = {}
-    for one in fields(noun):
-        value = getattr(noun, one.name)
-        if value == one.default:
+    stated = {}
+    for field in fields(result):
+        value = getattr(result, field.name)
+        if value == field.default:
             continue
-        said[one.name] = dict(value) if one.name == "units" else value
-        if isinstance(noun, Specimen):
-            said[one.name] = _format_field(one, value)
-    return said
+        stated[field.name] = dict(value) if field.name == "units" else value
+        if isinstance(result, Specimen):
+            stated[field.name] = _format_field(field, value)
+    return stated
 
 
-def part(kind: type[T], given: object, name: str) -> T:
+def part(kind: type[T], provided: object, name: str) -> T:
     """Return a part of a job; a list is a tuple, and nothing is the default.
 
     Raises
@@ -138,26 +138,26 @@ def part(kind: type[T], given: object, name: str) -> T:
     DataError
         If it has what the part does not, or a value of the wrong kind.
     """
-    asked = mapping(given, name)
-    strange = asked.keys() - _names(kind)
+    options = mapping(provided, name)
+    strange = options.keys() - _names(kind)
     if strange:
         raise DataError(f"{name} has no '{min(strange)}'; it has {', '.join(sorted(_names(kind)))}")
-    if asked.get("calibration"):
+    if options.get("calibration"):
         raise DataError("a page names no file beside those that it was given: no calibration")
     stated = {
         key: tuple(value) if isinstance(value, list) else value
-        for key, value in asked.items()
+        for key, value in options.items()
         if value not in (None, "")
     }
     return _convert_value(lambda them: kind(**them), stated, name)
 
 
-def _fields(noun: Any) -> tuple[Field[Any], ...]:
-    return fields(noun)
+def _fields(result: Any) -> tuple[Field[Any], ...]:
+    return fields(result)
 
 
 def _names(kind: Any) -> set[str]:
-    return {one.name for one in _fields(kind)}
+    return {field.name for field in _fields(kind)}
 
 
 def sizes_of(request: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
@@ -170,10 +170,10 @@ def sizes_of(request: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
     """
     sizes = {}
     for name, size in mapping(request.get("sizes", {}), "sizes").items():
-        known = isinstance(size, list) and len(size) == 2
-        if not known or not all(isinstance(one, (int, float)) for one in size):
+        certain = isinstance(size, list) and len(size) == 2
+        if not certain or not all(isinstance(item, (int, float)) for item in size):
             raise DataError(f"sizes: {name} = {size!r}; expected [width, height] in px")
-        width, height = (min(max(float(one), 0.0), LARGEST) for one in size)
+        width, height = (min(max(float(value), 0.0), LARGEST) for value in size)
         sizes[name] = width, height
     return sizes
 
@@ -198,7 +198,7 @@ def deck_choices(request: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def mapping(given: object, name: str) -> Mapping[str, Any]:
+def mapping(value: object, name: str) -> Mapping[str, Any]:
     """Return what must be an object.
 
     Raises
@@ -206,54 +206,54 @@ def mapping(given: object, name: str) -> Mapping[str, Any]:
     DataError
         If it is not.
     """
-    if not isinstance(given, Mapping):
-        raise DataError(f"{name} is {type(given).__name__}; expected an object")
-    return given
+    if not isinstance(value, Mapping):
+        raise DataError(f"{name} is {type(value).__name__}; expected an object")
+    return value
 
 
-def _convert_value(make: Callable[[Any], T], given: Any, name: str) -> T:
+def _convert_value(make: Callable[[Any], T], value: Any, name: str) -> T:
     try:
-        return make(given)
+        return make(value)
     except DashpotError:
         raise
     except (TypeError, ValueError, AttributeError):
-        raise DataError(f"{name} = {given!r} is not of the kind expected") from None
+        raise DataError(f"{name} = {value!r} is not of the kind expected") from None
 
 
-def get_list(asked: Mapping[str, Any], name: str) -> list[Any]:
+def get_list(options: Mapping[str, Any], name: str) -> list[Any]:
     """Return what must be a list; nothing is an empty one."""
-    given = asked.get(name, [])
-    if not isinstance(given, list):
-        raise DataError(f"{name} is {type(given).__name__}; expected a list")
-    return given
+    provided = options.get(name, [])
+    if not isinstance(provided, list):
+        raise DataError(f"{name} is {type(provided).__name__}; expected a list")
+    return provided
 
 
-def quantity(asked: Mapping[str, Any], name: str, dimension: Any) -> float | None:
+def quantity(options: Mapping[str, Any], name: str, dimension: Any) -> float | None:
     """Return a quantity that is typed with its unit, in SI; nothing is None."""
-    given = asked.get(name)
-    if given in (None, ""):
+    value = options.get(name)
+    if value in (None, ""):
         return None
-    if not isinstance(given, str):
-        raise DataError(f"{name} = {given!r}; expected a quantity with its unit, such as '104g'")
-    return convert_to_si(given, dimension)
+    if not isinstance(value, str):
+        raise DataError(f"{name} = {value!r}; expected a quantity with its unit, such as '104g'")
+    return convert_to_si(value, dimension)
 
 
-def number(given: object, name: str) -> float:
+def number(provided: object, name: str) -> float:
     """Return what must be a number."""
-    if isinstance(given, bool) or not isinstance(given, int | float):
-        raise DataError(f"{name} = {given!r}; expected a number")
-    return float(given)
+    if isinstance(provided, bool) or not isinstance(provided, int | float):
+        raise DataError(f"{name} = {provided!r}; expected a number")
+    return float(provided)
 
 
-def word(asked: Mapping[str, Any], name: str) -> str:
+def word(options: Mapping[str, Any], name: str) -> str:
     """Return what must be a text; nothing is an empty one."""
-    given = asked.get(name)
-    if given is not None and not isinstance(given, str):
-        raise DataError(f"{name} = {given!r}; expected a text")
-    return given or ""
+    value = options.get(name)
+    if value is not None and not isinstance(value, str):
+        raise DataError(f"{name} = {value!r}; expected a text")
+    return value or ""
 
 
-def arms_of(given: object) -> Any:
+def arms_of(provided: object) -> Any:
     """Return a number of arms, or "auto".
 
     Raises
@@ -261,6 +261,8 @@ def arms_of(given: object) -> Any:
     DataError
         If it is neither.
     """
-    if given == "auto" or (isinstance(given, int) and not isinstance(given, bool) and given >= 0):
-        return given
-    raise DataError(f"arms = {given!r}; expected 'auto' or a whole number >= 0")
+    if provided == "auto" or (
+        isinstance(provided, int) and not isinstance(provided, bool) and provided >= 0
+    ):
+        return provided
+    raise DataError(f"arms = {provided!r}; expected 'auto' or a whole number >= 0")

@@ -32,8 +32,10 @@ test = lru_cache(KEPT)(record_cache.relaxation)
 def tests(job: Job) -> tuple[RelaxationTest, ...]:
     """The tests of a job, each with its own temperature where that is said."""
     files = job.relaxation, *job.further
-    each = make_file_specimens(job.specimen, job.temperatures, len(files))
-    return tuple(test(file, job.reading, one) for file, one in zip(files, each, strict=True))
+    specimens = make_file_specimens(job.specimen, job.temperatures, len(files))
+    return tuple(
+        test(file, job.reading, specimen) for file, specimen in zip(files, specimens, strict=True)
+    )
 
 
 @lru_cache(KEPT)
@@ -44,7 +46,7 @@ def prepare_job_tests(job: Job, most: int | None) -> tuple[RampHold, ...]:
         return prepare_job_tests(job, None)
     return prepared_tests(
         [downsample_test(test, most) for test in every],
-        judged=most != HELD,
+        checked=most != HELD,
         filter=job.filter,
         machine=job.machine,
         cuts=job.cuts,
@@ -81,13 +83,13 @@ _before: dict[Job, Fit] = {}
 def fit_while_dragging(job: Job) -> Fit:
     """The fit while a handle is held: of a linear solid the one next to that of the cut before."""
     of, tests = replace(job, cuts=Cuts()), prepare_job_tests(select_test_choices(job), HELD)
-    near, found = _before.get(of), None
+    near, nearby = _before.get(of), None
     if near is not None and len(tests) == 1 and _is_followed(near, job):
         with suppress(FitError):
-            found = refit_nearby(tests[0], near)
+            nearby = refit_nearby(tests[0], near)
     if len(_before) > KEPT:
         _before.clear()
-    _before[of] = found or fit_job(job, job.arms == "auto", HELD)
+    _before[of] = nearby or fit_job(job, job.arms == "auto", HELD)
     return _before[of]
 
 
@@ -98,11 +100,11 @@ def _is_followed(near: Fit, job: Job) -> bool:
     return straight and near.method == job.method and near.model.arms == job.arms
 
 
-def fit_by_eq5(job: Job, found: Fit, most: int | None = None) -> Fit | None:
+def fit_by_eq5(job: Job, fit: Fit, most: int | None = None) -> Fit | None:
     """The fit of eq. (5) with as many arms, of one test; None where it has nothing to say."""
-    if found.family != "maxwell" or job.further:
+    if fit.family != "maxwell" or job.further:
         return None
-    by_eq5 = replace(select_test_choices(job), arms=found.model.arms, method="hold")
+    by_eq5 = replace(select_test_choices(job), arms=fit.model.arms, method="hold")
     try:
         return fit_while_dragging(by_eq5) if most == HELD else fit_job(by_eq5, False, most)
     except DashpotError:
@@ -110,11 +112,11 @@ def fit_by_eq5(job: Job, found: Fit, most: int | None = None) -> Fit | None:
 
 
 def select_shown_test(
-    job: Job, found: Fit, most: int | None = None
+    job: Job, fit: Fit, most: int | None = None
 ) -> tuple[RelaxationTest, RampHold]:
     """The test that is drawn: that of the temperature of the solid."""
     ready = prepare_job_tests(select_test_choices(job), most)
-    first = of_solid(found, ready)
+    first = of_solid(fit, ready)
     return tests(job)[first], ready[first]
 
 
@@ -124,10 +126,10 @@ def prepare_uncut_test(job: Job, prepared_one: RampHold) -> RampHold | None:
         return None
     uncut = replace(select_test_choices(job), cuts=replace(job.cuts, hold_end=None))
     try:
-        (found,) = prepare_job_tests(uncut, WHILE_HELD)
+        (record,) = prepare_job_tests(uncut, WHILE_HELD)
     except DashpotError:
         return None
-    return found if found.time[-1] > prepared_one.time[-1] else None
+    return record if record.time[-1] > prepared_one.time[-1] else None
 
 
 @lru_cache(KEPT)
@@ -148,14 +150,14 @@ def base_motion(job: Job) -> Prediction:
     DataError
         If the mass is not known.
     """
-    found = study(job)
-    if found.mass is None:
+    new_study = study(job)
+    if new_study.mass is None:
         raise DataError("no mass is given: say what rests on the seals, such as 104 g")
-    solid = found.joint or found.fit
-    top = highest_peak(job.seals * solid.solid.k_0, found.mass)
+    solid = new_study.joint or new_study.fit
+    top = highest_peak(job.seals * solid.solid.k_0, new_study.mass)
     return prediction(
         solid,
-        mass=found.mass,
+        mass=new_study.mass,
         seals=job.seals,
         band=job.band or (float(f"{top / 5:.2g}"), float(f"{4 * top:.2g}")),
         base=True,

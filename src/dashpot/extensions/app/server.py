@@ -74,14 +74,14 @@ class AppContext:
         places = [Path(path) for path in files]
         self.state: dict[str, Any] = {
             "open": [
-                {"id": self.store.put(one.name, one.read_bytes()), "name": one.name}
-                for one in places
-                if not one.is_dir()
+                {"id": self.store.put(place.name, place.read_bytes()), "name": place.name}
+                for place in places
+                if not place.is_dir()
             ],
-            "folders": [str(one.resolve()) for one in places if one.is_dir()],
+            "folders": [str(place.resolve()) for place in places if place.is_dir()],
         }
-        if not places and (left := session.get_saved_session()):
-            self.state["left"] = left
+        if not places and (remaining := session.get_saved_session()):
+            self.state["left"] = remaining
 
     async def answer(self, verb: str, body: bytes) -> bytes:
         """Return the answer to a question, from memory where it was put before."""
@@ -89,19 +89,19 @@ class AppContext:
         if name in self.answers:
             self.answers.move_to_end(name)
             return self.answers[name]
-        found = await self.lanes[LANES[verb]].ask(verb, json_of(body))
+        content = await self.lanes[LANES[verb]].ask(verb, json_of(body))
         if verb in _KEPT:
-            self.answers[name] = found
+            self.answers[name] = content
             while len(self.answers) > ANSWERS:
                 self.answers.popitem(last=False)
-        return found
+        return content
 
     def cancel(self) -> bool:
         """End what may take long: a study, what is made to be taken away, a reading."""
         long = [self.lanes["slow"]]
         if self.lanes["settle"].verb in _READS:
             long.append(self.lanes["settle"])
-        cancelled = [one.cancel() for one in long]
+        cancelled = [worker.cancel() for worker in long]
         return any(cancelled)
 
     def leave(self) -> None:
@@ -129,13 +129,13 @@ def state_of(body: bytes) -> dict[str, Any]:
     DataError
         If it is not a JSON object, or lists something else.
     """
-    found = json_of(body)
+    entries = json_of(body)
     for name, kind in _LISTS.items():
-        rows = found.get(name, [])
-        if not (isinstance(rows, list) and all(isinstance(one, kind) for one in rows)):
+        rows = entries.get(name, [])
+        if not (isinstance(rows, list) and all(isinstance(row, kind) for row in rows)):
             what = "texts" if kind is str else "objects"
             raise DataError(f"the state's '{name}' is no list of {what}")
-    return found
+    return entries
 
 
 def json_of(body: bytes) -> dict[str, Any]:
@@ -147,12 +147,12 @@ def json_of(body: bytes) -> dict[str, Any]:
         If it is not.
     """
     try:
-        found = json.loads(body)
+        data = json.loads(body)
     except (ValueError, RecursionError):
         raise DataError("the request is not JSON") from None
-    if not isinstance(found, dict):
+    if not isinstance(data, dict):
         raise DataError("the request is not a JSON object")
-    return found
+    return data
 
 
 def application(desk: AppContext) -> Starlette:  # noqa: C901 -- a list of routes
@@ -289,8 +289,8 @@ def _recording(desk: AppContext) -> list[Route]:
 
 def _pixels(request: Request, name: str) -> float:
     """A size that a page asks for; 0 if it asks for none."""
-    given = request.query_params.get(name, "")
-    return float(given) if given.isdecimal() else 0.0
+    text = request.query_params.get(name, "")
+    return float(text) if text.isdecimal() else 0.0
 
 
 async def _body(request: Request) -> bytes:
@@ -307,7 +307,7 @@ _HOUSE = resources.files("dashpot")
 
 
 def _names() -> set[str]:
-    return {one.name for one in _HOUSE.joinpath("extensions", "app", "static").iterdir()}
+    return {path.name for path in _HOUSE.joinpath("extensions", "app", "static").iterdir()}
 
 
 def _make_response(text: str, kind: str) -> Response:

@@ -23,7 +23,7 @@ _WORDS, _FILES = "session.json", "session"
 
 def keep(state: dict[str, Any], store: Store) -> None:
     """Keep what a page looks like, and the files that it has; where it cannot, nothing."""
-    names = [str(one.get("id", "")) for one in state.get("files", [])]
+    names = [str(item.get("id", "")) for item in state.get("files", [])]
     if not names:
         forget()
         return
@@ -34,9 +34,9 @@ def keep(state: dict[str, Any], store: Store) -> None:
             _copy(path_in(store.folder, name), home / name)
         when = datetime.now(UTC).isoformat(timespec="seconds")
         write_atomic(place_of(_WORDS), json.dumps({"when": when, "state": state}).encode())
-        for one in home.iterdir():
-            if one.name not in names:
-                shutil.rmtree(one, ignore_errors=True)
+        for path in home.iterdir():
+            if path.name not in names:
+                shutil.rmtree(path, ignore_errors=True)
 
 
 def _copy(file: Path, home: Path) -> None:
@@ -52,22 +52,22 @@ def _copy(file: Path, home: Path) -> None:
 
 def get_saved_session() -> dict[str, Any] | None:
     """Return the names of its files, and when it was kept (UTC); None if none was left."""
-    found = _read()
-    if found is None:
+    entries = _read()
+    if entries is None:
         return None
-    names = [str(one.get("name", "")) for one in found["state"].get("files", [])]
-    return {"files": names, "when": str(found.get("when", ""))}
+    names = [str(item.get("name", "")) for item in entries["state"].get("files", [])]
+    return {"files": names, "when": str(entries.get("when", ""))}
 
 
 def resume(store: Store) -> dict[str, Any]:
     """Return the state of the session that was left, with its files where the page has them."""
-    found = _read()
-    if found is None:
+    entries = _read()
+    if entries is None:
         return {}
-    state: dict[str, Any] = found["state"]
-    for one in state.get("files", []):
-        (file,) = (place_of(_FILES) / one["id"]).iterdir()
-        one["id"] = store.put(file.name, file.read_bytes())
+    state: dict[str, Any] = entries["state"]
+    for entry in state.get("files", []):
+        (file,) = (place_of(_FILES) / entry["id"]).iterdir()
+        entry["id"] = store.put(file.name, file.read_bytes())
     return state
 
 
@@ -81,9 +81,9 @@ def forget() -> None:
 def _read() -> dict[str, Any] | None:
     """What was kept, if all of it is there."""
     try:
-        found = json.loads(place_of(_WORDS).read_text(encoding="utf-8"))
-        files = found["state"]["files"]
-        whole = all(any((place_of(_FILES) / one["id"]).iterdir()) for one in files)
+        data = json.loads(place_of(_WORDS).read_text(encoding="utf-8"))
+        files = data["state"]["files"]
+        whole = all(any((place_of(_FILES) / file["id"]).iterdir()) for file in files)
     except (OSError, ValueError, TypeError, KeyError):
         return None
-    return found if files and whole else None
+    return data if files and whole else None

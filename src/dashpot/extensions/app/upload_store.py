@@ -102,9 +102,9 @@ def path_in(folder: Path, identity: object) -> Path:
         If there is none.
     """
     if isinstance(identity, str) and _ID.fullmatch(identity):
-        found = [*(folder / identity).glob("*")]
-        if found:
-            return found[0]
+        paths = [*(folder / identity).glob("*")]
+        if paths:
+            return paths[0]
     raise ReadError("this file is no longer here: open it again")
 
 

@@ -130,8 +130,8 @@ def preload_templates() -> None:
     for module in ("msgspec", "dashpot.reading.formats.text", "dashpot.plot.solid"):
         import_module(module)
     pieces = environment("dashpot.extensions.app")
-    for one in resources.files("dashpot.extensions.app").joinpath("templates").iterdir():
-        pieces.get_template(one.name)
+    for path in resources.files("dashpot.extensions.app").joinpath("templates").iterdir():
+        pieces.get_template(path.name)
 
 
 # -- panels ---------------------------------------------------------------------------------------
@@ -149,14 +149,14 @@ def render_panels(
     strip_of = panels if isinstance(panels, tuple) else (panels,)
     bare = bool(title)
     around = 2 * ROW + 6 + len(strip_of) * (4 + ROW * (not bare)) + 10 * (len(strip_of) - 1)
-    room = max(height - around, LEAST * len(strip_of))
+    margin = max(height - around, LEAST * len(strip_of))
     shares = SHARE[len(strip_of)]
     strip_of = tuple(
-        replace(one, height=part * room, bare=bare, title="", note="" if bare else one.note)
-        for one, part in zip(strip_of, shares, strict=True)
+        replace(panel, height=part * margin, bare=bare, title="", note="" if bare else panel.note)
+        for panel, part in zip(strip_of, shares, strict=True)
     )
-    key = [] if note else [one for one in Picture(name, "", (strip_of,)).key
-                           if one.label not in AT_ITS_LINE]  # fmt: skip
+    key = [] if note else [item for item in Picture(name, "", (strip_of,)).key
+                           if item.label not in AT_ITS_LINE]  # fmt: skip
     samples = [(swatch(mark, name=f"{name}-k{i}"), mark.label) for i, mark in enumerate(key)]
     svg = strip(strip_of, name=name, width=max(width, NARROWEST), kind="figure")
     return render_template("figure", key=samples, svg=svg, title=title, note=note)
@@ -177,15 +177,15 @@ def test_panels(
     other = None
     if by_eq5 is not None and fit.method != "hold":
         other = relaxation.PlottedFit(by_eq5, EQ5, *relaxation.fitted_force(by_eq5, prepared))
-    ramp, hold, rest = relaxation.upon_panels(chosen, prepared, other=other, whole=whole)
-    force, left = (one.y.label.rpartition(", ")[2] for one in (hold, rest))
-    said = _format_noise_comparison(rest.note, prepared, left)
+    ramp, hold, rest = relaxation.upon_panels(chosen, prepared, second=other, whole=whole)
+    force, remainder = (panel.y.label.rpartition(", ")[2] for panel in (hold, rest))
+    text = _format_noise_comparison(rest.note, prepared, remainder)
     arms = _label_arms(plot.spectrum(fit).panels[0], fit)
     return {
         "ramp": render_panels("ramp", _shorten_key(ramp), sizes, title=f"Ramp, {force}"),
         "hold": render_panels(
             "hold", (_shorten_key(hold), _shorten_key(rest)), sizes,
-            title=f"Hold, {force}; residual, {left}", note=said,
+            title=f"Hold, {force}; residual, {remainder}", note=text,
         ),
         "spectrum": render_panels(
             "spectrum", _recolour_panel(_shorten_key(arms), _ink(fit)), sizes,
@@ -195,12 +195,12 @@ def test_panels(
     }  # fmt: skip
 
 
-def _format_noise_comparison(left: str, prepared: RampHold, unit: str) -> str:
+def _format_noise_comparison(remainder: str, prepared: RampHold, unit: str) -> str:
     """What is left of a force beside its noise, in the `unit` of the axis where it is that one."""
     noise, of = unit_of(np.array([prepared.force_noise]), "N")
     scatter = round_to_error(of * prepared.force_noise, digits=2)
-    said = f"{left.removesuffix(noise).rstrip()}, noise {scatter}"
-    return said if noise == unit else f"{said} {noise}"
+    text = f"{remainder.removesuffix(noise).rstrip()}, noise {scatter}"
+    return text if noise == unit else f"{text} {noise}"
 
 
 def record_panels(prepared: RampHold, sizes: Sizes) -> dict[str, str]:
@@ -249,12 +249,12 @@ def _label_arms(panel: Panel, fit: Fit) -> Panel:
         for j, (tau, tip) in enumerate(tips, 1)
     ] if len(tips) <= SINGLE else []  # fmt: skip
     marks = (
-        replace(one, label="") if isinstance(one, Line) and one.label else one
-        for one in panel.marks
-        if not isinstance(one, Rule)
+        replace(mark, label="") if isinstance(mark, Line) and mark.label else mark
+        for mark in panel.marks
+        if not isinstance(mark, Rule)
     )
-    tops = [one.y for one in panel.marks if isinstance(one, Line)]
-    top = 1.25 * max(float(np.nanmax(one)) for one in tops)
+    tops = [mark.y for mark in panel.marks if isinstance(mark, Line)]
+    top = 1.25 * max(float(np.nanmax(top)) for top in tops)
     return replace(
         panel, marks=(*marks, *tags), y=replace(panel.y, limits=(0.0, min(top, 2.5 * max(k))))
     )
@@ -296,7 +296,7 @@ def study_panel(study: Study, sizes: Sizes, title: str, *, phase: bool = False) 
         return ""
     curves, limits = _responses(study)
     if sizes.get("frf", UNSEEN)[0] < NARROW:
-        curves = [replace(one, peak=None) if one.pen is REF else one for one in curves]
+        curves = [replace(curve, peak=None) if curve.pen is REF else curve for curve in curves]
     panel = magnitude_panel(curves, limits, view=about_peaks(curves), tagged=True)
     below: tuple[Panel, ...] = ()
     if phase:
@@ -308,21 +308,21 @@ def _coherence(study: Study, frequency: Scale) -> tuple[Panel, ...]:
     if study.measured is None:
         return ()
     return tuple(
-        replace(one, marks=tuple(
+        replace(panel, marks=tuple(
             replace(mark, label="coherence") if isinstance(mark, Line) else mark
-            for mark in one.marks
+            for mark in panel.marks
         ))
-        for one in coherence_panels(study.measured, frequency)
+        for panel in coherence_panels(study.measured, frequency)
     )  # fmt: skip
 
 
 def _responses(study: Study) -> tuple[list[Curve], tuple[PredictionBand, ...]]:
     """The curves of the tab's solid, the hammer's, and what the prediction leaves open."""
-    joint, alone = study.joint_comparison, study.comparison
-    if joint is None or alone is None or study.prediction is None:
+    joint, comparison = study.joint_comparison, study.comparison
+    if joint is None or comparison is None or study.prediction is None:
         return _predicted_curves(study), make_prediction_bands(study.frf_band)[:1]
     failed = study.joint is not None and study.joint.verdict.use == "do not use"
-    measured, relaxed, both = curves_of(alone, joint, failed=failed)
+    measured, relaxed, both = curves_of(comparison, joint, failed=failed)
     if both.pen is JOINT:
         both = replace(both, label="both tests")
     return [measured, both, replace(relaxed, label="relaxation alone", pen=REF)], ()
@@ -333,13 +333,13 @@ def _predicted_curves(study: Study) -> list[Curve]:
     return resonance_curves(study.comparison, study.prediction, rival=study.rival)  # type: ignore[arg-type]
 
 
-def base_panel(found: Prediction, joint: bool, sizes: Sizes, title: str) -> str:
+def base_panel(prediction: Prediction, joint: bool, sizes: Sizes, title: str) -> str:
     """The transmissibility to the mass, its peak, and from where on the mass is isolated."""
     pen, name = joint_pen(failed=False) if joint else (PREDICTED, "predicted from relaxation")
-    panel = magnitude_panel([Curve(found.frf, name, pen, found.peak)], tagged=True)
-    if found.isolation is not None:
-        said = f"less than its base above {round_to_error(found.isolation, digits=4)} Hz"
-        panel = replace(panel, marks=(*panel.marks, Rule(found.isolation, REF, label=said)))
+    panel = magnitude_panel([Curve(prediction.frf, name, pen, prediction.peak)], tagged=True)
+    if prediction.isolation is not None:
+        text = f"less than its base above {round_to_error(prediction.isolation, digits=4)} Hz"
+        panel = replace(panel, marks=(*panel.marks, Rule(prediction.isolation, REF, label=text)))
     return render_panels("frf", panel, sizes, title=title)
 
 
@@ -348,13 +348,13 @@ def hit_panels(study: Study, sizes: Sizes) -> dict[str, str]:
     if study.impact is None or study.measured is None:
         return {}
     strips = plot.hits(study.impact, study.measured).strips
-    found = {"pulses": strips[0][0], "force": strips[1][0], "answers": strips[-1][0]}
+    panels = {"pulses": strips[0][0], "force": strips[1][0], "answers": strips[-1][0]}
     chart = chart_of(study)
     if chart is not None:
-        found["poles"] = chart.panels[-1]
+        panels["poles"] = chart.panels[-1]
     return {
-        name: render_panels(name, replace(_shorten_key(one), title=""), sizes)
-        for name, one in found.items()
+        name: render_panels(name, replace(_shorten_key(panel), title=""), sizes)
+        for name, panel in panels.items()
     }
 
 
@@ -395,20 +395,22 @@ def live_test(
 
     The axes of the hold stand as they were drawn: they count from `since` on the record's clock, s.
     """
-    one = _shown_fit(fit, prepared)
-    when, left = relaxation.mean_residual(one, prepared)
-    ramp, hold = ((line.x, line.y) for line in relaxation.fit_lines(one, prepared))
+    plotted_fit = _shown_fit(fit, prepared)
+    when, residual = relaxation.mean_residual(plotted_fit, prepared)
+    ramp, hold = ((line.x, line.y) for line in relaxation.fit_lines(plotted_fit, prepared))
     later = 0.0 if since is None else prepared.ramp_end - since
     curves = {
         "ramp/fit": ramp,
         "hold/fit": (hold[0] + later, hold[1]),
-        "hold/mean": (when + later, convert_to_unit(left, unit)),
+        "hold/mean": (when + later, convert_to_unit(residual, unit)),
     }
     arrays: dict[str, FloatArray] = {}
     for name, (x, y) in curves.items():
         keep = np.unique(np.linspace(0, len(x) - 1, LIVE_POINTS).astype(int))
         arrays[f"{name}/x"], arrays[f"{name}/y"] = x[keep], y[keep]
-    rest = _format_noise_comparison(relaxation.residual_panel(one, prepared).note, prepared, unit)
+    rest = _format_noise_comparison(
+        relaxation.residual_panel(plotted_fit, prepared).note, prepared, unit
+    )
     return LiveCurves(
         arrays, render_template("beside", rows=make_parameter_rows(fit, by_eq5)), rest
     )
@@ -425,11 +427,11 @@ def make_parameter_rows(fit: Fit, by_eq5: Fit | None) -> list[tuple[str, str, st
     """Name, value of the fit, value of eq. (5) and unit, of every parameter."""
     there = {}
     if by_eq5 is not None and fit.family != "fractional":
-        there = {one.name: one.cells.value for one in by_eq5.known}
+        there = {fact.name: fact.cells.value for fact in by_eq5.known}
     return [
-        (one.symbol, one.cells.value, there.get(one.name, ""), one.word)
-        for one in fit.known
-        if one.name[0] != "b" and one.name != "k_end"
+        (fact.symbol, fact.cells.value, there.get(fact.name, ""), fact.word)
+        for fact in fit.known
+        if fact.name[0] != "b" and fact.name != "k_end"
     ]
 
 
@@ -448,10 +450,10 @@ def live_response(predicted: FRF) -> LiveCurves:
 # -- pieces of the page ---------------------------------------------------------------------------
 
 
-def verdict(found: Verdict, lights: Sequence[Light] = (), *, mass: str = "") -> str:
+def verdict(verdict: Verdict, lights: Sequence[Light] = (), *, mass: str = "") -> str:
     """The verdict in colour and words, with its lights, and a mass, g, that would mend it."""
     return render_template(
-        "verdict", verdict=found, colour=COLOURS[found.use], lights=lights, mass=mass
+        "verdict", verdict=verdict, colour=COLOURS[verdict.use], lights=lights, mass=mass
     )
 
 
@@ -459,15 +461,17 @@ def mass_that_explains(study: Study) -> str:
     """The mass, g, of the best explanation of both tests; of a gross error that of the FRF."""
     best = next(iter(study.joint.explanations), None) if study.joint else None
     if best is not None and best.explains:
-        alone = best.name.split(" and ")[0] == "mass"
+        single = best.name.split(" and ")[0] == "mass"
         return (
             round_to_error(
                 convert_to_unit(best.value, "g"), convert_to_unit(best.standard_error, "g")
             )
-            if alone
+            if single
             else ""
         )
-    shown = next((one for one in study.weighed if one.name == mass_line.name and one.failed), None)
+    shown = next(
+        (check for check in study.weighed if check.name == mass_line.name and check.failed), None
+    )
     if (
         study.mass is None
         or study.mass_inferred
@@ -503,7 +507,7 @@ class Term(NamedTuple):
 def terms(fit: Fit) -> list[Term]:
     """Every parameter of the solid, the stiffness at the end of the hold first."""
     # b = k tau says of an arm what k and tau say
-    return [term(one) for one in fit.known if not one.name.startswith("b_")]
+    return [term(fact) for fact in fit.known if not fact.name.startswith("b_")]
 
 
 def term(fact: ReportedValue) -> Term:
@@ -526,36 +530,36 @@ class ArmRow(NamedTuple):
     note: str = ""
 
 
-def _is_near_any(tau: float, known: Iterable[float]) -> bool:
-    return any(1 / ALIKE < tau / one < ALIKE for one in known)
+def _is_near_any(tau: float, values: Iterable[float]) -> bool:
+    return any(1 / ALIKE < tau / value < ALIKE for value in values)
 
 
-def arms_table(fit: Fit, *, alone: Fit | None = None) -> str:
-    """The solid of one seal, one row an arm; those that no test `alone` shows are the hammer's.
+def arms_table(fit: Fit, *, single: Fit | None = None) -> str:
+    """The solid of one seal, one row an arm; those that no test `single` shows are the hammer's.
 
     A solid that has no arms, or more than are read, is told as its terms.
     """
     if fit.family != "maxwell" or fit.model.arms > SINGLE:
         return solid_table(fit)
-    known = {one.name: one for one in fit.known}
+    reported_values = {fact.name: fact for fact in fit.known}
     pairs = [("spring at rest", "k_inf", "")]
     pairs += [(f"arm {j}", f"k_{j}", f"tau_{j}") for j in range(1, fit.model.arms + 1)]
-    if "b" in known:
-        pairs.append((f"dashpot, {known['b'].word}", "b", ""))
+    if "b" in reported_values:
+        pairs.append((f"dashpot, {reported_values['b'].word}", "b", ""))
     rows = []
     for name, *of in pairs:
-        facts = [known[one] for one in of if one in known]
-        cells = [text for one in facts for text in (one.ends[0], _plus_minus(one))]
-        marks = [term(one).mark for one in facts]
+        facts = [reported_values[text] for text in of if text in reported_values]
+        cells = [text for fact in facts for text in (fact.ends[0], _plus_minus(fact))]
+        marks = [term(fact).mark for fact in facts]
         new = (
             len(facts) > 1
-            and alone is not None
-            and not _is_near_any(facts[1].value, alone.model.tau)
+            and single is not None
+            and not _is_near_any(facts[1].value, single.model.tau)
         )
         k, k_error, tau, tau_error = (*cells, "", "")[:4]
         mark = max(marks, key=first_screen.ORDER.index)
         rows.append(ArmRow(name, k, k_error, tau, tau_error, mark, "hammer" if new else ""))
-    unit = known["k_inf"].word
+    unit = reported_values["k_inf"].word
     return render_template("arms", rows=rows, unit=unit, of=fit.identity)
 
 
@@ -568,27 +572,27 @@ def _plus_minus(fact: ReportedValue) -> str:
 
 def solid_table(fit: Fit) -> str:
     """The solid of one seal, each term with its interval and a mark."""
-    found, more = terms(fit), ""
+    new_terms, more = terms(fit), ""
     if fit.family == "maxwell" and fit.model.arms > SINGLE:
-        found = [one for one in found if one.name == symbol("k_inf")]
+        new_terms = [new_term for new_term in new_terms if new_term.name == symbol("k_inf")]
         more = (
             f"and a spectrum of {fit.model.arms} arms from {fit.model.tau[0]:.3g} to "
             f"{fit.model.tau[-1]:.3g} s, a table for a solver: fit.json holds it."
         )
-    return term_table("Model of one seal", found, more, of=fit.identity)
+    return term_table("Model of one seal", new_terms, more, of=fit.identity)
 
 
-def term_table(title: str, found: Sequence[Term], more: str = "", *, of: str = "") -> str:
+def term_table(title: str, terms: Sequence[Term], more: str = "", *, of: str = "") -> str:
     """Terms by unit, each with its interval and a mark, and what else is to be said of them.
 
     `of` is the identity of the fit, which a deck is then asked for.
     """
     groups = []
-    for unit in dict.fromkeys(one.unit for one in found):
-        rows = [one for one in found if one.unit == unit]
+    for unit in dict.fromkeys(term.unit for term in terms):
+        rows = [term for term in terms if term.unit == unit]
         columns = [_pads(texts) for texts in zip(*(row[1:4] for row in rows), strict=True)]
         groups.append(
-            (unit, [one._replace(pads=pads) for one, *pads in zip(rows, *columns, strict=True)])
+            (unit, [row._replace(pads=pads) for row, *pads in zip(rows, *columns, strict=True)])
         )
     return render_template("solid", title=title, groups=groups, more=more, of=of)
 
@@ -607,13 +611,15 @@ def _pads(texts: Sequence[str]) -> list[str]:
 def check_list(checks: Sequence[Check]) -> str:
     """What failed, the gravest first, and how many were judged, each grade apart."""
     distinct = list(dict.fromkeys(checks))
-    failed = [(GRADES[one.grade], *_split(one), one.told) for one in distinct if one.failed]
+    failed = [
+        (GRADES[check.grade], *_split(check), check.told) for check in distinct if check.failed
+    ]
     failed.sort(key=lambda row: -first_screen.ORDER.index(row[0]))
-    passed = sum(one.passed is True for one in distinct)
+    passed = sum(check.passed is True for check in distinct)
     grades = [
         (mark, f"{count} {grade}{'' if count == 1 else 's'}")
         for grade, mark in reversed(GRADES.items())
-        if (count := sum(one[0] == mark for one in failed))
+        if (count := sum(names[0] == mark for names in failed))
     ]
     grades.sort(key=lambda pair: -first_screen.ORDER.index(pair[0]))
     return render_template(
@@ -626,15 +632,15 @@ def _split(check: Check) -> tuple[str, str]:
     return sentences(check.says)[0], check.remedy.words if check.remedy else ""
 
 
-def answers(study: Study, found: Recommendation) -> str:
+def answers(study: Study, recommendation: Recommendation) -> str:
     """The numbers that one came for, of the solid of the tab."""
-    title, rows = first_screen.under_mass(study, found)
+    title, rows = first_screen.under_mass(study, recommendation)
     every: list[tuple[str, list[Row]]] = []
     if rows:
-        own = zip(found.under_mass, rows, strict=True)
-        every.append((title, [_shorter(*pair) for pair in own]))
-    own = zip(found.one_seal, first_screen.rows(found.one_seal), strict=True)
-    every.append(("One seal", [_shorter(*pair) for pair in own]))
+        pairs = zip(recommendation.under_mass, rows, strict=True)
+        every.append((title, [_shorter(*pair) for pair in pairs]))
+    pairs = zip(recommendation.one_seal, first_screen.rows(recommendation.one_seal), strict=True)
+    every.append(("One seal", [_shorter(*pair) for pair in pairs]))
     measured = study.comparison is not None
     return render_template(
         "answers", groups=every, measured=measured, ranged=True, told="Numbers", note=""
@@ -644,35 +650,35 @@ def answers(study: Study, found: Recommendation) -> str:
 def tells_more(study: Study, checks: Sequence[Check]) -> str:
     """What would tell more of the end of the hold; nothing where a failed check has said so."""
     end = study.fit.end_of_hold
-    said = {one.remedy.words for one in checks if one.failed and one.remedy}
-    if end is None or end.remedy in said:
+    stated = {check.remedy.words for check in checks if check.failed and check.remedy}
+    if end is None or end.remedy in stated:
         return ""
     return render_template("more", remedy=end.remedy, told=end.told(study.fit.unit))
 
 
-def groups(found: Sequence[Group], told: str, note: str) -> str:
+def groups(groups: Sequence[Group], text: str, note: str) -> str:
     """The table of a result of a kind: value, from and to of each number."""
-    every = [(one.title, one.rows) for one in found if one.rows]
+    every = [(group.title, group.rows) for group in groups if group.rows]
     measured = any(row.measured for _, rows in every for row in rows)
     ranged = any(row.low or row.high for _, rows in every for row in rows)
     return render_template(
-        "answers", groups=every, measured=measured, ranged=ranged, told=told, note=note
+        "answers", groups=every, measured=measured, ranged=ranged, told=text, note=note
     )  # fmt: skip
 
 
-def _shorter(one: Answer, row: Row) -> Row:
+def _shorter(answer: Answer, row: Row) -> Row:
     """A number under a name that does not wrap beside its five cells."""
-    return row._replace(name=short_name(one))
+    return row._replace(name=short_name(answer))
 
 
-def short_name(one: Answer) -> str:
+def short_name(answer: Answer) -> str:
     """A number's name that does not wrap beside its cells."""
-    at = "" if one.at is None else round_to_error(one.at)
+    at = "" if answer.at is None else round_to_error(answer.at)
     return {
         "frequency": "Frequency", "damping": "Damping", "peak": "Peak",
         "end of hold": f"k after {at.removesuffix('.0')} s", "dynamic stiffness": f"K′ at {at} Hz",
         "loss factor": "Loss factor",
-    }[one.quantity]  # fmt: skip
+    }[answer.quantity]  # fmt: skip
 
 
 def weight(job: Job) -> str:
@@ -693,73 +699,75 @@ def _pulses(study: Study) -> dict[str, str]:
     if study.impact is None:
         return {}
     (width, height), blocks = PULSE, cut_hits([study.impact])
-    longest = max(max(one.width(PART), 8 / one.rate) for one in blocks)
-    top = max(float(one.force.max()) for one in blocks)
-    found = {}
-    for one in blocks:
-        time = (np.arange(len(one.force)) - one.onset) / one.rate
+    longest = max(max(block.width(PART), 8 / block.rate) for block in blocks)
+    top = max(float(block.force.max()) for block in blocks)
+    entries = {}
+    for hit_block in blocks:
+        time = (np.arange(len(hit_block.force)) - hit_block.onset) / hit_block.rate
         near = (time > -0.5 * longest) & (time < 2.5 * longest)
-        t, force = downsample_to_extremes(time[near], one.force[near], bins=width)
+        t, force = downsample_to_extremes(time[near], hit_block.force[near], bins=width)
         x, y = width * (t / longest + 0.5) / 3, height * (1 - np.clip(force / top, -0.05, 1)) + 1
-        found[one.name] = "M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(x, y, strict=True))
-    return found
+        entries[hit_block.name] = "M" + "L".join(
+            f"{a:.1f} {b:.1f}" for a, b in zip(x, y, strict=True)
+        )
+    return entries
 
 
-def place_of(found: InspectedFile) -> str:
+def place_of(inspection: InspectedFile) -> str:
     """Where the page takes a file; empty where it does not."""
-    return KINDS[found.kind].place if found.kind in KINDS else ""
+    return KINDS[inspection.kind].place if inspection.kind in KINDS else ""
 
 
 def make_form_fields(fields: Sequence[FormField]) -> list[dict[str, Any]]:
     """The fields that are asked beside a file, as the page draws them."""
-    return [{"name": one.name, "label": one.label, "unit": one.unit, "choices": [*one.choices],
-             "each": one.each} for one in fields]  # fmt: skip
+    return [{"name": item.name, "label": item.label, "unit": item.unit, "choices": [*item.choices],
+             "each": item.each} for item in fields]  # fmt: skip
 
 
-def file_row(found: InspectedFile) -> dict[str, Any]:
+def file_row(inspection: InspectedFile) -> dict[str, Any]:
     """What the list of files says of one: its kind, one line, a mark."""
-    strange = _refusal(found) or _stranger(found)
-    mark = "care" if found.questions else "bad" if strange else "good"
+    strange = _refusal(inspection) or _stranger(inspection)
+    mark = "care" if inspection.questions else "bad" if strange else "good"
     return {
-        "kind": found.kind,
-        "page": place_of(found),
-        "line": format_for_page(_format_file_line(found)),
+        "kind": inspection.kind,
+        "page": place_of(inspection),
+        "line": format_for_page(_format_file_line(inspection)),
         "mark": mark,
-        "simulated": found.simulated,
+        "simulated": inspection.simulated,
     }
 
 
-def _format_file_line(found: InspectedFile) -> str:
-    ready = found.preparation
+def _format_file_line(inspection: InspectedFile) -> str:
+    ready = inspection.preparation
     if ready is not None:
         ramp, hold = round_to_error(ready.ramp_time), round_to_error(ready.hold_time)
         return f"{format_cell(ready.depth, 'mm')} mm, {ramp} s, {hold} s"
-    if found.questions:
-        return "asks: " + ("a unit" if "--units" in found.questions[0].option else "a column")
-    if place_of(found) in _ALONE:
-        return _refusal(found) or RECOGNISED[found.kind].what
-    return found.refusal or found.reason
+    if inspection.questions:
+        return "asks: " + ("a unit" if "--units" in inspection.questions[0].option else "a column")
+    if place_of(inspection) in _ALONE:
+        return _refusal(inspection) or RECOGNISED[inspection.kind].what
+    return inspection.refusal or inspection.reason
 
 
-def _refusal(found: InspectedFile) -> str:
+def _refusal(inspection: InspectedFile) -> str:
     """Why a file is not fitted; that loops are no ramp and hold is no reason."""
-    return "" if place_of(found) == "level" else found.refusal
+    return "" if place_of(inspection) == "level" else inspection.refusal
 
 
-def _heading(found: InspectedFile) -> str:
-    if found.questions:
-        return f"What does {found.file} hold?"
-    if _stranger(found):
-        return f"{found.file} is {RECOGNISED[found.kind].what}"
-    return f"{found.file} was not read"
+def _heading(inspection: InspectedFile) -> str:
+    if inspection.questions:
+        return f"What does {inspection.file} hold?"
+    if _stranger(inspection):
+        return f"{inspection.file} is {RECOGNISED[inspection.kind].what}"
+    return f"{inspection.file} was not read"
 
 
-def _stranger(found: InspectedFile) -> str:
+def _stranger(inspection: InspectedFile) -> str:
     """What to do with a file of a kind that this page has no place for, if it is one."""
-    known = place_of(found) or found.kind not in RECOGNISED
-    if found.questions or found.refusal or known:
+    place = place_of(inspection) or inspection.kind not in RECOGNISED
+    if inspection.questions or inspection.refusal or place:
         return ""
-    advice = RECOGNISED[found.kind].use
+    advice = RECOGNISED[inspection.kind].use
     return (
         "this page takes relaxation tests, hammer files, FRFs, sweeps, loops, moduli and creep "
         f"tests; for this one: {advice}"
@@ -774,14 +782,14 @@ class UnitImplication(NamedTuple):
     stiffness: str
 
 
-def render_column_questions(found: InspectedFile, consequences: Sequence[UnitImplication]) -> str:
+def render_column_questions(result: InspectedFile, consequences: Sequence[UnitImplication]) -> str:
     """The first rows with roles and units to choose, and what is to be answered."""
     words: dict[str, list[str]] = {}
     for unit in units.TABLE.values():
         if unit.dimension in ASKED:
             words.setdefault(unit.dimension, []).append(unit.word)
     return render_template(
-        "asked", file=found, heading=_heading(found), stranger=_stranger(found), roles=ROLES,
+        "asked", file=result, heading=_heading(result), stranger=_stranger(result), roles=ROLES,
         units=words, consequences=consequences, on_page=format_for_page,
-        rows=list(zip(*(column.first for column in found.columns), strict=False)),
+        rows=list(zip(*(column.first for column in result.columns), strict=False)),
     )  # fmt: skip

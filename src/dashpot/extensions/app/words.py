@@ -20,12 +20,12 @@ def format_for_page(sentence: str) -> str:
     """
     if not _OPTION.search(sentence):
         return sentence
-    bare = _BRACKETS.sub(lambda one: "" if _OPTION.search(one[0]) else one[0], sentence)
+    bare = _BRACKETS.sub(lambda match: "" if _OPTION.search(match[0]) else match[0], sentence)
     parts = _PARTS.split(bare)
-    kept = [parts[0]]
+    retained = [parts[0]]
     for sign, part in zip(parts[1::2], parts[2::2], strict=True):
         if not _OPTION.search(part):
-            kept += [sign, part]
-    if _OPTION.search(kept[0]):
-        kept = kept[2:] or kept
-    return _WORD.sub(" the choice on this page", "".join(kept)).strip()
+            retained += [sign, part]
+    if _OPTION.search(retained[0]):
+        retained = retained[2:] or retained
+    return _WORD.sub(" the choice on this page", "".join(retained)).strip()

@@ -56,7 +56,7 @@ def _listen(source: BinaryIO, questions: queue.Queue[bytes], folder: Path) -> No
 
 
 def _answer(verbs: Any, question: bytes, folder: Path, answers: BinaryIO) -> None:
-    asked = json.loads(question)
+    data = json.loads(question)
 
     def send(kind: str, body: bytes) -> None:
         answers.write(wire_format.encode_frame(kind, body))
@@ -64,7 +64,7 @@ def _answer(verbs: Any, question: bytes, folder: Path, answers: BinaryIO) -> Non
 
     try:
         with set_progress_listener(lambda what: send("p", what.encode())):
-            send("d", verbs[asked["verb"]](asked["request"], folder))
+            send("d", verbs[data["verb"]](data["request"], folder))
     except DashpotError as error:
         send("e", str(error).encode())
     except Exception as error:  # noqa: BLE001 -- a fault must not end the lane, nor tell of files

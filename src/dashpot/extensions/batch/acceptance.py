@@ -60,18 +60,18 @@ def judged(lot: Lot, limits: Limits) -> tuple[SealDecision, ...]:
     seals = lot.seals(limits.quantity.column)
     deviation, freedom = _compute_pooled_deviation(seals)
     between = _between_operators(lot, limits.quantity.column)
-    found = []
-    for one in seals:
+    decisions = []
+    for item in seals:
         guard = None
         if freedom:
-            own = math.hypot(deviation / math.sqrt(len(one.values)), between)
-            guard = t_quantile(2 * SURE - 1, freedom) * own
-        found.append(
-            SealDecision(one.lot, one.name, _decision(limits, one.mean, guard), one.mean, guard)
+            value = math.hypot(deviation / math.sqrt(len(item.values)), between)
+            guard = t_quantile(2 * SURE - 1, freedom) * value
+        decisions.append(
+            SealDecision(item.lot, item.name, _decision(limits, item.mean, guard), item.mean, guard)
         )
-    known = {(one.lot, one.name) for one in seals}
-    lost = (key for key in _find_tested_seals(lot) if key not in known)
-    return (*found, *(SealDecision(of, seal, "no result", None, None) for of, seal in lost))
+    items = {(seal.lot, seal.name) for seal in seals}
+    lost = (key for key in _find_tested_seals(lot) if key not in items)
+    return (*decisions, *(SealDecision(of, seal, "no result", None, None) for of, seal in lost))
 
 
 def _find_tested_seals(lot: Lot) -> dict[tuple[str, str], None]:
@@ -88,8 +88,8 @@ def _decision(limits: Limits, value: float, guard: float | None) -> Decision:
 
 def _compute_pooled_deviation(seals: Sequence[Seal]) -> tuple[float, int]:
     """Standard deviation of repeats, and its degrees of freedom."""
-    freedom = sum(len(one.values) - 1 for one in seals)
-    squares = sum(float(np.sum((one.values - one.mean) ** 2)) for one in seals)
+    freedom = sum(len(seal.values) - 1 for seal in seals)
+    squares = sum(float(np.sum((seal.values - seal.mean) ** 2)) for seal in seals)
     return (math.sqrt(squares / freedom) if freedom else 0.0), freedom
 
 
@@ -101,5 +101,5 @@ def _between_operators(lot: Lot, name: str) -> float:
     except DashpotError:
         return 0.0
     return math.hypot(*(
-        one.deviation for one in study.variations if one.name in ("operator", "interaction")
+        item.deviation for item in study.variations if item.name in ("operator", "interaction")
     ))  # fmt: skip

@@ -95,7 +95,7 @@ def batch(what: Any, /, **how: Any) -> Any:
     if "time" in how:
         return _arrays(what, **how)
     paths = [what] if isinstance(what, str) or hasattr(what, "__fspath__") else list(what)
-    if not all(isinstance(one, str) or hasattr(one, "__fspath__") for one in paths):
+    if not all(isinstance(path, str) or hasattr(path, "__fspath__") for path in paths):
         raise DataError(
             'a batch is of files, dp.batch("tests/", to="lot"), or of arrays on one clock: '
             'dp.batch(forces, time=t, displacement=x, units="s, mm, N")'

@@ -21,10 +21,10 @@ MOST_ARMS = 6
 """The most that are tried where their number is left to choose."""
 
 
-def several(given: Quantity | Sequence[Quantity], dimension: Dimension) -> tuple[float, ...]:
+def several(provided: Quantity | Sequence[Quantity], dimension: Dimension) -> tuple[float, ...]:
     """Return one quantity or several in SI."""
-    quantities = [given] if isinstance(given, str | float | int) else given
-    return tuple(convert_to_si(one, dimension) for one in quantities)
+    quantities = [provided] if isinstance(provided, str | float | int) else provided
+    return tuple(convert_to_si(quantity, dimension) for quantity in quantities)
 
 
 def _positive(name: str, value: float, unit: str = "", *, expected: str = "a number") -> None:
@@ -96,10 +96,10 @@ class BatchOptions:
             if value is not None:
                 _positive(name, value, unit)
         for name in ("at", "compression"):
-            found = tuple(dict.fromkeys(getattr(self, name)))
-            object.__setattr__(self, name, found)
-            for one in found:
-                _positive(name, one, expected="numbers")
+            results = tuple(dict.fromkeys(getattr(self, name)))
+            object.__setattr__(self, name, results)
+            for result in results:
+                _positive(name, result, expected="numbers")
         if self.joint and self.quick:
             raise DataError("--joint weighs both tests by their errors, which --quick leaves out")
 

@@ -76,9 +76,9 @@ class BatchJob:
     def tasks(self) -> tuple[Task, ...]:
         """The rows that are asked for."""
         send_progress("finding the files")
-        found = self.entries()
-        send_progress(f"hashing the files of {len(found)} tests")
-        return tasks(found, self.choices)
+        entries = self.entries()
+        send_progress(f"hashing the files of {len(entries)} tests")
+        return tasks(entries, self.choices)
 
 
 @dataclass(frozen=True)
@@ -208,9 +208,9 @@ def run_batch(job: BatchJob) -> Lot:
     """Make the rows of a batch that are missing, and return all."""
     polars()
     open_executor(job.jobs, job.scheduler)  # refuses what makes no sense before anything is written
-    asked = job.tasks()
+    tasks = job.tasks()
     with lock_results_folder(job.output):
-        return compute_missing_rows(job, asked)
+        return compute_missing_rows(job, tasks)
 
 
 @contextmanager
@@ -221,23 +221,23 @@ def lock_results_folder(folder: Path) -> Iterator[None]:
         yield
 
 
-def compute_missing_rows(job: BatchJob, asked: Sequence[Task]) -> Lot:
+def compute_missing_rows(job: BatchJob, tasks: Sequence[Task]) -> Lot:
     """Make of the rows asked for those that are missing, in a folder that is occupied."""
-    missing = _missing(asked, job.output)
+    missing = _missing(tasks, job.output)
     if missing:
         try:
             with open_executor(job.jobs, job.scheduler) as made:
                 _compute(missing, job.choices, job.output, made)
         except (KeyboardInterrupt, OSError) as error:
             made_now = len(missing) - len(_missing(missing, job.output))
-            kept = (
+            text = (
                 f"{made_now} of {len(missing)} rows are made and kept in {job.output}, and the "
                 "same command goes on from there"
             )
             if isinstance(error, OSError):
-                raise ExportError(f"{job.output}: {error.strerror or error}: {kept}") from None
-            raise KeyboardInterrupt(f"interrupted: {kept}") from None
-    return Lot(table(job.output, (one.key for one in asked)), len(missing))
+                raise ExportError(f"{job.output}: {error.strerror or error}: {text}") from None
+            raise KeyboardInterrupt(f"interrupted: {text}") from None
+    return Lot(table(job.output, (task.key for task in tasks)), len(missing))
 
 
 def plan_batch(job: BatchJob) -> BatchPlan:
@@ -249,13 +249,13 @@ def plan_batch(job: BatchJob) -> BatchPlan:
         As :func:`batch`.
     """
     polars()
-    made, asked = open_executor(job.jobs, job.scheduler), job.tasks()
-    missing = _missing(asked, job.output)
+    made, tasks = open_executor(job.jobs, job.scheduler), job.tasks()
+    missing = _missing(tasks, job.output)
     with made as making:
         chunks = len(_chunks(missing, making.side))
-    each = _estimate_seconds_per_row(missing[:_TIMED], job.choices)
-    seconds = each * len(missing) / min(making.at_once, max(chunks, 1))
-    return BatchPlan(len(asked), len(asked) - len(missing), chunks, seconds, making.side)
+    value = _estimate_seconds_per_row(missing[:_TIMED], job.choices)
+    seconds = value * len(missing) / min(making.at_once, max(chunks, 1))
+    return BatchPlan(len(tasks), len(tasks) - len(missing), chunks, seconds, making.side)
 
 
 def _estimate_seconds_per_row(some: Sequence[Task], choices: BatchOptions) -> float:
@@ -263,8 +263,8 @@ def _estimate_seconds_per_row(some: Sequence[Task], choices: BatchOptions) -> fl
         return 0.0
     row(some[0].entry, some[0].hashes, choices)  # what is imported once does not count
     began = time.perf_counter()
-    for one in some:
-        row(one.entry, one.hashes, choices)
+    for task in some:
+        row(task.entry, task.hashes, choices)
     return (time.perf_counter() - began) / len(some)
 
 
@@ -277,21 +277,21 @@ def _folder(output: str | Path | None) -> Iterator[Path]:
         yield Path(folder)
 
 
-def _missing(asked: Sequence[Task], folder: Path) -> list[Task]:
+def _missing(tasks: Sequence[Task], folder: Path) -> list[Task]:
     done = keys_done(folder) if folder.is_dir() else set()
-    return [one for one in asked if one.key not in done]
+    return [task for task in tasks if task.key not in done]
 
 
 def _chunks(missing: Sequence[Task], jobs: int) -> list[tuple[Task, ...]]:
     """Smaller ones towards the end, so that no process waits long for the last of another."""
-    found: list[tuple[Task, ...]] = []
+    task_groups: list[tuple[Task, ...]] = []
     first, most = 0, max(1, len(missing) // jobs)
     while first < len(missing):
-        left = len(missing) - first
-        size = min(CHUNK, max(_LAST, left // (2 * jobs)), most)
-        found.append(tuple(missing[first : first + size]))
+        remaining = len(missing) - first
+        size = min(CHUNK, max(_LAST, remaining // (2 * jobs)), most)
+        task_groups.append(tuple(missing[first : first + size]))
         first += size
-    return found
+    return task_groups
 
 
 def _compute(missing: Sequence[Task], choices: BatchOptions, folder: Path, by: Executor) -> None:
@@ -304,11 +304,11 @@ def _compute(missing: Sequence[Task], choices: BatchOptions, folder: Path, by: E
         now = done, max(time.monotonic() - began, 1e-6)
         first = now if number == 1 else first
         pace = rate(first, now, number, min(by.side, len(chunks)))
-        told = f"{done} of {len(missing)} tests, {pace:.1f} tests/s"
+        text = f"{done} of {len(missing)} tests, {pace:.1f} tests/s"
         if done < len(missing):
-            told += f", {(len(missing) - done) / pace:.0f} s left"
-        send_progress(told)
-        append_log_line(folder, f"{path.name} {_format_outcome_counts(rows)}; {told}")
+            text += f", {(len(missing) - done) / pace:.0f} s left"
+        send_progress(text)
+        append_log_line(folder, f"{path.name} {_format_outcome_counts(rows)}; {text}")
 
 
 def rate(first: tuple[int, float], now: tuple[int, float], chunks: int, side: int) -> float:
@@ -329,5 +329,5 @@ def append_log_line(folder: Path, what: str) -> None:
 
 
 def _format_outcome_counts(rows: Rows) -> str:
-    counts: Counter[Any] = Counter(one["outcome"] for one in rows)
+    counts: Counter[Any] = Counter(row["outcome"] for row in rows)
     return ", ".join(f"{count} {outcome}" for outcome, count in counts.most_common())

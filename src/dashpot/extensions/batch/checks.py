@@ -84,13 +84,13 @@ def gauge_tells_apart(study: Gauge) -> Finding:
         f"{100 * high:.0f})"
     )
     # from a good gauge to none: so few seals tell nothing of it
-    beyond = of.share > LIMIT and low > TRUSTED
-    grade: Grade = "stop" if low > LIMIT else "limit" if beyond else "note"
+    outside = of.share > LIMIT and low > TRUSTED
+    grade: Grade = "stop" if low > LIMIT else "limit" if outside else "note"
     return Finding(
         says,
         high,
-        "One test does not judge a seal" if beyond else "So few tests do not show it",
-        "Test every seal several times, and judge by the mean." if beyond else "Test more seals.",
+        "One test does not judge a seal" if outside else "So few tests do not show it",
+        "Test every seal several times, and judge by the mean." if outside else "Test more seals.",
         grade=grade,
     )
 
@@ -102,9 +102,11 @@ def charts_in_control(charts: Sequence[tuple[str, int, int, int]]) -> Finding:
     Of each kind of chart what its points are, and how many causes, points that break a rule, and
     points there are: lots among themselves are judged apart from the seals of a lot.
     """
-    what, causes, points, of = max(charts, key=lambda one: one[2] / compute_chance_limit(one[3]))
+    what, causes, points, of = max(charts, key=lambda pair: pair[2] / compute_chance_limit(pair[3]))
     if not points:
-        return Finding(f"No point of {sum(one[3] for one in charts)} breaks a rule of control", 0)
+        return Finding(
+            f"No point of {sum(chart[3] for chart in charts)} breaks a rule of control", 0
+        )
     return Finding(
         f"{points} of {of} points of {what} break a rule of control, in "
         f"{format_count(causes, 'cause')}",
@@ -118,12 +120,12 @@ def charts_in_control(charts: Sequence[tuple[str, int, int, int]]) -> Finding:
 @criterion("seals that do not pass", "<=", 0, "ISO 14253-1:2017, simple acceptance is not enough")
 def seals_within_limits(words: str, limits: str, decisions: Sequence[str]) -> Finding:
     """Every seal is inside the limits that are asked for by more than its guard band."""
-    counts = {one: decisions.count(one) for one in ("fail", "not proven", "no result")}
-    said = {
+    counts = {name: decisions.count(name) for name in ("fail", "not proven", "no result")}
+    stated = {
         "fail": "outside", "not proven": "inside by less than the guard band",
         "no result": "without a value that is used",
     }  # fmt: skip
-    broken = ", ".join(f"{count} {said[one]}" for one, count in counts.items() if count)
+    broken = ", ".join(f"{count} {stated[name]}" for name, count in counts.items() if count)
     passed, every = decisions.count("pass"), len(decisions)
     return Finding(
         f"{passed} of {every} seals pass: {words} {limits}",
@@ -136,17 +138,17 @@ def seals_within_limits(words: str, limits: str, decisions: Sequence[str]) -> Fi
 @criterion("Cpk", ">=", None, "asked for with the limits",
            otherwise="stop where all of its interval is below")  # fmt: skip
 def capability_as_asked(
-    words: str, lowest: tuple[str, Capability] | None, unknown: int, asked: float
+    words: str, lowest: tuple[str, Capability] | None, unknown: int, target: float
 ) -> Finding:
     """The Cpk of every lot is known, and the lowest is as high as is asked for."""
     if lowest is None or unknown:
         return Finding(
             "",
-            instead=f"Cpk of {words} is not known of {format_count(unknown, 'lot')}; {asked:.2f} "
+            instead=f"Cpk of {words} is not known of {format_count(unknown, 'lot')}; {target:.2f} "
             "is "
             "asked",
             remedy="Test two or more different seals of each lot.",
-            limit=asked,
+            limit=target,
             faulted=True,
         )
     lot, of = lowest
@@ -154,12 +156,12 @@ def capability_as_asked(
     where = f" of lot {lot}" if lot else ""
     return Finding(
         f"Cpk of {words}{where} is {of.cpk:.2f} ({low:.2f} to {high:.2f}, {of.count} seals); "
-        f"{asked:.2f} is asked",
+        f"{target:.2f} is asked",
         of.cpk,
-        "" if high >= asked else "The seals scatter too much, or lie off centre",
-        "Test more seals." if high >= asked else "Look at scatter and mean of that lot.",
-        limit=asked,
-        grade="limit" if high >= asked else "stop",
+        "" if high >= target else "The seals scatter too much, or lie off centre",
+        "Test more seals." if high >= target else "Look at scatter and mean of that lot.",
+        limit=target,
+        grade="limit" if high >= target else "stop",
     )
 
 
@@ -190,7 +192,7 @@ def stands_out_of_lot(out: int, seals: int) -> Finding:
 @criterion("tests beyond their band", "<=", 0, "by definition")
 def asked_in_band(frequencies: Sequence[float], tests: int) -> Finding:
     """The frequencies at which stiffness and loss are asked for are those that the tests inform."""
-    where = ", ".join(f"{one:g}" for one in frequencies)
+    where = ", ".join(f"{frequency:g}" for frequency in frequencies)
     return Finding(
         "The frequencies asked for lie in the valid band of every test",
         tests,

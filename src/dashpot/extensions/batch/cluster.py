@@ -53,14 +53,14 @@ def cluster(address: str) -> Iterator[Executor]:
 def _silent() -> Iterator[None]:
     """What goes wrong is said in one sentence, not in dask's log too."""
     logs = [logging.getLogger(name) for name in ("distributed", "distributed.client")]
-    levels = [one.level for one in logs]
-    for one in logs:
-        one.setLevel(logging.CRITICAL)
+    levels = [log.level for log in logs]
+    for logger in logs:
+        logger.setLevel(logging.CRITICAL)
     try:
         yield
     finally:
-        for one, level in zip(logs, levels, strict=True):
-            one.setLevel(level)
+        for logger, level in zip(logs, levels, strict=True):
+            logger.setLevel(level)
 
 
 def _open_client(distributed: Any, address: str) -> Any:
@@ -99,12 +99,12 @@ def _compute_chunks(
         "folder": str(Path.cwd()),
         "version": __version__,
     }
-    waiting, asked = iter(chunks), dict[str, Chunk]()
+    waiting, requested_tasks = iter(chunks), dict[str, Chunk]()
 
     def send_chunk(chunk: Chunk) -> Any:
-        tasks = json.dumps([one.packed for one in chunk])
+        tasks = json.dumps([task.packed for task in chunk])
         future = client.submit(rows_of, tasks, **common, pure=False)
-        asked[future.key] = chunk
+        requested_tasks[future.key] = chunk
         return future
 
     ahead = _AHEAD * sum(client.nthreads().values())
@@ -112,7 +112,7 @@ def _compute_chunks(
     running = distributed.as_completed(first, loop=client.loop)
     try:
         for future in running:
-            chunk = asked.pop(future.key)
+            chunk = requested_tasks.pop(future.key)
             yield chunk, _rows(future, address)
             following = next(waiting, None)
             if following is not None:
@@ -124,7 +124,7 @@ def _compute_chunks(
 
 def _rows(future: Any, address: str) -> Rows:
     try:
-        found: Rows = json.loads(future.result())
+        data: Rows = json.loads(future.result())
     except DashpotError:
         raise
     except Exception as error:  # noqa: BLE001 -- whatever a worker raised
@@ -134,4 +134,4 @@ def _rows(future: Any, address: str) -> Rows:
             "rows that were made are kept, and the same command goes on from there. Scheduler and "
             f"workers need dashpot {__version__} as it is here, and memory for a test"
         ) from None
-    return found
+    return data

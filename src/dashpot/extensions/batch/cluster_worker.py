@@ -37,12 +37,12 @@ def rows_of(tasks: str, *, choices: str, folder: str, version: str) -> str:
             f"a worker of the cluster has dashpot {__version__}, and this is {version}: install "
             "the same on every worker"
         )
-    chunk = [Task(one) for one in json.loads(tasks)]
+    chunk = [Task(load) for load in json.loads(tasks)]
     _refuse_unreachable(chunk, Path(folder))
     key = (choices, folder)
     worker = _pop_idle_worker(key) or Worker(BatchOptions.from_plain(json.loads(choices)), folder)
     try:
-        return json.dumps([worker.row(one, threading.Event()) for one in chunk])
+        return json.dumps([worker.row(task, threading.Event()) for task in chunk])
     finally:
         _add_idle_worker(key, worker)
 

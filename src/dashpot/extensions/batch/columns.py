@@ -66,25 +66,27 @@ def build_requested_columns(choices: BatchOptions, unit: str) -> dict[Where, tup
     at the depth of the test. A material (`unit` Pa) has no compression.
     """
     deep = choices.compression if unit == "N/m" else ()
-    found: dict[Where, tuple[str, ...]] = {
-        (None, one): (format_stiffness_column(f"end_at_{convert_to_unit(one, 'mm'):g}mm", unit),)
-        for one in deep
+    entries: dict[Where, tuple[str, ...]] = {
+        (None, value): (
+            format_stiffness_column(f"end_at_{convert_to_unit(value, 'mm'):g}mm", unit),
+        )
+        for value in deep
     }
     for frequency in choices.at:
         for about in deep or (None,):
             deeper = "" if about is None else f"_{convert_to_unit(about, 'mm'):g}mm"
             where = f"at_{frequency:g}Hz{deeper}"
-            found[frequency, about] = (
+            entries[frequency, about] = (
                 column(f"storage_{where}", unit), column(f"loss_{where}", unit),
                 f"loss_factor_{where}",
             )  # fmt: skip
-    return found
+    return entries
 
 
 def chosen_columns(choices: BatchOptions) -> tuple[str, ...]:
     """Return the columns that depend on the choices, all of numbers."""
-    asked = (build_requested_columns(choices, unit).values() for unit in ("N/m", "Pa"))
-    names = (name for of in asked for several in of for name in several)
+    requested = (build_requested_columns(choices, unit).values() for unit in ("N/m", "Pa"))
+    names = (name for of in requested for several in of for name in several)
     return (*arm_columns(choices.columns), *dict.fromkeys(names))
 
 
@@ -96,11 +98,11 @@ def number_columns(choices: BatchOptions) -> tuple[str, ...]:
 def empty(entry: Entry, sha256: str, choices: BatchOptions) -> dict[str, Any]:
     """Return the row of a file of which nothing is known yet."""
     numbers = dict.fromkeys((*COUNTS, *number_columns(choices)))
-    told = {name: getattr(entry, name) for name in ("file", *LABELS)}
+    entries = {name: getattr(entry, name) for name in ("file", *LABELS)}
     return (
         dict.fromkeys(TEXTS, "")
         | numbers
-        | told
+        | entries
         | {
             "sha256": sha256,
             "hammer": "; ".join(entry.hammer),

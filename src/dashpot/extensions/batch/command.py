@@ -57,39 +57,39 @@ def command(*, paths: tuple[str, ...], watch: bool, dry_run: bool, **said: Any) 
         raise click.UsageError(
             "Give files, folders or patterns, and the folder to fill: dashpot batch tests/ -o LOT"
         )
-    asked = job_of(paths, **said)
+    batch_job = job_of(paths, **said)
     if watch:
         if dry_run:
             raise click.UsageError("--watch waits for files, --dry-run does nothing: leave one out")
-        return _watch_folder(asked)
+        return _watch_folder(batch_job)
     from dashpot.extensions.batch.batch_run import plan_batch, run_batch
 
     if dry_run:
-        planned = plan_batch(asked)
+        planned = plan_batch(batch_job)
         return CommandResult(planned, Text(_format_plan(planned)))
-    found = summarise_lot(asked, run_batch(asked))
-    write_lot(asked, found)
-    return outcome(asked, found)
+    summary = summarise_lot(batch_job, run_batch(batch_job))
+    write_lot(batch_job, summary)
+    return outcome(batch_job, summary)
 
 
-def _watch_folder(asked: BatchJob) -> CommandResult:
+def _watch_folder(batch_job: BatchJob) -> CommandResult:
     """Fit each test of a folder as it is written, until Ctrl-C; a file is taken when it rests."""
     from dashpot.extensions.batch.folder_watch import watch_batch
 
-    if len(asked.paths) != 1 or not Path(asked.paths[0]).is_dir():
+    if len(batch_job.paths) != 1 or not Path(batch_job.paths[0]).is_dir():
         raise click.UsageError("--watch looks at one folder, such as: dashpot batch rig/ --watch")
     with suppress(ValueError):  # not the main thread of whoever calls
         signal.signal(signal.SIGTERM, signal.default_int_handler)
-    lot = watch_batch(asked, lambda found: write_lot(asked, summarise_lot(asked, found)))
+    lot = watch_batch(batch_job, lambda lot: write_lot(batch_job, summarise_lot(batch_job, lot)))
     if lot is None:
-        told = "stopped before a table was made; the same command goes on from there"
-        return CommandResult(LotOutput(str(asked.output)), Text([told]))
-    return outcome(asked, summarise_lot(asked, lot))
+        text = "stopped before a table was made; the same command goes on from there"
+        return CommandResult(LotOutput(str(batch_job.output)), Text([text]))
+    return outcome(batch_job, summarise_lot(batch_job, lot))
 
 
 def _format_plan(plan: BatchPlan) -> list[str]:
-    left, seconds = plan.files - plan.done, plan.seconds
+    count, seconds = plan.files - plan.done, plan.seconds
     return [
         f"files       {plan.files}, {plan.done} of them done",
-        f"to do       {left} in {plan.chunks} chunks by {plan.jobs} processes, {seconds:.3g} s",
+        f"to do       {count} in {plan.chunks} chunks by {plan.jobs} processes, {seconds:.3g} s",
     ]

@@ -80,15 +80,15 @@ class LotComparison(HasChecks, Serialisable):
     @property
     def sound(self) -> str:
         """How many quantities differ, and by how much the one does that chance explains least."""
-        judged = [one for one in self.each if not one.shared]
-        if not judged:
+        comparisons = [comparison for comparison in self.each if not comparison.shared]
+        if not comparisons:
             return "0 quantities are compared: the lots share their records"
-        least = min(judged, key=lambda one: one.p_value)
-        differ = sum(bool(one.different) for one in judged)
+        least = min(comparisons, key=lambda comparison: comparison.p_value)
+        differ = sum(bool(comparison.different) for comparison in comparisons)
         low, high = (100 * least.share(end) for end in least.difference.interval)
         by = 100 * least.share(least.difference.value)
         return (
-            f"{differ} of {len(judged)} compared quantities differ. "
+            f"{differ} of {len(comparisons)} compared quantities differ. "
             f"{sentence(least.quantity.words)[:-1]}: {by:+.2g} %, 95 % from {low:+.2g} to "
             f"{high:+.2g} %"
         )
@@ -96,33 +96,33 @@ class LotComparison(HasChecks, Serialisable):
     def __str__(self) -> str:
         first, second = self.names
         lines = [f"{second} against {first}; seals are what is compared, not their repeats"]
-        for one in self.each:
-            lines += _format_comparison(one)
+        for comparison in self.each:
+            lines += _format_comparison(comparison)
         return "\n".join(lines)
 
 
-def _format_comparison(one: Compared) -> Iterator[str]:
-    of, read = one.difference, one.quantity.read
+def _format_comparison(item: Compared) -> Iterator[str]:
+    of, read = item.difference, item.quantity.read
 
     def share(value: float) -> str:
-        return f"{100 * one.share(value):+.2g} %"
+        return f"{100 * item.share(value):+.2g} %"
 
     low, high = of.interval
-    what = f"{'different' if one.different else 'no difference found'} (p = {one.p_value:.2g})"
-    if one.shared:
-        what = f"not judged, the lots have {format_count(one.shared, 'record')} in common"
-    yield f"{one.quantity.words}: {what}"
+    what = f"{'different' if item.different else 'no difference found'} (p = {item.p_value:.2g})"
+    if item.shared:
+        what = f"not judged, the lots have {format_count(item.shared, 'record')} in common"
+    yield f"{item.quantity.words}: {what}"
     means = " and ".join(
         f"{read(mean)} ({count} seals, SD {read(sd, digits=2)})"
         for mean, count, sd in zip(of.means, of.counts, of.deviations, strict=True)
     )
     yield f"  means       {ascii_only(means)}"
-    if one.shared:
+    if item.shared:
         return
     yield f"  difference  {share(of.value)}, 95 % from {share(low)} to {share(high)}"
     yield (
-        f"  detectable  {abs(100 * one.share(of.detectable)):.2g} % with a power of 80 %; "
-        f"alike within {abs(100 * one.share(of.alike_within)):.2g} % (two one-sided tests)"
+        f"  detectable  {abs(100 * item.share(of.detectable)):.2g} % with a power of 80 %; "
+        f"alike within {abs(100 * item.share(of.alike_within)):.2g} % (two one-sided tests)"
     )
 
 
@@ -151,7 +151,7 @@ def opened(named: str) -> tuple[str, Lot]:
 
 def opened_both(named: Sequence[str]) -> list[tuple[str, Lot]]:
     """Return two lots, opened each; those of one name are called as they were named."""
-    lots = [opened(one) for one in named]
+    lots = [opened(name) for name in named]
     if len({name for name, _ in lots}) == 1:
         return [(called, lot) for called, (_, lot) in zip(named, lots, strict=True)]
     return lots
@@ -174,23 +174,25 @@ def compared(
     DataError
         If a lot has fewer than two seals, or lacks a quantity.
     """
-    (one_name, one), (other_name, other) = first, second
+    (one_name, single_lot), (other_name, other) = first, second
     quantities = [
         _find_common_quantity(first, second, name)
-        for name in tuple(names) or _select_common_quantities(one, other)
+        for name in tuple(names) or _select_common_quantities(single_lot, other)
     ]
     if not quantities:
         raise DataError(f"{one_name} and {other_name} have no quantity in common")
-    found = [one.compare(other, quantity.name) for quantity in quantities]
-    p_values = holm([each.p_value for each in found])
-    unnamed = sum(int((lot.used["seal"] == "").sum()) for lot in (one, other))
-    again = _count_shared_records(one, other)
-    tests = one.used.height + other.used.height
+    differences = [single_lot.compare(other, quantity.name) for quantity in quantities]
+    p_values = holm([difference.p_value for difference in differences])
+    unnamed = sum(int((lot.used["seal"] == "").sum()) for lot in (single_lot, other))
+    again = _count_shared_records(single_lot, other)
+    tests = single_lot.used.height + other.used.height
     return LotComparison(
         (one_name, other_name),
-        tuple(Compared(*each, again) for each in zip(quantities, found, p_values, strict=True)),
+        tuple(
+            Compared(*item, again) for item in zip(quantities, differences, p_values, strict=True)
+        ),
         (
-            lots_tested_alike(tuple(_otherwise(one, other))),
+            lots_tested_alike(tuple(_otherwise(single_lot, other))),
             seals_named(unnamed, tests),
             records_distinct(again, tests),
             *(check.within(f"in {name}") for name, lot in (first, second) for check in lot.checks),
@@ -200,20 +202,20 @@ def compared(
 
 def compare_folders(first: str, second: str, quantities: Sequence[str]) -> LotComparison:
     """Compare two lots; ``FOLDER:NAME`` is one lot of several."""
-    one, other = opened_both((first, second))
-    return compared(one, other, tuple(quantities))
+    pair, other = opened_both((first, second))
+    return compared(pair, other, tuple(quantities))
 
 
-def _count_shared_records(one: Lot, other: Lot) -> int:
+def _count_shared_records(first: Lot, second: Lot) -> int:
     """Records of the second lot that the first holds, too."""
-    known = set(one.used["sha256"]) - {""}
-    return sum(sha256 in known for sha256 in other.used["sha256"])
+    difference = set(first.used["sha256"]) - {""}
+    return sum(sha256 in difference for sha256 in second.used["sha256"])
 
 
-def _select_common_quantities(one: Lot, other: Lot) -> tuple[str, ...]:
+def _select_common_quantities(first: Lot, second: Lot) -> tuple[str, ...]:
     """The quantities that both lots have, less what the others tell."""
-    theirs = {quantity.name for quantity in other.quantities}
-    mine = (quantity.name for quantity in one.quantities)
+    theirs = {quantity.name for quantity in second.quantities}
+    mine = (quantity.name for quantity in first.quantities)
     return tuple(name for name in mine if name in theirs and not name.startswith(_TOLD_BY_OTHERS))
 
 
@@ -221,16 +223,16 @@ def _find_common_quantity(first: tuple[str, Lot], second: tuple[str, Lot], name:
     """A quantity that both lots have."""
     for called, lot in (second, first):
         try:
-            found = lot.quantity(name)
+            quantity = lot.quantity(name)
         except DataError as error:
             raise DataError(f"{called}: {error}") from None
-    return found
+    return quantity
 
 
-def _otherwise(one: Lot, other: Lot) -> Iterator[str]:
+def _otherwise(single_lot: Lot, other: Lot) -> Iterator[str]:
     """Conditions of the tests that differ between the lots, by their medians."""
     for name in _CONDITIONS:
-        medians = [lot.used[name].median() for lot in (one, other)]
+        medians = [lot.used[name].median() for lot in (single_lot, other)]
         first, second = (value if isinstance(value, float) else None for value in medians)
         if first is None or second is None:
             continue

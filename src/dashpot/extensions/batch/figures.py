@@ -51,37 +51,37 @@ def control_picture(
     quantity: Quantity,
     charts: Mapping[str, Charts],
     seals: Sequence[Seal],
-    asked: Sequence[float] = (),
+    requested: Sequence[float] = (),
 ) -> Picture:
     """Return seals in their order with the control limits of each lot, and the scatter inside.
 
     Below the seals stand the standard deviations of their repeats, or, where no seal was tested
-    twice, the moving ranges of neighbours. Limits that are `asked`, SI, are drawn across.
+    twice, the moving ranges of neighbours. Limits that are `requested`, SI, are drawn across.
     """
-    place = {(one.lot, one.name): i + 1.0 for i, one in enumerate(seals)}
+    place = {(seal.lot, seal.name): i + 1.0 for i, seal in enumerate(seals)}
     scale = Scale("seal, in the order of lot and name", (0.5, max(len(seals), 1) + 0.5), whole=True)
     x = np.arange(1.0, len(seals) + 1)
     y = quantity.scale * seal_means(seals)
     areas: list[Mark] = []
     marks: list[Mark] = [Line(x, y, _THREAD)]
     titles, spans = list[tuple[float, str]](), list[tuple[Charts, FloatArray]]()
-    for name, one in charts.items():
-        at = np.array([place[seal.lot, seal.name] for seal in one.seals])
+    for name, chart in charts.items():
+        at = np.array([place[seal.lot, seal.name] for seal in chart.seals])
         ends = _ends(at)
         least, centre, most = (
             quantity.scale * value * np.ones(2)
-            for value in (one.means.lower[0], one.means.centre, one.means.upper[0])
+            for value in (chart.means.lower[0], chart.means.centre, chart.means.upper[0])
         )
         areas.insert(0, Area(ends, least, most, "fit", "control limits of each lot"))
         marks.append(Line(ends, centre, _MEAN, "mean of each lot"))
-        marks += _make_signal_tags(one.seals, one.means, at, quantity.scale)
+        marks += _make_signal_tags(chart.seals, chart.means, at, quantity.scale)
         if name:
             titles.append((float(ends[0]), name))
-        spans.append((one, at))
-    limits = quantity.scale * np.array(asked)
+        spans.append((chart, at))
+    limits = quantity.scale * np.array(requested)
     marks += [Rule(end, _ASKED, "limits asked", across=True) for end in limits]
     marks.append(Dots(x, y, "measured", "seal: mean of its tests", size=5.0))
-    low, high = _limits(quantity, charts, seals, asked)
+    low, high = _limits(quantity, charts, seals, requested)
     marks += [Tag(at, high, text, "soft") for at, text in titles]
     upper = Panel(scale, Scale(quantity.title, (low, high)), (*areas, *marks), height=CHART)
     panels = (upper, *_scatter(scale, quantity, spans))
@@ -92,11 +92,11 @@ def _scatter(
     scale: Scale, quantity: Quantity, spans: Sequence[tuple[Charts, FloatArray]]
 ) -> Iterator[Panel]:
     """The panel of repeats or neighbours, unless there are none; each lot with its places."""
-    repeated = any(one.repeats is not None for one, _ in spans)
+    repeated = any(charts.repeats is not None for charts, _ in spans)
     what = "SD of repeats" if repeated else "moving range"
     marks, heights = list[Mark](), [np.zeros(1)]
-    for one, at in spans:
-        chart = one.repeats if repeated else one.moving
+    for item, at in spans:
+        chart = item.repeats if repeated else item.moving
         if chart is None:
             continue
         values, ceiling = quantity.scale * chart.values, quantity.scale * chart.upper
@@ -104,11 +104,11 @@ def _scatter(
             Line(_ends(at), quantity.scale * chart.centre * np.ones(2), _USUAL),
             Line(at, ceiling, _CEILING, "its upper control limit"),
             Dots(at, values, "measured", size=4.0),
-            *_make_signal_tags(one.seals, chart, at, quantity.scale),
+            *_make_signal_tags(item.seals, chart, at, quantity.scale),
         ]
         heights += [values, ceiling]
     if marks:
-        top = 1.15 * max(float(np.nanmax(one, initial=0.0)) for one in heights) or 1.0
+        top = 1.15 * max(float(np.nanmax(height, initial=0.0)) for height in heights) or 1.0
         title = f"{what}, {quantity.unit}".rstrip(", ")
         yield Panel(scale, Scale(title, (0.0, top)), tuple(marks), height=70)
 
@@ -131,12 +131,12 @@ def _limits(
     quantity: Quantity,
     charts: Mapping[str, Charts],
     seals: Sequence[Seal],
-    asked: Sequence[float],
+    requested: Sequence[float],
 ) -> tuple[float, float]:
     """The upright axis that chart and histogram share: seals, control limits, what is asked."""
-    edges = [quantity.scale * seal_means(seals), quantity.scale * np.array(asked)]
-    for one in charts.values():
-        edges += [quantity.scale * one.means.lower, quantity.scale * one.means.upper]
+    edges = [quantity.scale * seal_means(seals), quantity.scale * np.array(requested)]
+    for chart in charts.values():
+        edges += [quantity.scale * chart.means.lower, quantity.scale * chart.means.upper]
     low, high = compute_padded_limits(np.concatenate(edges))
     # the names of the lots stand above all that is drawn
     return low, high + 0.12 * (high - low)
@@ -146,7 +146,7 @@ def histogram_picture(
     quantity: Quantity,
     charts: Mapping[str, Charts],
     seals: Sequence[Seal],
-    asked: Sequence[float] = (),
+    requested: Sequence[float] = (),
 ) -> Picture:
     """Return the means of all seals as a histogram that lies on the axis of their chart."""
     means = quantity.scale * seal_means(seals)
@@ -159,7 +159,7 @@ def histogram_picture(
              tint=0.5)
         for low, high, count in zip(edges[:-1], edges[1:], counts.tolist(), strict=True) if count
     ]  # fmt: skip
-    limits = _limits(quantity, charts, seals, asked)
+    limits = _limits(quantity, charts, seals, requested)
     mean, top = float(means.mean()), float(counts.max())
     deviation = float(means.std(ddof=1)) if len(means) > 1 else 0.0
     if deviation > 0:
@@ -168,30 +168,33 @@ def histogram_picture(
         shape *= len(means) * (edges[1] - edges[0])
         top = max(top, float(shape.max()))
         marks.append(Line(shape, y, _SHAPE, "normal"))
-    marks += [Rule(quantity.scale * end, _ASKED, across=True) for end in asked]
+    marks += [Rule(quantity.scale * end, _ASKED, across=True) for end in requested]
     marks += [Rule(mean, _MEAN, across=True)]
-    said = round_to_error(mean, deviation / 10 if deviation > 0 else None)
+    text = round_to_error(mean, deviation / 10 if deviation > 0 else None)
     scale = Scale("seals", (0.0, 1.1 * top), whole=True)
     upright = Scale(f"all {len(seals)} seals", limits, unnumbered=True)
-    panel = Panel(scale, upright, tuple(marks), height=CHART, note=f"mean {said}")
+    panel = Panel(scale, upright, tuple(marks), height=CHART, note=f"mean {text}")
     return Picture("histogram", f"{quantity.title}: all seals", ((panel,),))
 
 
-def cpk_picture(known: Sequence[Capability], asked: float | None) -> Picture:
+def cpk_picture(capabilities: Sequence[Capability], requested: float | None) -> Picture:
     """Return the Cpk of each lot with its interval, the lowest first."""
-    ranked = sorted(known, key=lambda one: one.cpk or 0.0)
+    ranked = sorted(capabilities, key=lambda capability: capability.cpk or 0.0)
     at = np.arange(1.0, len(ranked) + 1)
-    cpk = np.array([one.cpk or 0.0 for one in ranked])
-    low, high = (np.array([(one.cpk_interval or (0.0, 0.0))[i] for one in ranked]) for i in (0, 1))
+    cpk = np.array([capability.cpk or 0.0 for capability in ranked])
+    low, high = (
+        np.array([(capability.cpk_interval or (0.0, 0.0))[i] for capability in ranked])
+        for i in (0, 1)
+    )
     # along a line each lot has its interval; so drawn, they make one area
     marks: list[Mark] = [
         Ring(np.concatenate([low, high[::-1]]), np.concatenate([at, at[::-1]]), "ref", "95 %", 0.4),
         Line(cpk, at, Pen("measured", 1.8), "Cpk"),
     ]
     ends = [low, high]
-    if asked is not None:
-        marks.append(Rule(asked, _ASKED, "asked"))
-        ends.append(np.array([asked]))
+    if requested is not None:
+        marks.append(Rule(requested, _ASKED, "asked"))
+        ends.append(np.array([requested]))
     across = Scale("Cpk", compute_padded_limits(*ends))
     upright = Scale("", (0.0, len(ranked) + 1.0), unnumbered=True)
     panel = Panel(across, upright, tuple(marks), height=70, bare=True)
@@ -203,20 +206,20 @@ def lots_picture(
     charts: Mapping[str, Charts],
     lots: LotCharts | None,
     seals: Sequence[Seal],
-    asked: Sequence[float] = (),
+    requested: Sequence[float] = (),
 ) -> Picture:
     """Return each lot as a dot, the middle 90 % and all of its seals, and the scatter of repeats.
 
     Control limits are those of the means of lots; what breaks a rule has a ring.
     """
-    each = {
-        name: quantity.scale * seal_means(own) for name, own in split_seals_by_lot(seals).items()
+    entries = {
+        name: quantity.scale * seal_means(seal) for name, seal in split_seals_by_lot(seals).items()
     }
-    names, at = list(each), np.arange(1.0, len(each) + 1)
+    names, at = list(entries), np.arange(1.0, len(entries) + 1)
     scale = Scale("lot, in the order of name", (0.5, len(names) + 0.5), whole=True)
-    means = np.array([one.mean() for one in each.values()])
+    means = np.array([entry.mean() for entry in entries.values()])
     low, near, far, high = (
-        np.array([np.quantile(one, part) for one in each.values()])
+        np.array([np.quantile(entry, part) for entry in entries.values()])
         for part in (0.0, 0.05, 0.95, 1.0)
     )
     marks: list[Mark] = []
@@ -226,12 +229,12 @@ def lots_picture(
         marks.append(Rule(quantity.scale * lots.mean.centre, _MEAN, "mean of all", across=True))
     marks.append(_bars(at, low, high, Pen("ref", 1.0), "all of its seals"))
     marks.append(_bars(at, near, far, Pen("ref", 5.0), "90 % of its seals"))
-    marks += [Rule(quantity.scale * end, _ASKED, "limits asked", across=True) for end in asked]
+    marks += [Rule(quantity.scale * end, _ASKED, "limits asked", across=True) for end in requested]
     marks.append(Dots(at, means, "measured", "mean of a lot", size=5.0))
     if lots is not None and lots.mean.signalled:
         on = [names.index(lots.names[i]) for i in lots.mean.signalled]
         marks.insert(-1, Dots(at[on], means[on], "care", "signal", size=10.0, hollow=True))
-    limits = _limits(quantity, charts, seals, asked)
+    limits = _limits(quantity, charts, seals, requested)
     marks += _groups(names, means, limits[1])
     upper = Panel(scale, Scale(quantity.title, limits), tuple(marks), height=CHART)
     panels = (upper, *_repeats_of_lots(scale, quantity, names, charts))
@@ -251,7 +254,7 @@ def _groups(names: Sequence[str], means: FloatArray, top: float) -> Iterator[Mar
     Of lots that are one group, or of no group, some are named.
     """
     stems = [name.rstrip("0123456789") for name in names]
-    starts = [i for i, one in enumerate(stems) if i == 0 or one != stems[i - 1]]
+    starts = [i for i, stem in enumerate(stems) if i == 0 or stem != stems[i - 1]]
     if 1 < len(starts) <= _GROUPS:
         for start, stop in zip(starts, [*starts[1:], len(names)], strict=True):
             span = names[start] if stop - start == 1 else f"{names[start]} to {names[stop - 1]}"
@@ -271,37 +274,43 @@ def _repeats_of_lots(
     """The standard deviations of repeats, a column of dots a lot; those beyond are named."""
     x, y, tags, centres = list[FloatArray](), list[FloatArray](), list[Mark](), []
     for i, name in enumerate(names):
-        one = charts.get(name)
-        if one is None or one.repeats is None:
+        single_charts = charts.get(name)
+        if single_charts is None or single_charts.repeats is None:
             continue
-        values = quantity.scale * one.repeats.values
+        values = quantity.scale * single_charts.repeats.values
         x.append(np.full(len(values), i + 1.0))
         y.append(values)
-        centres.append(quantity.scale * one.repeats.centre)
+        centres.append(quantity.scale * single_charts.repeats.centre)
         tags += [
-            Tag(i + 1.0, float(values[at]), f"{name}-{one.seals[at].name}", "care-ink", "hollow")
-            for at in one.repeats.signalled
+            Tag(
+                i + 1.0,
+                float(values[at]),
+                f"{name}-{single_charts.seals[at].name}",
+                "care-ink",
+                "hollow",
+            )
+            for at in single_charts.repeats.signalled
         ]
     if not y:
         return
-    known = np.concatenate(y)
-    marks: list[Mark] = [Dots(np.concatenate(x), known, "ref", size=2.5),
+    joined = np.concatenate(y)
+    marks: list[Mark] = [Dots(np.concatenate(x), joined, "ref", size=2.5),
                          Rule(float(np.mean(centres)), _USUAL, across=True)]  # fmt: skip
     marks += tags[:_GROUPS]
     title = f"SD of repeats of each seal, {quantity.unit}".rstrip(", ")
-    top = 1.2 * float(np.nanmax(known, initial=0.0)) or 1.0
+    top = 1.2 * float(np.nanmax(joined, initial=0.0)) or 1.0
     yield Panel(scale, Scale(title, (0.0, top)), tuple(marks), height=70)
 
 
 def curves_picture(rows: Sequence[Mapping[str, Any]], odd: Sequence[str] = ()) -> Picture:
     """Return the relaxation of the solid of every row, from 10 ms to the end of its hold."""
-    longest = max((float(one["hold_s"] or 0.0) for one in rows), default=0.0)
+    longest = max((float(row["hold_s"] or 0.0) for row in rows), default=0.0)
     time = np.geomspace(1e-2, max(longest, 1.0), _SAMPLES)
-    drawn = [_relaxation(one, time) for one in rows]
+    drawn = [_relaxation(row, time) for row in rows]
     marks = tuple(
-        Line(time, k, _ODD if one["file"] in odd else _CURVE,
-             "stands out" if one["file"] in odd else "solid of each test")
-        for one, k in zip(rows, drawn, strict=True)
+        Line(time, k, _ODD if row["file"] in odd else _CURVE,
+             "stands out" if row["file"] in odd else "solid of each test")
+        for row, k in zip(rows, drawn, strict=True)
     )  # fmt: skip
     axes = (
         Scale("time after a step, s", (float(time[0]), float(time[-1])), log=True),

@@ -88,18 +88,18 @@ class _Watched:
         """Make the rows of what has become still since the last look, if anything has."""
         try:
             every = self._job.entries(growing=True)
-            asked = self._tasks([one for one in every if self._still(one)])
-            keys = tuple(one.key for one in asked)
+            tasks = self._tasks([entry for entry in every if self._still(entry)])
+            keys = tuple(task.key for task in tasks)
             if keys and keys != self._made:
-                lot = compute_missing_rows(self._job, asked)
+                lot = compute_missing_rows(self._job, tasks)
                 refreshed(lot)
                 self._made = keys
                 self._forget(lot)
         except (DashpotError, OSError) as error:
             self._say(f"waiting: {error}")
         else:
-            moving = len(every) - len(asked)
-            send_progress(f"watching: {len(asked)} tests, {moving} still being written")
+            moving = len(every) - len(tasks)
+            send_progress(f"watching: {len(tasks)} tests, {moving} still being written")
         return lot
 
     def _still(self, entry: Entry) -> bool:
@@ -123,13 +123,13 @@ class _Watched:
     def _compute_hash(self, file: str) -> str:
         """The hash of its contents, computed once while it stays as it is."""
         state = _state(file)
-        known = self._hashes.get(file)
-        if known is not None and known[0] == state:
-            return known[1]
-        found = compute_file_hash(file)
-        if found and state is not None:
-            self._hashes[file] = state, found
-        return found
+        pair = self._hashes.get(file)
+        if pair is not None and pair[0] == state:
+            return pair[1]
+        file_hash = compute_file_hash(file)
+        if file_hash and state is not None:
+            self._hashes[file] = state, file_hash
+        return file_hash
 
     def _forget(self, lot: Lot) -> None:
         """Take a file that changed under the fit as one that is being written."""
@@ -147,7 +147,7 @@ class _Watched:
 
 def _state(file: str) -> _State | None:
     try:
-        found = Path(file).stat()
+        stat = Path(file).stat()
     except (OSError, ValueError):
         return None
-    return found.st_size, found.st_mtime_ns, found.st_ctime_ns, found.st_ino
+    return stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns, stat.st_ino

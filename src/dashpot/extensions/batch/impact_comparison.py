@@ -59,7 +59,7 @@ def compare_with_hammer(
             frf, tests=(record,), fit=fit, mass=mass, seals=choices.seals, compression=at
         )
         _, held = compare_with_measured(fit, frf, mass=mass, seals=choices.seals)
-    agreed = verdict((*frf.checks, *held.checks), sound=held.says)
+    agreed = verdict((*frf.checks, *held.checks), headline=held.says)
     numbers |= {
         "agreement": agreed.use,
         "peak_dB": held.ratio_db,
@@ -81,7 +81,7 @@ def read_hammer_resonance(
 
 def make_origin_column(*files: Source) -> dict[str, Any]:
     """Return what a row says of files of which one was made by the virtual rig or hammer."""
-    return {"origin": SIMULATED} if any(one.simulated for one in files) else {}
+    return {"origin": SIMULATED} if any(file.simulated for file in files) else {}
 
 
 def _resonance(frf: FRF) -> dict[str, Any]:

@@ -132,35 +132,35 @@ def find_entries(
         If the expression is none, or fits no file, or a pattern pairs nothing.
     """
     listed = _manifest(manifest)
-    given = (one for path in paths for one in _expand_path(str(path), without))
-    found = _build_entries_by_path((*given, *((path, "") for path in listed)))
+    provided = (names for path in paths for names in _expand_path(str(path), without))
+    entries = _build_entries_by_path((*provided, *((path, "") for path in listed)))
     if manifest is not None:
-        found.pop(os.path.realpath(manifest), None)
-    if not found and not growing:
+        entries.pop(os.path.realpath(manifest), None)
+    if not entries and not growing:
         raise ReadError(
             f"{', '.join(map(str, paths)) or manifest}: no file is there; give files, folders, "
             "patterns such as 'tests/*.csv', or --manifest FILE"
         )
-    known = _labels(by, [one.file for one in found.values()], growing=growing)
-    for place, one in found.items():
-        found[place] = replace(one, **known(one.file))
-    for path, said in listed.items():
+    function = _labels(by, [entry.file for entry in entries.values()], growing=growing)
+    for place, item in entries.items():
+        entries[place] = replace(item, **function(item.file))
+    for path, record in listed.items():
         place = os.path.realpath(path)
-        found[place] = replace(found[place], **said)
-    every = sorted(found.values(), key=lambda one: one.file)
+        entries[place] = replace(entries[place], **record)
+    every = sorted(entries.values(), key=lambda entry: entry.file)
     return _tests(_add_hammer_files(every, pair, growing=growing))
 
 
 def _build_entries_by_path(paths: Iterable[tuple[str, str]]) -> dict[str, Entry]:
     """Each file once, by its real path; what is not read by its own, with the reason."""
-    found: dict[str, Entry] = {}
+    entries: dict[str, Entry] = {}
     for path, aside in paths:
         place = path if aside else os.path.realpath(validate_path(path))
         # one text where both are the same: there may be many files
-        found.setdefault(
+        entries.setdefault(
             path if path == place else place, Entry(_validate_path_encoding(path), aside=aside)
         )
-    return found
+    return entries
 
 
 def _validate_path_encoding(path: str) -> str:
@@ -188,8 +188,8 @@ def refuse_senseless(by: str | None, pair: str | None) -> None:
 
 def _tests(every: Sequence[Entry]) -> tuple[Entry, ...]:
     """All but the files that are another's hammer."""
-    hammers = {os.path.realpath(path) for one in every for path in one.hammer}
-    return tuple(one for one in every if os.path.realpath(one.file) not in hammers)
+    hammers = {os.path.realpath(path) for entry in every for path in entry.hammer}
+    return tuple(entry for entry in every if os.path.realpath(entry.file) not in hammers)
 
 
 def _add_hammer_files(
@@ -199,22 +199,24 @@ def _add_hammer_files(
     if pair is None:
         return every
     names = _names(pair)
-    found = [one if one.hammer else replace(one, hammer=_hammers(one, pair)) for one in every]
+    entries = [
+        entry if entry.hammer else replace(entry, hammer=_hammers(entry, pair)) for entry in every
+    ]
     if not growing:
-        _refuse_unpaired(found, pair, names)
-    if found and not _tests(found):
+        _refuse_unpaired(entries, pair, names)
+    if entries and not _tests(entries):
         raise DataError(
             f"--pair '{pair}' fits the tests themselves, so that all are hammers: name the "
             "hammer's files alone"
         )
-    return found
+    return entries
 
 
-def _refuse_unpaired(found: Sequence[Entry], pair: str, names: set[str]) -> None:
-    if "stem" not in names and not any(getattr(one, name) for one in found for name in names):
+def _refuse_unpaired(entries: Sequence[Entry], pair: str, names: set[str]) -> None:
+    if "stem" not in names and not any(getattr(entry, name) for entry in entries for name in names):
         raise DataError(f"--pair '{pair}': no test has a lot, seal or repeat: give --by too")
-    if not any(one.hammer for one in found):
-        example = Path(found[0].file).parent / _format_pair_pattern(found[0], pair)
+    if not any(entry.hammer for entry in entries):
+        example = Path(entries[0].file).parent / _format_pair_pattern(entries[0], pair)
         raise DataError(f"--pair '{pair}' finds no hammer file, such as {example}")
 
 
@@ -232,16 +234,16 @@ def _names(pair: str) -> set[str]:
     return names
 
 
-def _format_pair_pattern(one: Entry, pair: str) -> str:
-    known = {"stem": Path(one.file).stem} | {name: getattr(one, name) for name in LABELS}
-    return pair.format(**{name: glob.escape(value) for name, value in known.items()})
+def _format_pair_pattern(entry: Entry, pair: str) -> str:
+    entries = {"stem": Path(entry.file).stem} | {name: getattr(entry, name) for name in LABELS}
+    return pair.format(**{name: glob.escape(value) for name, value in entries.items()})
 
 
-def _hammers(one: Entry, pair: str) -> tuple[str, ...]:
-    folder = Path(one.file).parent
-    pattern = Path(glob.escape(str(folder))) / _format_pair_pattern(one, pair)
-    found = glob.glob(str(pattern), recursive=True)  # noqa: PTH207 -- it may be absolute
-    return tuple(sorted(path for path in found if Path(path).is_file()))
+def _hammers(entry: Entry, pair: str) -> tuple[str, ...]:
+    folder = Path(entry.file).parent
+    pattern = Path(glob.escape(str(folder))) / _format_pair_pattern(entry, pair)
+    names = glob.glob(str(pattern), recursive=True)  # noqa: PTH207 -- it may be absolute
+    return tuple(sorted(path for path in names if Path(path).is_file()))
 
 
 def _expand_path(path: str, without: Path) -> Iterator[tuple[str, str]]:
@@ -254,8 +256,8 @@ def _expand_path(path: str, without: Path) -> Iterator[tuple[str, str]]:
         named = sorted(glob.glob(path, recursive=True))  # noqa: PTH207 -- it may be absolute
         if not named:
             raise ReadError(f"{path}: the pattern fits no file; give another")
-        for one in named:
-            yield from _expand_path(one, without)
+        for name in named:
+            yield from _expand_path(name, without)
     else:
         raise ReadError(missing(path))
 
@@ -264,14 +266,14 @@ def _scan_folder(folder: Path, without: Path) -> Iterator[tuple[str, str]]:
     results, inside = without.resolve(), folder.resolve()
     for above, folders, files in os.walk(folder, onerror=_unreadable):
         folders[:] = sorted(
-            one
-            for one in folders
-            if not one.startswith(".") and (Path(above) / one).resolve() != results
+            folder
+            for folder in folders
+            if not folder.startswith(".") and (Path(above) / folder).resolve() != results
         )
-        for one in sorted(files):
-            path = Path(above) / one
-            aside = "" if one.startswith(".") else _aside(path, inside)
-            if aside or (not one.startswith(".") and path.is_file() and not _result(path)):
+        for file in sorted(files):
+            path = Path(above) / file
+            aside = "" if file.startswith(".") else _aside(path, inside)
+            if aside or (not file.startswith(".") and path.is_file() and not _result(path)):
                 yield str(path), aside
 
 
@@ -319,9 +321,9 @@ def _labels(
     pattern, named = _groups(by)
 
     def parse_labels(file: str) -> dict[str, Any]:
-        one = pattern.search(Path(file).as_posix())
-        return {} if one is None else {
-            name: sys.intern(one[i] or "") for i, name in enumerate(named, start=1)
+        match = pattern.search(Path(file).as_posix())
+        return {} if match is None else {
+            name: sys.intern(match[i] or "") for i, name in enumerate(named, start=1)
         }  # fmt: skip
 
     if not any(map(parse_labels, files)) and not growing:
@@ -355,11 +357,11 @@ def _rows_of(content: bytes, *, toml: bool) -> Any:
     return list(csv.DictReader(content.decode("utf-8-sig").splitlines()))
 
 
-def _manifest(given: str | Path | None) -> dict[str, dict[str, Any]]:
+def _manifest(text: str | Path | None) -> dict[str, dict[str, Any]]:
     """What a manifest says of each file, by path; a path in it is seen from its own folder."""
-    if given is None:
+    if text is None:
         return {}
-    path = Path(given)
+    path = Path(text)
     raw = open_raw(path)
     try:
         rows = _rows_of(raw.head(_MANIFEST), toml=path.suffix.lower() == ".toml")
@@ -373,11 +375,11 @@ def _manifest(given: str | Path | None) -> dict[str, dict[str, Any]]:
     listed: dict[str, dict[str, Any]] = {}
     for number, row in enumerate(rows, start=1):
         where = f"{path}, test {number}"
-        file, said = _parse_manifest_row(where, row)
+        file, stated = _parse_manifest_row(where, row)
         if str(path.parent / file) in listed:
             raise ReadError(f"{where}: {file} is listed twice; keep one")
-        said["hammer"] = tuple(str(path.parent / one) for one in said.get("hammer", ()))
-        listed[str(path.parent / file)] = said
+        stated["hammer"] = tuple(str(path.parent / value) for value in stated.get("hammer", ()))
+        listed[str(path.parent / file)] = stated
     return listed
 
 
@@ -386,23 +388,23 @@ def _parse_manifest_row(where: str, row: Any) -> tuple[str, dict[str, Any]]:
         raise ReadError(
             f"{where}: more cells than the first line has names: {', '.join(row[None])}"
         )
-    given = Section(where, row, _KNOWN).entries
-    said: dict[str, Any] = {
-        name: str(value).strip() for name, value in given.items() if value not in (None, "")
+    entries = Section(where, row, _KNOWN).entries
+    stated: dict[str, Any] = {
+        name: str(value).strip() for name, value in entries.items() if value not in (None, "")
     }
-    file = said.pop("file", "")
+    file = stated.pop("file", "")
     if not file:
         raise ReadError(f"{where}: it names no file; fill the column 'file'")
-    for name in [one for one in said if one in _QUANTITIES]:
+    for name in [text for text in stated if text in _QUANTITIES]:
         try:
-            said[name] = parse_quantity(said[name], _QUANTITIES[name])
+            stated[name] = parse_quantity(stated[name], _QUANTITIES[name])
         except DataError as error:
             raise ReadError(f"{where}: {name}: {error}") from None
-    said["hammer"] = _parse_text_list(given.get("hammer"))
-    return file, said
+    stated["hammer"] = _parse_text_list(entries.get("hammer"))
+    return file, stated
 
 
 def _parse_text_list(value: object) -> list[str]:
     """The texts of a list, or between semicolons."""
     several = value if isinstance(value, list) else str(value or "").split(";")
-    return [text for one in several if (text := str(one).strip())]
+    return [text for name in several if (text := str(name).strip())]

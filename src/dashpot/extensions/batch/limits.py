@@ -74,24 +74,24 @@ def read_limits(path: str | Path, columns: Sequence[str]) -> tuple[Limits, ...]:
     _, tables = tables_of(path)
     if not tables:
         raise ReadError(f'{path}: no limit is in it; expected such as [k_end] lower = "0.18N/mm"')
-    found = []
+    limits = []
     for name, table in tables.items():
         section = Section(f"{path}, [{name}]", table, _KNOWN)
         try:
-            found.append(_parse_limits(name, section.entries, columns))
+            limits.append(_parse_limits(name, section.entries, columns))
         except (DashpotError, TypeError, ValueError) as error:
             raise ReadError(f"{section.where}: {error}") from None
-    column, times = Counter(one.quantity.column for one in found).most_common(1)[0]
+    column, times = Counter(limit.quantity.column for limit in limits).most_common(1)[0]
     if times > 1:
         raise ReadError(f"{path}: limits of {column} stand there twice, by two names; keep one")
-    return tuple(found)
+    return tuple(limits)
 
 
 def _parse_limits(name: str, table: Mapping[str, Any], columns: Sequence[str]) -> Limits:
-    found = quantity(name, columns)
-    lower, upper = (_number(table.get(one), found) for one in ("lower", "upper"))
+    new_quantity = quantity(name, columns)
+    lower, upper = (_number(table.get(text), new_quantity) for text in ("lower", "upper"))
     cpk = float(table["cpk"]) if "cpk" in table else None
-    made = Limits(found, lower, upper, cpk)
+    made = Limits(new_quantity, lower, upper, cpk)
     if not made.ends:
         raise DataError("it has no limit; give lower, upper, or both")
     if [*made.ends] != sorted(set(made.ends)):

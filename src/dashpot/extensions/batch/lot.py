@@ -62,11 +62,11 @@ DEGREES = 3.0
 
 def _levels(seals: Sequence[Seal]) -> list[tuple[str, list[str]]]:
     """Lot and seal of every test, as far as there are several and they repeat."""
-    tests = [one for one in seals for _ in one.files]
-    lots = {one.lot for one in seals}
-    levels = [("lot", [one.lot for one in tests])] if len(lots) > 1 else []
+    tests = [seal for seal in seals for _ in seal.files]
+    lots = {seal.lot for seal in seals}
+    levels = [("lot", [test.lot for test in tests])] if len(lots) > 1 else []
     if len(tests) > len(seals) > len(lots):
-        levels.append(("seal", [one.name for one in tests]))
+        levels.append(("seal", [test.name for test in tests]))
     return levels
 
 
@@ -105,10 +105,10 @@ class Lot:
         ReadError
             If there is none.
         """
-        found = join_frames((one for _, one in read_parts(Path(folder))), "diagonal")
-        if found.is_empty():
+        frame = join_frames((table for _, table in read_parts(Path(folder))), "diagonal")
+        if frame.is_empty():
             raise ReadError(f"{folder} holds no rows of a batch; give the LOT of dashpot batch -o")
-        return Lot(found.sort("file"), 0)
+        return Lot(frame.sort("file"), 0)
 
     @property
     def outcomes(self) -> dict[str, int]:
@@ -118,18 +118,18 @@ class Lot:
     @property
     def verdicts(self) -> dict[str, int]:
         """How many fits are for use, for use with care, and not for use."""
-        return dict(Counter(one for one in self.table["verdict"] if one).most_common())
+        return dict(Counter(item for item in self.table["verdict"] if item).most_common())
 
     @property
     def agreements(self) -> dict[str, int]:
         """What their hammers make of the predictions: for use, with care, or not for use."""
-        return dict(Counter(one for one in self.table["agreement"] if one).most_common())
+        return dict(Counter(item for item in self.table["agreement"] if item).most_common())
 
     @property
     def simulated(self) -> int:
         """How many rows are of files that the virtual rig or hammer made."""
-        known = "origin" in self.table.columns
-        return int((self.table["origin"] == SIMULATED).sum()) if known else 0
+        certain = "origin" in self.table.columns
+        return int((self.table["origin"] == SIMULATED).sum()) if certain else 0
 
     @cached_property
     def fitted(self) -> pl.DataFrame:
@@ -146,7 +146,7 @@ class Lot:
         Hold and depth within 5 % of the median, temperature within 3 K; of an even number the
         lower median, so that of two depths one is the lot's.
         """
-        found: dict[str, str] = {}
+        entries: dict[str, str] = {}
         for rows in self._groups(self.fitted, "lot", "kind"):
             for name, what, unit in (
                 ("hold_s", "held for", "s"), ("depth_m", "pressed to", "mm"),
@@ -158,9 +158,11 @@ class Lot:
                 reach = DEGREES if unit == "K" else ALIKE * usual
                 for file, value in rows.drop_nulls(name).select("file", name).iter_rows():
                     if abs(value - usual) > reach * (1 + 1e-9):
-                        own, others = (format_quantity(one, unit, ".3g") for one in (value, usual))
-                        found.setdefault(file, f"{what} {own}, its lot {others}")
-        return found
+                        text, others = (
+                            format_quantity(number, unit, ".3g") for number in (value, usual)
+                        )
+                        entries.setdefault(file, f"{what} {text}, its lot {others}")
+        return entries
 
     @cached_property
     def used(self) -> pl.DataFrame:
@@ -187,9 +189,9 @@ class Lot:
         DataError
             If no column of numbers is called so.
         """
-        numbers = [one for one, kind in self.table.schema.items() if kind.is_float()]
+        numbers = [text for text, kind in self.table.schema.items() if kind.is_float()]
         # the stiffness of a part and the modulus of a material share a name: of which there are any
-        return quantity(name, sorted(numbers, key=lambda one: self.table[one].count() == 0))
+        return quantity(name, sorted(numbers, key=lambda text: self.table[text].count() == 0))
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
@@ -200,17 +202,19 @@ class Lot:
         )
         names = self.table.select(polars().col(f"^({pattern}).*$")).columns
         wanted = [
-            one for one in names if not any(end in one for end in ("_se_", "_low_", "_high_"))
+            name for name in names if not any(end in name for end in ("_se_", "_low_", "_high_"))
         ]
-        return tuple(self.quantity(one) for one in wanted if self.table[one].count())
+        return tuple(self.quantity(name) for name in wanted if self.table[name].count())
 
     @property
     def main(self) -> str:
         """What a page is of where nothing was asked for: k_end, or what the tests have instead."""
-        if any(self.table[one].count() for one in self.table.columns if one.startswith(_MAIN)):
+        if any(
+            self.table[column].count() for column in self.table.columns if column.startswith(_MAIN)
+        ):
             return "k_end"
-        known = {one.name for one in self.quantities}
-        return next((one for one in _INSTEAD if one in known), "k_end")
+        names = {quantity.name for quantity in self.quantities}
+        return next((name for name in _INSTEAD if name in names), "k_end")
 
     def seals(self, name: str = "k_end") -> tuple[Seal, ...]:
         """Return the seals with their values of a quantity, in the order of lot and seal."""
@@ -247,19 +251,19 @@ class Lot:
                 "the scatter has no sources to separate: say which lot, seal and repeat each "
                 "test is, by --by or --manifest, of at least two lots or seals"
             )
-        known = self.quantity(name).name == "k_inf"
-        errors = self._select_test_values("k_inf_se_N_per_m", seals) if known else [None]
+        certain = self.quantity(name).name == "k_inf"
+        errors = self._select_test_values("k_inf_se_N_per_m", seals) if certain else [None]
         return components(
-            np.concatenate([one.values for one in seals]),
+            np.concatenate([seal.values for seal in seals]),
             levels,
-            within="repeat" if any(len(one.files) > 1 for one in seals) else "seal",
+            within="repeat" if any(len(seal.files) > 1 for seal in seals) else "seal",
             errors=None if None in errors else np.array(errors),
         )
 
     def _select_test_values(self, column: str, seals: Sequence[Seal]) -> list[Any]:
         """What a column has of every test of these seals."""
         by_file = dict(self.used.select("file", column).iter_rows())
-        return [by_file[file] for one in seals for file in one.files]
+        return [by_file[file] for seal in seals for file in seal.files]
 
     def gauge(self, name: str = "k_end") -> Gauge:
         """Return repeatability and reproducibility of the testing, with the seals as its parts.
@@ -271,10 +275,10 @@ class Lot:
         """
         seals = self.seals(name)
         who = self._select_test_values("operator", seals)
-        parts = [f"{i}" for i, one in enumerate(seals) for _ in one.files]
+        parts = [f"{i}" for i, seal in enumerate(seals) for _ in seal.files]
         if not seals:
             raise DataError(f"no test that is used has a value of {name}")
-        return gauge(np.concatenate([one.values for one in seals]), parts, who)
+        return gauge(np.concatenate([seal.values for seal in seals]), parts, who)
 
     def charts(self, name: str = "k_end") -> dict[str, Charts]:
         """Return the control charts of each lot that has two seals, by lot.
@@ -337,13 +341,15 @@ class Lot:
         :func:`~dashpot.extensions.batch.statistics.variance_components.stands_out`'s, 3.5 in a
         large lot.
         """
-        column, found = self.quantity(name).column, []
+        column, pairs = self.quantity(name).column, []
         for rows in self._groups(self.used.drop_nulls(column), "lot"):
             away = stands_out(rows[column].to_numpy())
-            found += [
-                (str(file), float(one)) for file, one in zip(rows["file"], away, strict=True) if one
+            pairs += [
+                (str(file), float(value))
+                for file, value in zip(rows["file"], away, strict=True)
+                if value
             ]
-        return tuple(sorted(found, key=lambda one: -abs(one[1])))
+        return tuple(sorted(pairs, key=lambda pair: -abs(pair[1])))
 
     @property
     def short_holds(self) -> tuple[str, ...]:
@@ -361,8 +367,8 @@ class Lot:
         """The table with no text that a spreadsheet takes for a formula."""
         made = polars()
         texts = [
-            made.Series(one.name, [escape_formula(text) for text in one])
-            for one in self.table.select(made.col(made.String)).iter_columns()
+            made.Series(column.name, [escape_formula(text) for text in column])
+            for column in self.table.select(made.col(made.String)).iter_columns()
         ]
         return self.table.with_columns(texts)
 
@@ -397,6 +403,6 @@ class Lot:
 
     @staticmethod
     def _groups(rows: pl.DataFrame, *by: str) -> Iterator[pl.DataFrame]:
-        names = [one for one in by if one in rows.columns]
+        names = [name for name in by if name in rows.columns]
         for _, group in rows.group_by(names, maintain_order=True):
             yield group

@@ -95,8 +95,10 @@ def job_of(
     )
     columns = number_columns(choices)
     main = quantity(quantities[-1], columns).name if quantities else ""
-    asked = () if limits is None else read_limits(limits, columns)
-    return BatchJob(paths, Path(output), choices, by, manifest, pair, jobs, scheduler, main, asked)
+    requested_limits = () if limits is None else read_limits(limits, columns)
+    return BatchJob(
+        paths, Path(output), choices, by, manifest, pair, jobs, scheduler, main, requested_limits
+    )
 
 
 def summarise_lot(job: BatchJob, lot: dp.Lot) -> Summary:
@@ -106,7 +108,7 @@ def summarise_lot(job: BatchJob, lot: dp.Lot) -> Summary:
     return summary(lot, quantity=job.quantity or lot.main, limits=job.limits)
 
 
-def write_lot(job: BatchJob, found: Summary) -> None:
+def write_lot(job: BatchJob, summary: Summary) -> None:
     """Write table, workbook and page beside the parts."""
     from dashpot.extensions.batch.page import (
         html,  # jinja and figures are not needed to list options
@@ -114,11 +116,15 @@ def write_lot(job: BatchJob, found: Summary) -> None:
     from dashpot.extensions.batch.workbook import workbook
 
     send_progress("writing table, workbook and page")
-    write(f"{job.output}/lot.csv", found.lot.csv())
-    write(f"{job.output}/lot.xlsx", workbook(found))
-    quantity = job.quantity or found.lot.main
-    write(f"{job.output}/lot.json", format_json(LotOutput(str(job.output), found, quantity)) + "\n")
-    write(f"{job.output}/lot.html", html(found.lot, title=job.output.resolve().name, found=found))
+    write(f"{job.output}/lot.csv", summary.lot.csv())
+    write(f"{job.output}/lot.xlsx", workbook(summary))
+    quantity = job.quantity or summary.lot.main
+    write(
+        f"{job.output}/lot.json", format_json(LotOutput(str(job.output), summary, quantity)) + "\n"
+    )
+    write(
+        f"{job.output}/lot.html", html(summary.lot, title=job.output.resolve().name, found=summary)
+    )
 
 
 @dataclass(frozen=True)
@@ -163,7 +169,7 @@ class LotOutput(Serialisable):
         if self.found is None:
             return None
         away = self.found.lot.outliers(self.quantity)
-        return tuple(Outlier(file, one if isfinite(one) else None) for file, one in away)
+        return tuple(Outlier(file, value if isfinite(value) else None) for file, value in away)
 
 
 class Outlier(NamedTuple):
@@ -178,7 +184,10 @@ def outcome(job: BatchJob, found: Summary) -> CommandResult:
     lot, quantity = found.lot, job.quantity or found.lot.main
     filled = LotOutput(str(job.output), found, quantity)
     lines = [
-        *(f"{one.name:<12}{_LIGHTS[one.mark]}{ascii_only(one.says)}" for one in found.lights),
+        *(
+            f"{light.name:<12}{_LIGHTS[light.mark]}{ascii_only(light.says)}"
+            for light in found.lights
+        ),
         *_format_lot_counts(lot),
         *found.lines,
         *_out(lot, quantity),
@@ -202,12 +211,12 @@ def _format_lot_counts(lot: dp.Lot) -> list[str]:
         f"files       {files}: {format_counts(lot.outcomes)}",
         f"computed    {lot.computed} now, {files - lot.computed} taken from an earlier run",
     ]
-    judged = {"verdicts": lot.verdicts, "hammers": lot.agreements}
+    verdicts = {"verdicts": lot.verdicts, "hammers": lot.agreements}
     if lot.simulated:
         lines.append(f"SIMULATED   {format_count(lot.simulated, 'file')}, by the virtual rig")
     return [
         *lines,
-        *(f"{name:<12}{format_counts(found)}" for name, found in judged.items() if found),
+        *(f"{name:<12}{format_counts(verdict)}" for name, verdict in verdicts.items() if verdict),
     ]
 
 
@@ -220,7 +229,7 @@ def _format_unfitted_files(lot: dp.Lot) -> list[str]:
 def _out(lot: dp.Lot, quantity: str) -> list[str]:
     """The tests to look at."""
     away = [
-        f"  stands out  {file}: {one:+.1f} robust deviations from its lot"
-        for file, one in lot.outliers(quantity)
+        f"  stands out  {file}: {value:+.1f} robust deviations from its lot"
+        for file, value in lot.outliers(quantity)
     ]
     return [*away, *(f"  short hold  {file}" for file in lot.short_holds)]

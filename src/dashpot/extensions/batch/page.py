@@ -72,17 +72,17 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
     shared = frame()
     style = f"{shared['style']}\n{_part('lot.css')}"
     script = _part("lot.js")
-    said, main = found.verdict, found.main
-    further = _select_other_quantities(lot, main)
+    verdict, main = found.verdict, found.main
+    quantities = _select_other_quantities(lot, main)
     # a lot of an earlier version has no date
-    known = [name for name in LABELS if name in lot.table.columns]
-    labels = [name for name in known if (lot.table[name].fill_null("") != "").any()]
+    names = [name for name in LABELS if name in lot.table.columns]
+    labels = [name for name in names if (lot.table[name].fill_null("") != "").any()]
     tests, by_lots = _tests(found, labels), len(main.seals) > BY_SEALS
     signals, weighs = (
         list(_signals(main)),
-        sorted(_weighs(found), key=lambda one: -ORDER.index(one["mark"])),
+        sorted(_weighs(found), key=lambda entry: -ORDER.index(entry["mark"])),
     )
-    seals = _seals(found, further)
+    seals = _seals(found, quantities)
     return str(
         environment("dashpot.extensions.batch")
         .get_template("lot.html")
@@ -93,9 +93,9 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             script=script,
             policy=f"default-src 'none'; style-src {digest(style)}; script-src {digest(script)}; "
             "base-uri 'none'; form-action 'none'",
-            verdict=said,
-            colour=COLOURS[said.use],
-            lights=[one._replace(name=one.name.capitalize()) for one in found.lights],
+            verdict=verdict,
+            colour=COLOURS[verdict.use],
+            lights=[light._replace(name=light.name.capitalize()) for light in found.lights],
             counts=_counts(lot, main),
             simulated=[format_count(lot.simulated, "file")] if lot.simulated else [],
             quantity=main.quantity,
@@ -106,12 +106,12 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             by_lots=by_lots,
             histogram=_histogram(main),
             points=json.dumps(_points(main, by_lots=by_lots)),
-            few=[name for name, one in main.charts.items() if len(one.seals) < ENOUGH],
+            few=[name for name, chart in main.charts.items() if len(chart.seals) < ENOUGH],
             enough=ENOUGH,
             curves=_curves(lot, found),
             curves_most=CURVES,
             capability=_capability(main),
-            capable=[(name, *one.cells) for name, one in main.known.items()],
+            capable=[(name, *capability.cells) for name, capability in main.known.items()],
             cpks=_cpks(main),
             lots=_lots(main),
             scatter=_scatter(main),
@@ -119,11 +119,11 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             weighs=weighs[:WEIGHS],
             remarks=len(weighs),
             checked=[
-                {"mark": _mark(one), "says": one.told} for one in found.checks
-                if one.passed is not None
+                {"mark": _mark(check), "says": check.told} for check in found.checks
+                if check.passed is not None
             ],
             signals=signals,
-            further=further,
+            further=quantities,
             seals=seals,
             decisions=_decisions(seals),
             judged=bool(main.judged),
@@ -195,23 +195,23 @@ def _cpks(main: OfQuantity) -> RenderedFigure | None:
     """Of more lots than a table has room for."""
     if len(main.known) <= FEW_LOTS:
         return None
-    asked = None if main.limits is None else main.limits.cpk
-    return _render_picture(cpk_picture(list(main.known.values()), asked), SIDE)
+    cpk = None if main.limits is None else main.limits.cpk
+    return _render_picture(cpk_picture(list(main.known.values()), cpk), SIDE)
 
 
 def _points(main: OfQuantity, *, by_lots: bool) -> list[tuple[str, str]]:
     """What each place of the chart stands for: a lot, or a lot and the words that find a seal."""
     if by_lots:
         return [(lot, "") for lot in split_seals_by_lot(main.seals)]
-    return [(one.lot, f"seal {one.name}") for one in main.seals]
+    return [(seal.lot, f"seal {seal.name}") for seal in main.seals]
 
 
-def _curves(lot: Lot, found: Summary) -> RenderedFigure | None:
+def _curves(lot: Lot, summary: Summary) -> RenderedFigure | None:
     rows = lot.used.drop_nulls("k_end_N_per_m")
-    files = [one.file for one in found.flags if one.file and one.weighty]
-    for one in found.main.charts.values():
-        for at in {at for at, rule in one.means.signals if rule == BEYOND}:
-            files += one.seals[at].files
+    files = [flag.file for flag in summary.flags if flag.file and flag.weighty]
+    for chart in summary.main.charts.values():
+        for at in {at for at, rule in chart.means.signals if rule == BEYOND}:
+            files += chart.seals[at].files
     if rows.is_empty():
         return None
     few = np.unique(np.linspace(0, rows.height - 1, min(rows.height, CURVES)).astype(int))
@@ -222,21 +222,23 @@ def _curves(lot: Lot, found: Summary) -> RenderedFigure | None:
 def _capability(main: OfQuantity) -> dict[str, Any] | None:
     if main.lowest is None or main.limits is None:
         return None
-    worst, one = main.lowest
-    cpk, low, high = one.cells
-    near, far = one.outside_interval
+    worst, capability = main.lowest
+    cpk, low, high = capability.cells
+    near, far = capability.outside_interval
     return {
         "lot": worst,
         "several": len(main.known) > 1,
         "cpk": cpk,
         "from": low,
         "to": high,
-        "cp": "" if one.cp is None else f"{one.cp:.2f}",
-        "count": one.count,
-        "outside": one.outside,
+        "cp": "" if capability.cp is None else f"{capability.cp:.2f}",
+        "count": capability.count,
+        "outside": capability.outside,
         "share": f"{100 * near:.2g} to {100 * far:.2g} %",
-        "suspect": one.suspect,
-        "normal": None if one.normal is None else round_to_error(one.normal, digits=2),
+        "suspect": capability.suspect,
+        "normal": None
+        if capability.normal is None
+        else round_to_error(capability.normal, digits=2),
     }
 
 
@@ -244,12 +246,12 @@ def _capability(main: OfQuantity) -> dict[str, Any] | None:
 
 
 def _has_repeats(main: OfQuantity) -> bool:
-    return any(len(one.values) > 1 for one in main.seals)
+    return any(len(seal.values) > 1 for seal in main.seals)
 
 
 def _counts(lot: Lot, main: OfQuantity) -> str:
-    lots = {one.lot for one in main.seals}
-    told = [
+    lots = {seal.lot for seal in main.seals}
+    sentences = [
         format_count(lot.table.height, "file"),
         f"{format_count(lot.used.height, 'fit')} used",
         format_count(len(main.seals), "seal") if _has_repeats(main) else "",
@@ -258,21 +260,21 @@ def _counts(lot: Lot, main: OfQuantity) -> str:
     depth, hold = (lot.used[name].median() for name in ("depth_m", "hold_s"))
     for value, unit in ((depth, "mm"), (hold, "s")):
         if isinstance(value, float):
-            told.append(format_quantity(value, unit))
-    return ", ".join(filter(None, told))
+            sentences.append(format_quantity(value, unit))
+    return ", ".join(filter(None, sentences))
 
 
 def _scatter(main: OfQuantity) -> list[dict[str, Any]]:
     """Source, share in per cent, standard deviation and its ends, and where its bar stands."""
     rows, at = [], 0.0
-    for one, (fact, share) in zip(main.components, main.sources, strict=True):
+    for item, (fact, share) in zip(main.components, main.sources, strict=True):
         sd, low, high = fact.ends
         rows.append({
-            "source": one.source, "share": share, "sd": sd,
+            "source": item.source, "share": share, "sd": sd,
             "low": low * fact.bounded, "high": high * fact.bounded,
-            "at": f"{at:.3f}", "width": f"{100 * one.share:.3f}", "wide": one.share > 0.2,
+            "at": f"{at:.3f}", "width": f"{100 * item.share:.3f}", "wide": item.share > 0.2,
         })  # fmt: skip
-        at += 100 * one.share
+        at += 100 * item.share
     return rows
 
 
@@ -281,10 +283,10 @@ def _gauge(main: OfQuantity) -> dict[str, Any] | None:
     if study is None:
         return None
     rows = []
-    for one in study.variations:
-        shares = (f"{100 * end:.0f}" for end in one.share_interval)
-        fact = main.quantity.fact(_SOURCES[one.name], one.deviation, one.interval)
-        rows.append((fact.name, *fact.ends, f"{100 * one.share:.1f}", *shares))
+    for variation in study.variations:
+        shares = (f"{100 * end:.0f}" for end in variation.share_interval)
+        fact = main.quantity.fact(_SOURCES[variation.name], variation.deviation, variation.interval)
+        rows.append((fact.name, *fact.ends, f"{100 * variation.share:.1f}", *shares))
     share = study["gauge"].share
     distance = None if main.limits is None else main.limits.distance
     return {
@@ -298,9 +300,9 @@ def _gauge(main: OfQuantity) -> dict[str, Any] | None:
 
 def _signals(main: OfQuantity) -> Iterator[tuple[str, str, str]]:
     """Lot, seal and rule, and the lots that stand out of all."""
-    for name, one in main.charts.items():
-        for at, rule in one.means.signals:
-            yield name, one.seals[at].name, rule
+    for name, charts in main.charts.items():
+        for at, rule in charts.means.signals:
+            yield name, charts.seals[at].name, rule
     if main.lots is not None:
         names, means, deviations = main.lots
         for chart, what in ((means, "its mean"), (deviations, "its scatter")):
@@ -331,36 +333,42 @@ def _select_other_quantities(
     lot: Lot, main: OfQuantity
 ) -> list[tuple[Quantity, Mapping[tuple[str, str], str]]]:
     """The further quantities of the table of seals, each with the means that any of them has."""
-    told, there = (
+    sentences, there = (
         (main.quantity.name, "k_inf", "E_inf"),
-        {(one.lot, one.name) for one in main.seals},
+        {(seal.lot, seal.name) for seal in main.seals},
     )
-    found = [
-        (one, {(seal.lot, seal.name): one.format_value(seal.mean) for seal in lot.seals(one.name)})
-        for one in lot.quantities
-        if one.name not in told and not one.name.startswith("loss_at_")
+    pairs = [
+        (
+            quantity,
+            {
+                (seal.lot, seal.name): quantity.format_value(seal.mean)
+                for seal in lot.seals(quantity.name)
+            },
+        )
+        for quantity in lot.quantities
+        if quantity.name not in sentences and not quantity.name.startswith("loss_at_")
     ]
-    return [(one, means) for one, means in found if not there.isdisjoint(means)]
+    return [(quantity, means) for quantity, means in pairs if not there.isdisjoint(means)]
 
 
 def _seals(
-    found: Summary, further: Sequence[tuple[Quantity, Mapping[tuple[str, str], str]]]
+    summary: Summary, others: Sequence[tuple[Quantity, Mapping[tuple[str, str], str]]]
 ) -> list[dict[str, Any]]:
     """Every seal, the gravest first: what fails, what is to be looked at, the others in order."""
-    decisions = {(one.lot, one.seal): one for one in found.main.judged}
-    seals = {(one.lot, one.name): one for one in found.main.seals}
-    why, rows = _build_seal_reasons(found), []
+    decisions = {(decision.lot, decision.seal): decision for decision in summary.main.judged}
+    seals = {(seal.lot, seal.name): seal for seal in summary.main.seals}
+    why, rows = _build_seal_reasons(summary), []
     # those of which no test is used are judged alone
     for key in dict.fromkeys((*seals, *decisions)):
-        said = "; ".join(why[key])
+        text = "; ".join(why[key])
         word: str = decisions[key].decision if key in decisions else "ok"
-        if said and word in ("ok", "pass"):
+        if text and word in ("ok", "pass"):
             word = "look"
         rows.append({
-            "lot": key[0], "name": key[1], "word": word, "why": said,
+            "lot": key[0], "name": key[1], "word": word, "why": text,
             "rank": _GRAVITY.get(word, len(_GRAVITY)),
-            "more": [means.get(key, "") for _, means in further],
-            **_format_seal_cells(seals.get(key), found.main.quantity),
+            "more": [means.get(key, "") for _, means in others],
+            **_format_seal_cells(seals.get(key), summary.main.quantity),
         })  # fmt: skip
     return sorted(rows, key=lambda row: row["rank"])
 
@@ -374,7 +382,7 @@ def _format_seal_cells(seal: Seal | None, quantity: Quantity) -> dict[str, Any]:
 
 
 def _decisions(seals: Sequence[Mapping[str, Any]]) -> str:
-    counts = Counter(str(one["word"]) for one in seals)
+    counts = Counter(str(seal["word"]) for seal in seals)
     return ", ".join(f"{count} {word}" for word, count in counts.most_common())
 
 
@@ -391,12 +399,12 @@ def _causes(main: OfQuantity) -> Iterator[dict[str, Any]]:
             if not len(side):
                 continue
             names = [lots.names[at] for at in side]
-            one = len(names) == 1
+            single = len(names) == 1
             yield {
-                "mark": "care", "name": f"Lot{'' if one else 's'} "
+                "mark": "care", "name": f"Lot{'' if single else 's'} "
                                         f"{_join_lot_names(names, len(run))}",
                 "filter": names[0],
-                "says": f"{'lies' if one else 'lie'} {way}: {_ends(main, values[side])}, "
+                "says": f"{'lies' if single else 'lie'} {way}: {_ends(main, values[side])}, "
                 f"all lots {whole}.",
             }  # fmt: skip
 
@@ -418,16 +426,16 @@ def _ends(main: OfQuantity, values: FloatArray) -> str:
     return high if len(values) == 1 else f"{low} to {high}"
 
 
-def _weighs(found: Summary) -> Iterator[dict[str, Any]]:
+def _weighs(summary: Summary) -> Iterator[dict[str, Any]]:
     """What weighs, worst first: the failed checks, causes of alarms, then single seals and files.
 
     Each may name what finds its tests.
     """
-    failed = [one for one in found.checks if one.failed]
-    for check in sorted(failed, key=lambda one: -GRADES.index(one.grade)):
+    failed = [check for check in summary.checks if check.failed]
+    for check in sorted(failed, key=lambda check: -GRADES.index(check.grade)):
         yield {"mark": _mark(check), "name": "", "filter": None, "says": check.told}
-    yield from _causes(found.main)
-    for flag in found.flags:
+    yield from _causes(summary.main)
+    for flag in summary.flags:
         where = ", ".join(filter(None, (flag.lot, flag.seal and f"seal {flag.seal}")))
         yield {
             "mark": "care" if flag.weighty else "note",
@@ -438,43 +446,50 @@ def _weighs(found: Summary) -> Iterator[dict[str, Any]]:
 
 
 def _encode_test_rows(
-    tests: Sequence[Mapping[str, Any]], labels: Sequence[str], found: Summary
+    tests: Sequence[Mapping[str, Any]], labels: Sequence[str], summary: Summary
 ) -> str:
     """All rows for the script: no markup can end the element that holds them."""
-    decided = {(one.lot, one.seal): one.decision for one in found.main.judged}
+    decided = {(decision.lot, decision.seal): decision.decision for decision in summary.main.judged}
     heads = ["file", *labels, "value", "verdict", "why", "mark"]
     rows = [
-        [one["file"], *one["labels"], one["value"], one["verdict"], one["reason"], one["mark"]]
-        for one in tests
+        [
+            test["file"],
+            *test["labels"],
+            test["value"],
+            test["verdict"],
+            test["reason"],
+            test["mark"],
+        ]
+        for test in tests
     ]
     if decided and {"lot", "seal"} <= set(labels):
         at = [labels.index(name) for name in ("lot", "seal")]
-        for row, one in zip(rows, tests, strict=True):
-            key = tuple(one["labels"][i] for i in at)
+        for row, entry in zip(rows, tests, strict=True):
+            key = tuple(entry["labels"][i] for i in at)
             row[-1:-1] = [decided.get(key, "")]
         heads[-1:-1] = ["decision"]
     return json.dumps({"heads": heads, "rows": rows}, separators=(",", ":")).replace("<", "\\u003c")
 
 
-def _build_seal_reasons(found: Summary) -> dict[tuple[str, str], list[str]]:
+def _build_seal_reasons(summary: Summary) -> dict[tuple[str, str], list[str]]:
     """Why each seal is to be looked at: its judgement, then its flags."""
     why: dict[tuple[str, str], list[str]] = defaultdict(list)
-    for one in found.main.judged:
-        why[one.lot, one.seal] += filter(None, [one.says(found.main.quantity)])
-    for flag in found.flags:
+    for decision in summary.main.judged:
+        why[decision.lot, decision.seal] += filter(None, [decision.says(summary.main.quantity)])
+    for flag in summary.flags:
         if not flag.file or flag.weighty:
             why[flag.lot, flag.seal or flag.file].append(flag.says)
     return why
 
 
-def _tests(found: Summary, labels: Sequence[str]) -> list[dict[str, Any]]:
+def _tests(summary: Summary, labels: Sequence[str]) -> list[dict[str, Any]]:
     """Every file: those that were not fitted first, then what stands out, then the others."""
-    quantity = found.main.quantity
+    quantity = summary.main.quantity
     gravity = {"do not use": 1, "use with care": 2}
-    flagged = {one.file for one in found.flags}
+    flagged = {flag.file for flag in summary.flags}
     names = ("file", "outcome", "verdict", "reason", quantity.column, *labels)
     rows = sorted(
-        found.lot.table.select(*names).iter_rows(),
+        summary.lot.table.select(*names).iter_rows(),
         key=lambda row: (
             row[1] == "fitted", gravity.get(row[2], 3), row[0] not in flagged, row[0],
         ),

@@ -171,13 +171,13 @@ def table(folder: Path, wanted: Iterable[str]) -> pl.DataFrame:
     there = set(folder.glob(PARTS))
     # where the first row of a part is sorted, all are after most runs, and sorting takes two copies
     parts = {
-        path: (bool(one["outcome"].is_in(AGAIN).any()), one["file"][0])
-        for path, one in read_parts(folder)
-        if one.height
+        path: (bool(frame["outcome"].is_in(AGAIN).any()), frame["file"][0])
+        for path, frame in read_parts(folder)
+        if frame.height
     }
     missing = set(wanted)
     count = len(missing)
-    found = join_frames(
+    frame = join_frames(
         _extract_missing_rows(folder, sorted(parts, key=lambda path: parts[path]), missing)
     )
     for path in (*(there - parts.keys()), *folder.glob(f".*{PART}")):
@@ -188,7 +188,7 @@ def table(folder: Path, wanted: Iterable[str]) -> pl.DataFrame:
             f"{folder} holds {count - len(missing)} of {count} rows: parts of it went while the "
             "batch ran; run it again"
         )
-    return found if found["file"].is_sorted() else found.sort("file")
+    return frame if frame["file"].is_sorted() else frame.sort("file")
 
 
 def _extract_missing_rows(
@@ -200,18 +200,18 @@ def _extract_missing_rows(
         stays = missing.intersection(frame[KEY])
         missing -= stays
         whole = len(stays) == frame.height
-        kept = frame if whole else frame.filter(polars().col(KEY).is_in(list(stays)))
+        retained = frame if whole else frame.filter(polars().col(KEY).is_in(list(stays)))
         if stays:
-            yield kept
-        if not stays or (kept.height != frame.height and write_part(folder, kept) != path):
+            yield retained
+        if not stays or (retained.height != frame.height and write_part(folder, retained) != path):
             path.unlink()
 
 
 def _gather(folder: Path) -> None:
     """Make one part of many small ones, which tests leave that come one by one."""
-    small = {path for path, one in read_parts(folder) if one.height < SMALL}
+    small = {path for path, frame in read_parts(folder) if frame.height < SMALL}
     if len(small) >= SMALL:
-        parts = (one for path, one in read_parts(folder) if path in small)
+        parts = (frame for path, frame in read_parts(folder) if path in small)
         whole = write_part(folder, join_frames(parts))
         for path in small - {whole}:
             path.unlink()

@@ -62,8 +62,8 @@ def _compute_chunks(
 ) -> Iterator[tuple[Chunk, Rows]]:
     """A file whose workers die gets a row that says so."""
     waiting: queue.SimpleQueue[Chunk] = queue.SimpleQueue()
-    for one in chunks:
-        waiting.put(one)
+    for chunk in chunks:
+        waiting.put(chunk)
     done: queue.SimpleQueue[tuple[Chunk, Rows] | BaseException] = queue.SimpleQueue()
     workers = [Worker(choices) for _ in range(min(jobs, len(chunks)))]
     over = threading.Event()
@@ -75,10 +75,10 @@ def _compute_chunks(
         thread.start()
     try:
         for _ in chunks:
-            found = done.get()
-            if isinstance(found, BaseException):
-                raise found
-            yield found
+            result = done.get()
+            if isinstance(result, BaseException):
+                raise result
+            yield result
     finally:
         over.set()
         for worker, thread in zip(workers, threads, strict=True):
@@ -96,7 +96,7 @@ def _serve(
     try:
         while not over.is_set():
             chunk = waiting.get_nowait()
-            done.put((chunk, [worker.row(one, over) for one in chunk]))
+            done.put((chunk, [worker.row(task, over) for task in chunk]))
     except queue.Empty:
         worker.end()
     except BaseException as error:  # noqa: BLE001 -- it is raised where the rows are waited for
@@ -117,8 +117,8 @@ class Worker:
                 break
             answer = self._answer(task)
             if answer.endswith(b"\n"):
-                found: dict[str, Any] = json.loads(answer)
-                return found | {KEY: task.key}
+                data: dict[str, Any] = json.loads(answer)
+                return data | {KEY: task.key}
             self.end()
         return empty(task.entry, task.hashes[0], self._choices) | {
             "outcome": "died",

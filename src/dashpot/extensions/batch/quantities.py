@@ -56,8 +56,8 @@ class Quantity(NamedTuple):
     @property
     def dimension(self) -> Dimension | None:
         """What it measures; None of a plain number."""
-        known = find_unit(self.unit)
-        return None if known is None else known.dimension
+        unit = find_unit(self.unit)
+        return None if unit is None else unit.dimension
 
     @property
     def title(self) -> str:
@@ -90,12 +90,14 @@ def quantity(name: str, columns: Sequence[str]) -> Quantity:
     DataError
         If no column is called so.
     """
-    found = [_parse_column(one) for one in columns]
-    known = {one.name: one for one in reversed(found)} | {one.column: one for one in found}
-    if name not in known:
-        there = ", ".join(sorted({one.name for one in found}))
+    quantities = [_parse_column(column) for column in columns]
+    resolved_quantities = {quantity.name: quantity for quantity in reversed(quantities)} | {
+        quantity.column: quantity for quantity in quantities
+    }
+    if name not in resolved_quantities:
+        there = ", ".join(sorted({quantity.name for quantity in quantities}))
         raise DataError(f"'{name}' is no column of numbers of the table; there are {there}")
-    return known[name]
+    return resolved_quantities[name]
 
 
 def _parse_column(column: str) -> Quantity:
@@ -107,12 +109,12 @@ def _format_quantity_words(name: str) -> str:
     kind, _, where = name.partition("_at_")
     if not where:
         return _WORDS.get(name, name.replace("_", " "))
-    places = [re.sub(r"(?<=[0-9])(?=Hz|mm)", " ", one) for one in where.split("_")]
-    said = _KINDS.get(kind) or _WORDS.get(kind, kind)
-    return " at ".join([said, *places])
+    places = [re.sub(r"(?<=[0-9])(?=Hz|mm)", " ", part) for part in where.split("_")]
+    text = _KINDS.get(kind) or _WORDS.get(kind, kind)
+    return " at ".join([text, *places])
 
 
 def make_natural_sort_key(text: str) -> tuple[tuple[int, str], ...]:
     """Return what sorts texts as people count: seal 2 before seal 10."""
     parts = re.split(r"(\d+)", text)
-    return tuple((int(one), "") if one.isdecimal() else (-1, one) for one in parts)
+    return tuple((int(part), "") if part.isdecimal() else (-1, part) for part in parts)

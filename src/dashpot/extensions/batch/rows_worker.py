@@ -34,9 +34,9 @@ def main() -> None:
 
     choices = BatchOptions.from_plain(json.loads(questions.get()))
     while True:
-        asked = json.loads(questions.get())
-        found = row(Entry.from_plain(asked["entry"]), asked["hashes"], choices)
-        answers.write(json.dumps(found, allow_nan=False).encode() + b"\n")
+        data = json.loads(questions.get())
+        entries = row(Entry.from_plain(data["entry"]), data["hashes"], choices)
+        answers.write(json.dumps(entries, allow_nan=False).encode() + b"\n")
         answers.flush()
 
 

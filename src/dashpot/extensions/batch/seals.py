@@ -56,14 +56,14 @@ class Seal(Serialisable):
 def split_seals_by_lot(seals: Sequence[Seal]) -> dict[str, list[Seal]]:
     """Return the seals of each lot, in their order."""
     lots: dict[str, list[Seal]] = defaultdict(list)
-    for one in seals:
-        lots[one.lot].append(one)
+    for seal in seals:
+        lots[seal.lot].append(seal)
     return dict(lots)
 
 
 def seal_means(seals: Sequence[Seal]) -> FloatArray:
     """Return the mean of each seal, shape (n,)."""
-    return np.array([one.mean for one in seals])
+    return np.array([seal.mean for seal in seals])
 
 
 class Charts(NamedTuple):
@@ -96,7 +96,7 @@ class LotCharts(NamedTuple):
 def make_control_charts(seals: Sequence[Seal]) -> Charts:
     """Return the control charts of the seals of one lot, two or more."""
     points, moving = individuals(seal_means(seals))
-    groups = [one.values for one in seals]
-    several = sum(len(one) > 1 for one in groups) > 1
+    groups = [seal.values for seal in seals]
+    several = sum(len(group) > 1 for group in groups) > 1
     repeats = means_and_deviations(groups)[1] if several else None
     return Charts(tuple(seals), points, moving, repeats)

@@ -45,14 +45,16 @@ from dashpot.extensions.batch.statistics.variance_components import (
 )
 
 _FILES = frozenset(
-    one.name
-    for one in (
+    criterion.name
+    for criterion in (
         files_fitted, fits_usable, hammers_compared, tests_alike, records_distinct, seals_named,
         asked_in_band,
     )
 )  # fmt: skip
 _MEASURING = frozenset({gauge_tells_apart.name})
-_CONTROL = frozenset(one.name for one in (charts_in_control, stands_out_of_lot, scatter_normal))
+_CONTROL = frozenset(
+    criterion.name for criterion in (charts_in_control, stands_out_of_lot, scatter_normal)
+)
 
 
 class Flag(NamedTuple):
@@ -166,8 +168,8 @@ class OfQuantity(Serialisable):
     @property
     def by_lot(self) -> tuple[LotControlCharts, ...]:
         """The charts of each lot."""
-        each = self.charts.items()
-        return tuple(LotControlCharts(lot, of.means, of.moving, of.repeats) for lot, of in each)
+        item = self.charts.items()
+        return tuple(LotControlCharts(lot, of.means, of.moving, of.repeats) for lot, of in item)
 
     @property
     def signals(self) -> Signals:
@@ -177,20 +179,20 @@ class OfQuantity(Serialisable):
 
     def signals_of(self, what: Literal["seals", "lots"]) -> Signals:
         """Of the charts of the seals of each lot, or of the lots among themselves."""
-        charts = [one.means for one in self.charts.values()]
+        charts = [chart.means for chart in self.charts.values()]
         if what == "lots":
             charts = [] if self.lots is None else [self.lots.mean, self.lots.sd]
         return Signals(
-            sum(len(one.causes) for one in charts),
-            sum(len(one.signalled) for one in charts),
-            sum(len(one.values) for one in charts),
+            sum(len(chart.causes) for chart in charts),
+            sum(len(chart.signalled) for chart in charts),
+            sum(len(chart.values) for chart in charts),
         )
 
     @property
     def capable(self) -> tuple[LotCapability, ...] | None:
         """The capability of each lot; None without limits."""
-        each = tuple(LotCapability(*one) for one in self.capability.items())
-        return None if self.limits is None else each
+        capabilities = tuple(LotCapability(*item) for item in self.capability.items())
+        return None if self.limits is None else capabilities
 
     @property
     def decided(self) -> tuple[SealDecision, ...] | None:
@@ -201,8 +203,11 @@ class OfQuantity(Serialisable):
     def sources(self) -> tuple[tuple[ReportedValue, str], ...]:
         """The standard deviation of each source of scatter, and its share of the variance, %."""
         return tuple(
-            (self._deviation(one.source, one.variance, one.interval), f"{100 * one.share:.1f}")
-            for one in self.components
+            (
+                self._deviation(component.source, component.variance, component.interval),
+                f"{100 * component.share:.1f}",
+            )
+            for component in self.components
         )
 
     def _deviation(
@@ -214,12 +219,16 @@ class OfQuantity(Serialisable):
     @property
     def known(self) -> dict[str, Capability]:
         """The capability of each lot whose seals scatter."""
-        return {name: one for name, one in self.capability.items() if one.cpk is not None}
+        return {
+            name: capability
+            for name, capability in self.capability.items()
+            if capability.cpk is not None
+        }
 
     @property
     def lowest(self) -> tuple[str, Capability] | None:
         """The lot with the lowest Cpk, or the only one."""
-        return min(self.known.items(), key=lambda one: one[1].cpk or 0.0, default=None)
+        return min(self.known.items(), key=lambda pair: pair[1].cpk or 0.0, default=None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -257,13 +266,13 @@ class Summary(HasChecks, Serialisable):
         how = f"{fitted} of {files} files were fitted"
         if fitted == files:
             how = f"all {files} files were fitted" if files > 1 else "the one file was fitted"
-        one = self.main
-        if len(one.seals) < 2:
+        main = self.main
+        if len(main.seals) < 2:
             return how
-        mean = one.quantity.read(float(seal_means(one.seals).mean()))
+        mean = main.quantity.read(float(seal_means(main.seals).mean()))
         return (
-            f"{how}. {sentence(one.quantity.words)[:-1]}: mean {mean} of {len(one.seals)} seals. "
-            f"{_alarms(one).capitalize()}"
+            f"{how}. {sentence(main.quantity.words)[:-1]}: mean {mean} of {len(main.seals)} seals. "
+            f"{_alarms(main).capitalize()}"
         )
 
     @property
@@ -271,16 +280,16 @@ class Summary(HasChecks, Serialisable):
         """Files, measuring, control and limits: the verdict is the worst of them."""
         main = self.main
         names = {"files": _FILES, "measuring": _MEASURING, "control": _CONTROL}
-        behind: dict[str, list[Check]] = {one: [] for one in (*names, "limits")}
+        behind: dict[str, list[Check]] = {name: [] for name in (*names, "limits")}
         for check in self.checks:
-            room = next((one for one, known in names.items() if check.name in known), "limits")
-            behind[room].append(check)
+            package = next((name for name, words in names.items() if check.name in words), "limits")
+            behind[package].append(check)
         says = {
             "files": self._files, "measuring": _gauge_says(main), "control": _control_says(main),
             "limits": _limits_says(main),
         }  # fmt: skip
         return tuple(
-            LotLight(name, _mark(checks, known=bool(says[name])), says[name] or "not known")
+            LotLight(name, _mark(checks, certain=bool(says[name])), says[name] or "not known")
             for name, checks in behind.items()
         )
 
@@ -288,25 +297,25 @@ class Summary(HasChecks, Serialisable):
     def _files(self) -> str:
         lot = self.lot
         fitted, copies = lot.outcomes.get("fitted", 0), len(lot.copies)
-        said = f"{fitted} of {lot.table.height} fitted"
+        text = f"{fitted} of {lot.table.height} fitted"
         if lot.unlike:
-            said += f", {len(lot.unlike)} unlike"
-        return said + (f", {copies} cop{'y' if copies == 1 else 'ies'}" if copies else "")
+            text += f", {len(lot.unlike)} unlike"
+        return text + (f", {copies} cop{'y' if copies == 1 else 'ies'}" if copies else "")
 
     @property
     def copies(self) -> tuple[ExcludedFile, ...]:
         """The files that hold what another one does, and which: they are left out."""
-        return tuple(ExcludedFile(*one) for one in self.lot.copies.items())
+        return tuple(ExcludedFile(*names) for names in self.lot.copies.items())
 
     @property
     def lines(self) -> list[str]:
         """What a shell prints of each quantity: seals, gauge, capability, judgement."""
-        return [line for one in self.each for line in _lines(one)]
+        return [line for quantity_summary in self.each for line in _lines(quantity_summary)]
 
     @property
     def unlike(self) -> tuple[ExcludedFile, ...]:
         """The files that are no test like the others."""
-        return tuple(ExcludedFile(*one) for one in self.lot.unlike.items())
+        return tuple(ExcludedFile(*names) for names in self.lot.unlike.items())
 
 
 def summary(lot: Lot, *, quantity: str = "k_end", limits: Sequence[Limits] = ()) -> Summary:
@@ -319,10 +328,10 @@ def summary(lot: Lot, *, quantity: str = "k_end", limits: Sequence[Limits] = ())
     """
     main = lot.quantity(quantity)
     # a stiffness and a modulus share a name, and never a column
-    asked = {one.quantity.column: one for one in limits}
+    requested_limits = {limit.quantity.column: limit for limit in limits}
     first, *others = [
-        _compute_quantity_summary(lot, one, asked.get(one.column))
-        for one in (main, *(one.quantity for one in limits if one.quantity != main))
+        _compute_quantity_summary(lot, quantity, requested_limits.get(quantity.column))
+        for quantity in (main, *(limit.quantity for limit in limits if limit.quantity != main))
     ]
     flags = tuple(_flags(lot, first))
     checks = (*_checks(lot, (first, *others), flags), *lot.checks)
@@ -350,8 +359,8 @@ def _compute_quantity_summary(lot: Lot, quantity: Quantity, limits: Limits | Non
 
 
 def _flags(lot: Lot, of: OfQuantity) -> Iterator[Flag]:
-    for name, one in of.charts.items():
-        yield from _odd_seals(name, one, of.quantity)
+    for name, chart in of.charts.items():
+        yield from _odd_seals(name, chart, of.quantity)
     yield from _odd_repeats(of)
     rows = lot.table.select("file", "lot", "seal", "outcome", "verdict", "reason").rows()
     places = {file: (name, seal, file) for file, name, seal, *_ in rows}
@@ -364,20 +373,20 @@ def _flags(lot: Lot, of: OfQuantity) -> Iterator[Flag]:
             yield Flag(*places[file], reason or outcome, weighty=False)
 
 
-def _odd_seals(name: str, one: Charts, quantity: Quantity) -> Iterator[Flag]:
+def _odd_seals(name: str, charts: Charts, quantity: Quantity) -> Iterator[Flag]:
     """Seals of a lot that stand out of it, then those whose repeats scatter."""
-    away, far = robust_distance(seal_means(one.seals)), stands_out(seal_means(one.seals))
-    beyond = {at for at, rule in one.means.signals if rule == BEYOND}
-    for i, seal in enumerate(one.seals):
-        if far[i] or i in beyond:
-            says = _far(quantity, seal, float(away[i])) + f", {BEYOND}" * (i in beyond)
+    away, far = robust_distance(seal_means(charts.seals)), stands_out(seal_means(charts.seals))
+    outside = {at for at, rule in charts.means.signals if rule == BEYOND}
+    for i, seal in enumerate(charts.seals):
+        if far[i] or i in outside:
+            says = _far(quantity, seal, float(away[i])) + f", {BEYOND}" * (i in outside)
             yield Flag(name, seal.name, _only(seal), says)
-    if one.repeats is None:
+    if charts.repeats is None:
         return
-    usual = quantity.read(one.repeats.centre, digits=2)
-    for at, _ in one.repeats.signals:
-        scatter = quantity.read(float(one.repeats.values[at]), digits=2)
-        yield Flag(name, one.seals[at].name, "", f"its repeats scatter by {scatter}, those of "
+    usual = quantity.read(charts.repeats.centre, digits=2)
+    for at, _ in charts.repeats.signals:
+        scatter = quantity.read(float(charts.repeats.values[at]), digits=2)
+        yield Flag(name, charts.seals[at].name, "", f"its repeats scatter by {scatter}, those of "
                    f"others by {usual}: seated anew?")  # fmt: skip
 
 
@@ -396,14 +405,14 @@ def _side(away: float) -> str:
 
 def _odd_repeats(of: OfQuantity) -> Iterator[Flag]:
     """Tests that stand out of the repeats of all seals, each against the mean of its own."""
-    several = [one for one in of.seals if len(one.values) > 2]
+    several = [seal for seal in of.seals if len(seal.values) > 2]
     if not several:
         return
     # of n values about their own mean the deviation is smaller
     away = np.concatenate([
-        (one.values - one.mean) / np.sqrt(1 - 1 / len(one.values)) for one in several
+        (seal.values - seal.mean) / np.sqrt(1 - 1 / len(seal.values)) for seal in several
     ])  # fmt: skip
-    files = [(one, file) for one in several for file in one.files]
+    files = [(seal, file) for seal in several for file in seal.files]
     for (seal, file), far, out in zip(files, robust_distance(away), stands_out(away), strict=True):
         if out and isfinite(far):
             says = f"{abs(far):.1f} robust deviations {_side(far)} the other tests of its seal"
@@ -413,43 +422,45 @@ def _odd_repeats(of: OfQuantity) -> Iterator[Flag]:
 # -- checks ---------------------------------------------------------------------------------------
 
 
-def _checks(lot: Lot, each: Sequence[OfQuantity], flags: Sequence[Flag]) -> Iterator[Check]:
-    for one in each:
-        if one.limits is not None:
-            yield from _check_limits(one, one.limits)
-    main = each[0]
+def _checks(lot: Lot, summaries: Sequence[OfQuantity], flags: Sequence[Flag]) -> Iterator[Check]:
+    for quantity_summary in summaries:
+        if quantity_summary.limits is not None:
+            yield from _check_limits(quantity_summary, quantity_summary.limits)
+    main = summaries[0]
     if main.gauge is not None:
         yield gauge_tells_apart(main.gauge)
     kinds: tuple[Literal["seals", "lots"], ...] = ("seals", "lots")
-    told = [(what, *main.signals_of(what)) for what in kinds]
-    if any(of for *_, of in told):
-        yield charts_in_control([one for one in told if one[-1]])
-    seals = {(one.lot, one.seal, one.file) for one in flags if one.weighty}
-    yield stands_out_of_lot(len(seals), len(each[0].seals))
-    normal = [one for one in each[0].components if one.normal is not None]
+    rows = [(what, *main.signals_of(what)) for what in kinds]
+    if any(of for *_, of in rows):
+        yield charts_in_control([row for row in rows if row[-1]])
+    seals = {(flag.lot, flag.seal, flag.file) for flag in flags if flag.weighty}
+    yield stands_out_of_lot(len(seals), len(summaries[0].seals))
+    normal = [component for component in summaries[0].components if component.normal is not None]
     if normal:
-        least = min(normal, key=lambda one: one.normal or 0.0)
+        least = min(normal, key=lambda component: component.normal or 0.0)
         yield scatter_normal(least.source, least.normal)
-    beyond = {frequency: _out_of_band(lot, frequency) for frequency in _frequencies(lot)}
-    if beyond:
-        asked = [frequency for frequency, count in beyond.items() if count]
-        yield asked_in_band(asked, max(beyond.values()))
+    entries = {frequency: _out_of_band(lot, frequency) for frequency in _frequencies(lot)}
+    if entries:
+        requested = [frequency for frequency, count in entries.items() if count]
+        yield asked_in_band(requested, max(entries.values()))
 
 
-def _check_limits(one: OfQuantity, limits: Limits) -> Iterator[Check]:
-    decisions = [judge.decision for judge in one.judged]
-    yield seals_within_limits(one.quantity.words, str(limits), decisions)
+def _check_limits(quantity_summary: OfQuantity, limits: Limits) -> Iterator[Check]:
+    decisions = [judge.decision for judge in quantity_summary.judged]
+    yield seals_within_limits(quantity_summary.quantity.words, str(limits), decisions)
     if limits.cpk is not None:
-        lots = {judge.lot for judge in one.judged} or {""}
-        unknown = len(lots) - len(one.known)
-        yield capability_as_asked(one.quantity.words, one.lowest, unknown, limits.cpk)
+        lots = {judge.lot for judge in quantity_summary.judged} or {""}
+        unknown = len(lots) - len(quantity_summary.known)
+        yield capability_as_asked(
+            quantity_summary.quantity.words, quantity_summary.lowest, unknown, limits.cpk
+        )
 
 
 def _frequencies(lot: Lot) -> tuple[float, ...]:
     """Those that were asked for, Hz, by the columns of their loss factors."""
-    names = (one for one in lot.table.columns if one.startswith("loss_factor_at_"))
-    texts = (one.removeprefix("loss_factor_at_").partition("Hz")[0] for one in names)
-    return tuple(sorted({float(one) for one in texts}))
+    names = (column for column in lot.table.columns if column.startswith("loss_factor_at_"))
+    texts = (name.removeprefix("loss_factor_at_").partition("Hz")[0] for name in names)
+    return tuple(sorted({float(text) for text in texts}))
 
 
 def _out_of_band(lot: Lot, frequency: float) -> int:
@@ -461,10 +472,10 @@ def _out_of_band(lot: Lot, frequency: float) -> int:
 # -- lights ----------------------------------------------------------------------------------------
 
 
-def _mark(checks: Sequence[Check], *, known: bool) -> str:
-    failed = [GRADES.index(one.grade) for one in checks if one.failed]
+def _mark(checks: Sequence[Check], *, certain: bool) -> str:
+    failed = [GRADES.index(check.grade) for check in checks if check.failed]
     if not failed:
-        return "good" if known and any(one.passed for one in checks) else "note"
+        return "good" if certain and any(check.passed for check in checks) else "note"
     return ("note", "care", "bad")[max(failed)]
 
 
@@ -473,8 +484,8 @@ def _gauge_says(of: OfQuantity) -> str:
         return ""
     low, high = (100 * end for end in of.gauge["gauge"].share_interval)
     ndc = of.gauge.categories
-    told = f"{floor(ndc)}" if isfinite(ndc) else "∞"
-    return f"R&R {100 * of.gauge['gauge'].share:.0f} % ({low:.0f} to {high:.0f}), ndc {told}"
+    text = f"{floor(ndc)}" if isfinite(ndc) else "∞"
+    return f"R&R {100 * of.gauge['gauge'].share:.0f} % ({low:.0f} to {high:.0f}), ndc {text}"
 
 
 def _control_says(of: OfQuantity) -> str:
@@ -482,9 +493,11 @@ def _control_says(of: OfQuantity) -> str:
         return ""
     if not of.signals.points:
         return f"no signal in {format_count(len(of.charts), 'lot')}"
-    each = [(of.signals_of("seals"), "seals"), (of.signals_of("lots"), "lots")]
+    group = [(of.signals_of("seals"), "seals"), (of.signals_of("lots"), "lots")]
     points = " and ".join(
-        f"{one.points} of {one.of} points of {what}" for one, what in each if one.points
+        f"{signals.points} of {signals.of} points of {what}"
+        for signals, what in group
+        if signals.points
     )
     return f"{format_count(of.signals.causes, 'cause')}: {points}"
 
@@ -496,40 +509,44 @@ def _limits_says(of: OfQuantity) -> str:
         lot, able = of.lowest
         where = f" in {lot}" if lot and len(of.known) > 1 else ""
         return f"Cpk {able.cells[0]}{where}, asked {of.limits.cpk:.2f}"
-    passed = sum(one.decision == "pass" for one in of.judged)
+    passed = sum(decision.decision == "pass" for decision in of.judged)
     return f"{passed} of {len(of.judged)} seals pass"
 
 
 # -- for people and programs -----------------------------------------------------------------------
 
 
-def _alarms(one: OfQuantity) -> str:
-    causes = one.signals.causes
+def _alarms(quantity_summary: OfQuantity) -> str:
+    causes = quantity_summary.signals.causes
     alarms = f"{format_count(causes, 'cause')} of control-chart alarms"
     return alarms if causes else "no control-chart alarm"
 
 
-def _lines(one: OfQuantity) -> Iterator[str]:
-    if len(one.seals) < 2:
+def _lines(quantity_summary: OfQuantity) -> Iterator[str]:
+    if len(quantity_summary.seals) < 2:
         return
-    mean = ascii_only(one.quantity.read(float(seal_means(one.seals).mean())))
-    yield (
-        f"{one.quantity.words}: mean {mean} of {len(one.seals)} seals in "
-        f"{format_count(len(split_seals_by_lot(one.seals)), 'lot')}; "
-        f"{_alarms(one)}"
+    mean = ascii_only(
+        quantity_summary.quantity.read(float(seal_means(quantity_summary.seals).mean()))
     )
-    if one.gauge is not None:
-        yield f"  gauge R&R   {ascii_only(one.gauge.says)}"
-    for name, able in one.known.items():
+    yield (
+        f"{quantity_summary.quantity.words}: mean {mean} of {len(quantity_summary.seals)} seals in "
+        f"{format_count(len(split_seals_by_lot(quantity_summary.seals)), 'lot')}; "
+        f"{_alarms(quantity_summary)}"
+    )
+    if quantity_summary.gauge is not None:
+        yield f"  gauge R&R   {ascii_only(quantity_summary.gauge.says)}"
+    for name, able in quantity_summary.known.items():
         yield f"  capability  {able.says}, {able.count} seals{f', lot {name}' if name else ''}"
-    if one.sources:
-        yield f"  scatter, standard deviations, {one.quantity.unit}:"
-    for fact, share in one.sources:
+    if quantity_summary.sources:
+        yield f"  scatter, standard deviations, {quantity_summary.quantity.unit}:"
+    for fact, share in quantity_summary.sources:
         value, low, high = map(ascii_only, fact.ends)
         between = f" ({low} to {high})" if fact.bounded else ""
         yield f"    {fact.name:<9} {value}{between}, {share} % of the variance"
     yield from (
-        _format_decision(judge, one.quantity) for judge in one.judged if judge.decision != "pass"
+        _format_decision(judge, quantity_summary.quantity)
+        for judge in quantity_summary.judged
+        if judge.decision != "pass"
     )
 
 

@@ -51,14 +51,14 @@ def row(entry: Entry, hashes: Sequence[str], choices: BatchOptions) -> dict[str,
         What the contents of its file, and of its hammer's, hashed to when the batch began.
     choices : BatchChoices
     """
-    found = empty(entry, "", choices)
+    entries = empty(entry, "", choices)
     if entry.mass is None:
-        found["mass_kg"] = choices.mass
+        entries["mass_kg"] = choices.mass
     answer: dict[str, Any]
     if entry.aside:
-        return found | {"outcome": "refused", "reason": entry.aside}
+        return entries | {"outcome": "refused", "reason": entry.aside}
     try:
-        answer = _fit_entry(entry, choices, found)
+        answer = _fit_entry(entry, choices, entries)
     except DashpotError as error:
         answer = {"outcome": "refused", "reason": str(error)}
     except Exception as error:  # noqa: BLE001 -- one file's fault is one row
@@ -76,18 +76,18 @@ def row(entry: Entry, hashes: Sequence[str], choices: BatchOptions) -> dict[str,
     elif hashes[0]:
         with suppress(OSError):  # gone, by now
             answer["bytes"] = Path(entry.file).stat().st_size
-    found |= answer | {"sha256": hashes[0]}
-    return {name: _finite(value) for name, value in found.items()}
+    entries |= answer | {"sha256": hashes[0]}
+    return {name: _finite(value) for name, value in entries.items()}
 
 
 def _find_changed_file(entry: Entry, hashes: Sequence[str], read: str | None) -> str:
     """The first file that is not what it was, if one is; `read` is what a fit read of the first."""
     now = (read or compute_file_hash(entry.file), *map(compute_file_hash, entry.hammer))
     files = zip((entry.file, *entry.hammer), now, hashes, strict=True)
-    return next((file for file, found, then in files if found != then), "")
+    return next((file for file, name, then in files if name != then), "")
 
 
-def _fit_entry(entry: Entry, choices: BatchOptions, found: Mapping[str, Any]) -> dict[str, Any]:
+def _fit_entry(entry: Entry, choices: BatchOptions, entries: Mapping[str, Any]) -> dict[str, Any]:
     """What a fit says, or what the file is that has none."""
     specimen = Specimen(temperature=entry.temperature)
     how: dict[str, Any] = {
@@ -98,12 +98,12 @@ def _fit_entry(entry: Entry, choices: BatchOptions, found: Mapping[str, Any]) ->
     origin = {"origin": SIMULATED if seen.simulated else ""}
     kind = KINDS.get(seen.kind, KINDS["relaxation"])
     if kind.fit != FIT_FILES:
-        return _build_other_row(seen, kind, entry, choices, found["mass_kg"]) | origin
+        return _build_other_row(seen, kind, entry, choices, entries["mass_kg"]) | origin
     try:
         fit, records = fit_files((entry.file,), options=choices.bench, **how)
     except DashpotError as error:
         return {"kind": seen.kind, "outcome": "refused", "reason": str(error)} | origin
-    return _build_fit_row(fit, records[0], entry, choices, found)
+    return _build_fit_row(fit, records[0], entry, choices, entries)
 
 
 def _build_other_row(
@@ -113,12 +113,12 @@ def _build_other_row(
     piece = _piece(entry, choices, mass)
     if kind.row and (not kind.needs or getattr(piece, kind.needs) is not None):
         return _build_kind_row(kind, entry, piece)
-    told = {
+    texts = {
         "kind": kind.name,
         "outcome": "other",
         "reason": f"it is {seen.what}: {kind.says or seen.use}",
     }
-    return told | (read_hammer_resonance(entry, choices, mass) if kind.resonates else {})
+    return texts | (read_hammer_resonance(entry, choices, mass) if kind.resonates else {})
 
 
 def _piece(entry: Entry, choices: BatchOptions, mass: float | None) -> Piece:
@@ -135,11 +135,11 @@ def _build_kind_row(kind: KindOfTest, entry: Entry, piece: Piece) -> dict[str, A
     except DashpotError as error:
         return {"kind": kind.name, "outcome": "refused", "reason": str(error)}
     source = result.source
-    told: dict[str, Any] = {
+    entries: dict[str, Any] = {
         "kind": kind.name, "outcome": "fitted", "sha256": "" if source is None else source.sha256,
     }  # fmt: skip
-    told |= numbers
-    return told | _build_verdict_columns(result.verdict, result.checks)
+    entries |= numbers
+    return entries | _build_verdict_columns(result.verdict, result.checks)
 
 
 def _build_fit_row(
@@ -147,44 +147,44 @@ def _build_fit_row(
     record: Record,
     entry: Entry,
     choices: BatchOptions,
-    found: Mapping[str, Any],
+    entries: Mapping[str, Any],
 ) -> dict[str, Any]:
     numbers, mass = (
         _build_record_columns(record) | make_origin_column(*fit.source),
-        found["mass_kg"],
+        entries["mass_kg"],
     )
-    said: list[str] = []
+    sentences: list[str] = []
     if entry.hammer:
         try:
             fit, held = compare_with_hammer(fit, record, entry, choices, mass)
-            said.append(held.pop("reason"))
+            sentences.append(held.pop("reason"))
             numbers |= held
         except DashpotError as error:
-            said.append(f"hammer: {error}")
+            sentences.append(f"hammer: {error}")
     numbers |= _build_fit_columns(fit, numbers.get("hold_s"), choices.columns)
     if not choices.quick:
         numbers |= _build_uncertainty_columns(fit, choices.columns)
     try:
         numbers |= _compute_requested_columns(fit, choices, numbers.get("hold_s"))
     except DashpotError as error:
-        said.append(str(error))
+        sentences.append(str(error))
     try:
         numbers |= _under_mass(fit, mass, choices.seals)
     except DashpotError as error:
-        said.append(f"under the mass: {error}")
-    reasons = "; ".join(filter(None, (numbers.get("reason", ""), *said)))
+        sentences.append(f"under the mass: {error}")
+    reasons = "; ".join(filter(None, (numbers.get("reason", ""), *sentences)))
     return numbers | {"reason": reasons}
 
 
 def _build_record_columns(record: Record) -> dict[str, Any]:
     kelvin = getattr(record, "specimen", Specimen()).temperature
     source = getattr(record, "source", None)
-    found: dict[str, Any] = {} if kelvin is None else {"temperature_K": kelvin}
-    found |= {} if source is None else {"sha256": source.sha256}
+    entries: dict[str, Any] = {} if kelvin is None else {"temperature_K": kelvin}
+    entries |= {} if source is None else {"sha256": source.sha256}
     kind = row_of(record)
-    found |= {} if kind is None else {"kind": kind.name}
+    entries |= {} if kind is None else {"kind": kind.name}
     if isinstance(record, RampHold):
-        return found | {
+        return entries | {
             "samples": len(record.time),
             "depth_m": record.depth,
             "ramp_s": record.ramp_time,
@@ -193,19 +193,19 @@ def _build_record_columns(record: Record) -> dict[str, Any]:
         }
     if isinstance(record, LoadHold):
         times = {"ramp_s": record.ramp_time, "hold_s": record.hold_time}
-        return found | {"samples": len(record.time)} | times
+        return entries | {"samples": len(record.time)} | times
     if isinstance(record, CreepCompliance | RelaxationModulus):
-        return found | {"samples": len(record.time), "hold_s": record.time[-1]}
+        return entries | {"samples": len(record.time), "hold_s": record.time[-1]}
     if isinstance(record, DynamicTest):
         wide = np.log10(np.max(record.frequency) / np.min(record.frequency)) >= MASTER
         shifted = {"kind": "master-curve"} if wide else {}
-        return found | shifted | {"samples": len(record.frequency)}
-    return found
+        return entries | shifted | {"samples": len(record.frequency)}
+    return entries
 
 
-def _build_fit_columns(fit: Fit, hold: float | None, room: int) -> dict[str, Any]:
+def _build_fit_columns(fit: Fit, hold: float | None, space: int) -> dict[str, Any]:
     model, unit = fit.model, fit.unit
-    found: dict[str, Any] = {
+    entries: dict[str, Any] = {
         "outcome": "fitted",
         "status": fit.status.name.lower(),
         "method": fit.method,
@@ -215,31 +215,31 @@ def _build_fit_columns(fit: Fit, hold: float | None, room: int) -> dict[str, Any
         format_stiffness_column("0", unit): model.k_0,
     }
     if hold is not None:
-        found[format_stiffness_column("end", unit)] = float(model.relaxation(hold))
+        entries[format_stiffness_column("end", unit)] = float(model.relaxation(hold))
     if fit.residual.unit == "N":
-        found["rms_N"] = fit.residual.rms
-    return found | {_column(one): one.value for one in _select_arm_facts(fit, room)}
+        entries["rms_N"] = fit.residual.rms
+    return entries | {_column(fact): fact.value for fact in _select_arm_facts(fit, space)}
 
 
-def _build_uncertainty_columns(fit: Fit, room: int) -> dict[str, Any]:
+def _build_uncertainty_columns(fit: Fit, space: int) -> dict[str, Any]:
     """Errors, intervals, checks and verdict."""
-    unit, shown = fit.unit, list(_select_arm_facts(fit, room))
-    found = _build_verdict_columns(fit.verdict, fit.checks) | {
+    unit, shown = fit.unit, list(_select_arm_facts(fit, space))
+    entries = _build_verdict_columns(fit.verdict, fit.checks) | {
         format_stiffness_column("inf_low", unit): shown[0].low,
         format_stiffness_column("inf_high", unit): shown[0].high,
     }
     if fit.left_open is not None:
         low, high = fit.left_open["k_end"]
-        found |= {
+        entries |= {
             format_stiffness_column("end_low", unit): low,
             format_stiffness_column("end_high", unit): high,
         }
-    return found | {_column(one, "_se"): one.error for one in shown}
+    return entries | {_column(fact, "_se"): fact.error for fact in shown}
 
 
 def _build_verdict_columns(verdict: Verdict, checks: Iterable[Check]) -> dict[str, Any]:
     """The verdict, why, and the checks that limit the use, each once."""
-    failed = dict.fromkeys(one.name for one in checks if one.failed and one.grade != "note")
+    failed = dict.fromkeys(check.name for check in checks if check.failed and check.grade != "note")
     return {
         "verdict": verdict.use,
         "reason": "" if verdict.use == "use" else verdict.says,
@@ -247,10 +247,10 @@ def _build_verdict_columns(verdict: Verdict, checks: Iterable[Check]) -> dict[st
     }
 
 
-def _select_arm_facts(fit: Fit, room: int) -> Iterator[ReportedValue]:
+def _select_arm_facts(fit: Fit, space: int) -> Iterator[ReportedValue]:
     """k_inf and the arms; a curve may have more than a row has room for."""
-    each = (one for one in fit.arm_facts if not one.name.startswith("b"))
-    return islice(each, 1 + 2 * room)
+    facts = (fact for fact in fit.arm_facts if not fact.name.startswith("b"))
+    return islice(facts, 1 + 2 * space)
 
 
 def _column(fact: ReportedValue, what: str = "") -> str:
@@ -265,7 +265,7 @@ def _compute_requested_columns(
     fit: Fit, choices: BatchOptions, hold: float | None
 ) -> dict[str, Any]:
     """Stiffness and loss where they were asked for: of small vibration about a compression."""
-    found: dict[str, Any] = {}
+    entries: dict[str, Any] = {}
     for (frequency, compression), columns in build_requested_columns(choices, fit.unit).items():
         solid = fit.model
         if compression is not None:
@@ -274,10 +274,10 @@ def _compute_requested_columns(
         if frequency is not None:
             value = complex(solid.complex_stiffness(omega=2 * math.pi * frequency))
             numbers = value.real, value.imag, value.imag / value.real
-            found |= dict(zip(columns, numbers, strict=True))
+            entries |= dict(zip(columns, numbers, strict=True))
         elif hold is not None:
-            found[columns[0]] = float(solid.relaxation(hold))
-    return found
+            entries[columns[0]] = float(solid.relaxation(hold))
+    return entries
 
 
 def _under_mass(fit: Fit, mass: float | None, seals: float) -> dict[str, Any]:

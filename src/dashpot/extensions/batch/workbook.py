@@ -27,7 +27,7 @@ _SHEET_ROWS = 1_048_575
 _FORMATS = {"Float64": "#,##0.000000", "Int64": "#,##0"}
 
 
-def workbook(found: Summary) -> bytes:
+def workbook(summary: Summary) -> bytes:
     """Return a lot as XLSX with the sheets tests, seals, scatter, capability and checks.
 
     SI units, as in the table; no text is a formula.
@@ -48,7 +48,7 @@ def workbook(found: Summary) -> bytes:
     how = {"constant_memory": True, "strings_to_formulas": False, "strings_to_urls": False}
     with Workbook(made, how) as book:
         book.set_properties({"comments": byline("lot"), "created": _MADE})
-        for name, frame in (("tests", _tests(found.lot)), *_sheets(found)):
+        for name, frame in (("tests", _tests(summary.lot)), *_sheets(summary)):
             if frame.height:
                 _write(book, name, frame)
     return _byline_first(made)
@@ -81,10 +81,10 @@ def _byline_first(made: BytesIO) -> bytes:
     """The archive with its properties first and plain: a file of ours is known by its head."""
     whole = BytesIO()
     with ZipFile(made) as old, ZipFile(whole, "w") as new:
-        for one in sorted(old.infolist(), key=lambda one: one.filename != _CORE):
-            again = copy(one)
-            again.compress_type = ZIP_STORED if one.filename == _CORE else ZIP_DEFLATED
-            with old.open(one) as source, new.open(again, "w") as place:
+        for item in sorted(old.infolist(), key=lambda member: member.filename != _CORE):
+            again = copy(item)
+            again.compress_type = ZIP_STORED if item.filename == _CORE else ZIP_DEFLATED
+            with old.open(item) as source, new.open(again, "w") as place:
                 copyfileobj(source, place)
     return whole.getvalue()
 
@@ -106,8 +106,8 @@ _HEADS = {
 }  # fmt: skip
 
 
-def _sheets(found: Summary) -> Iterator[tuple[str, pl.DataFrame]]:
-    document = found.document
+def _sheets(summary: Summary) -> Iterator[tuple[str, pl.DataFrame]]:
+    document = summary.document
     for sheet, (part, names) in _SHEETS.items():
         rows = (
             {"quantity": of["quantity"]}
@@ -117,7 +117,10 @@ def _sheets(found: Summary) -> Iterator[tuple[str, pl.DataFrame]]:
         )
         yield sheet, _frame(rows)
     yield "flags", _frame(document["flags"])
-    checks = ({"check": one.name, "passed": one.passed, "says": one.says} for one in found.checks)
+    checks = (
+        {"check": check.name, "passed": check.passed, "says": check.says}
+        for check in summary.checks
+    )
     yield "checks", _frame(checks)
 
 

@@ -68,8 +68,8 @@ def kramers_kronig(misfit: tuple[FloatArray, FloatArray] | None) -> Finding:
         "Storage and loss contradict each other (Kramers-Kronig), so no fit can follow both",
         "Look for a wrong shift, slip, or a changed temperature or strain.",
         excused=all(
-            found <= max(MAX_INCONSISTENT, _by_chance(error))
-            for found, error in zip(smooth, misfit, strict=True)
+            value <= max(MAX_INCONSISTENT, _by_chance(error))
+            for value, error in zip(smooth, misfit, strict=True)
         ),
     )
 
@@ -161,13 +161,13 @@ def modulus_falls(modulus: FloatArray) -> Finding:
 
 
 @criterion("plateau, N/m or Pa", ">", source="3 standard errors")
-def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, further: str) -> Finding:
+def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, extra: str) -> Finding:
     """There is a stiffness that does not relax."""
     return Finding(
         f"The plateau is {amount(model.k_inf, unit)} with a standard error of {amount(se, unit)}",
         model.k_inf,
         "It may be zero: the material flows, or the measurement ended too early",
-        further,
+        extra,
         limit=3.0 * se,
         # exact data leave a plateau of rounding size, and a standard error to match
         faulted=model.k_inf <= ROUNDING * (model.k_inf + sum(model.k)),
@@ -222,13 +222,13 @@ def plateau(
     *,
     unit: str,
     first: float,
-    further: str,
+    extra: str,
 ) -> tuple[Check, ...]:
     """What is known of the plateau: that there is one, and how well, where an end was asked.
 
     `first` is the stiffness of the model where the data are fastest.
     """
-    seen = plateau_seen(model, se, unit=unit, further=further)
+    seen = plateau_seen(model, se, unit=unit, extra=extra)
     if end is None or seen.failed:
         return (seen,)
     return plateau_told(end, unit), end_level(end, first / end.of(model) - 1)
@@ -312,12 +312,12 @@ def bands_meet(dynamic: tuple[float, float], relaxation: tuple[float, float]) ->
 def _scatter_of_sweeps(data: DynamicTest, values: FloatArray) -> float:
     """The usual standard deviation of values of a sweep from their neighbours, 0 of few."""
     kelvin = np.zeros(len(values)) if data.temperature is None else np.round(data.temperature)
-    found = []
-    for one in distinct(kelvin):
-        here = np.flatnonzero(kelvin == one)
+    numbers = []
+    for item in distinct(kelvin):
+        here = np.flatnonzero(kelvin == item)
         ordered = values[here[np.argsort(data.frequency[here], kind="stable")]]
-        found.append(robust_scatter(np.arange(float(len(here))), ordered))
-    return median(np.array(found))
+        numbers.append(robust_scatter(np.arange(float(len(here))), ordered))
+    return median(np.array(numbers))
 
 
 def _without_scatter(error: FloatArray) -> float:

@@ -33,7 +33,7 @@ def fit_curves(
     creep test, alone; sweeps or moduli at several temperatures by their master curve.
     """
     curves, crept, pressed = (
-        _select_kind(tests, one) for one in ("modulus", "creep", "relaxation")
+        _select_kind(tests, text) for text in ("modulus", "creep", "relaxation")
     )
     if curves:
         _refuse_beside_modulus(asked, others=len(tests) - len(curves))
@@ -51,7 +51,7 @@ def fit_curves(
 
 def _select_kind(tests: Sequence[Bench], name: str) -> list[Any]:
     """Return the tests of one kind, by the word of the registry."""
-    return [one for one in tests if (row := row_of(one)) is not None and row.name == name]
+    return [test for test in tests if (row := row_of(test)) is not None and row.name == name]
 
 
 def _name_file(name: str) -> AbstractContextManager[None]:
@@ -59,32 +59,32 @@ def _name_file(name: str) -> AbstractContextManager[None]:
     return add_name_to_errors(name) if name else nullcontext()
 
 
-def _refuse_beside_modulus(asked: BenchFitOptions, *, others: int) -> None:
+def _refuse_beside_modulus(options: BenchFitOptions, *, others: int) -> None:
     """Refuse what belongs to a ramp, and tests that are no moduli."""
-    require_test_for_machine(asked.machine, tests=0, add="a ramp and hold")
-    asked.cuts.refuse_several(0)
+    require_test_for_machine(options.machine, tests=0, add="a ramp and hold")
+    options.cuts.refuse_several(0)
     if others:
         raise FitError(
             "a relaxation modulus is fitted alone, or with others at other temperatures: fit "
             "the other tests one by one"
         )
-    usual = asked.nothing_of("method", "depth_law", "family")
-    if asked.filter or asked.law == "nonlinear" or not usual:
+    usual = options.nothing_of("method", "depth_law", "family")
+    if options.filter or options.law == "nonlinear" or not usual:
         raise FitError(
             "a relaxation modulus is fitted without --method hold, --elastic, --filter and "
             "--model: it is the response to a step already, of a linear solid with arms"
         )
 
 
-def _refuse_beside_creep(asked: BenchFitOptions, *, others: int) -> None:
+def _refuse_beside_creep(options: BenchFitOptions, *, others: int) -> None:
     """Refuse what is of ramps and holds, and tests that are none of creep."""
-    asked.cuts.refuse_several(0)
-    if others or asked.filter or asked.depth_law:
+    options.cuts.refuse_several(0)
+    if others or options.filter or options.depth_law:
         raise FitError(
             "a creep test is fitted alone, or with others at other temperatures, without "
             "--filter and --elastic by-depth"
         )
-    if not asked.nothing_of("method", "law", "family"):
+    if not options.nothing_of("method", "law", "family"):
         raise FitError(
             "a creep test is fitted to its recorded force and to a linear solid with arms: "
             "leave out --method, --elastic and --model"
@@ -92,7 +92,7 @@ def _refuse_beside_creep(asked: BenchFitOptions, *, others: int) -> None:
 
 
 def _fit_creep(
-    tests: Sequence[CreepTest | LoadHold | CreepCompliance], asked: BenchFitOptions, name: str
+    tests: Sequence[CreepTest | LoadHold | CreepCompliance], options: BenchFitOptions, name: str
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit one creep test, or the master curve of several; `name` is the first file's."""
     from dashpot.extensions.curves.creep.compliance import measured_compliance
@@ -101,37 +101,39 @@ def _fit_creep(
     from dashpot.extensions.curves.datamodel.creep import CreepTest, LoadHold
     from dashpot.extensions.curves.datamodel.superposition import Superposition
 
-    raw = sum(isinstance(one, CreepTest) for one in tests)
-    require_test_for_machine(asked.machine, tests=raw, add="a creep test as it was recorded")
+    raw = sum(isinstance(test, CreepTest) for test in tests)
+    require_test_for_machine(options.machine, tests=raw, add="a creep test as it was recorded")
     # a load that is not held says itself of which file it is
-    held = [load_hold(one, asked.machine) if isinstance(one, CreepTest) else one for one in tests]
+    held = [
+        load_hold(test, options.machine) if isinstance(test, CreepTest) else test for test in tests
+    ]
     with _name_file(name):
         record: Any = held[0]
         if len(held) > 1 or not isinstance(record, LoadHold):
             curves = [
-                measured_compliance(one) if isinstance(one, LoadHold) else one for one in held
+                measured_compliance(item) if isinstance(item, LoadHold) else item for item in held
             ]
-            record = shift_to_one(curves, asked.shifting, asked.specimen)
-        if isinstance(record, LoadHold) and asked.shifting.at is not None:
+            record = shift_to_one(curves, options.shifting, options.specimen)
+        if isinstance(record, LoadHold) and options.shifting.at is not None:
             raise FitError(
                 "--only picks one of several temperatures, and this creep test is of one: leave "
                 "it out"
             )
-        if not isinstance(record, Superposition) and asked.shifting.at is None:
-            refuse_shifts("a creep test is", **shifted_ramps(asked.shifting))
-        return fit_creep(record, arms=asked.arms, thorough=asked.thorough), (record,)
+        if not isinstance(record, Superposition) and options.shifting.at is None:
+            refuse_shifts("a creep test is", **shifted_ramps(options.shifting))
+        return fit_creep(record, arms=options.arms, thorough=options.thorough), (record,)
 
 
 def _fit_sweeps(
-    sweeps: Sequence[DynamicTest], tests: tuple[RampHold, ...], asked: BenchFitOptions
+    sweeps: Sequence[DynamicTest], tests: tuple[RampHold, ...], options: BenchFitOptions
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit a sweep, or a master curve, with the ramps and holds of the same part."""
-    if asked.depth_law or asked.method == "hold" or (tests and len(sweeps) > 1):
+    if options.depth_law or options.method == "hold" or (tests and len(sweeps) > 1):
         raise FitError(
             "a dynamic sweep is fitted alone, with others at other temperatures, or with "
             "relaxation tests of the same part, without --elastic by-depth and --method hold"
         )
-    if asked.law != "auto" or (asked.filter and not tests):
+    if options.law != "auto" or (options.filter and not tests):
         raise FitError(
             "a dynamic sweep is of a linear solid, and nothing of it is filtered: leave out "
             "--elastic "
@@ -139,11 +141,11 @@ def _fit_sweeps(
         )
     from dashpot.extensions.curves.dynamic.fit import fit_dynamic
 
-    sweep: Any = shift_to_one(sweeps, asked.shifting, asked.specimen)
-    found = fit_dynamic(
-        sweep, arms=asked.arms, tests=tests, thorough=asked.thorough, family=asked.family
+    sweep: Any = shift_to_one(sweeps, options.shifting, options.specimen)
+    fit = fit_dynamic(
+        sweep, arms=options.arms, tests=tests, thorough=options.thorough, family=options.family
     )
-    return found, (sweep, *tests)
+    return fit, (sweep, *tests)
 
 
 def shift_to_one(
@@ -164,24 +166,24 @@ def shift_to_one(
             "the file says the temperature of every sample, so --temperature has nothing to add: "
             "--only takes one of them alone, --reference moves the master curve of them all"
         )
-    alone = len(tests) == 1 and choices == ShiftChoices(at=at)
+    single = len(tests) == 1 and choices == ShiftChoices(at=at)
     if at is not None:
-        if not alone:
+        if not single:
             raise FitError(
                 "--only takes one temperature out of a file of several; leave out --reference, "
                 "--shift, --vertical and --shifts, which shift them all, and other files"
             )
         return first.at(at)
-    if alone and not first.several_temperatures:
+    if single and not first.several_temperatures:
         return first
     from dashpot.extensions.curves.superposition.read_shift_factors import read_shifts
     from dashpot.extensions.curves.superposition.superpose import superpose
 
-    known = () if choices.shifts is None else read_shifts(choices.shifts)
+    shifts = () if choices.shifts is None else read_shifts(choices.shifts)
     return superpose(
         tests,
         reference=choices.reference,
         law=choices.law,
         vertical=choices.vertical,
-        shifts=known,
+        shifts=shifts,
     )

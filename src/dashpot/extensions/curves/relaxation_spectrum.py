@@ -80,13 +80,13 @@ class MasterCurve:
     @property
     def rms(self) -> float:
         """Root mean square relative error over every sample of every curve."""
-        count = sum(one.samples for one in self.misfit)
-        return float(np.sqrt(sum(one.samples * one.rms**2 for one in self.misfit) / count))
+        count = sum(misfit.samples for misfit in self.misfit)
+        return float(np.sqrt(sum(misfit.samples * misfit.rms**2 for misfit in self.misfit) / count))
 
     @property
     def largest(self) -> float:
         """Largest relative error of any sample."""
-        return max(one.largest for one in self.misfit)
+        return max(misfit.largest for misfit in self.misfit)
 
 
 def master_curve(
@@ -128,10 +128,10 @@ def master_curve(
     # an arm faster than the second time would show in one sample only
     grid = _grid(float(t[1]), float(t[-1]), per_decade)
     columns = np.concatenate((np.ones((len(t), 1)), np.exp(-t[:, None] / grid)), axis=1)
-    found, _ = solve_linear(columns / values[:, None], np.ones(len(t)), positive=True)
+    result, _ = solve_linear(columns / values[:, None], np.ones(len(t)), positive=True)
     return MasterCurve(
-        _solid(found, grid),
-        (_misfit("modulus", columns @ found / values - 1.0, t),),
+        _solid(result, grid),
+        (_misfit("modulus", columns @ result / values - 1.0, t),),
         tuple(grid.tolist()),
         (float(1 / (2 * np.pi * t[-1])), float(1 / (2 * np.pi * t[0]))),
     )
@@ -168,11 +168,11 @@ def dynamic_master_curve(data: DynamicTest, *, per_decade: float = 4) -> MasterC
     loss = np.concatenate((np.zeros((len(w), 1)), x / (1 + x * x)), axis=1)
     columns = np.concatenate((storage / scale[0][:, None], loss / scale[1][:, None]))
     target = np.concatenate((data.storage / scale[0], data.loss / scale[1]))
-    found, _ = solve_linear(columns, target, positive=True)
-    error = columns @ found - target
+    values, _ = solve_linear(columns, target, positive=True)
+    error = columns @ values - target
     n = len(w)
     return MasterCurve(
-        _solid(found, grid),
+        _solid(values, grid),
         (
             _misfit("storage", error[:n], data.frequency),
             _misfit("loss", error[n:], data.frequency),
@@ -216,9 +216,9 @@ def _grid(shortest: float, longest: float, per_decade: float) -> FloatArray:
     return np.geomspace(shortest, longest, count)
 
 
-def _solid(found: FloatArray, grid: FloatArray) -> GeneralizedMaxwell:
-    k = found[1:]
-    return GeneralizedMaxwell(float(found[0]), tuple(k[k > 0]), tuple(grid[k > 0]))
+def _solid(values: FloatArray, grid: FloatArray) -> GeneralizedMaxwell:
+    k = values[1:]
+    return GeneralizedMaxwell(float(values[0]), tuple(k[k > 0]), tuple(grid[k > 0]))
 
 
 def _misfit(curve: str, error: FloatArray, where: FloatArray) -> Misfit:
@@ -323,10 +323,10 @@ def _dense(
     residual = Residual(values, values * dense.rms**2, dense.rms, unit="1")
     estimate = ParameterEstimate((), np.zeros((0, 0)), np.inf, residual, nuisance=few.nuisance)
     end = few.end_of_hold
-    known = few.evidence.band_error
+    error = few.evidence.band_error
     evidence = replace(
         few.evidence,
-        band_error=None if known is None else known.about(dense.model, few.model),
+        band_error=None if error is None else error.about(dense.model, few.model),
         certificate=None,
         checks=(*of_data, check),
         end_of_hold=None if end is None else end.holding(dense.model),

@@ -183,20 +183,20 @@ def fit_shift_law(
     c = np.asarray(covariance, dtype=float)[np.ix_(away, away)]
     shifts = _Shifts(t[away], s[away], _whitener(c), reference)
     n = int(away.sum())
-    found: dict[str, tuple[TemperatureLaw, FloatArray]] = {"free": (free, np.empty((0, 0)))}
+    entries: dict[str, tuple[TemperatureLaw, FloatArray]] = {"free": (free, np.empty((0, 0)))}
     bic = bic_of_deviance(0.0, effective=max(n, 1), parameters=n)
     scores = [LawScore("free", 0.0, 0, bic, 0.0, reference)]
     for kind, lay in _LAID.items():
-        if n < (LEAST - 1 if law == "auto" else 1) or (laid := lay(shifts)) is None:
+        if n < (LEAST - 1 if law == "auto" else 1) or (solved := lay(shifts)) is None:
             continue
-        one, fit, constants = laid
+        temperature_law, fit, constants = solved
         size, deviance = len(fit.values), fit.sse
         if size > n:
             continue
-        off = np.abs(one.log10_a_t(shifts.temperature) - shifts.log10)
+        off = np.abs(temperature_law.log10_a_t(shifts.temperature) - shifts.log10)
         wider = max(1.0, deviance / (n - size)) if n > size else 1.0
-        known = estimate(fit, noises=[white_noise(fit, wider)])
-        found[kind] = one, known.derive_quantity(constants).covariance
+        uncertainty = estimate(fit, noises=[white_noise(fit, wider)])
+        entries[kind] = temperature_law, uncertainty.derive_quantity(constants).covariance
         bic = bic_of_deviance(deviance, effective=n, parameters=size)
         worst = int(np.argmax(off))
         scores.append(
@@ -209,25 +209,25 @@ def fit_shift_law(
     if law == "auto":
         best = _best(scores)
         kind = "free" if best.fails else best.kind
-    if kind not in found:
+    if kind not in entries:
         raise FitError(
             f"no {kind} law follows the shifts at {n + 1} temperatures: time scales must fall as "
             "it gets warmer, and WLF needs three temperatures; take the "
             "shifts themselves (dashpot fit --shift free)"
         )
-    chosen, errors = found[kind]
+    chosen, errors = entries[kind]
     return ShiftLawFit(chosen, _PARAMETERS[kind], errors, tuple(scores), _odd(shifts, c))
 
 
 def _odd(shifts: _Shifts, covariance: FloatArray) -> ShiftOutlier | None:
     """Return the temperature without which a law follows the shifts that it fails with it."""
-    found: list[tuple[float, ShiftOutlier]] = []
+    pairs: list[tuple[float, ShiftOutlier]] = []
     n = len(shifts.temperature)
     for kind, lay in _LAID.items():
         dof = n - len(_PARAMETERS[kind])
-        if dof < _LEAST_LEFT or (laid := lay(shifts)) is None:
+        if dof < _LEAST_LEFT or (solved := lay(shifts)) is None:
             continue
-        deviance = laid.optimum.sse
+        deviance = solved.optimum.sse
         if not is_significant_fall(deviance, dof):
             return None
         for i in range(n):
@@ -238,10 +238,10 @@ def _odd(shifts: _Shifts, covariance: FloatArray) -> ShiftOutlier | None:
             )  # fmt: skip
             if (without := lay(part)) is None:
                 continue
-            at, left = float(shifts.temperature[i]), without.optimum.sse / (dof - 1)
+            at, remainder = float(shifts.temperature[i]), without.optimum.sse / (dof - 1)
             missed = float(shifts.log10[i]) - float(without.law.log10_a_t(at))
-            found.append((left / (deviance / dof), ShiftOutlier(at, missed)))
-    share, odd = min(found, key=lambda one: one[0], default=(1.0, None))
+            pairs.append((remainder / (deviance / dof), ShiftOutlier(at, missed)))
+    share, odd = min(pairs, key=lambda pair: pair[0], default=(1.0, None))
     return odd if share < _ODD else None
 
 
@@ -250,7 +250,7 @@ def _best(scores: Sequence[LawScore]) -> LawScore:
     laws = [score for score in scores if score.kind != "free"]
     if not laws:
         return scores[0]
-    return max((one for one in laws if one.bic < laws[0].bic + _EVEN), key=lambda one: one.dof)
+    return max((law for law in laws if law.bic < laws[0].bic + _EVEN), key=lambda score: score.dof)
 
 
 _PARAMETERS = {"wlf": ("c1", "c2"), "arrhenius": ("energy",), "free": ()}

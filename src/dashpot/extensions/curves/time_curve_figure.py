@@ -58,11 +58,11 @@ def answer_panels(
 ) -> tuple[Panel, Panel]:
     """The answer to a step over log time with that of a solid, and the residual in per cent."""
     word, scale = read_as(unit)
-    known = time > 0
-    t, measured = time[known], scale * values[known]
+    certain = time > 0
+    t, measured = time[certain], scale * values[certain]
     dense = np.geomspace(t[0], t[-1], 300)
     curve = scale * answer(dense)
-    left = 100 * (measured / (scale * answer(t)) - 1)
+    residual = 100 * (measured / (scale * answer(t)) - 1)
     across = Scale(axis, (float(t[0]), float(t[-1])), log=True)
     upper = Panel(
         across, Scale(f"{name}, {word}", compute_padded_log_limits(measured, curve), log=True),
@@ -70,8 +70,8 @@ def answer_panels(
         height=240,
     )  # fmt: skip
     lower = Panel(
-        across, Scale("residual, %", compute_padded_limits(left, np.zeros(1), margin=0.1)),
-        (Rule(0.0, REF, across=True), Dots(t, left, "fit")),
-        height=90, note=f"rms {round_to_error(float(np.sqrt(np.mean(left**2))))} %",
+        across, Scale("residual, %", compute_padded_limits(residual, np.zeros(1), margin=0.1)),
+        (Rule(0.0, REF, across=True), Dots(t, residual, "fit")),
+        height=90, note=f"rms {round_to_error(float(np.sqrt(np.mean(residual**2))))} %",
     )  # fmt: skip
     return upper, lower

@@ -72,10 +72,10 @@ def open_door(
         modes = read_modes(
             choice.path, unit=choice.unit, modal_mass=choice.modal_mass, damping=choice.damping
         )
-        kept = modes.frequency <= choice.most
-        if not kept.any():
+        mask = modes.frequency <= choice.most
+        if not mask.any():
             raise ReadError(f"{choice.path}: no mode lies below {choice.most:g} Hz (most)")
-        modes = modes.only(kept)
+        modes = modes.only(mask)
     with add_file_to_errors(path):
         fit = None
         if door.seal is not None and door.line is not None:
@@ -107,30 +107,30 @@ def shear_of(choice: SealChoice, temperature: float | None) -> Shear:
     DataError
         If it is of no part, of another temperature, or its length is not known.
     """
-    said, band = choice.shear, None
-    found: list[float | Solid] = []
-    for one in (said.across, said.along):
-        if not isinstance(one, str):
-            found.append(one)
+    shear_choice, band = choice.shear, None
+    values: list[float | Solid] = []
+    for path in (shear_choice.across, shear_choice.along):
+        if not isinstance(path, str):
+            values.append(path)
             continue
-        fit = read_fit(one)
+        fit = read_fit(path)
         try:
-            section = SealSection.of(fit, length=said.length, temperature=temperature)
+            section = SealSection.of(fit, length=shear_choice.length, temperature=temperature)
         except DataError as error:
-            raise DataError(f"{one}: {error}") from None
-        found.append(section.solid)
+            raise DataError(f"{path}: {error}") from None
+        values.append(section.solid)
         band = _intersect_bands(band, section.band)
-    across, along = found
+    across, along = values
     return Shear(across, along, band)
 
 
 def _intersect_bands(
-    one: tuple[float, float] | None, other: tuple[float, float] | None
+    first: tuple[float, float] | None, second: tuple[float, float] | None
 ) -> tuple[float, float] | None:
     """The frequencies that both tests inform, Hz; (0, 0) where they have none in common."""
-    if one is None or other is None:
-        return one or other
-    low, high = max(one[0], other[0]), min(one[1], other[1])
+    if first is None or second is None:
+        return first or second
+    low, high = max(first[0], second[0]), min(first[1], second[1])
     return (low, high) if low <= high else (0.0, 0.0)
 
 
@@ -144,14 +144,14 @@ def _parts_of(door: Door) -> Iterator[tuple[str, Solid]]:
     for support in (*door.hinges, *((door.latch,) if door.latch else ()), *door.bumpers):
         if not support.fit:
             continue
-        found = read_json_document(support.fit)
-        if isinstance(found, Fit):
-            here = found.at_compression(support.compression) if support.compression else found
+        document = read_json_document(support.fit)
+        if isinstance(document, Fit):
+            here = document.at_compression(support.compression) if support.compression else document
             yield support.fit, here.solid
-        elif isinstance(found, Solid):
-            yield support.fit, found
+        elif isinstance(document, Solid):
+            yield support.fit, document
         else:
-            raise ReadError(f"{format_unexpected_kind(support.fit, found)}; expected a fit")
+            raise ReadError(f"{format_unexpected_kind(support.fit, document)}; expected a fit")
 
 
 BAND = (1.0, 200.0)
@@ -186,15 +186,15 @@ def door_file(
         system, bare = assembly.system(), assembly.system(sealed=False)
         modes = door_modes(assembly, band[1])
         points = _points(assembly)
-        driven = next(one for one in points if one.on == DOOR)
+        driven = next(point for point in points if point.on == DOOR)
         lines = np.linspace(*band, LINES)
         frfs = []
-        for one in points:
+        for door_point in points:
             sealed, loose = (
-                each.frf(response=_place(one), force=_place(driven), frequency=lines)
-                for each in (system, bare)
+                item.frf(response=_place(door_point), force=_place(driven), frequency=lines)
+                for item in (system, bare)
             )
-            frfs.append((one.name, sealed, loose))
+            frfs.append((door_point.name, sealed, loose))
         shaken = tuple(_shaken(assembly, points)) if assembly.door.base else ()
         return DoorResult(
             assembly,
@@ -212,11 +212,11 @@ def door_file(
 def _points(assembly: Assembly) -> tuple[DoorPoint, ...]:
     """Those of the file, the first on the door being driven; else the corner farthest away."""
     door = assembly.door
-    if any(one.on == BODY for one in door.points) and door.body is None:
+    if any(point.on == BODY for point in door.points) and door.body is None:
         raise DataError(
             "a point is on the body, which stands still: give [body] a mass, inertia and centre"
         )
-    if any(one.on == DOOR for one in door.points):
+    if any(point.on == DOOR for point in door.points):
         return door.points
     return (_corner(assembly), *door.points)
 
@@ -224,7 +224,7 @@ def _points(assembly: Assembly) -> tuple[DoorPoint, ...]:
 def _corner(assembly: Assembly) -> DoorPoint:
     """The point of the door that is farthest from its hinges."""
     door, modes = assembly.door, assembly.modes
-    held = np.array([one.at for one in door.hinges] or [assembly.body().at])
+    held = np.array([hinge.at for hinge in door.hinges] or [assembly.body().at])
     places = door.line.points if door.line else modes.place if modes else held
     away = np.linalg.norm(places[:, None] - held, axis=2).min(axis=1)
     x, y, z = places[int(away.argmax())].tolist()
@@ -234,8 +234,8 @@ def _corner(assembly: Assembly) -> DoorPoint:
     return DoorPoint("farthest from the hinges", (x, y, z), (a, b, c))
 
 
-def _place(one: DoorPoint) -> Point:
-    return Point(one.on, one.at, one.along)
+def _place(point: DoorPoint) -> Point:
+    return Point(point.on, point.at, point.along)
 
 
 def _shaken(assembly: Assembly, points: tuple[DoorPoint, ...]) -> Iterator[BaseResponse]:
@@ -245,13 +245,13 @@ def _shaken(assembly: Assembly, points: tuple[DoorPoint, ...]) -> Iterator[BaseR
             "[base] shakes a body that [body] lets move by itself: leave one of both out"
         )
     base = read_psd(door.base)
-    for one in points:
-        found: list[RandomResponse | None] = []
+    for point in points:
+        responses: list[RandomResponse | None] = []
         for sealed in (True, False):
             try:
                 response = random_response(
                     assembly.system(sealed=sealed),
-                    response=_place(one),
+                    response=_place(point),
                     psd=base.density,
                     frequency=base.frequency,
                     base=BODY,
@@ -261,9 +261,9 @@ def _shaken(assembly: Assembly, points: tuple[DoorPoint, ...]) -> Iterator[BaseR
                 if sealed:
                     raise
                 response = None
-            found.append(response)
-        if found[0] is not None:
-            yield BaseResponse(one.name, found[0], found[1])
+            responses.append(response)
+        if responses[0] is not None:
+            yield BaseResponse(point.name, responses[0], responses[1])
 
 
 def _check_door(
@@ -274,10 +274,12 @@ def _check_door(
     yield from _check_lateral_stiffness(assembly)
     yield asked.door_held(count_free_motions(assembly.system()))
     if fit is not None and door.line is not None:
-        felt = [(one.mode.frequency, max(one.share(SEAL), one.loss_share(SEAL))) for one in modes]
+        response = [
+            (mode.mode.frequency, max(mode.share(SEAL), mode.loss_share(SEAL))) for mode in modes
+        ]
         section = door.line.section
         band = fit.band if section is None else _intersect_bands(fit.band, section.shear.band)
-        yield asked.door_modes_informed(felt, band)
+        yield asked.door_modes_informed(response, band)
         yield from _check_seal_line(door.line, assembly, fit, below)
         if fit.temperatures is not None and fit.specimen.temperature is not None:
             yield temperature_tested(fit.temperatures, fit.specimen.temperature)
@@ -295,16 +297,16 @@ def _check_lateral_stiffness(assembly: Assembly) -> Iterator[Check]:
         yield asked.line_holds_sideways(*count_lateral_free_motions(assembly))
         return
     stations = line.stations(assembly.door.pitch)
-    normal, *others = (one.solid.k_inf * one.share.sum() for one in section.ways(stations))
+    normal, *others = (way.solid.k_inf * way.share.sum() for way in section.ways(stations))
     if normal > 0:
         yield asked.shear_usual(float(max(others) / normal))
 
 
 def _check_seal_line(line: SealLine, assembly: Assembly, fit: Fit, below: float) -> Iterator[Check]:
     """Whether the seal is all there, finely enough, and pressed as it was tested."""
-    apart = float(np.linalg.norm(line.points[0] - line.points[-1]))
+    norm = float(np.linalg.norm(line.points[0] - line.points[-1]))
     pieces = np.diff(line.along).tolist()
-    yield asked.line_closed(line.length, 0.0 if line.closed else apart, pieces)
+    yield asked.line_closed(line.length, 0.0 if line.closed else norm, pieces)
     yield asked.stations_suffice(station_error(assembly, below), assembly.door.pitch)
     stations = line.stations(assembly.door.pitch)
     pressed = stations.compression

@@ -165,7 +165,7 @@ def rigid_of(modes: FreeModes) -> RigidPart:
     masses = np.diag(whole)[:3]
     mass = float(masses.mean())
     if np.ptp(masses) > _ALIKE * mass:
-        listed = ", ".join(f"{one:.4g}" for one in masses)
+        listed = ", ".join(f"{mass:.4g}" for mass in masses)
         raise DataError(
             f"the rigid modes imply masses of {listed} kg along x, y and z; expected one: their "
             "modal masses, or the unit of their coordinates, are not what was said"

@@ -27,25 +27,25 @@ def door_modes_informed(
 
     `modes` are their frequencies, Hz, and the seal's share of their energy or loss.
     """
-    felt = [f for f, share in modes if share > HELD_BY_SEAL]
-    if band is None or not felt:
+    sensed = [f for f, share in modes if share > HELD_BY_SEAL]
+    if band is None or not sensed:
         return Finding("The seal holds no mode of the door, or its test has no valid band")
     low, high = band
     if not high > 0:
         return Finding(
             "No test behind the fit of the seal has a valid band", math.inf, remedy="Test the seal."
         )
-    away = {f: max(f / high, low / f) for f in felt}
-    outside = [f for f in felt if away[f] > 1]
+    away = {f: max(f / high, low / f) for f in sensed}
+    outside = [f for f in sensed if away[f] > 1]
     worst = max(away.values())
     first = [f"{f:.3g}" for f in outside[:3]]
     listed = " and ".join(first) if len(outside) < 3 else ", ".join(first)
     listed += " and more" if len(outside) > 3 else ""
     return Finding(
-        f"All {len(felt)} modes that the seal affects lie in the valid band of its test",
+        f"All {len(sensed)} modes that the seal affects lie in the valid band of its test",
         worst,
         instead=f"The seal's damping is not known at {listed} Hz. Its test covers {low:.2g} to "
-        f"{high:.2g} Hz. {len(outside)} of {len(felt)} modes that it affects lie outside, up to "
+        f"{high:.2g} Hz. {len(outside)} of {len(sensed)} modes that it affects lie outside, up to "
         f"{worst:.3g} times",
         remedy="Test the seal with a hammer, or in the cold.",
     )
@@ -107,7 +107,7 @@ def shear_usual(ratio: float) -> Finding:
 
 
 @criterion(source="our choice: most door seals are closed", grade="note")
-def line_closed(length: float, apart: float, pieces: Sequence[float] = (1.0, 1.0)) -> Finding:
+def line_closed(length: float, value: float, pieces: Sequence[float] = (1.0, 1.0)) -> Finding:
     """The seal line ends where it begins, and no long piece alone closes it."""
     closing, longest = pieces[-1], max(pieces[:-1])
     jumps = closing > JUMP * longest
@@ -116,11 +116,11 @@ def line_closed(length: float, apart: float, pieces: Sequence[float] = (1.0, 1.0
         instead=f"The seal line of {length:.4g} m is closed by a straight piece of "
         f"{format_quantity(closing, 'mm')}, and no other is longer than "
         f"{format_quantity(longest, 'mm')}"
-        if jumps and not apart > 0
-        else f"The seal line of {length:.4g} m ends {format_quantity(apart, 'mm')} from where it "
+        if jumps and not value > 0
+        else f"The seal line of {length:.4g} m ends {format_quantity(value, 'mm')} from where it "
         "begins",
         remedy="Add its last points, if some are missing.",
-        faulted=apart > 0 or jumps,
+        faulted=value > 0 or jumps,
     )
 
 
@@ -137,12 +137,12 @@ def stations_suffice(change: float, pitch: float) -> Finding:
 
 
 @criterion("change of frequency", "<=", 5e-3, "our choice: half a percent")
-def modes_suffice(change: float | None, kept: int, highest: float) -> Finding:
+def modes_suffice(change: float | None, count: int, highest: float) -> Finding:
     """The elastic modes of the door are enough: without the upper third of them little changes."""
     if change is None:
-        return Finding(f"{kept} elastic modes are too few to judge whether they are enough")
+        return Finding(f"{count} elastic modes are too few to judge whether they are enough")
     return Finding(
-        f"Without the upper third of {kept} elastic modes, to {highest:.4g} Hz, those below move "
+        f"Without the upper third of {count} elastic modes, to {highest:.4g} Hz, those below move "
         f"by {100 * change:.2g} %",
         change,
         remedy="Give more modes of the door, to higher frequencies.",
@@ -194,21 +194,21 @@ def closing_informed(
     band: tuple[float, float] | None,
     *,
     glassy: float,
-    known: tuple[float, float] | None,
+    values: tuple[float, float] | None,
 ) -> Finding:
     """A door that closes presses its seal as slowly as the test of it informs.
 
     An even press over a time T is taken as a quarter of a period, 1/(4 T); `glassy` is
-    k_0/k_inf of the fit, `known` the least speeds that its doubt leaves, m/s.
+    k_0/k_inf of the fit, `values` the least speeds that its doubt leaves, m/s.
     """
     if band is None or not band[1] > 0 or not seconds > 0:
         return Finding("The valid band of the seal's test is not known")
     factor = 1 / (4 * seconds) / band[1]
     speeds = ""
-    if known is not None:
-        ends = f"lies between {known[0]:.3g} and {known[1]:.3g} m/s"
-        if math.isinf(known[1]):
-            ends = f"is {known[0]:.3g} m/s or more"
+    if values is not None:
+        ends = f"lies between {values[0]:.3g} and {values[1]:.3g} m/s"
+        if math.isinf(values[1]):
+            ends = f"is {values[0]:.3g} m/s or more"
         speeds = f"The least closing speed {ends}. "
     return Finding(
         f"The door presses its seal in {format_quantity(seconds, 'ms', '.3g')}, as slowly as its "

@@ -68,9 +68,9 @@ class ClosingDoor:
 
     def __post_init__(self) -> None:
         require_positive(inertia=self.inertia, edge=self.edge, unit=" of a closing door")
-        shapes = {np.shape(one) for one in (self.lever, self.compression, self.length)}
+        shapes = {np.shape(values) for values in (self.lever, self.compression, self.length)}
         if len(shapes) != 1 or not all(
-            np.isfinite(one).all() for one in (self.lever, self.compression, self.length)
+            np.isfinite(values).all() for values in (self.lever, self.compression, self.length)
         ):
             raise DataError(
                 f"levers, compressions and lengths of the seal's stations have the shapes "
@@ -110,16 +110,16 @@ class ClosingDoor:
 
     def resisting(self, angle: FloatArray) -> dict[str, FloatArray]:
         """Moments against closing that the angle alone decides, N m."""
-        setup, found = self.setup, {}
+        setup, entries = self.setup, {}
         if setup.friction:
-            found[HINGE] = np.full_like(angle, setup.friction)
+            entries[HINGE] = np.full_like(angle, setup.friction)
         if setup.check is not None:
-            found[CHECK] = setup.check.at(angle)
+            entries[CHECK] = setup.check.at(angle)
         if setup.latch is not None:
-            found[LATCH] = setup.latch.moment(angle - self.closed)
+            entries[LATCH] = setup.latch.moment(angle - self.closed)
         if any(self.weight):
-            found[GRAVITY] = self.weight[0] * np.cos(angle) + self.weight[1] * np.sin(angle)
-        return found
+            entries[GRAVITY] = self.weight[0] * np.cos(angle) + self.weight[1] * np.sin(angle)
+        return entries
 
 
 @dataclass(frozen=True)
@@ -183,21 +183,26 @@ class _Doors:
         about: dict[str, Any] = {"lever": door.lever, "closed": closed, "angle": angle}
         share = door.length * load[:, None]
         seal = PressedSeal(door.section, share=share, dashpot=dashpot, **about)
-        airs = [Chambers(name, one, length=door.length, **about) for name, one in door.setup.airs]
+        airs = [
+            Chambers(name, chamber_air, length=door.length, **about)
+            for name, chamber_air in door.setup.airs
+        ]
         return cls(door, seal, airs, angle)
 
     def copy_state(self) -> _Doors:
         """The same, which the next step leaves where they are."""
-        return replace(self, seal=copy(self.seal), chambers=[copy(one) for one in self.chambers])
+        return replace(
+            self, seal=copy(self.seal), chambers=[copy(chamber) for chamber in self.chambers]
+        )
 
     def compute_stored_energy(self, work: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """What every term would give back of its work in all the steps, J."""
         back = {name: work[name].sum(axis=0) for name in (ELASTIC, GRAVITY) if name in work}
         back |= {
             VISCOUS: self.seal.compute_stored_energy(),
-            **{one.name: one.compute_stored_energy() for one in self.chambers},
+            **{chamber.name: chamber.compute_stored_energy() for chamber in self.chambers},
         }
-        return {name: back.get(name, np.zeros(each.shape[1])) for name, each in work.items()}
+        return {name: back.get(name, np.zeros(values.shape[1])) for name, values in work.items()}
 
     def step(self, angle: float, kinetic: FloatArray, moment: FloatArray) -> _Instants:
         """Turn to an angle, with the moment of the step before to tell how long it takes."""
@@ -205,12 +210,12 @@ class _Doors:
         turned = float(ends[0] - ends[1])
         seconds = _seconds(self.door.inertia, kinetic, moment * turned, turned)
         work: dict[str, FloatArray | float] = {}
-        for name, each in self.door.resisting(ends).items():
+        for name, values in self.door.resisting(ends).items():
             along = abs(turned) if name == HINGE else turned
-            work[name] = float(each.mean()) * along
+            work[name] = float(values.mean()) * along
         work[ELASTIC], work[VISCOUS] = self.seal.step(angle, seconds)
-        for one in self.chambers:
-            work[one.name] = one.step(angle, seconds)
+        for chamber in self.chambers:
+            work[chamber.name] = chamber.step(angle, seconds)
         self.angle = angle
         return _Instants(work, sum(work.values()), seconds)  # type: ignore[arg-type]
 
@@ -268,10 +273,10 @@ def march(
         kinetic[i + 1] = kinetic[i] - done.taken
         on = kinetic[i + 1] > 0
         kinetic[i + 1, ~on] = np.nan
-        for name, each in done.work.items():
-            work[name][i] = np.where(on, each, 0.0)
-        for one in going.chambers:
-            pressure[one.name][i + 1] = np.where(on, one.gauge, 0.0)
+        for name, values in done.work.items():
+            work[name][i] = np.where(on, values, 0.0)
+        for chamber in going.chambers:
+            pressure[chamber.name][i + 1] = np.where(on, chamber.gauge, 0.0)
         time[i + 1] = time[i] + np.where(on, done.seconds, 0.0)
         moment = done.taken / float(angle[i] - angle[i + 1])
         if not on.any():
@@ -282,8 +287,8 @@ def march(
             break
     stopped = np.isnan(kinetic[-1])
     held = {
-        name: np.where(stopped, np.nan, each)
-        for name, each in going.compute_stored_energy(work).items()
+        name: np.where(stopped, np.nan, row)
+        for name, row in going.compute_stored_energy(work).items()
     }
     return ClosingHistory(angle, kinetic, time, dict(work), held, dict(pressure), returned)
 

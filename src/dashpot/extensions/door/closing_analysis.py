@@ -139,14 +139,18 @@ class SealDoubt:
         law = fit.elastic_law
         straight = law is not None and law.kind == "linear"
         leads = [
-            max(NORMAL * float(np.hypot(one.standard_error, one.prior_sd)) - one.value, 0.0)
-            for one in fit.nuisance
-            if straight and one.name.startswith("delay") and one.prior_sd is not None
+            max(
+                NORMAL * float(np.hypot(nuisance.standard_error, nuisance.prior_sd))
+                - nuisance.value,
+                0.0,
+            )
+            for nuisance in fit.nuisance
+            if straight and nuisance.name.startswith("delay") and nuisance.prior_sd is not None
         ]
         return cls(
             NORMAL * float(np.sqrt(max(variance, 0.0))) / k_0 if k_0 > 0 else 0.0,
             # every test is of the same arms
-            min((one for one in leads if np.isfinite(one)), default=float("inf")),
+            min((lead for lead in leads if np.isfinite(lead)), default=float("inf")),
             fit.band[1],
         )
 
@@ -242,7 +246,7 @@ class Closing:
 
     def share(self, name: str) -> Share:
         """The term of that name, of no work if it is not there."""
-        return next((one for one in self.terms if one.name == name), Share(name, 0.0, 0.0, 0.0))
+        return next((term for term in self.terms if term.name == name), Share(name, 0.0, 0.0, 0.0))
 
 
 def close_door(
@@ -280,18 +284,18 @@ def close_door(
         )
     moving = door if isinstance(door, ClosingDoor) else closing_door(door, line)
     done = march(moving, np.array([v]), steps=steps)
-    found = Closing(moving, v, done, tuple(_shares(done)), np.inf, None, True, None)
+    closing = Closing(moving, v, done, tuple(_shares(done)), np.inf, None, True, None)
     load, hidden = np.ones(1), np.zeros(1)
     if doubt is not None:
-        extremes = doubt.extremes(moving.section.solid.maxwell, found.frequency)
+        extremes = doubt.extremes(moving.section.solid.maxwell, closing.frequency)
         load, hidden = (
-            np.append(one, two) for one, two in zip((load, hidden), extremes, strict=True)
+            np.append(values, two) for values, two in zip((load, hidden), extremes, strict=True)
         )
     least, limited = np.full(len(load), np.inf), np.isfinite(hidden)
     least[limited] = least_speed(moving, load=load[limited], dashpot=hidden[limited], steps=steps)
     minimum, variation = float(least[0]), moving.setup.variation
     return replace(
-        found,
+        closing,
         minimum=minimum,
         interval=None if doubt is None else (float(least[1]), float(least[2])),
         monotone=_faster_close(moving, minimum),
@@ -347,14 +351,14 @@ def least_speed(
     tolerance : float
         Of the speed, relative.
     """
-    each = load if compression is None else compression
-    doors = 1 if each is None else len(each)
-    told: dict[str, Any] = {"compression": compression, "load": load, "dashpot": dashpot}
+    row = load if compression is None else compression
+    doors = 1 if row is None else len(row)
+    entries: dict[str, Any] = {"compression": compression, "load": load, "dashpot": dashpot}
     half = 0.5 * door.inertia / door.edge**2
 
     def spare(energy: FloatArray) -> FloatArray:
         speed = np.sqrt(np.maximum(energy, _NOTHING * half) / half)
-        return march(door, speed, steps=steps, **told).least_kinetic_energy
+        return march(door, speed, steps=steps, **entries).least_kinetic_energy
 
     high, low = np.full(doors, half), np.zeros(doors)
     spared = spare(high)
@@ -370,14 +374,14 @@ def least_speed(
             break
         guess = high - spared * slope
         guess = np.where((guess > low) | (low == 0), np.maximum(guess, 0.0), 0.5 * (low + high))
-        found = spare(np.where(open_, guess, high))
-        closes = open_ & ~np.isnan(found)
+        values = spare(np.where(open_, guess, high))
+        closes = open_ & ~np.isnan(values)
         low = np.where(open_ & ~closes, guess, low)
         # what is spared falls faster than the energy where the air takes a part that grows with it
-        fell = np.where(closes, spared - found, np.nan)
+        fell = np.where(closes, spared - values, np.nan)
         steeper = np.where(fell > 0, (high - guess) / np.where(fell > 0, fell, 1.0), slope)
         slope = np.where(closes, np.clip(steeper, 1.0, 50.0), slope)
-        high, spared = np.where(closes, guess, high), np.where(closes, found, spared)
+        high, spared = np.where(closes, guess, high), np.where(closes, values, spared)
     return np.where(never, np.inf, np.sqrt(high / half))
 
 
@@ -407,14 +411,14 @@ def scattered(door: ClosingDoor, variation: Tolerances, minimum: float) -> Scatt
         shape = np.ones((n, 1))
     else:
         along = np.cumsum(door.length) - 0.5 * door.length
-        apart = np.abs(along[:, None] - along)
-        apart = np.minimum(apart, door.length.sum() - apart)
-        value, vector = np.linalg.eigh(np.exp(-apart / variation.correlation))
+        magnitude = np.abs(along[:, None] - along)
+        magnitude = np.minimum(magnitude, door.length.sum() - magnitude)
+        value, vector = np.linalg.eigh(np.exp(-magnitude / variation.correlation))
         shape = vector * np.sqrt(np.maximum(value, 0.0))
     drawn = random.standard_normal((count, shape.shape[1])) @ shape.T
-    moved = variation.gap * np.clip(drawn / 3, -1, 1)
+    displacement = variation.gap * np.clip(drawn / 3, -1, 1)
     load = 1 + variation.load * np.clip(random.standard_normal(count) / 3, -1, 1)
-    pressed = door.compression + moved
+    pressed = door.compression + displacement
     few, group = _reduce_stations(door)
     share = door.length / few.length[group]
     groups = np.zeros((n, len(few.lever)))

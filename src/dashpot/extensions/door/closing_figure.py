@@ -36,16 +36,16 @@ _COARSE = 2.0
 """Energy above which its axis has whole numbers, J."""
 
 
-def closing(found: ClosingResult, *, stamp: str = "") -> Picture:
+def closing(result: ClosingResult, *, stamp: str = "") -> Picture:
     """Energy term by term, moments and speed over the way, and the least speed of many doors.
 
     Parameters
     ----------
-    found : ClosingResult
+    result : ClosingResult
     stamp : str
         What the figure says of its origin; by default the files.
     """
-    done = found.closing
+    done = result.closing
     strips: list[tuple[Panel, ...]] = [
         (waterfall(done),),
         (moments_panel(done),),
@@ -57,16 +57,16 @@ def closing(found: ClosingResult, *, stamp: str = "") -> Picture:
         "A door that closes: what each term takes of its energy, their moments and its speed over "
         "the way, and the least speed that closes doors within their tolerances."
     )
-    return Picture("closing", caption, tuple(strips), 2, stamp or stamped(found.sources), 900.0)
+    return Picture("closing", caption, tuple(strips), 2, stamp or stamped(result.sources), 900.0)
 
 
 def waterfall(done: Closing) -> Panel:
     """What each term takes of the energy, the largest first, and what is left."""
     rows = [("door", 0.0, done.energy)]
     at = done.energy
-    for one in sorted(done.terms, key=lambda term: -abs(term.work)):
-        rows.append((one.name, at - one.work, at))
-        at -= one.work
+    for energy_term in sorted(done.terms, key=lambda term: -abs(term.work)):
+        rows.append((energy_term.name, at - energy_term.work, at))
+        at -= energy_term.work
     rows.append(("left", 0.0, done.left) if done.latched else ("stopped", 0.0, max(at, 0.0)))
     begins = -_NAMES * done.energy
     # one count of decimals down the column
@@ -134,11 +134,11 @@ def speed_panel(done: Closing) -> Panel:
     """The speed of the edge over its way."""
     way, _ = _way(done)
     speed = done.door.edge * np.sqrt(2 * done.march.kinetic[:, 0] / done.door.inertia)
-    known = np.isfinite(speed)
-    marks: list[Mark] = [Line(way[known], speed[known], FIT)]
+    finite = np.isfinite(speed)
+    marks: list[Mark] = [Line(way[finite], speed[finite], FIT)]
     return Panel(
         Scale("edge to closed, mm", (float(way[-1]), float(way[0]))),
-        Scale("speed of the edge, m/s", compute_padded_limits(speed[known], np.zeros(1))),
+        Scale("speed of the edge, m/s", compute_padded_limits(speed[finite], np.zeros(1))),
         tuple(marks),
         title="speed",
         height=220,
@@ -192,9 +192,9 @@ def _bars(speed: FloatArray, limit: float | None) -> tuple[list[Area], float]:
     for low, high, count in zip(bins[:-1], bins[1:], counts.tolist(), strict=True):
         if not count:
             continue
-        beyond = limit is not None and (low + high) / 2 > limit
+        outside = limit is not None and (low + high) / 2 > limit
         # the limit is named at its line, and the axis says that they are doors
-        colour = "bad" if beyond else "ref"
+        colour = "bad" if outside else "ref"
         gap = 0.04 * (high - low)
         side = np.array([low + gap, high - gap])
         bars.append(Area(side, np.zeros(2), np.full(2, float(count)), colour, tint=0.6))

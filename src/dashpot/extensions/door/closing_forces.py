@@ -51,12 +51,12 @@ class PressedSeal:
         """Press on to an angle: work of the relaxed force and of the rest, J, shape (doors,)."""
         at = np.maximum(self.closed - self.lever * angle, 0.0)
         path = self.section.path(at)
-        pressed, moved = at - self.at, path - self.path
+        pressed, change = at - self.at, path - self.path
         relaxed = 0.5 * self.k_inf * (path + self.path)
         even = EvenStep.of((seconds[:, None] / self.tau)[:, None, :])
-        given = self.k * moved[..., None]
-        rest = even.mean(self.arms, given).sum(axis=-1) + self.b * moved / seconds[:, None]
-        self.arms = even.end(self.arms, given)
+        provided = self.k * change[..., None]
+        rest = even.mean(self.arms, provided).sum(axis=-1) + self.b * change / seconds[:, None]
+        self.arms = even.end(self.arms, provided)
         # it cannot pull
         whole = np.maximum(relaxed + rest, 0.0)
         self.at, self.path = at, path
@@ -100,9 +100,9 @@ class Chambers:
         self.density = np.full(self.volume.shape, air_flow.DENSITY)
 
     def _compute_chamber_geometry(self, angle: float) -> tuple[FloatArray, FloatArray]:
-        left = self.closed - self.lever * angle
+        residual = self.closed - self.lever * angle
         ajar = DoorPosition(
-            angle, np.maximum(left, 0.0), np.maximum(-left, 0.0), self.length, self.lever
+            angle, np.maximum(residual, 0.0), np.maximum(-residual, 0.0), self.length, self.lever
         )
         return self.kind.chambers(ajar)
 
@@ -131,5 +131,5 @@ class Chambers:
 
     def compute_stored_energy(self) -> FloatArray:
         """What the air would give back, J, shape (doors,)."""
-        each = air_flow.stored(self.density, self.volume, self.kind.exponent)
-        return np.asarray(each.sum(axis=1))
+        row = air_flow.stored(self.density, self.volume, self.kind.exponent)
+        return np.asarray(row.sum(axis=1))

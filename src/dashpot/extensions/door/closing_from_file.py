@@ -42,24 +42,24 @@ def close_file(
     """
     assembly, fit = open_door(path, temperature=temperature)
     with add_file_to_errors(path):
-        found = close_door(
+        closing = close_door(
             assembly.door, speed=speed, doubt=None if fit is None else SealDoubt.of(fit)
         )
-        return ClosingResult(assembly.door, fit, found, tuple(_check_closing(found, fit)))
+        return ClosingResult(assembly.door, fit, closing, tuple(_check_closing(closing, fit)))
 
 
-def _check_closing(found: Closing, fit: Fit | None) -> Iterator[Check]:
-    yield asked.faster_doors_close(found.monotone)
-    pressed, pieces = found.door.compression, found.door.length
+def _check_closing(closing: Closing, fit: Fit | None) -> Iterator[Check]:
+    yield asked.faster_doors_close(closing.monotone)
+    pressed, pieces = closing.door.compression, closing.door.length
     yield touches_along(pressed, np.cumsum(pieces) - 0.5 * pieces, float(pieces.sum()))
     if fit is None:
         return
-    solid = found.door.section.solid
+    solid = closing.door.section.solid
     yield asked.closing_informed(
-        found.sealing,
+        closing.sealing,
         fit.band,
         glassy=solid.k_0 / solid.k_inf if solid.k_inf > 0 else float("inf"),
-        known=found.interval,
+        values=closing.interval,
     )
     law = fit.elastic_law
     yield compression_tested(float(pressed.max()), None if law is None else law.depth)

@@ -51,26 +51,26 @@ class ClosingResult(HasChecks, HasVerdict, Serialisable):
     @property
     def sound(self) -> str:
         """The least speed that closes the door, and whether the speed asked for does."""
-        found = self.closing
-        if not math.isfinite(found.minimum):
+        closing = self.closing
+        if not math.isfinite(closing.minimum):
             return "no speed closes the door"
-        does = "closes" if found.latched else "does not close"
-        least = f"from {found.minimum:.3g} m/s on"
-        if found.interval is not None and math.isfinite(found.interval[1]):
-            low, high = found.interval
+        does = "closes" if closing.latched else "does not close"
+        least = f"from {closing.minimum:.3g} m/s on"
+        if closing.interval is not None and math.isfinite(closing.interval[1]):
+            low, high = closing.interval
             least += f" ({low:.3g} to {high:.3g})"
-        return f"the door closes {least}. At {found.speed:.3g} m/s it {does}"
+        return f"the door closes {least}. At {closing.speed:.3g} m/s it {does}"
 
     @property
     def sources(self) -> tuple[Source, ...]:
         """The files behind it."""
-        own = () if self.door.source is None else (self.door.source,)
-        return (*own, *(self.fit.source if self.fit else ()))
+        value = () if self.door.source is None else (self.door.source,)
+        return (*value, *(self.fit.source if self.fit else ()))
 
     @property
     def peak_pressure(self) -> dict[str, float]:
         """The highest in each chamber, Pa."""
-        return {name: float(one.max()) for name, one in self.closing.march.pressure.items()}
+        return {name: float(values.max()) for name, values in self.closing.march.pressure.items()}
 
     @property
     def least_compression(self) -> float:

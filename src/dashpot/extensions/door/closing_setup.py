@@ -195,8 +195,8 @@ class Latch:
 
     def moment(self, angle: FloatArray) -> FloatArray:
         """N m against closing, at angles from fully latched, rad; none beyond its travel."""
-        left = self.lever * np.asarray(angle)
-        return self.lever * np.interp(left, self.travel, self.force, right=0.0)
+        residual = self.lever * np.asarray(angle)
+        return self.lever * np.interp(residual, self.travel, self.force, right=0.0)
 
 
 @dataclass(frozen=True)

@@ -40,14 +40,14 @@ def energy_shares(system: System, mode: ComplexMode) -> tuple[EnergyShare, ...]:
     """
     e = system.stretch @ mode.shape
     K = system.spring_stiffness(1j * abs(mode.pole))
-    moved = np.abs(e) ** 2
-    stored, lost = _sum_by_name(system, K.real * moved), _sum_by_name(system, K.imag * moved)
+    change = np.abs(e) ** 2
+    stored, lost = _sum_by_name(system, K.real * change), _sum_by_name(system, K.imag * change)
     whole = sum(stored.values())
     return tuple(EnergyShare(name, stored[name] / whole, lost[name] / whole) for name in stored)
 
 
 def _sum_by_name(system: System, values: FloatArray) -> dict[str, float]:
-    found: dict[str, float] = {}
+    entries: dict[str, float] = {}
     for spring, value in zip(system.springs, values.tolist(), strict=True):
-        found[spring.name] = found.get(spring.name, 0.0) + value
-    return found
+        entries[spring.name] = entries.get(spring.name, 0.0) + value
+    return entries

@@ -59,32 +59,32 @@ _HOLDS = 0.01
 """Share of the energy from which the seal is said to hold a mode."""
 
 
-def door(found: DoorResult, *, stamp: str = "") -> Picture:
+def door(result: DoorResult, *, stamp: str = "") -> Picture:
     """The seal line by its compression, the first modes as the line moves, and FRFs.
 
     Parameters
     ----------
-    found : DoorResult
+    result : DoorResult
     stamp : str
         What the figure says of its origin; by default the files.
     """
     strips: list[tuple[Panel, ...]] = []
-    view = View.from_result(found)
+    view = View.from_result(result)
     if view is not None:
-        strips.append((line_panel(found, view),))
-        if found.stations is not None and found.stations.compression is not None:
-            strips.append((pressed_panel(found),))
-    responses = [(frf_panel(found, i, height=264.0),) for i in range(min(len(found.frfs), 2))]
+        strips.append((line_panel(result, view),))
+        if result.stations is not None and result.stations.compression is not None:
+            strips.append((pressed_panel(result),))
+    responses = [(frf_panel(result, i, height=264.0),) for i in range(min(len(result.frfs), 2))]
     # one beside the line, so that rows of three are full
     strips += responses[:1]
-    shapes = [] if view is None else [(panel,) for panel in shape_panels(found, view)]
+    shapes = [] if view is None else [(panel,) for panel in shape_panels(result, view)]
     rows = (len(strips), len(shapes), len(responses[1:])) if shapes else ()
     strips += [*shapes, *responses[1:]]
     caption = (
         "A door on its seal, seen from outside: where and how far the seal is pressed, how its "
         "line moves in the first modes, and the accelerance with the seal and without."
     )
-    stamp = stamp or stamped(found.sources)
+    stamp = stamp or stamped(result.sources)
     return Picture(
         "door", caption, tuple(strips), 3, stamp, width=960.0, rows=tuple(filter(None, rows))
     )
@@ -109,9 +109,9 @@ class View:
     outward: FloatArray
 
     @classmethod
-    def from_result(cls, found: DoorResult) -> View | None:
+    def from_result(cls, result: DoorResult) -> View | None:
         """As the seal line of a door lies; None without one."""
-        line = found.door.line
+        line = result.door.line
         if line is None:
             return None
         first, second = sorted(np.argsort(np.ptp(line.points, axis=0))[1:].tolist())
@@ -129,9 +129,9 @@ class View:
         return np.asarray(flat)
 
 
-def line_panel(found: DoorResult, view: View) -> Panel:
+def line_panel(result: DoorResult, view: View) -> Panel:
     """The seal line by its compression, and what holds the door beside it."""
-    stations, line = found.stations, found.door.line
+    stations, line = result.stations, result.door.line
     marks: list[Mark] = []
     places = [np.zeros((0, 2))]
     if line is not None and stations is not None:
@@ -143,18 +143,18 @@ def line_panel(found: DoorResult, view: View) -> Panel:
             marks.append(Dots(at[:, 0], at[:, 1], "fit", "seal", size=4.0))
         else:
             marks += _classes(at[:, 0], at[:, 1], convert_to_unit(pressed, "mm"))
-    latch = () if found.door.latch is None else (found.door.latch,)
-    for one in (*found.door.hinges, *latch, *found.door.bumpers):
-        ((x, y),) = view.project_points(np.array([one.at]))
+    latch = () if result.door.latch is None else (result.door.latch,)
+    for hinge in (*result.door.hinges, *latch, *result.door.bumpers):
+        ((x, y),) = view.project_points(np.array([hinge.at]))
         places.append(np.array([[x, y]]))
-        marks.append(Tag(x, y, one.name, "ink", "filled"))
-    for point in found.door.points:
+        marks.append(Tag(x, y, hinge.name, "ink", "filled"))
+    for point in result.door.points:
         if point.on == DOOR:
             ((x, y),) = view.project_points(np.array([point.at]))
             marks.append(Tag(x, y, point.name, "soft", "hollow"))
     low, high = (end(np.concatenate(places), axis=0) for end in (np.min, np.max))
     # a metre, or as much of one as is no wider than the door
-    metre = next((one for one in _SCALES if one <= high[0] - low[0]), _SCALES[-1])
+    metre = next((scale for scale in _SCALES if scale <= high[0] - low[0]), _SCALES[-1])
     under, middle = low[1] - 0.12 * (high[1] - low[1]), (low[0] + high[0]) / 2
     ends = middle + metre * np.array([-0.5, 0.5])
     marks.append(Line(ends, np.full(2, under), Pen("edge", 1.4)))
@@ -190,15 +190,15 @@ def _classes(x: FloatArray, y: FloatArray, mm: FloatArray) -> list[Mark]:
     return marks
 
 
-def pressed_panel(found: DoorResult) -> Panel:
+def pressed_panel(result: DoorResult) -> Panel:
     """How far the seal is pressed along its line, and the depth of its test."""
-    stations = found.stations
+    stations = result.stations
     along = np.zeros(0) if stations is None else stations.along
-    length = 0.0 if found.door.line is None else found.door.line.length
+    length = 0.0 if result.door.line is None else result.door.line.length
     mm = np.zeros(0)
     if stations is not None and stations.compression is not None:
         mm = convert_to_unit(stations.compression, "mm")
-    law = None if found.fit is None else found.fit.elastic_law
+    law = None if result.fit is None else result.fit.elastic_law
     marks: list[Mark] = [Line(along, mm, FIT, "compression"), Rule(0.0, REF, across=True)]
     limits = [mm, np.zeros(1)]
     if law is not None:
@@ -214,36 +214,36 @@ def pressed_panel(found: DoorResult) -> Panel:
     )
 
 
-def shape_panels(found: DoorResult, view: View) -> list[Panel]:
+def shape_panels(result: DoorResult, view: View) -> list[Panel]:
     """How the line moves in each of the first modes; nothing is drawn that is not known.
 
     Across the plane of the door as a band on the line, outwards where it goes out, inwards where it
     goes in; in its plane as the line itself, moved.
     """
-    line = found.door.line
+    line = result.door.line
     if line is None:
         return []
     along = np.linspace(0.0, line.length, _FINE)
     place = np.stack([np.interp(along, line.along, line.points[:, k]) for k in range(3)], axis=1)
-    system = found.assembly.system()
+    system = result.assembly.system()
     rows = np.array(
         [
             [system.participation(Point(DOOR, (x, y, z), axis)) for axis in AXES]
             for x, y, z in place.tolist()
         ]
     )
-    latch = () if found.door.latch is None else (found.door.latch,)
+    latch = () if result.door.latch is None else (result.door.latch,)
     held = view.project_points(
-        np.array([one.at for one in (*found.door.hinges, *latch)]).reshape(-1, 3)
+        np.array([hinge.at for hinge in (*result.door.hinges, *latch)]).reshape(-1, 3)
     )
     size = _WIDE * float(np.ptp(place[:, list(view.axes)], axis=0).max())
     seen = view.project_points(place)
     low, high = seen.min(axis=0) - 1.3 * size, seen.max(axis=0) + 1.3 * size
     panels = []
-    for number, one in enumerate(found.modes[:SHOWN], start=1):
-        moved = _extract_real_motion(rows @ one.mode.shape)
-        out = moved @ view.outward
-        flat = moved - np.outer(out, view.outward)
+    for number, mode in enumerate(result.modes[:SHOWN], start=1):
+        motion = _extract_real_motion(rows @ mode.mode.shape)
+        out = motion @ view.outward
+        flat = motion - np.outer(out, view.outward)
         within = float(np.abs(out).max()) < _IN_PLANE * float(np.linalg.norm(flat, axis=1).max())
         marks = (
             _draw_plane_motion(seen, view.project_points(flat), size)
@@ -252,9 +252,9 @@ def shape_panels(found: DoorResult, view: View) -> list[Panel]:
         )
         if len(held):
             marks.append(Dots(held[:, 0], held[:, 1], "ink", "hinge, latch", size=6.0))
-        share = f"seal {100 * one.share(SEAL):.1f} %"
-        damping = round_to_error(100 * one.mode.damping_ratio, digits=2)
-        hz = round_to_error(one.mode.frequency, digits=4)
+        share = f"seal {100 * mode.share(SEAL):.1f} %"
+        damping = round_to_error(100 * mode.mode.damping_ratio, digits=2)
+        hz = round_to_error(mode.mode.frequency, digits=4)
         panels.append(
             Panel(
                 Scale("", (low[0], high[0])),
@@ -269,9 +269,9 @@ def shape_panels(found: DoorResult, view: View) -> list[Panel]:
     return panels
 
 
-def _draw_plane_motion(seen: FloatArray, moved: FloatArray, size: float) -> list[Mark]:
+def _draw_plane_motion(seen: FloatArray, change: FloatArray, size: float) -> list[Mark]:
     """A motion in the plane: the line at rest, dashed, and moved."""
-    there = seen + size / float(np.linalg.norm(moved, axis=1).max()) * moved
+    there = seen + size / float(np.linalg.norm(change, axis=1).max()) * change
     x, y = seen.mean(axis=0).tolist()
     return [
         Line(seen[:, 0], seen[:, 1], Pen("ref", 1.2, (4, 3)), "at rest"),
@@ -317,24 +317,24 @@ def _outwards(seen: FloatArray) -> FloatArray:
     padded = np.concatenate([across[-_ROUND - 1 : -1], across, across[1 : _ROUND + 1]])
     if not np.allclose(seen[0], seen[-1]):
         padded = np.pad(across, ((_ROUND, _ROUND), (0, 0)), mode="edge")
-    smooth = np.column_stack([np.convolve(one, about, mode="same") for one in padded.T])
+    smooth = np.column_stack([np.convolve(item, about, mode="same") for item in padded.T])
     smooth = smooth[_ROUND:-_ROUND]
     return np.asarray(smooth if away > 0 else -smooth)
 
 
-def _extract_real_motion(moved: ComplexArray) -> FloatArray:
+def _extract_real_motion(change: ComplexArray) -> FloatArray:
     """The real motion when most of it is at its largest."""
-    top = moved.ravel()[int(np.abs(moved).argmax())]
-    return np.asarray((moved / top).real)
+    top = change.ravel()[int(np.abs(change).argmax())]
+    return np.asarray((change / top).real)
 
 
-def frf_panel(found: DoorResult, index: int, *, height: float = 230.0) -> Panel:
+def frf_panel(result: DoorResult, index: int, *, height: float = 230.0) -> Panel:
     """The accelerance of a place with the seal and without, where the seal holds a mode."""
-    name, sealed, bare = found.frfs[index]
+    name, sealed, bare = result.frfs[index]
     held = [
-        (number, one.mode.frequency)
-        for number, one in enumerate(found.modes, start=1)
-        if one.share(SEAL) >= _HOLDS
+        (number, mode.mode.frequency)
+        for number, mode in enumerate(result.modes, start=1)
+        if mode.share(SEAL) >= _HOLDS
     ]
     f = sealed.frequency
     whole = near = float(f[0]), float(f[-1])
@@ -343,8 +343,8 @@ def frf_panel(found: DoorResult, index: int, *, height: float = 230.0) -> Panel:
     shown = (f >= near[0]) & (f <= near[1])
     if shown.sum() < _LEAST:
         shown, near, held = np.ones(len(f), dtype=bool), whole, []
-    f, curves = f[shown], [np.abs(one.value)[shown] for one in (sealed, bare)]
-    known = (0.0, np.inf) if found.fit is None else found.fit.band
+    f, curves = f[shown], [np.abs(frf.value)[shown] for frf in (sealed, bare)]
+    band = (0.0, np.inf) if result.fit is None else result.fit.band
     tops = [
         Tag(
             hz,
@@ -357,15 +357,15 @@ def frf_panel(found: DoorResult, index: int, *, height: float = 230.0) -> Panel:
     ]
     words = "with the seal"
     lines = [
-        one
-        for one in split_at_band(known, f, curves[0], words, beyond=f"{words}, extrapolated")
-        if np.isfinite(one.y).any()
+        line
+        for line in split_at_band(band, f, curves[0], words, text=f"{words}, extrapolated")
+        if np.isfinite(line.y).any()
     ]
     return Panel(
         Scale("frequency, Hz", near),
         Scale("accelerance, 1/kg", compute_padded_log_limits(*curves, margin=2.0), log=True),
         (Line(f, curves[1], Pen("ref", 1.6), "without the seal"), *lines, *tops),
-        title=name if name == found.driven.name else f"{name}, driven at {found.driven.name}",
+        title=name if name == result.driven.name else f"{name}, driven at {result.driven.name}",
         height=height,
         note=f"of {whole[0]:g} to {whole[1]:g} Hz" if held else "",
     )

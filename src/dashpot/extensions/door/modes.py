@@ -56,11 +56,11 @@ class DoorMode(Serialisable):
 
     def share(self, name: str) -> float:
         """Part of the energy that one of its parts stores; 0 of what is not there."""
-        return sum(one.energy for one in self.shares if one.name == name)
+        return sum(share.energy for share in self.shares if share.name == name)
 
     def loss_share(self, name: str) -> float:
         """Part of the loss that one of its parts makes; 0 where next to nothing is lost."""
-        lost = sum(one.loss for one in self.shares if one.name == name)
+        lost = sum(share.loss for share in self.shares if share.name == name)
         return lost / self.loss_factor if self.loss_factor > _LOSSLESS else 0.0
 
 
@@ -69,8 +69,8 @@ def oscillations(system: System, below: float = np.inf) -> tuple[ComplexMode, ..
     n = len(system.dofs)
     times = {tau for spring in system.springs for tau in spring.felt.maxwell.tau}
     few = 2 * n + len(times) * min(n, len(system.springs)) <= _STATES
-    found = complex_modes(system) if few else newton_modes(system)
-    return tuple(mode for mode in found if mode.oscillates and mode.frequency <= below)
+    modes = complex_modes(system) if few else newton_modes(system)
+    return tuple(mode for mode in modes if mode.oscillates and mode.frequency <= below)
 
 
 def door_modes(assembly: Assembly, below: float) -> tuple[DoorMode, ...]:
@@ -78,13 +78,13 @@ def door_modes(assembly: Assembly, below: float) -> tuple[DoorMode, ...]:
     system, bare = assembly.system(), assembly.system(sealed=False)
     loose = oscillations(bare)
     M = system.mass_matrix
-    found = []
+    modes = []
     for mode in oscillations(system, below):
         alike = [_similarity(mode.shape, other.shape, M) for other in loose]
         best = int(np.argmax(alike)) if alike else -1
         near = loose[best].frequency if alike and alike[best] >= _SAME else None
-        found.append(DoorMode(mode, energy_shares(system, mode), near))
-    return tuple(found)
+        modes.append(DoorMode(mode, energy_shares(system, mode), near))
+    return tuple(modes)
 
 
 def station_error(assembly: Assembly, below: float) -> float:
@@ -93,7 +93,7 @@ def station_error(assembly: Assembly, below: float) -> float:
     # a pitch longer than the pieces of the line cuts nothing: half of what stands there does
     half = pitch / 2 if line is None else float(line.stations(pitch).length.max()) / 2
     return _compute_frequency_change(
-        *(oscillations(assembly.system(pitch=one), below) for one in (pitch, half))
+        *(oscillations(assembly.system(pitch=value), below) for value in (pitch, half))
     )
 
 
@@ -104,10 +104,10 @@ def basis_error(assembly: Assembly, below: float) -> float | None:
         return None
     order = np.argsort(modes.frequency)
     fewer = replace(assembly, modes=modes.only(order[: len(modes) - elastic // 3]))
-    kept = modes.frequency[order[len(modes) - elastic // 3 - 1]]
-    limit = min(below, float(kept)) / 2
+    retained = modes.frequency[order[len(modes) - elastic // 3 - 1]]
+    limit = min(below, float(retained)) / 2
     return _compute_frequency_change(
-        *(oscillations(one.system(), limit) for one in (assembly, fewer))
+        *(oscillations(item.system(), limit) for item in (assembly, fewer))
     )
 
 
@@ -115,8 +115,8 @@ def find_farthest_point(assembly: Assembly, modes: FreeModes) -> tuple[float, st
     """How far at most a place that is used lies from where the shapes are known, m, and which."""
     door = assembly.door
     latch = () if door.latch is None else (door.latch,)
-    places = [(one.at, one.name) for one in (*door.hinges, *latch, *door.bumpers)]
-    places += [(one.at, one.name) for one in door.points if one.on == DOOR]
+    places = [(hinge.at, hinge.name) for hinge in (*door.hinges, *latch, *door.bumpers)]
+    places += [(point.at, point.name) for point in door.points if point.on == DOOR]
     if door.line is not None:
         stations = door.line.stations(assembly.door.pitch)
         where = zip(stations.place.tolist(), stations.along.tolist(), strict=True)
@@ -143,15 +143,15 @@ def count_lateral_free_motions(assembly: Assembly) -> tuple[int, float | None]:
     held = replace(door.line.section, shear=Shear(1.0, 1.0))
     firm = replace(assembly, door=replace(door, line=replace(door.line, section=held)))
     pitch = min(_COARSE * door.pitch, door.line.length)
-    K, K_1 = (_compute_rest_stiffness(one.system(pitch=pitch)) for one in (assembly, firm))
+    K, K_1 = (_compute_rest_stiffness(item.system(pitch=pitch)) for item in (assembly, firm))
     size, axes = np.linalg.eigh(K_1)
-    kept = size > _LOOSE * size.max(initial=0.0)
-    scaled = axes[:, kept] / np.sqrt(size[kept])
+    retained = size > _LOOSE * size.max(initial=0.0)
+    scaled = axes[:, retained] / np.sqrt(size[retained])
     count = int((np.linalg.eigvalsh(scaled.T @ K @ scaled) < _SIDEWAYS).sum())
     if not count:
         return 0, None
-    found = oscillations(assembly.system())
-    return count, found[0].frequency if found and count_free_motions(
+    modes = oscillations(assembly.system())
+    return count, modes[0].frequency if modes and count_free_motions(
         assembly.system()
     ) == 0 else None
 
@@ -170,9 +170,9 @@ def _scale_stretches(system: System) -> FloatArray:
 
 
 def _compute_frequency_change(
-    one: tuple[ComplexMode, ...], other: tuple[ComplexMode, ...]
+    first: tuple[ComplexMode, ...], second: tuple[ComplexMode, ...]
 ) -> float:
-    pairs = zip(one, other, strict=False)
+    pairs = zip(first, second, strict=False)
     return max((abs(b.frequency / a.frequency - 1) for a, b in pairs), default=0.0)
 
 

@@ -63,14 +63,14 @@ def _mounts(
     """One at each station that answers that way; stations of one share are one solid."""
     nothing = np.zeros(len(way.share))
     columns = (way.share, *(way.friction or (nothing, nothing)))
-    rows = [[float(f"{one:.14g}") for one in row] for row in zip(*columns, strict=True)]
-    solids = {one: one * way.solid for one, _, _ in rows if one > 0}
-    for place, along, (one, k, slip) in zip(
+    rows = [[float(f"{item:.14g}") for item in row] for row in zip(*columns, strict=True)]
+    solids = {value: value * way.solid for value, _, _ in rows if value > 0}
+    for place, along, (number, k, slip) in zip(
         stations.place.tolist(), way.direction.tolist(), rows, strict=True
     ):
-        if not one > 0:
+        if not number > 0:
             continue
-        mount = Mount(solids[one], between, tuple(place), tuple(along), name=SEAL)
+        mount = Mount(solids[number], between, tuple(place), tuple(along), name=SEAL)
         rubs = Jenkins(k, slip) if k > 0 and slip > 0 else None
         yield mount if stuck else replace(mount, friction=rubs)
         if stuck and rubs is not None:

@@ -90,77 +90,77 @@ class ModesTable(NamedTuple):
 
 def door_html(*results: DoorResult | ClosingResult) -> str:
     """Return the page of a door: how it vibrates, how it closes, or both."""
-    found = next((one for one in results if isinstance(one, DoorResult)), None)
-    closed = next((one for one in results if isinstance(one, ClosingResult)), None)
+    result = next((result for result in results if isinstance(result, DoorResult)), None)
+    closed = next((result for result in results if isinstance(result, ClosingResult)), None)
     template = environment("dashpot.extensions.door").get_template("door.html")
-    return str(template.render(build_page_contents(found, closed)))
+    return str(template.render(build_page_contents(result, closed)))
 
 
-def build_page_contents(found: DoorResult | None, closed: ClosingResult | None) -> dict[str, Any]:
+def build_page_contents(result: DoorResult | None, closed: ClosingResult | None) -> dict[str, Any]:
     """What the page of a door holds: how it vibrates, how it closes, or both."""
-    results = [one for one in (found, closed) if one is not None]
-    every = tuple(dict.fromkeys(check for one in results for check in one.checks))
-    sources = tuple(dict.fromkeys(source for one in results for source in one.sources))
-    said = _verdict(results, every)
-    names = dict.fromkeys(one.file for one in sources)
-    folds = tuple(_folds(found, closed))
+    results = [item for item in (result, closed) if item is not None]
+    every = tuple(dict.fromkeys(check for result in results for check in result.checks))
+    sources = tuple(dict.fromkeys(source for result in results for source in result.sources))
+    verdict = _verdict(results, every)
+    names = dict.fromkeys(source.file for source in sources)
+    folds = tuple(_folds(result, closed))
     return {
-        **judgement("door", said, every, sources),
+        **judgement("door", verdict, every, sources),
         "title": next(iter(names), "door"),
         "about": format_door_summary(results[0]),
-        "beside": " ".join(sentence(one.sound) for one in results),
-        "lights": tuple(lights_of(found, closed, every, said)),
-        "figures": dict(_figures(found, closed))
-        | {f"fold{i}": render_figure(one.picture) for i, one in enumerate(folds) if one.picture},
-        "modes": ModesTable((), (), "", 0) if found is None else modes_of(found),
+        "beside": " ".join(sentence(result.sound) for result in results),
+        "lights": tuple(lights_of(result, closed, every, verdict)),
+        "figures": dict(_figures(result, closed))
+        | {f"fold{i}": render_figure(fold.picture) for i, fold in enumerate(folds) if fold.picture},
+        "modes": ModesTable((), (), "", 0) if result is None else modes_of(result),
         "closing_notes": () if closed is None else _closing_notes(closed),
         "speed": "" if closed is None else f"{closed.closing.speed:.2f} m/s",
         "folds": folds,
-        "files": tuple(_files(found, closed)),
+        "files": tuple(_files(result, closed)),
     }
 
 
 def _verdict(results: Sequence[DoorResult | ClosingResult], every: Sequence[Check]) -> Verdict:
-    return results[0].verdict if len(results) == 1 else verdict(every, sound=results[-1].sound)
+    return results[0].verdict if len(results) == 1 else verdict(every, headline=results[-1].sound)
 
 
-def format_door_summary(found: DoorResult | ClosingResult) -> str:
+def format_door_summary(result: DoorResult | ClosingResult) -> str:
     """The mass, what holds it, and the seal."""
-    door = found.door
-    said = [] if door.rigid is None else [f"{door.rigid.mass:.3g} kg"]
+    door = result.door
+    sentences = [] if door.rigid is None else [f"{door.rigid.mass:.3g} kg"]
     if door.line is not None:
-        said.append(f"{door.line.length:.3g} m of seal")
-    said.append(format_count(len(door.hinges), "hinge"))
+        sentences.append(f"{door.line.length:.3g} m of seal")
+    sentences.append(format_count(len(door.hinges), "hinge"))
     if door.latch is not None:
-        said.append("one latch")
-    if found.fit is not None and found.fit.specimen.temperature is not None:
-        said.append(format_quantity(found.fit.specimen.temperature, "°C", ".1f"))
-    return ", ".join(said)
+        sentences.append("one latch")
+    if result.fit is not None and result.fit.specimen.temperature is not None:
+        sentences.append(format_quantity(result.fit.specimen.temperature, "°C", ".1f"))
+    return ", ".join(sentences)
 
 
 def lights_of(
-    found: DoorResult | None,
+    result: DoorResult | None,
     closed: ClosingResult | None,
     every: Sequence[Check],
-    said: Verdict,
+    verdict: Verdict,
 ) -> Iterator[Light]:
     """Of the seal line, the modes, the closing and its limit, as far as each was asked."""
-    asked = []
-    if found is not None:
-        beyond = [found.beyond(one.mode.frequency) for one in _select_seal_modes(found)]
-        factors = ", ".join(f"×{one:.3g}" for one in beyond if one > 1)
-        asked.append(Topic(
-            "Modes", _MODES, f"{len(found.modes)} to {found.band[1]:g}{NBSP}Hz",
-            f"{len(beyond)} held by the seal, {factors}" if factors else "",
+    topics = []
+    if result is not None:
+        outside = [result.beyond(mode.mode.frequency) for mode in _select_seal_modes(result)]
+        factors = ", ".join(f"×{value:.3g}" for value in outside if value > 1)
+        topics.append(Topic(
+            "Modes", _MODES, f"{len(result.modes)} to {result.band[1]:g}{NBSP}Hz",
+            f"{len(outside)} held by the seal, {factors}" if factors else "",
         ))  # fmt: skip
     if closed is not None:
         least = f"from {closed.closing.minimum:.3g}{NBSP}m/s"
-        asked.append(Topic("Closing", _CLOSING, least, _format_speed_interval(closed)))
-    yield from lights(every, Topic("Seal line", says=_line_says(found, closed)), *asked)
+        topics.append(Topic("Closing", _CLOSING, least, _format_speed_interval(closed)))
+    yield from lights(every, Topic("Seal line", says=_line_says(result, closed)), *topics)
     scatter = None if closed is None else closed.closing.scatter
     above = None if scatter is None else scatter.above
     if above is not None and scatter is not None:
-        mark = "good" if above <= _MANY else "note" if said.use == "use" else "care"
+        mark = "good" if above <= _MANY else "note" if verdict.use == "use" else "care"
         limit = scatter.variation.limit
         yield Light("Limit", mark, f"{100 * above:.3g} % need more than {limit:g}{NBSP}m/s")
 
@@ -172,10 +172,14 @@ def _format_speed_interval(closed: ClosingResult) -> str:
     return f"from {interval[0]:.3g} to {interval[1]:.3g}{NBSP}m/s"
 
 
-def _line_says(found: DoorResult | None, closed: ClosingResult | None) -> str:
+def _line_says(result: DoorResult | None, closed: ClosingResult | None) -> str:
     pressed = np.zeros(0)
-    if found is not None and found.stations is not None and found.stations.compression is not None:
-        pressed = found.stations.compression
+    if (
+        result is not None
+        and result.stations is not None
+        and result.stations.compression is not None
+    ):
+        pressed = result.stations.compression
     elif closed is not None:
         pressed = closed.closing.door.compression
     if not len(pressed):
@@ -186,30 +190,30 @@ def _line_says(found: DoorResult | None, closed: ClosingResult | None) -> str:
     return f"{low} to {high}{NBSP}mm" + ", all touch" * bool((pressed >= 0).all())
 
 
-def _select_seal_modes(found: DoorResult) -> list[DoorMode]:
+def _select_seal_modes(result: DoorResult) -> list[DoorMode]:
     """The modes that the seal holds."""
-    return [one for one in found.modes if one.share(SEAL) >= _HOLDS]
+    return [mode for mode in result.modes if mode.share(SEAL) >= _HOLDS]
 
 
-def modes_of(found: DoorResult) -> ModesTable:
+def modes_of(result: DoorResult) -> ModesTable:
     """The table of the modes."""
-    rows, parts = tuple(_rows(found)), tuple(_colours(found.modes).items())
-    return ModesTable(rows, parts, _seal_note(found), len(found.modes) - len(rows))
+    rows, parts = tuple(_rows(result)), tuple(_colours(result.modes).items())
+    return ModesTable(rows, parts, _seal_note(result), len(result.modes) - len(rows))
 
 
-def _seal_note(found: DoorResult) -> str:
-    if found.fit is None or not found.modes:
+def _seal_note(result: DoorResult) -> str:
+    if result.fit is None or not result.modes:
         return ""
     return (
         "Marked: the seal stores more than 1 % of the energy there, and its test does not reach "
-        f"that frequency; it covers {hertz(found.fit.band)}."
+        f"that frequency; it covers {hertz(result.fit.band)}."
     )
 
 
 def _closing_notes(closed: ClosingResult) -> tuple[str, str]:
     done = closed.closing
-    seal = sum(one.work for one in done.terms if one.name.startswith(SEAL))
-    whole = sum(one.work for one in done.terms)
+    seal = sum(term.work for term in done.terms if term.name.startswith(SEAL))
+    whole = sum(term.work for term in done.terms)
     first = (
         f"The seal takes {round_to_error(seal, digits=2)} of {round_to_error(whole, digits=3)} J, "
         "in "
@@ -232,65 +236,65 @@ def _closing_notes(closed: ClosingResult) -> tuple[str, str]:
 
 def _colours(modes: Sequence[DoorMode]) -> dict[str, str]:
     """Each part that holds the door, and its colour: seal, latch, hinges, the door itself."""
-    parts = list(dict.fromkeys(share.name for one in modes for share in one.shares))
-    others = [one for one in parts if one not in {SEAL, "latch", "door"}]
-    found = {SEAL: "fit"} | ({"latch": "mild"} if "latch" in parts else {})
-    found |= {name: _HINGES[i % len(_HINGES)] for i, name in enumerate(others)}
-    return {name: colour for name, colour in (found | {"door": "line"}).items() if name in parts}
+    parts = list(dict.fromkeys(share.name for mode in modes for share in mode.shares))
+    others = [part for part in parts if part not in {SEAL, "latch", "door"}]
+    entries = {SEAL: "fit"} | ({"latch": "mild"} if "latch" in parts else {})
+    entries |= {name: _HINGES[i % len(_HINGES)] for i, name in enumerate(others)}
+    return {name: colour for name, colour in (entries | {"door": "line"}).items() if name in parts}
 
 
-def _rows(found: DoorResult) -> Iterator[ModeRow]:
-    colours = _colours(found.modes)
-    for number, one in enumerate(found.modes[:_ROWS], start=1):
-        hz = one.mode.frequency
-        beyond = found.beyond(hz)
-        lossy = one.loss_share(SEAL)
+def _rows(result: DoorResult) -> Iterator[ModeRow]:
+    colours = _colours(result.modes)
+    for number, mode in enumerate(result.modes[:_ROWS], start=1):
+        hz = mode.mode.frequency
+        excess = result.beyond(hz)
+        lossy = mode.loss_share(SEAL)
         yield ModeRow(
             number,
             round_to_error(hz, digits=4),
-            "" if one.without_seal is None else round_to_error(one.without_seal, digits=4),
-            round_to_error(100 * one.mode.damping_ratio, digits=2),
-            _bars({share.name: share.energy for share in one.shares}, colours),
-            f"{100 * one.share(SEAL):.1f}",
-            _bars({share.name: share.loss for share in one.shares}, colours),
+            "" if mode.without_seal is None else round_to_error(mode.without_seal, digits=4),
+            round_to_error(100 * mode.mode.damping_ratio, digits=2),
+            _bars({share.name: share.energy for share in mode.shares}, colours),
+            f"{100 * mode.share(SEAL):.1f}",
+            _bars({share.name: share.loss for share in mode.shares}, colours),
             f"{100 * lossy:.1f}",
-            "" if math.isnan(beyond) else "inside" if beyond <= 1 else f"×{beyond:.3g}",
-            marked=one.share(SEAL) >= _HOLDS and beyond > 1,
+            "" if math.isnan(excess) else "inside" if excess <= 1 else f"×{excess:.3g}",
+            marked=mode.share(SEAL) >= _HOLDS and excess > 1,
         )
 
 
 def _bars(shares: dict[str, float], colours: dict[str, str]) -> tuple[Bar, ...]:
     """What each part has, side by side, of all of it."""
-    whole, at, found = sum(shares.values()), 0.0, []
+    whole, at, bars = sum(shares.values()), 0.0, []
     for name, colour in colours.items():
         width = 100 * shares.get(name, 0.0) / whole if whole > 0 else 0.0
         if width > 0:
-            found.append(Bar(f"{at:.2f}", f"{width:.2f}", colour, f"{name} {width:.1f} %"))
+            bars.append(Bar(f"{at:.2f}", f"{width:.2f}", colour, f"{name} {width:.1f} %"))
         at += width
-    return tuple(found)
+    return tuple(bars)
 
 
 # -- figures --------------------------------------------------------------------------------------
 
 
 def _figures(
-    found: DoorResult | None, closed: ClosingResult | None
+    result: DoorResult | None, closed: ClosingResult | None
 ) -> Iterator[tuple[str, RenderedFigure]]:
     """Every figure of the page by its name."""
-    if found is not None:
-        view = View.from_result(found)
+    if result is not None:
+        view = View.from_result(result)
         if view is not None:
             yield _render_panel(
-                "line", line_panel(found, view), _SIDE, "Where the seal is pressed", 240.0
+                "line", line_panel(result, view), _SIDE, "Where the seal is pressed", 240.0
             )
-            shapes = shape_panels(found, view)
+            shapes = shape_panels(result, view)
             if shapes:
                 words = "How the seal line moves in each mode, seen from outside"
-                picture = Picture("shapes", words, tuple((one,) for one in shapes), len(shapes))
+                picture = Picture("shapes", words, tuple((shape,) for shape in shapes), len(shapes))
                 yield "shapes", render_figure(picture, phone=2)
-        if found.frfs:
+        if result.frfs:
             words = "Accelerance with the seal and without, where the seal holds a mode"
-            yield _render_panel("frf", frf_panel(found, 0, height=220.0), _THIRD, words)
+            yield _render_panel("frf", frf_panel(result, 0, height=220.0), _THIRD, words)
     if closed is not None:
         done = closed.closing
         yield _render_panel(
@@ -313,14 +317,18 @@ def _render_panel(
     )
 
 
-def _folds(found: DoorResult | None, closed: ClosingResult | None) -> Iterator[CollapsibleSection]:
-    if found is not None and found.stations is not None and found.stations.compression is not None:
-        picture = Picture("pressed", "Compression along the line", ((pressed_panel(found),),),
-                          stamp=stamp(found.sources))  # fmt: skip
-        yield CollapsibleSection("Along the line", _line_line(found), None, picture)
-    if found is not None and found.modes:
+def _folds(result: DoorResult | None, closed: ClosingResult | None) -> Iterator[CollapsibleSection]:
+    if (
+        result is not None
+        and result.stations is not None
+        and result.stations.compression is not None
+    ):
+        picture = Picture("pressed", "Compression along the line", ((pressed_panel(result),),),
+                          stamp=stamp(result.sources))  # fmt: skip
+        yield CollapsibleSection("Along the line", _line_line(result), None, picture)
+    if result is not None and result.modes:
         yield CollapsibleSection(
-            "Every share", "per cent of the energy, and of the loss", _shares(found)
+            "Every share", "per cent of the energy, and of the loss", _shares(result)
         )
     if closed is not None:
         panels = ((moments_panel(closed.closing),), (speed_panel(closed.closing),))
@@ -329,8 +337,8 @@ def _folds(found: DoorResult | None, closed: ClosingResult | None) -> Iterator[C
                    Picture("course", words, panels, 2, stamp(closed.sources)))  # fmt: skip
 
 
-def _line_line(found: DoorResult) -> str:
-    seal = found.seal
+def _line_line(result: DoorResult) -> str:
+    seal = result.seal
     if seal is None or seal.force is None:
         return "compression by place"
     return (
@@ -339,32 +347,32 @@ def _line_line(found: DoorResult) -> str:
     )
 
 
-def _shares(found: DoorResult) -> TextTable:
-    parts = list(_colours(found.modes))
+def _shares(result: DoorResult) -> TextTable:
+    parts = list(_colours(result.modes))
     rows = []
-    for number, one in enumerate(found.modes[: 2 * SHOWN], start=1):
-        whole = sum(share.loss for share in one.shares) or 1.0
-        by_name = {share.name: share for share in one.shares}
+    for number, mode in enumerate(result.modes[: 2 * SHOWN], start=1):
+        whole = sum(share.loss for share in mode.shares) or 1.0
+        by_name = {share.name: share for share in mode.shares}
         cells = [f"{100 * by_name[name].energy:.2f}" if name in by_name else "" for name in parts]
         cells += [
             f"{100 * by_name[name].loss / whole:.2f}" if name in by_name else "" for name in parts
         ]
-        rows.append((f"{number}: {round_to_error(one.mode.frequency, digits=4)} Hz", *cells))
+        rows.append((f"{number}: {round_to_error(mode.mode.frequency, digits=4)} Hz", *cells))
     head = ("mode", *(f"{name}, energy" for name in parts), *(f"{name}, loss" for name in parts))
     return TextTable(head, tuple(rows))
 
 
 def _terms(closed: ClosingResult) -> TextTable:
     rows = tuple(
-        (one.name, round_to_error(one.work, digits=3), round_to_error(one.stored, digits=3),
-         round_to_error(one.moment, digits=3))
-        for one in closed.closing.terms
+        (term.name, round_to_error(term.work, digits=3), round_to_error(term.stored, digits=3),
+         round_to_error(term.moment, digits=3))
+        for term in closed.closing.terms
     )  # fmt: skip
     return TextTable(("term", "J", "recoverable, J", "highest moment, N m"), rows)
 
 
-def _files(found: DoorResult | None, closed: ClosingResult | None) -> Iterator[Attachment]:
-    for name, one in (("door", found), ("closing", closed)):
-        if one is not None:
+def _files(result: DoorResult | None, closed: ClosingResult | None) -> Iterator[Attachment]:
+    for name, item in (("door", result), ("closing", closed)):
+        if item is not None:
             document = f"{name}.json"
-            yield attachment(document, document, "every number", "application/json", text_of(one))
+            yield attachment(document, document, "every number", "application/json", text_of(item))

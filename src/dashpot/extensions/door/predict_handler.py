@@ -47,33 +47,39 @@ def run(
             "--plot draws the modes or the closing: leave out --modes or --close"
         )
     page = is_page(output)
-    found = closed = None
+    result = closed = None
     if speed is None or every or page:
-        found = door_file(path, band=band, temperature=temperature)
+        result = door_file(path, band=band, temperature=temperature)
     if speed is not None:
         closed = close_file(path, speed, temperature=temperature)
-    outcome = _merge_door_results(found, closed, every=every)
+    outcome = _merge_door_results(result, closed, every=every)
     if picture:
-        shown: Any = found if closed is None else closed
+        shown: Any = result if closed is None else closed
         write_figure(picture, shown.plot())
     if output:
-        results = [one for one in (found, closed) if one is not None]
+        results = [item for item in (result, closed) if item is not None]
         write(output, door_html(*results) if page else format_json(outcome.found) + "\n")
     return outcome
 
 
 def _merge_door_results(
-    found: DoorResult | None, closed: ClosingResult | None, *, every: bool
+    result: DoorResult | None, closed: ClosingResult | None, *, every: bool
 ) -> CommandResult:
     """How it vibrates, how it closes, or both."""
     if closed is None:
-        assert found is not None  # noqa: S101
-        return CommandResult(found, door(found, every=every), found.checks, verdict=found.verdict)
-    if found is None:
+        assert result is not None  # noqa: S101
+        return CommandResult(
+            result, door(result, every=every), result.checks, verdict=result.verdict
+        )
+    if result is None:
         return CommandResult.from_result(closed)
-    said, shuts = door(found, every=every), closing_text(closed.closing)
-    checks = tuple(dict.fromkeys((*found.checks, *closed.checks)))
-    text = Text([*said.lines, *shuts.lines], [*said.details, *shuts.details], said.asked)
+    stated_text, shuts = door(result, every=every), closing_text(closed.closing)
+    checks = tuple(dict.fromkeys((*result.checks, *closed.checks)))
+    text = Text(
+        [*stated_text.lines, *shuts.lines],
+        [*stated_text.details, *shuts.details],
+        stated_text.asked,
+    )
     return CommandResult(
-        DoorPrediction(found, closed), text, checks, verdict=verdict(checks, sound=closed.sound)
+        DoorPrediction(result, closed), text, checks, verdict=verdict(checks, headline=closed.sound)
     )

@@ -50,24 +50,24 @@ def read_door(path: str | Path) -> Door:
     raw, tables = tables_of(path)
     for name in tables:
         if name not in {*_TABLES, "closing"}:
-            known = ", ".join(f"[{one}]" for one in (*_TABLES, "closing"))
-            raise ReadError(f"{raw.name}: [{name}] is unknown; known are {known}")
+            text = ", ".join(f"[{table}]" for table in (*_TABLES, "closing"))
+            raise ReadError(f"{raw.name}: [{name}] is unknown; known are {text}")
     if "door" not in tables:
         raise ReadError(f"{raw.name}: no [door] is in it; expected its mass and its hinges")
     folder = Path(path).parent
-    found: dict[str, Any] = {"source": Source(raw.name, raw.sha256, "TOML")}
+    results: dict[str, Any] = {"source": Source(raw.name, raw.sha256, "TOML")}
     for name, entries in tables.items():
         here = _TableLocation(f"{raw.name}, [{name}]", folder)
         try:
             if name == "closing":
                 size = Section(here.where, tables["door"], tuple(tables["door"]))
-                sizes = (size.quantity(one, "length") for one in ("width", "height"))
-                found["closing"] = closing_of(here.where, entries, *sizes)
+                sizes = (size.quantity(word, "length") for word in ("width", "height"))
+                results["closing"] = closing_of(here.where, entries, *sizes)
             else:
-                found |= _TABLES[name](here, entries)
+                results |= _TABLES[name](here, entries)
         except DataError as error:
             raise ReadError(f"{here.where}: {error}") from None
-    return Door(**found)
+    return Door(**results)
 
 
 _MOST_PARTS = 200
@@ -153,15 +153,15 @@ _SUPPORT = ("name", "at", "along", "stiffness", "damping", "fit", "compression")
 def _supports(kind: str) -> Callable[[_TableLocation, Any], dict[str, Any]]:
     def read(here: _TableLocation, entries: Any) -> dict[str, Any]:
         rows = here.parse_tables(entries, *_SUPPORT)
-        found = tuple(
+        supports = tuple(
             _support(here, row, f"{kind} {i}" if len(rows) > 1 else kind)
             for i, row in enumerate(rows, start=1)
         )
         if kind == "latch":
-            if len(found) > 1:
-                raise ReadError(f"{here.where}: {len(found)} latches; a door has one")
-            return {"latch": found[0]}
-        return {f"{kind}s": found}
+            if len(supports) > 1:
+                raise ReadError(f"{here.where}: {len(supports)} latches; a door has one")
+            return {"latch": supports[0]}
+        return {f"{kind}s": supports}
 
     return read
 
@@ -244,16 +244,16 @@ def _seal(here: _TableLocation, entries: Any) -> dict[str, Any]:
 
 def _points(here: _TableLocation, section: Section) -> tuple[FloatArray, dict[str, FloatArray]]:
     """Points, m, and the other columns of their file."""
-    given = section.entries["points"]
-    if isinstance(given, str):
-        return _line_file(here.path(given), section.word("unit"))
-    if not isinstance(given, list):
+    points = section.entries["points"]
+    if isinstance(points, str):
+        return _line_file(here.path(points), section.word("unit"))
+    if not isinstance(points, list):
         raise ReadError(
-            f"{section.where}: points = {given!r}; expected a file of x, y, z, or a list such as "
+            f"{section.where}: points = {points!r}; expected a file of x, y, z, or a list such as "
             '["0, 0, 0 mm", "1100, 0, 0 mm"]'
         )
-    _refuse_more(section.where, len(given), "points")
-    rows = [Section(section.where, {"points": row}, ("points",)) for row in given]
+    _refuse_more(section.where, len(points), "points")
+    rows = [Section(section.where, {"points": row}, ("points",)) for row in points]
     return np.array([row.vector("points", "length") for row in rows], dtype=float), {}
 
 
@@ -263,7 +263,7 @@ _PLACE, _PRESSED, _NORMAL = ("x", "y", "z"), ("gap", "compression"), ("nx", "ny"
 def _line_file(path: str, unit: str | None) -> tuple[FloatArray, dict[str, FloatArray]]:
     """The columns of a text file; lengths in the unit of their header, or in the one stated."""
     with channels.open_file(path, None) as file:
-        known, loaded = read_named_columns(
+        resolved_columns, loaded = read_named_columns(
             file,
             (*_PLACE, *_PRESSED, *_NORMAL),
             needed=[(axis,) for axis in _PLACE],
@@ -276,10 +276,12 @@ def _line_file(path: str, unit: str | None) -> tuple[FloatArray, dict[str, Float
                 f"{loaded.format_row_position(missing[0])}; "
                 "expected one in every row. Write it, or take the row out"
             )
-        columns = dict(zip(known, loaded.values.T, strict=True))
-        for name in known.keys() - {*_NORMAL}:
+        columns = dict(zip(resolved_columns, loaded.values.T, strict=True))
+        for name in resolved_columns.keys() - {*_NORMAL}:
             advice = "add unit to [seal] of the door"
-            columns[name] = convert_column_to_si(known[name], columns[name], "length", unit, advice)
+            columns[name] = convert_column_to_si(
+                resolved_columns[name], columns[name], "length", unit, advice
+            )
     points = np.stack([columns.pop(axis) for axis in _PLACE], axis=1)
     _refuse_more(Path(path).name, len(points), "points")
     return points, columns
@@ -372,12 +374,12 @@ def _tilt_normals(
 
 
 def _joints(here: _TableLocation, rows: Any) -> tuple[Joint, ...]:
-    found = []
+    joints = []
     for row in here.parse_tables(rows, "name", "at", "length", "factor"):
         row.needs("at", "length", "factor")
         at, length = (row.quantity(name, "length") or 0.0 for name in ("at", "length"))
-        found.append(Joint(at, length, row.number("factor") or 0.0, row.word("name") or "joint"))
-    return tuple(found)
+        joints.append(Joint(at, length, row.number("factor") or 0.0, row.word("name") or "joint"))
+    return tuple(joints)
 
 
 def _modes(here: _TableLocation, entries: Any) -> dict[str, Any]:
@@ -417,22 +419,22 @@ def _base(here: _TableLocation, entries: Any) -> dict[str, Any]:
     section.needs("psd")
     word = section.word("psd") or ""
     along = section.direction("along") or _Z
-    beside = here.folder / word
-    return {"base": here.path(word) if beside.is_file() else word, "base_along": along}
+    path = here.folder / word
+    return {"base": here.path(word) if path.is_file() else word, "base_along": along}
 
 
 def _place(section: Section, name: str) -> Vector:
-    found = section.vector(name, "length") or (0.0, 0.0, 0.0)
-    return _believable(section, name, found)
+    values = section.vector(name, "length") or (0.0, 0.0, 0.0)
+    return _believable(section, name, values)
 
 
 def _size(section: Section, name: str) -> float | None:
-    found = section.quantity(name, "length")
-    if found is None:
+    value = section.quantity(name, "length")
+    if value is None:
         return None
-    if not found > 0:
-        raise ReadError(f"{section.where}: {name} = {found:g} m; expected a length > 0")
-    return _believable(section, name, (found, 0.0, 0.0))[0]
+    if not value > 0:
+        raise ReadError(f"{section.where}: {name} = {value:g} m; expected a length > 0")
+    return _believable(section, name, (value, 0.0, 0.0))[0]
 
 
 def _believable(section: Section, name: str, lengths: Vector) -> Vector:

@@ -138,18 +138,18 @@ def _variation(table: Section) -> Tolerances:
 
 def _air(table: Section) -> tuple[float, float]:
     """Discharge coefficient and exponent."""
-    known = {"adiabatic": ADIABATIC, "isothermal": ISOTHERMAL}
+    entries = {"adiabatic": ADIABATIC, "isothermal": ISOTHERMAL}
     process = table.word("process") or "adiabatic"
-    if process not in known:
+    if process not in entries:
         raise ReadError(f"{table.where}: process = '{process}'; expected adiabatic or isothermal")
     discharge = table.number("discharge")
-    return DISCHARGE if discharge is None else discharge, known[process]
+    return DISCHARGE if discharge is None else discharge, entries[process]
 
 
 def _or(table: Section, name: str, dimension: Dimension, otherwise: float | None) -> float:
-    found = table.quantity(name, dimension)
-    if found is None:
-        found = otherwise
-    if found is None:
+    value = table.quantity(name, dimension)
+    if value is None:
+        value = otherwise
+    if value is None:
         raise ReadError(f"{table.where}: {name} is missing, and [door] has no width and height")
-    return found
+    return value

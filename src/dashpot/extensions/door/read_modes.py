@@ -49,20 +49,22 @@ def read_modes(
         If a column or a unit is missing, or the modes do not share their points.
     """
     with channels.open_file(path, None) as file:
-        known, loaded = read_named_columns(
+        resolved_columns, loaded = read_named_columns(
             file,
             (*_NEEDED, *_SHAPE, *_MORE),
             needed=[*((name,) for name in _NEEDED), _SHAPE],
             hint=f"modes are a table of {', '.join(_NEEDED)} and ux, uy, uz, or a UFF file with "
             "dataset 55",
         )
-        columns = dict(zip(known, loaded.values.T, strict=True))
+        columns = dict(zip(resolved_columns, loaded.values.T, strict=True))
 
         def convert_column(name: str, dimension: Dimension, unit: str | None = None) -> FloatArray:
             advice = 'say it: unit = "mm" in [modes] (Python: unit=)'
-            return convert_column_to_si(known[name], columns[name], dimension, unit, advice)
+            return convert_column_to_si(
+                resolved_columns[name], columns[name], dimension, unit, advice
+            )
 
-        mass = _masses(known, columns, convert_to_si(modal_mass, "mass"))
+        mass = _masses(resolved_columns, columns, convert_to_si(modal_mass, "mass"))
         frequency = convert_column("frequency", "frequency", "Hz")
         place = np.stack([convert_column(axis, "length", unit) for axis in ("x", "y", "z")], axis=1)
         nil = np.zeros(len(place))
@@ -74,7 +76,7 @@ def read_modes(
         if gaps.any():
             raise ReadError(f"{loaded.format_row_position(int(gaps.argmax()))} lacks a number")
         order = _sort_rows_by_mode(number, place, frequency)
-        of = [f"{name} [{column.unit or '-'}]" for name, column in known.items()]
+        of = [f"{name} [{column.unit or '-'}]" for name, column in resolved_columns.items()]
         return FreeModes(
             frequency[order[:, 0]],
             place[order[0]],
@@ -102,23 +104,23 @@ def _sort_rows_by_mode(number: FloatArray, place: FloatArray, frequency: FloatAr
 
 
 def _masses(
-    known: dict[str, Column], columns: dict[str, FloatArray], stated: float | None
+    resolved_columns: dict[str, Column], columns: dict[str, FloatArray], stated: float | None
 ) -> FloatArray:
     """Modal mass of each row, kg: as stated, as in the file, or 1 kg where it says none."""
     rows = len(columns["mode"])
     if stated is not None or "modal mass" not in columns:
         mass = np.full(rows, 1.0 if stated is None else stated)
     else:
-        given = columns["modal mass"]
-        if np.isnan(given).all():
+        provided = columns["modal mass"]
+        if np.isnan(provided).all():
             return np.ones(rows)
-        unit = known["modal mass"].unit
+        unit = resolved_columns["modal mass"].unit
         if unit is None:
             raise ReadError(
                 'the modal masses have no unit; say it: modal_mass = "1kg" in [modes] (Python: '
                 "modal_mass=)"
             )
-        mass = channels.si(given.copy(), parse_unit(unit, "mass"))
+        mass = channels.si(provided.copy(), parse_unit(unit, "mass"))
     if not (mass > 0).all():
         raise ReadError(f"a modal mass is {np.min(mass):g} kg; expected numbers > 0")
     return mass

@@ -126,8 +126,8 @@ class SealOfDoor(Serialisable):
         return float(whole.min()) if len(whole) else None
 
     def _compute_rest_stiffness(self, way: int) -> float:
-        found = self.section.ways(self.along)[way]
-        return float(found.solid.k_inf * found.share.sum())
+        direction = self.section.ways(self.along)[way]
+        return float(direction.solid.k_inf * direction.share.sum())
 
     @property
     def force(self) -> float | None:
@@ -180,10 +180,10 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
     @property
     def series(self) -> Series:
         """The modes, with what the seal stores and loses of each."""
-        seal = [(one.share(SEAL), one.loss_share(SEAL)) for one in self.modes]
+        seal = [(mode.share(SEAL), mode.loss_share(SEAL)) for mode in self.modes]
         return {
             "mode": (list(range(1, len(self.modes) + 1)), ""),
-            **collect_columns((one.mode for one in self.modes), frequency="Hz", damping_ratio=""),
+            **collect_columns((mode.mode for mode in self.modes), frequency="Hz", damping_ratio=""),
             **collect_columns(self.modes, without_seal="Hz"),
             "seal_energy": ([energy for energy, _ in seal], ""),
             "seal_loss": ([loss for _, loss in seal], ""),
@@ -197,7 +197,7 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
     @property
     def sound(self) -> str:
         """What the seal does to the first mode in which it stores energy; else the first mode."""
-        held = [one for one in self.modes if one.share(SEAL) > 0]
+        held = [mode for mode in self.modes if mode.share(SEAL) > 0]
         if not self.modes:
             return f"no mode lies below {self.band[1]:.3g} Hz"
         first = (held or list(self.modes))[0]
@@ -231,8 +231,11 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
     def sources(self) -> tuple[Source, ...]:
         """The files behind it."""
         modes = self.assembly.modes
-        known = (self.door.source, None if modes is None else modes.source)
-        return (*(one for one in known if one is not None), *(self.fit.source if self.fit else ()))
+        sources = (self.door.source, None if modes is None else modes.source)
+        return (
+            *(source for source in sources if source is not None),
+            *(self.fit.source if self.fit else ()),
+        )
 
     @property
     def responses(self) -> dict[str, Any]:

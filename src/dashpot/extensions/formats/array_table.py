@@ -75,18 +75,19 @@ def gather(arrays: Sequence[NamedArray], *, format_: str, notes: Sequence[str] =
         raise ReadError(f"no numeric channels found in this {format_} file")
     counts = Counter(array.values.size for array in vectors)
     length = max(counts, key=lambda size: (counts[size] > 1, counts[size] * size))
-    kept = [array for array in vectors if array.values.size == length]
-    left = [array.name for array in vectors if array.values.size != length]
-    passed = f"{len(left)} arrays of another length than {length} were passed over: " + ", ".join(
-        left[:5]
+    named_arrays = [array for array in vectors if array.values.size == length]
+    remaining = [array.name for array in vectors if array.values.size != length]
+    passed = (
+        f"{len(remaining)} arrays of another length than {length} were passed over: "
+        + ", ".join(remaining[:5])
     )
-    _require_common_clock(arrays, kept)
-    factors, cautions = _stated_factors(arrays, kept)
+    _require_common_clock(arrays, named_arrays)
+    factors, cautions = _stated_factors(arrays, named_arrays)
     return FileTable(
         format=format_,
-        columns=tuple(map(_column, kept, factors)),
-        load=make_loader(np.column_stack([array.values for array in kept])),
-        notes=(*notes, *([passed] if left else []), *cautions),
+        columns=tuple(map(_column, named_arrays, factors)),
+        load=make_loader(np.column_stack([array.values for array in named_arrays])),
+        notes=(*notes, *([passed] if remaining else []), *cautions),
         hints=rate_hints(arrays),
         header=tuple(_window_lines(arrays)),
     )
@@ -99,10 +100,14 @@ def window_line(name: str, value: object) -> str:
 
 def _window_lines(arrays: Sequence[NamedArray]) -> list[str]:
     """What single numbers say of a window."""
-    single = [one for one in arrays if np.size(one.values) == 1 and not np.iscomplexobj(one.values)]
+    single = [
+        array
+        for array in arrays
+        if np.size(array.values) == 1 and not np.iscomplexobj(array.values)
+    ]
     lines = [
-        window_line(one.name, f"{float(np.squeeze(one.values)):g} {one.unit or ''}".strip())
-        for one in single
+        window_line(array.name, f"{float(np.squeeze(array.values)):g} {array.unit or ''}".strip())
+        for array in single
     ]
     return [line for line in lines if line]
 
@@ -131,17 +136,17 @@ def _stated_factors(
         inside = stem.rpartition(".")[2]
         if not names_factor(last) and names_factor(inside):  # a group "calibration" of numbers
             stem, last = stem.rpartition(".")[0], f"{inside}_{last}"
-        said = factors_among({last: array.values})
-        if not said:
+        text = factors_among({last: array.values})
+        if not text:
             continue
         places = _meant(stem, last, columns)
         for place in places:
-            factors[place].append(said)
+            factors[place].append(text)
         if not places:
             cautions.append(
-                Caution(f"the file states {array.name}{said[len(last) :]}; it is not applied")
+                Caution(f"the file states {array.name}{text[len(last) :]}; it is not applied")
             )
-    return [" and ".join(each) for each in factors], cautions
+    return [" and ".join(factor) for factor in factors], cautions
 
 
 def _meant(stem: str, last: str, columns: Sequence[NamedArray]) -> list[int]:
@@ -154,16 +159,20 @@ def _meant(stem: str, last: str, columns: Sequence[NamedArray]) -> list[int]:
             if words_of_name(split_unit(column.name.rpartition(".")[2])[0]) == words
         ]
     inside = [i for i, column in enumerate(columns) if column.name.rpartition(".")[0] == stem]
-    alone = inside if stem and len(inside) == 1 else []
-    return [i for i, column in enumerate(columns) if stem and column.name == stem] or alone
+    single = inside if stem and len(inside) == 1 else []
+    return [i for i, column in enumerate(columns) if stem and column.name == stem] or single
 
 
 def _require_common_clock(arrays: Sequence[NamedArray], columns: Sequence[NamedArray]) -> None:
     """Refuse channels of which it is stated that they start, or are sampled, otherwise."""
-    signals = [one for one in columns if vocabulary.matches(one.name).get("time", 0.0) < 1.5]
-    starts = {one.start.rpartition(" = ")[2] or "0" for one in signals}
+    signals = [
+        column for column in columns if vocabulary.matches(column.name).get("time", 0.0) < 1.5
+    ]
+    starts = {signal.start.rpartition(" = ")[2] or "0" for signal in signals}
     if len(starts) > 1:
-        listed = ", ".join(f"'{one.name}' {one.start or 'says nothing'}" for one in signals[:6])
+        listed = ", ".join(
+            f"'{signal.name}' {signal.start or 'says nothing'}" for signal in signals[:6]
+        )
         raise ReadError(
             f"the channels are said to start at different times ({listed}): export them on one "
             "clock, as a column of time"
@@ -260,7 +269,7 @@ def names_start(name: str) -> bool:
     (True, True, False)
     """
     spelled = (
-        "".join(filter(str.isalnum, one.casefold())) for one in (name, _parted_name(name)[0])
+        "".join(filter(str.isalnum, text.casefold())) for text in (name, _parted_name(name)[0])
     )
     return not _STARTS.isdisjoint(spelled)
 
@@ -271,8 +280,8 @@ def _parted_name(name: str) -> tuple[str, str | None]:
     if inner:
         return stem, inner
     head, _, tail = name.rpartition("_")
-    known = head and (units.find_unit(tail, "time") or units.find_unit(tail, "frequency"))
-    return (head, tail) if known else (name, None)
+    text = head and (units.find_unit(tail, "time") or units.find_unit(tail, "frequency"))
+    return (head, tail) if text else (name, None)
 
 
 def numbers(values: object) -> FloatArray | ComplexArray | None:

@@ -131,10 +131,10 @@ def _factor(word: str | None, dimension: units.Dimension) -> float:
 def _rows(sensor: ET.Element) -> tuple[FloatArray, FloatArray, bool]:
     """The matrix in the file's units, the ranges, and whether it is the scaled form."""
     users = {entry.get("Name"): entry for entry in sensor.findall("UserAxis")}
-    found = users or {entry.get("Name"): entry for entry in sensor.findall("Axis")}
+    elements = users or {entry.get("Name"): entry for entry in sensor.findall("Axis")}
     matrix, limits = np.empty((6, 6)), np.empty(6)
     for i, axis in enumerate(AXES):
-        entry = found.get(axis)
+        entry = elements.get(axis)
         if entry is None:
             raise ReadError(f"axis {axis} is missing")
         try:
@@ -165,9 +165,9 @@ def _transform_to_tool_face(sensor: ET.Element, matrix: FloatArray) -> FloatArra
             "define clearly; ask for a calibration file of version 1.1"
         )
     shift = shift * _factor(sensor.get("DistUnits"), "length")
-    moved = matrix.copy()
-    moved[3:] -= np.cross(shift, matrix[:3], axisb=0, axisc=0)
-    return moved
+    change = matrix.copy()
+    change[3:] -= np.cross(shift, matrix[:3], axisb=0, axisc=0)
+    return change
 
 
 def add_calibrated_force(table: FileTable, raw: RawFile, options: ReadOptions) -> FileTable:
@@ -207,22 +207,22 @@ def _loads(calibration: Calibration, volts: FloatArray, axis: str) -> tuple[Floa
     """Force and torque of gauge voltages, the first of which are of the unloaded transducer."""
     rest = max(1, int(_REST * volts.shape[1]))
     loads = calibration.load(volts, np.nanmedian(volts[:, :rest], axis=1))
-    known = np.isfinite(loads).all(axis=0)
+    values = np.isfinite(loads).all(axis=0)
     says = (
         f"{axis} from six gauge voltages by the calibration of {calibration.serial} "
         f"({calibration.part}, {calibration.date}); the median of the first {rest} rows is "
         "taken as unloaded and subtracted in volts"
     )
-    if not known.any():
+    if not values.any():
         return loads, [says]
-    whole = loads[:, known]
+    whole = loads[:, values]
     return loads, [says, *calibration.overload(whole), *calibration.small(whole, axis)]
 
 
 def _gauges(table: FileTable) -> tuple[list[int], float]:
     """The six gauge columns in the order of their numbers, and the factor to volts."""
-    found = [units.find_unit(column.unit or "", "voltage") for column in table.columns]
-    volts = {i: unit.factor for i, unit in enumerate(found) if unit is not None}
+    new_units = [units.find_unit(column.unit or "", "voltage") for column in table.columns]
+    volts = {i: unit.factor for i, unit in enumerate(new_units) if unit is not None}
     gauges = _find_numbered_gauges(table) or list(volts)
     if len(gauges) != 6:
         raise ReadError(
@@ -239,9 +239,9 @@ def _gauges(table: FileTable) -> tuple[list[int], float]:
 
 def _find_numbered_gauges(table: FileTable) -> list[int]:
     """The six columns that are called gauges by number, in that order; none if not six."""
-    found: dict[int, int] = {}
+    entries: dict[int, int] = {}
     for i, column in enumerate(table.columns):
         numbers = _GAUGE.findall(column.name)
         if numbers and column.content == "number":
-            found.setdefault(int(numbers[-1]), i)
-    return [found[number] for number in sorted(found)] if len(found) == 6 else []
+            entries.setdefault(int(numbers[-1]), i)
+    return [entries[number] for number in sorted(entries)] if len(entries) == 6 else []

@@ -76,7 +76,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         virtual datasets).
     """
     h5py = extra("h5py", "h5py", "HDF5 or MAT 7.3 files")
-    found = _Walked()
+    walk = _Walked()
     with raw.open() as stream, h5py.File(stream, "r") as file:
         group: Any = file
         for key in (options.sheet or "").strip("/").split("/"):
@@ -87,12 +87,12 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
                     f"{', '.join(islice(file, 10))}"
                 )
             group = inner
-        _walk(group, "", found)
-        limits.check_value_count(found.numbers, "the datasets hold")
-        arrays = [array for node, name in found.datasets for array in _dataset(node, name, found)]
+        _walk(group, "", walk)
+        limits.check_value_count(walk.numbers, "the datasets hold")
+        arrays = [array for node, name in walk.datasets for array in _dataset(node, name, walk)]
     matlab = raw.head(10) == b"MATLAB 7.3"
     form = "MAT 7.3" if matlab else "HDF5"
-    return gather([*arrays, *found.stated], format_=form, notes=found.notes)
+    return gather([*arrays, *walk.stated], format_=form, notes=walk.notes)
 
 
 def _get_group_member(group: Any, key: str) -> Any:
@@ -104,25 +104,25 @@ def _get_group_member(group: Any, key: str) -> Any:
     return group[key] if isinstance(link, h5py.HardLink) else None
 
 
-def _walk(node: Any, name: str, found: _Walked) -> None:
+def _walk(node: Any, name: str, walk: _Walked) -> None:
     from h5py import Dataset, Group, h5o
 
     info = h5o.get_info(node.id)
-    if (info.fileno, info.addr) in found.visited:
+    if (info.fileno, info.addr) in walk.visited:
         return
-    found.visited.add((info.fileno, info.addr))
+    walk.visited.add((info.fileno, info.addr))
     if isinstance(node, Dataset):
-        _take(node, name, found)
+        _take(node, name, walk)
     elif isinstance(node, Group):
-        found.stated += _stated_numbers(node, name, also_factors=True)
+        walk.stated += _stated_numbers(node, name, also_factors=True)
         for key in node:
             if not key.startswith("#") and key not in _UNIT:
                 inner = _get_group_member(node, key)
                 if inner is not None:
-                    _walk(inner, f"{name}.{key}".strip("."), found)
+                    _walk(inner, f"{name}.{key}".strip("."), walk)
 
 
-def _take(node: Any, name: str, found: _Walked) -> None:
+def _take(node: Any, name: str, walk: _Walked) -> None:
     """Keep a dataset that holds numbers of its own, no more than may be read."""
     if node.is_virtual or node.external:
         raise ReadError(f"'{name}' is a virtual or external dataset: {_FOREIGN}")
@@ -130,26 +130,29 @@ def _take(node: Any, name: str, found: _Walked) -> None:
         return
     size = max(node.size, node.size * node.dtype.itemsize // 8)
     if size > limits.VALUES:
-        found.notes.append(f"'{name}' with {node.size} values was passed over")
+        walk.notes.append(f"'{name}' with {node.size} values was passed over")
     elif not node.id.get_storage_size():
-        found.notes.append(f"'{name}' was never written and was passed over")
+        walk.notes.append(f"'{name}' was never written and was passed over")
     else:
-        found.numbers += size
-        found.datasets.append((node, name))
+        walk.numbers += size
+        walk.datasets.append((node, name))
 
 
-def _dataset(node: Any, name: str, found: _Walked) -> list[NamedArray]:
+def _dataset(node: Any, name: str, walk: _Walked) -> list[NamedArray]:
     """The numbers of one dataset, parted where its columns or fields have names."""
     if node.dtype.kind in _INSTANTS:
-        return _instants(node, name, found)
-    whole = _columns_of(node, name, found)
+        return _instants(node, name, walk)
+    whole = _columns_of(node, name, walk)
     for array in whole:
-        found.stated += _stated_numbers(node, array.name, also_factors=False)
+        walk.stated += _stated_numbers(node, array.name, also_factors=False)
     factor, start = _factors(node, len(whole)), _start(node)
-    return [replace(one, factor=said, start=start) for one, said in zip(whole, factor, strict=True)]
+    return [
+        replace(named_array, factor=text, start=start)
+        for named_array, text in zip(whole, factor, strict=True)
+    ]
 
 
-def _columns_of(node: Any, name: str, found: _Walked) -> list[NamedArray]:
+def _columns_of(node: Any, name: str, walk: _Walked) -> list[NamedArray]:
     if node.dtype.names == _COMPLEX:
         whole = node[()]
         return [NamedArray(name, whole["real"] + 1j * whole["imag"], _unit(node))]
@@ -161,18 +164,18 @@ def _columns_of(node: Any, name: str, found: _Walked) -> list[NamedArray]:
                 "conventions know of one variable alone; write each field as a dataset of its own"
             )
         whole, fields = node[()], node.dtype.names
-        each = zip(
+        pairs = zip(
             fields,
             map(numbers, map(whole.__getitem__, fields)),
             _units(node, len(fields)),
             strict=True,
         )
-        return [NamedArray(field, value, unit) for field, value, unit in each if value is not None]
+        return [NamedArray(field, value, unit) for field, value, unit in pairs if value is not None]
     text = _word(node.attrs.get("MATLAB_class")) == "char"
     values = None if text else numbers(node[()])
     if values is None:
         return []
-    values = _decode_cf_values(node, name, values, found)
+    values = _decode_cf_values(node, name, values, walk)
     unit = _unit(node)
     return _split_named_columns(node, name, values) or [
         NamedArray(_stem(name) if unit else name, values, unit)
@@ -180,7 +183,7 @@ def _columns_of(node: Any, name: str, found: _Walked) -> list[NamedArray]:
 
 
 def _decode_cf_values(
-    node: Any, name: str, values: FloatArray | ComplexArray, found: _Walked
+    node: Any, name: str, values: FloatArray | ComplexArray, walk: _Walked
 ) -> FloatArray | ComplexArray:
     """The numbers as the CF conventions unpack them: fill values out, scale and offset applied.
 
@@ -208,11 +211,11 @@ def _decode_cf_values(
             "know one of each; write the numbers as they were measured"
         )
     unpacked = np.where(missing, np.nan, values * (scale or (1.0,))[0] + (offset or (0.0,))[0])
-    listed = [f"{key} = {one[0]:g}" for key, one in packed.items() if key in _PACKED and one]
+    listed = [f"{key} = {pair[0]:g}" for key, pair in packed.items() if key in _PACKED and pair]
     if listed:
-        found.notes.append(f"{' and '.join(listed)} of '{name}' applied (CF conventions)")
+        walk.notes.append(f"{' and '.join(listed)} of '{name}' applied (CF conventions)")
     if missing.any():
-        found.notes.append(
+        walk.notes.append(
             f"{np.count_nonzero(missing)} numbers of '{name}' are fill values, or outside the "
             "valid range that the file states: they are no numbers"
         )
@@ -227,9 +230,9 @@ def _parse_cf_attribute(name: str, key: str, value: Any) -> tuple[float, ...]:
     ReadError
         If it holds no number: what it does to the data is then not known.
     """
-    own = _numbers_of(value)
-    if own:
-        return own
+    numbers = _numbers_of(value)
+    if numbers:
+        return numbers
     word = _word(value)
     try:
         return tuple(float(part) for part in (word or "").replace(",", " ").split())
@@ -253,14 +256,14 @@ def _factors(node: Any, count: int) -> list[str]:
         for key in node.attrs
         if key not in _CF and names_factor(key) and key not in _UNIT
     }
-    said = []
+    sentences = []
     for place in range(count):
-        own = {
+        entries = {
             key: value[place] if count > 1 and np.shape(value) == (count,) else value
             for key, value in stated.items()
         }
-        said.append(factors_among(own))
-    return said
+        sentences.append(factors_among(entries))
+    return sentences
 
 
 def _start(node: Any) -> str:
@@ -269,15 +272,19 @@ def _start(node: Any) -> str:
         for key in filter(names_start, holder.attrs):
             value = holder.attrs[key]
             word = _word(value)
-            said = word if word is not None else ", ".join(f"{one:g}" for one in _numbers_of(value))
-            if said:
-                return f"{key} = {said}"
+            text = (
+                word
+                if word is not None
+                else ", ".join(f"{number:g}" for number in _numbers_of(value))
+            )
+            if text:
+                return f"{key} = {text}"
     return ""
 
 
 def _stated_numbers(node: Any, name: str, *, also_factors: bool) -> list[NamedArray]:
     """The attributes of a node that state a rate, a step or a factor, as single numbers."""
-    said = []
+    arrays = []
     for key in node.attrs:
         names_rate = stated_rate(key, 1.0) > 0
         if not names_rate and not (also_factors and names_factor(key)):
@@ -285,25 +292,25 @@ def _stated_numbers(node: Any, name: str, *, also_factors: bool) -> list[NamedAr
         value = stated_numbers(node.attrs[key])
         if value:
             unit = stated_unit(node.attrs[key]) if names_rate else None
-            said.append(NamedArray(f"{name}.{key}".strip("."), np.array(value), unit))
-    return said
+            arrays.append(NamedArray(f"{name}.{key}".strip("."), np.array(value), unit))
+    return arrays
 
 
-def _instants(node: Any, name: str, found: _Walked) -> list[NamedArray]:
+def _instants(node: Any, name: str, walk: _Walked) -> list[NamedArray]:
     """Instants as seconds since the first: numbers of NumPy's kind, or text by ISO 8601."""
     if node.ndim != 1 or node.size < _LEAST:
         return []
     try:
         cells = node[()]
         if node.dtype.kind not in "Mm":
-            words = [_word(one) or "" for one in cells]
+            words = [_word(cell) or "" for cell in cells]
             if not all(word[:1].isdigit() for word in words[:_LEAST]):
                 return []
             cells = np.array([word.removesuffix("Z").strip() for word in words], "datetime64[ns]")
         since = cells - cells[0]
         return [NamedArray(name, since / np.timedelta64(1, "s"), "s")]
     except (ValueError, TypeError):
-        found.notes.append(f"'{name}' holds text that is no instant, and was passed over")
+        walk.notes.append(f"'{name}' holds text that is no instant, and was passed over")
         return []
 
 
@@ -315,8 +322,8 @@ def _split_named_columns(
     if np.ndim(names) != 1 or values.ndim != 2 or len(names) not in values.shape:
         return []
     tall = values if values.shape[1] == len(names) else values.T
-    each = zip(names, tall.T, _units(node, len(names)), strict=True)
-    return [NamedArray(_word(n) or name, column, unit) for n, column, unit in each]
+    pairs = zip(names, tall.T, _units(node, len(names)), strict=True)
+    return [NamedArray(_word(n) or name, column, unit) for n, column, unit in pairs]
 
 
 def _stem(name: str) -> str:
@@ -332,11 +339,11 @@ def _unit(node: Any) -> str | None:
             match = _SINCE.match(word or "")
             return match[1] if match else word
     for key in _UNIT:
-        beside: Any = (
+        member: Any = (
             _get_group_member(node.parent, key) if node.name.rsplit("/", 1)[-1] in _INNER else None
         )
-        if 0 < (getattr(beside, "size", None) or 0) < _TEXT and not beside.is_virtual:
-            return _word(beside[()])
+        if 0 < (getattr(member, "size", None) or 0) < _TEXT and not member.is_virtual:
+            return _word(member[()])
     return None
 
 

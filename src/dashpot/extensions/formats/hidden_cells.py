@@ -29,17 +29,17 @@ def hidden(stream: BinaryIO) -> dict[str, str]:
     stream.seek(0)
     if not zipfile.is_zipfile(stream):
         return {}
-    found: dict[str, str] = {}
+    tables: dict[str, str] = {}
     with zipfile.ZipFile(stream) as book:
         names = set(book.namelist())
         parts = _sheets(book, names) if "xl/workbook.xml" in names else {}
         for name, part in parts.items():
-            told = _format_hidden_cells(*_scan_xlsx_sheet(_tags(book, part)))
-            if told:
-                found[name] = told
+            text = _format_hidden_cells(*_scan_xlsx_sheet(_tags(book, part)))
+            if text:
+                tables[name] = text
         if not parts and "content.xml" in names:
-            found = _scan_ods_tables(_tags(book, "content.xml"))
-    return found
+            tables = _scan_ods_tables(_tags(book, "content.xml"))
+    return tables
 
 
 def _sheets(book: zipfile.ZipFile, names: set[str]) -> dict[str, str]:
@@ -51,7 +51,7 @@ def _sheets(book: zipfile.ZipFile, names: set[str]) -> dict[str, str]:
 
 
 def _attributes(
-    book: zipfile.ZipFile, part: str, tag: bytes, one: str, other: str
+    book: zipfile.ZipFile, part: str, tag: bytes, first: str, second: str
 ) -> Iterator[tuple[str, str]]:
     """Two attributes of every tag of a small part."""
     if part not in book.namelist():
@@ -60,8 +60,8 @@ def _attributes(
         text = stream.read(_CHUNK)
     for match in _LISTED.finditer(text):
         words = _words(match[2])
-        if match[1] == tag and one in words and other in words:
-            yield unescape(words[one], {"&quot;": '"'}), words[other]
+        if match[1] == tag and first in words and second in words:
+            yield unescape(words[first], {"&quot;": '"'}), words[second]
 
 
 def _words(text: bytes) -> dict[str, str]:
@@ -92,11 +92,11 @@ def _scan_xlsx_sheet(tags: Iterator[tuple[str, dict[str, str]]]) -> tuple[list[i
     columns: list[int] = []
     row = 0
     for tag, words in tags:
-        unseen = words.get("hidden", "").encode() in _UNSEEN
+        unmeasured = words.get("hidden", "").encode() in _UNSEEN
         if tag == "row":
             row = _parse_whole_number(words.get("r", "")) or row + 1
-            rows += [row] if unseen else []
-        elif tag == "col" and unseen:
+            rows += [row] if unmeasured else []
+        elif tag == "col" and unmeasured:
             first = _parse_whole_number(words.get("min", "")) or 1
             last = min(_parse_whole_number(words.get("max", "")) or first, first + _TOLD)
             columns += range(first, last + 1)
@@ -105,23 +105,23 @@ def _scan_xlsx_sheet(tags: Iterator[tuple[str, dict[str, str]]]) -> tuple[list[i
 
 def _scan_ods_tables(tags: Iterator[tuple[str, dict[str, str]]]) -> dict[str, str]:
     """So too, of every table of an ods file."""
-    found: dict[str, tuple[list[int], list[int]]] = {}
+    entries: dict[str, tuple[list[int], list[int]]] = {}
     name, place = "", {"table-row": 0, "table-column": 0}
     for tag, words in tags:
         if tag == "table":
             name, place = unescape(words.get("name", "")), dict.fromkeys(place, 0)
-            found[name] = [], []
-        elif tag in place and name in found:
-            unseen = words.get("visibility", "").encode() in _UNSEEN
+            entries[name] = [], []
+        elif tag in place and name in entries:
+            unmeasured = words.get("visibility", "").encode() in _UNSEEN
             count = max(
                 _parse_whole_number(words.get("number-rows-repeated", "")),
                 _parse_whole_number(words.get("number-columns-repeated", "")), 1,
             )  # fmt: skip
-            if unseen:
+            if unmeasured:
                 first = place[tag] + 1
-                found[name][tag == "table-column"].extend(range(first, first + min(count, _TOLD)))
+                entries[name][tag == "table-column"].extend(range(first, first + min(count, _TOLD)))
             place[tag] += count
-    return {name: told for name, one in found.items() if (told := _format_hidden_cells(*one))}
+    return {name: text for name, entry in entries.items() if (text := _format_hidden_cells(*entry))}
 
 
 def _parse_whole_number(text: str) -> int:

@@ -89,13 +89,13 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         If the header is not that of an LVM file, or its segments differ in their channels.
     """
     encoding = options.encoding or find_encoding(raw.head(_HEAD))
-    found = options.encoding is None
-    first = next(decode_blocks([raw.head(_HEAD)], encoding, found=found), "")
+    detected = options.encoding is None
+    first = next(decode_blocks([raw.head(_HEAD)], encoding, detected=detected), "")
     lines = first.split("\n")
     top = _top(lines)
     sign = "," if re.search(r"^Separator[\t,]Comma", first, re.MULTILINE) else "\t"
     mark = _mark(first, lines[top : top + 50], sign, options)
-    segments = _segments(decode_blocks(raw.blocks(), encoding, found=found), sign, mark)
+    segments = _segments(decode_blocks(raw.blocks(), encoding, detected=detected), sign, mark)
     names, clocks = _names(lines[top - 1], sign)
     counted = not any(_has_clock_value(line, clocks, sign) for line in lines[top : top + 20])
     dialect = Dialect(sign, mark, _contents(names, clocks, lines[top : top + 200], sign, mark), top)
@@ -108,7 +108,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
 
     def load(indexes: Sequence[int]) -> LoadedColumns:
         def blocks() -> Iterator[str]:
-            return decode_blocks(raw.blocks(), encoding, found=found)
+            return decode_blocks(raw.blocks(), encoding, detected=detected)
 
         return rows.load(blocks, indexes, raw.patience)
 
@@ -153,20 +153,20 @@ def _mark(head: str, rows: Sequence[str], sign: str, options: ReadOptions) -> Ma
 
 
 def _segments(blocks: Iterable[str], sign: str, mark: Mark) -> list[_LvmHead]:
-    found = [_segment(header, mark) for header in _headers(blocks, sign) if "Channels" in header]
-    if len({segment.channels for segment in found}) != 1:
+    heads = [_segment(header, mark) for header in _headers(blocks, sign) if "Channels" in header]
+    if len({segment.channels for segment in heads}) != 1:
         raise ReadError("the LVM segments differ in their channels; export them apart")
-    for what, said in (
-        ("units", {segment.units for segment in found} - {()}),
-        ("names of channels", {segment.names for segment in found} - {()}),
+    for what, group in (
+        ("units", {segment.units for segment in heads} - {()}),
+        ("names of channels", {segment.names for segment in heads} - {()}),
     ):
-        if len(said) > 1:
-            first, other = sorted(said)[:2]
+        if len(group) > 1:
+            first, other = sorted(group)[:2]
             raise ReadError(
                 f"the LVM segments differ in their {what}: {', '.join(filter(None, first))} and "
                 f"{', '.join(filter(None, other))}; export them apart"
             )
-    return found
+    return heads
 
 
 def _headers(blocks: Iterable[str], sign: str) -> list[dict[str, list[str]]]:

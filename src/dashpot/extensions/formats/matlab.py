@@ -72,18 +72,18 @@ def _flatten(name: str, value: Any, arrays: list[NamedArray], depth: int = 0) ->
         if isinstance(value, dict) and measured is not None:
             arrays.append(measured)
             arrays += [
-                NamedArray(f"{name}.{key}", np.array(float(one)))
-                for key, one in value.items()
-                if isinstance(one, int | float | np.number) and stated_rate(str(key), 1.0) > 0
+                NamedArray(f"{name}.{key}", np.array(float(row)))
+                for key, row in value.items()
+                if isinstance(row, int | float | np.number) and stated_rate(str(key), 1.0) > 0
             ]
             return
         inner = value.items() if isinstance(value, dict) else enumerate(value, start=1)
         for key, entry in inner:
             _flatten(f"{name}.{key}", entry, arrays, depth + 1)
     elif isinstance(value, int | float | complex | np.ndarray | np.number):
-        found = numbers(value)
-        if found is not None:
-            arrays.append(NamedArray(name, found))
+        values = numbers(value)
+        if values is not None:
+            arrays.append(NamedArray(name, values))
 
 
 def _extract_struct_array(name: str, fields: dict[str, Any]) -> NamedArray | None:
@@ -91,12 +91,12 @@ def _extract_struct_array(name: str, fields: dict[str, Any]) -> NamedArray | Non
     folded = {str(key).casefold(): value for key, value in fields.items()}
     data = next((folded[key] for key in _DATA if key in folded), None)
     unit = next((folded[key] for key in _UNITS if key in folded), None)
-    found = None if data is None else numbers(data)
-    if found is None or not isinstance(unit, str):
+    values = None if data is None else numbers(data)
+    if values is None or not isinstance(unit, str):
         return None
-    beside = {key: value for key, value in fields.items() if names_factor(str(key))}
+    extras = {key: value for key, value in fields.items() if names_factor(str(key))}
     start = next((f"{key} = {value}" for key, value in fields.items() if names_start(str(key))), "")
-    return NamedArray(name, found, unit, factors_among(beside), start)
+    return NamedArray(name, values, unit, factors_among(extras), start)
 
 
 def check_elements(stream: BinaryIO) -> None:
@@ -137,9 +137,9 @@ class _MatFile:
         limits.check_value_count(self.numbers, "the variables hold")
 
 
-def _element(take: Take, file: _MatFile, room: int, kinds: frozenset[int], *, depth: int) -> int:
-    """Walk one element, of these kinds and at most `room` bytes; return how many it took."""
-    kind, size, short = _tag(take, file, room, kinds)
+def _element(take: Take, file: _MatFile, space: int, kinds: frozenset[int], *, depth: int) -> int:
+    """Walk one element, of these kinds and at most `space` bytes; return how many it took."""
+    kind, size, short = _tag(take, file, space, kinds)
     if short is not None:
         return 8
     if kind == _COMPRESSED:
@@ -147,17 +147,17 @@ def _element(take: Take, file: _MatFile, room: int, kinds: frozenset[int], *, de
     elif kind == _MATRIX:
         _array(take, file, size, depth=depth)
     else:
-        size = min(-(-size // 8) * 8, room - 8)
+        size = min(-(-size // 8) * 8, space - 8)
         _skip_bytes(take, size)
     return 8 + size
 
 
 def _tag(
-    take: Take, file: _MatFile, room: int, kinds: frozenset[int]
+    take: Take, file: _MatFile, space: int, kinds: frozenset[int]
 ) -> tuple[int, int, bytes | None]:
     """Kind and size of the next element, and its data if they stand in the tag."""
-    if room < _TAG:
-        raise _Damaged(f"an element where {max(room, 0)} bytes are left")
+    if space < _TAG:
+        raise _Damaged(f"an element where {max(space, 0)} bytes are left")
     word: int = struct.unpack(file.order + "I", _exactly(take, 4))[0]
     kind, size = word & 0xFFFF, word >> 16
     if size:
@@ -165,17 +165,17 @@ def _tag(
             raise _Damaged(f"an element of type {kind} with {size} bytes in its tag")
         return kind, size, _exactly(take, 4)[:size]
     size = int(struct.unpack(file.order + "I", _exactly(take, 4))[0])
-    if kind not in kinds or size > room - 8:
-        raise _Damaged(f"an element of type {kind} and {size} bytes, {room - 8} are left")
+    if kind not in kinds or size > space - 8:
+        raise _Damaged(f"an element of type {kind} and {size} bytes, {space - 8} are left")
     return kind, size, None
 
 
-def _content(take: Take, file: _MatFile, room: int, kinds: frozenset[int]) -> tuple[int, bytes]:
+def _content(take: Take, file: _MatFile, space: int, kinds: frozenset[int]) -> tuple[int, bytes]:
     """How many bytes the next element took, and its data."""
-    _, size, short = _tag(take, file, room, kinds)
+    _, size, short = _tag(take, file, space, kinds)
     if short is not None:
         return 8, short
-    padded = min(-(-size // 8) * 8, room - 8)
+    padded = min(-(-size // 8) * 8, space - 8)
     return 8 + padded, _exactly(take, padded)[:size]
 
 
@@ -189,9 +189,9 @@ def _array(take: Take, file: _MatFile, size: int, *, depth: int) -> None:
     class_, parts = flags & 0xFF, 1 + bool(flags & _COMPLEX)
     if (kind, length) != (_UINT32, 8):
         raise _Damaged("an array without a class")
-    left = size - 16
-    read, dimensions = _content(take, file, left, _INT32)
-    left -= read
+    remaining = size - 16
+    read, dimensions = _content(take, file, remaining, _INT32)
+    remaining -= read
     if len(dimensions) not in _DIMENSIONS:
         raise _Damaged(f"an array with {len(dimensions)} bytes of dimensions")
     shape = _integers(dimensions, file)
@@ -199,22 +199,22 @@ def _array(take: Take, file: _MatFile, size: int, *, depth: int) -> None:
     if cells > size:
         raise _Damaged(f"an array of {cells} values in {size} bytes")
     file.count(cells)
-    left -= _content(take, file, left, _NAME)[0]
+    remaining -= _content(take, file, remaining, _NAME)[0]
     read, kinds, parts = _read_element_layout(
-        take, file, left, class_=class_, cells=cells, parts=parts
+        take, file, remaining, class_=class_, cells=cells, parts=parts
     )
-    left -= read
+    remaining -= read
     if class_ == _SPARSE:
-        left, parts = left - _indices(take, file, left, shape), parts - 2
+        remaining, parts = remaining - _indices(take, file, remaining, shape), parts - 2
     for _part in range(parts):
-        left -= _element(take, file, left, kinds, depth=depth + 1)
-    _skip_bytes(take, left)
+        remaining -= _element(take, file, remaining, kinds, depth=depth + 1)
+    _skip_bytes(take, remaining)
 
 
-def _indices(take: Take, file: _MatFile, room: int, shape: Sequence[int]) -> int:
+def _indices(take: Take, file: _MatFile, space: int, shape: Sequence[int]) -> int:
     """Rows and starts of the columns of a sparse array, which SciPy follows without a look."""
-    first, rows = _content(take, file, room, _INT32)
-    second, starts = _content(take, file, room - first, _INT32)
+    first, rows = _content(take, file, space, _INT32)
+    second, starts = _content(take, file, space - first, _INT32)
     at, begins = _integers(rows, file), _integers(starts, file)
     if (
         len(shape) != 2
@@ -229,18 +229,18 @@ def _indices(take: Take, file: _MatFile, room: int, shape: Sequence[int]) -> int
 
 
 def _read_element_layout(
-    take: Take, file: _MatFile, room: int, *, class_: int, cells: int, parts: int
+    take: Take, file: _MatFile, space: int, *, class_: int, cells: int, parts: int
 ) -> tuple[int, frozenset[int], int]:
     """Bytes that name the fields, and the kinds and number of the elements that follow them."""
     if class_ in {_STRUCT, _OBJECT}:
-        left = room - (_content(take, file, room, _NAME)[0] if class_ == _OBJECT else 0)
+        left = space - (_content(take, file, space, _NAME)[0] if class_ == _OBJECT else 0)
         read, longest = _content(take, file, left, _INT32)
         left -= read
         read, names = _content(take, file, left, _NAME)
         width = sum(_integers(longest, file))
         if width < 1:
             raise _Damaged(f"a struct with names of {width} letters")
-        return room - left + read, _ARRAYS, cells * (len(names) // width)
+        return space - left + read, _ARRAYS, cells * (len(names) // width)
     if class_ == _CELL:
         return 0, _ARRAYS, cells
     if class_ == _CHAR:
@@ -270,8 +270,8 @@ def _scan_compressed_element(take: Take, file: _MatFile, size: int, *, depth: in
             if not fresh and inflate.eof:
                 break
             waiting += fresh
-        found, waiting = waiting[:count], waiting[count:]
-        return found
+        content, waiting = waiting[:count], waiting[count:]
+        return content
 
     _element(more, file, 1 << 62, _ARRAYS, depth=depth + 1)
     _skip_bytes(take, packed)
@@ -283,7 +283,7 @@ def _skip_bytes(take: Take, count: int) -> None:
 
 
 def _exactly(take: Take, count: int) -> bytes:
-    found = take(count)
-    if len(found) < count:
+    content = take(count)
+    if len(content) < count:
         raise _Damaged("it ends inside an array")
-    return found
+    return content

@@ -80,18 +80,18 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         file.read_metadata()
         objects = file.object_metadata
         limits.check_value_count(
-            sum(one.num_values for one in objects.values()), "the channels hold"
+            sum(item.num_values for item in objects.values()), "the channels hold"
         )
         _refuse_unknown_scales(objects)
-        told = _is_scaled(objects) or any(map(_is_stamped, objects.values()))
+        reported = _is_scaled(objects) or any(map(_is_stamped, objects.values()))
         groups = _chosen(
-            _read_scaled_channels(stream, objects) if told else _read_stored_channels(file),
+            _read_scaled_channels(stream, objects) if reported else _read_stored_channels(file),
             options.sheet,
         )
         stated = [
             line
-            for one in objects.values()
-            for key, value in one.properties.items()
+            for item in objects.values()
+            for key, value in item.properties.items()
             if (line := window_line(str(key), value))
         ]
     notes: list[str] = []
@@ -112,9 +112,9 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     )
 
 
-def _chosen(found: _Groups, sheet: str | None) -> _Groups:
+def _chosen(new_channels: _Groups, sheet: str | None) -> _Groups:
     """The groups that hold numbers, or the one named; all with the same channels."""
-    groups = {name: channels for name, channels in found.items() if channels}
+    groups = {name: channels for name, channels in new_channels.items() if channels}
     if sheet is not None:
         if sheet not in groups:
             raise ReadError(f"--part sheet={sheet}: the groups are {_list(groups)}")
@@ -132,17 +132,17 @@ def _chosen(found: _Groups, sheet: str | None) -> _Groups:
 def _is_scaled(objects: Mapping[str, Any]) -> bool:
     """Whether a channel, its group or the file says that what is stored is to be scaled."""
     return any(
-        one.scaler_data_types or any(key.startswith(_SCALED) for key in one.properties)
-        for one in objects.values()
+        item.scaler_data_types or any(key.startswith(_SCALED) for key in item.properties)
+        for item in objects.values()
     )
 
 
 def _refuse_unknown_scales(objects: Mapping[str, Any]) -> None:
     """Refuse a scale that npTDMS does not know: it would hand over what is stored, unscaled."""
-    for path, one in objects.items():
-        if one.properties.get("NI_Scaling_Status", "unscaled") == "scaled":
+    for path, item in objects.items():
+        if item.properties.get("NI_Scaling_Status", "unscaled") == "scaled":
             continue  # applied already
-        for key, kind in one.properties.items():
+        for key, kind in item.properties.items():
             if _SCALE_TYPE.fullmatch(key) and str(kind) not in _KNOWN_SCALES:
                 raise ReadError(
                     f"'{path}' is scaled by '{kind}' ({key}), a scale that is not known here: its "
@@ -151,16 +151,16 @@ def _refuse_unknown_scales(objects: Mapping[str, Any]) -> None:
                 )
 
 
-def _is_stamped(one: Any) -> bool:
+def _is_stamped(item: Any) -> bool:
     """Whether a channel holds instants."""
-    return getattr(one.data_type, "__name__", "") == "TimeStamp"
+    return getattr(item.data_type, "__name__", "") == "TimeStamp"
 
 
 def _stated_of_all(objects: Mapping[str, Any]) -> list[str]:
     """Note what a group or the file states beside its numbers."""
     notes: list[str] = []
-    for path, one in objects.items():
-        stated = "" if _PATH.fullmatch(path) else _factors(one.properties)
+    for path, item in objects.items():
+        stated = "" if _PATH.fullmatch(path) else _factors(item.properties)
         if stated:
             notes.append(Caution(f"'{path}' states {stated}; no factor is applied to the numbers"))
     return notes
@@ -170,16 +170,18 @@ def _rates_stated(objects: Mapping[str, Any]) -> list[NamedArray]:
     """What properties beside the format's own state of the sampling rate."""
     return [
         NamedArray(f"{path}.{key}", np.array(float(value)))
-        for path, one in objects.items()
-        for key, value in one.properties.items()
+        for path, item in objects.items()
+        for key, value in item.properties.items()
         if isinstance(value, int | float) and stated_rate(key, 1.0) > 0
     ]
 
 
 def _factors(properties: Mapping[str, Any]) -> str:
     """What properties state of a factor, without those that the format itself defines."""
-    own = {key: value for key, value in properties.items() if not key.startswith(("NI_", "wf_"))}
-    return factors_among(own)
+    entries = {
+        key: value for key, value in properties.items() if not key.startswith(("NI_", "wf_"))
+    }
+    return factors_among(entries)
 
 
 def _read_stored_channels(file: Any) -> _Groups:
@@ -190,8 +192,8 @@ def _read_stored_channels(file: Any) -> _Groups:
     """
     objects: Mapping[str, Any] = file.object_metadata
     parts: dict[str, list[FloatArray]] = {}
-    for path, one in objects.items():
-        kind = getattr(one.data_type, "nptype", None)
+    for path, item in objects.items():
+        kind = getattr(item.data_type, "nptype", None)
         if kind is not None and kind.kind in _NUMBERS:
             parts[path] = []
     for chunk in file.read_raw_data():
@@ -199,8 +201,8 @@ def _read_stored_channels(file: Any) -> _Groups:
             if path in parts:
                 parts[path].append(part.data)
     groups: _Groups = {}
-    for path, found in parts.items():
-        values = np.concatenate(found) if len(found) > 1 else found[0] if found else _NONE
+    for path, arrays in parts.items():
+        values = np.concatenate(arrays) if len(arrays) > 1 else arrays[0] if arrays else _NONE
         if values.size:
             group, name = _names(path)
             channel = _channel(name, objects[path].properties, values)
@@ -210,10 +212,10 @@ def _read_stored_channels(file: Any) -> _Groups:
 
 def _names(path: str) -> list[str]:
     """The names of a channel's group and its own."""
-    found = _PATH.fullmatch(path)
-    if found is None:
+    match = _PATH.fullmatch(path)
+    if match is None:
         raise ReadError(f"this TDMS file keeps numbers under '{path}', which names no channel")
-    return [one.replace("''", "'") for one in found.groups()]
+    return [group.replace("''", "'") for group in match.groups()]
 
 
 def _read_scaled_channels(stream: Any, objects: Mapping[str, Any]) -> _Groups:
@@ -235,27 +237,27 @@ def _read_scaled_channels(stream: Any, objects: Mapping[str, Any]) -> _Groups:
             values = np.asarray(values)
             if values.size and values.dtype.kind in _NUMBERS:
                 channels.append(_channel(channel.name, properties, values))
-        whole = [(place, one) for place, one in instants if len(one)]
-        first = min((one[0] for _, one in whole), default=None)
-        for place, one in whole:
-            since = (one - first) / np.timedelta64(1, "s")
+        whole = [(place, item) for place, item in instants if len(item)]
+        first = min((item[0] for _, item in whole), default=None)
+        for place, value in whole:
+            since = (value - first) / np.timedelta64(1, "s")
             channels[place] = replace(channels[place], values=since)
     return groups
 
 
 def _channel(name: str, properties: Mapping[str, Any], values: FloatArray) -> _TdmsChannel:
-    unit = next((said for key in _UNITS if (said := str(properties.get(key, ""))).strip()), None)
+    unit = next((text for key in _UNITS if (text := str(properties.get(key, ""))).strip()), None)
     step = float(properties.get("wf_increment") or 0.0)
     offset = float(properties.get("wf_start_offset", 0.0))
     values = values.astype(float, copy=False)
     along = units.find_unit(str(properties.get("wf_xunit_string", "")).strip() or "s", "time")
     factor, start = _factors(properties), _start(properties.get("wf_start_time"))
-    own = (key for key in properties if names_start(key) and not key.startswith("wf_"))
-    said = ", ".join(f"{key} = {properties[key]}" for key in own)
+    names = (key for key in properties if names_start(key) and not key.startswith("wf_"))
+    text = ", ".join(f"{key} = {properties[key]}" for key in names)
     if not step or along is None:  # over frequency it has no clock
-        return _TdmsChannel(name, unit, values, None, offset, start, said, factor)
+        return _TdmsChannel(name, unit, values, None, offset, start, text, factor)
     clock = along.factor * step, along.factor * offset
-    return _TdmsChannel(name, unit, values, *clock, start, said, factor)
+    return _TdmsChannel(name, unit, values, *clock, start, text, factor)
 
 
 def _start(stated: Any) -> int | None:
@@ -281,7 +283,7 @@ def _apply_start_times(channels: list[_TdmsChannel]) -> list[_TdmsChannel]:
         )
     starts = [channel.start for channel in channels if channel.start is not None]
     first = min(starts, default=0)
-    late = [1e-9 * ((one.start or first) - first) for one in channels]
+    late = [1e-9 * ((channel.start or first) - first) for channel in channels]
     if not any(late):
         return channels
     if all(channel.step is None for channel in channels):
@@ -290,7 +292,8 @@ def _apply_start_times(channels: list[_TdmsChannel]) -> list[_TdmsChannel]:
             "when each sample was taken is not known; export them on one clock"
         )
     return [
-        replace(one, offset=one.offset + after) for one, after in zip(channels, late, strict=True)
+        replace(channel, offset=channel.offset + after)
+        for channel, after in zip(channels, late, strict=True)
     ]
 
 
@@ -339,8 +342,8 @@ def _align_channel(
         f"'{channel.name}' starts {shift:.2f} samples before the others: shifted by straight lines "
         "between its samples, which dulls what is near half the sampling rate"
     )
-    own = channel.offset + step * np.arange(channel.values.size)
-    return np.interp(time, own, channel.values)
+    values = channel.offset + step * np.arange(channel.values.size)
+    return np.interp(time, values, channel.values)
 
 
 def _list(groups: _Groups) -> str:

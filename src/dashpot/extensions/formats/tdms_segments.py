@@ -31,7 +31,7 @@ class SegmentReader(TdmsReader):  # type: ignore[misc]
 
     def _update_object_metadata(self, segment: Any) -> None:
         self._number += 1
-        paths = [one.path for one in segment.ordered_objects]
+        paths = [ordered_object.path for ordered_object in segment.ordered_objects]
         before = {path: self._values(path) for path in paths}
         super()._update_object_metadata(segment)
         self._values_before = before
@@ -58,22 +58,24 @@ class SegmentReader(TdmsReader):  # type: ignore[misc]
         before = max((self._values_until_now(path) for path in held), default=0)
         if not before:
             return
-        known = self.object_metadata[owner].properties if owner in self.object_metadata else {}
+        entries = self.object_metadata[owner].properties if owner in self.object_metadata else {}
         for key, new in properties:
-            old = known.get(key)
+            old = entries.get(key)
             if not _matters(key) or _same(old, new):
                 continue
-            if key in _STARTS and self._goes_on(known, key, old, new, before):
+            if key in _STARTS and self._goes_on(entries, key, old, new, before):
                 continue
             self._changed[owner] = (key, "nothing" if old is None else old, new)
 
-    def _goes_on(self, known: Any, key: str, old: Any, new: Any, before: int) -> bool:
+    def _goes_on(self, value: Any, key: str, old: Any, new: Any, before: int) -> bool:
         """Whether a segment says that it starts where the one before it ended."""
-        step = float(known.get("wf_increment") or 0.0)
+        step = float(value.get("wf_increment") or 0.0)
         if old is None or not step:
             return False
-        apart = _seconds(new) - _seconds(old) if key == "wf_start_time" else float(new) - float(old)
-        return abs(apart - before * step) <= _CONTIGUOUS * step
+        difference = (
+            _seconds(new) - _seconds(old) if key == "wf_start_time" else float(new) - float(old)
+        )
+        return abs(difference - before * step) <= _CONTIGUOUS * step
 
     def _without_starts(self, properties: Any) -> Any:
         """The properties of a segment without a start that the first segment has stated."""
@@ -82,19 +84,19 @@ class SegmentReader(TdmsReader):  # type: ignore[misc]
         return {
             path: [
                 (key, value)
-                for key, value in own
+                for key, value in item
                 if not (
                     key in _STARTS
                     and self._values_until_now(path)
                     and key in self.object_metadata[path].properties
                 )
             ]
-            for path, own in properties.items()
+            for path, item in properties.items()
         }
 
     def _values(self, path: str) -> int:
-        found = self.object_metadata.get(path)
-        return int(found.num_values) if found else 0
+        result = self.object_metadata.get(path)
+        return int(result.num_values) if result else 0
 
     def _values_until_now(self, path: str) -> int:
         """The values of a channel before the segment that is being read."""

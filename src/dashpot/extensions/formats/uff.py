@@ -63,8 +63,8 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     pyuff = extra("pyuff", "pyuff", "UFF files")
     with warnings.catch_warnings(), _readable_path(raw) as path:
         warnings.simplefilter("ignore")
-        found = pyuff.UFF(str(path)).read_sets()
-    sets = _with_windows(found if isinstance(found, list) else [found])
+        results = pyuff.UFF(str(path)).read_sets()
+    sets = _with_windows(results if isinstance(results, list) else [results])
     units = _dataset(sets, 164)
     curves = [entry for entry in sets if entry.get("type") == 58 and np.size(entry.get("data", ()))]
     if not curves:
@@ -95,13 +95,13 @@ def _readable_path(raw: RawFile) -> Iterator[Path]:
 
 def _with_windows(sets: Sequence[_Set]) -> list[_Set]:
     """The datasets; each 58 with the 1858 that follows it under ``qualifiers``."""
-    found: list[_Set] = []
+    entries: list[_Set] = []
     for entry in sets:
-        if entry.get("type") == 1858 and found and found[-1].get("type") == 58:
-            found[-1] = {**found[-1], "qualifiers": entry}
+        if entry.get("type") == 1858 and entries and entries[-1].get("type") == 58:
+            entries[-1] = {**entries[-1], "qualifiers": entry}
         else:
-            found.append(entry)
-    return found
+            entries.append(entry)
+    return entries
 
 
 def _direction_sign(*directions: int) -> float:
@@ -185,24 +185,24 @@ def _frf(
     _require_complex_values(frfs if segment is None else frfs[number - 1 : number])
     if number > len(frfs):
         raise ReadError(f"--part segment={segment}, but the file has {len(frfs)} FRFs")
-    one = frfs[number - 1]
-    together = segment is None and all(np.array_equal(e["x"], one["x"]) for e in frfs)
-    columns = [Column("frequency", _label(one["abscissa_axis_units_lab"]) or "Hz")]
-    values = [np.asarray(one["x"], dtype=float)]
-    shown = frfs if together else [one]
+    record = frfs[number - 1]
+    together = segment is None and all(np.array_equal(e["x"], record["x"]) for e in frfs)
+    columns = [Column("frequency", _label(record["abscissa_axis_units_lab"]) or "Hz")]
+    values = [np.asarray(record["x"], dtype=float)]
+    shown = frfs if together else [record]
     for entry, name in zip(shown, _points(shown), strict=True):
         unit = _per(_unit(entry, "ordinate", units), _unit(entry, "orddenom", units))
         value = np.asarray(entry["data"], dtype=complex)
         value = value * _direction_sign(*_directions(entry))
         columns += [Column(f"real{name}", unit), Column(f"imaginary{name}", unit)]
         values += [value.real, value.imag]
-        own = _coherence_of(entry, coherent)
-        if own is not None:
+        coherence = _coherence_of(entry, coherent)
+        if coherence is not None:
             columns.append(Column(f"coherence{name}", "1"))
-            values.append(np.real(own["data"]))
+            values.append(np.real(coherence["data"]))
     notes = [*notes, *_turned_notes(shown)]
-    lines, asked = _window_lines(one, _record_length(one))
-    return _stating(_table(columns, values, one, notes, (*doubts, *asked)), lines)
+    lines, questions = _window_lines(record, _record_length(record))
+    return _stating(_table(columns, values, record, notes, (*doubts, *questions)), lines)
 
 
 def _require_complex_values(frfs: Sequence[_Set]) -> None:
@@ -250,8 +250,8 @@ def _make_frf_question(frfs: Sequence[_Set]) -> tuple[Question, ...]:
 def _coherence_of(frf: _Set, coherent: Sequence[_Set]) -> _Set | None:
     """The coherence of the same two points on the same lines; or the only one there is."""
     same = [e for e in coherent if np.array_equal(e["x"], frf["x"])]
-    own = [e for e in same if _ends(e) == _ends(frf)]
-    return own[0] if len(own) == 1 else same[0] if len(same) == 1 else None
+    items = [e for e in same if _ends(e) == _ends(frf)]
+    return items[0] if len(items) == 1 else same[0] if len(same) == 1 else None
 
 
 def _ends(entry: _Set) -> tuple[str, str]:
@@ -271,8 +271,8 @@ def _points(frfs: Sequence[_Set]) -> list[str]:
         return [""]
     # values are along the axes: a direction against one was turned
     names = ["/".join(end.replace("-", "+") for end in filter(None, _ends(e))) for e in frfs]
-    alone = len(set(names)) == len(names) and all(names)
-    return [f" {name}" if alone else f" {i + 1}" for i, name in enumerate(names)]
+    single = len(set(names)) == len(names) and all(names)
+    return [f" {name}" if single else f" {i + 1}" for i, name in enumerate(names)]
 
 
 def _per(above: str | None, below: str | None) -> str | None:
@@ -305,9 +305,9 @@ def _build_time_table(timed: Sequence[_Set], units: _Set | None, notes: list[str
         if sign < 0:
             notes = [*notes, f"'{name}': sign turned by its direction field, {_ends(entry)[0]}"]
     windowed = next((entry for entry in timed if entry.get("qualifiers")), first)
-    lines, asked = _window_lines(windowed, _record_length(windowed))
+    lines, questions = _window_lines(windowed, _record_length(windowed))
     # what it leaves open the record itself may show
-    open_ = ["exponential window"] * bool(asked)
+    open_ = ["exponential window"] * bool(questions)
     return _stating(_table(columns, values, first, notes), [*lines, *open_])
 
 
@@ -346,8 +346,15 @@ def _modes(sets: Sequence[_Set], units: _Set | None) -> FileTable:
         for number, entry in enumerate(shapes, start=1)
         for row in _mode(number, entry, places, mass_unit=force / length)
     ]
-    known = units is not None
-    words = [None, "Hz", "1", "kg" if known else None, *3 * ["m" if known else None], *3 * [None]]
+    certain = units is not None
+    words = [
+        None,
+        "Hz",
+        "1",
+        "kg" if certain else None,
+        *3 * ["m" if certain else None],
+        *3 * [None],
+    ]
     names = ("mode", "frequency", "damping ratio", "modal mass", "x", "y", "z", "ux", "uy", "uz")
     columns = [Column(name, word) for name, word in zip(names, words, strict=True)]
     values = list(np.array(rows, dtype=float).T)

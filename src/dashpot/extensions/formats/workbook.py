@@ -30,21 +30,21 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     ReadError
         If no sheet or several sheets could be meant.
     """
-    told = run_in_child("workbook", sheets, raw, options)
-    content = {name: cells for name, cells in told.items() if not name.startswith(HIDDEN)}
+    entries = run_in_child("workbook", sheets, raw, options)
+    content = {name: cells for name, cells in entries.items() if not name.startswith(HIDDEN)}
     if options.sheet is not None:
-        return _sheet(options.sheet, told, raw, options)
+        return _sheet(options.sheet, entries, raw, options)
     tables = {}
     for name in content:
         with suppress(ReadError):
-            tables[name] = _sheet(name, told, raw, options)
+            tables[name] = _sheet(name, entries, raw, options)
     if not tables:
         raise ReadError(
             f"no sheet holds a table of numbers; the sheets are {format_sheet_names(content)}"
         )
     seen = replace(options, kind=None)
-    known = [n for n, t in tables.items() if kind_of(t, seen)[0] not in _NO_TEST]
-    likely = known or list(tables)
+    names = [n for n, t in tables.items() if kind_of(t, seen)[0] not in _NO_TEST]
+    likely = names or list(tables)
     if len(likely) > 1:
         raise ReadError(
             f"sheets {format_sheet_names(likely)} could each be the test; choose with --part "
@@ -53,9 +53,9 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     return tables[likely[0]]
 
 
-def _sheet(name: str, told: dict[str, bytes], raw: RawFile, options: ReadOptions) -> FileTable:
+def _sheet(name: str, entries: dict[str, bytes], raw: RawFile, options: ReadOptions) -> FileTable:
     """The table of a sheet, with a note of what is hidden in it: it was read, too."""
-    content = told.get(name, b"")
+    content = entries.get(name, b"")
     if not content.strip():
         raise ReadError("an empty sheet")
     shown, commas = replace(options, delimiter="\t", encoding="utf-8", sheet=None), 0
@@ -65,10 +65,10 @@ def _sheet(name: str, told: dict[str, bytes], raw: RawFile, options: ReadOptions
     if options.decimal == ",":  # numbers that are no text have points here
         shown = replace(shown, decimal=None)
     table = text.read(RawFile(raw.name, None, content), shown)
-    unseen = told.get(HIDDEN + name, b"").decode()
-    says = f"hidden in sheet '{name}' and read: {unseen}"
-    note = Caution(says) if unseen.startswith("row") else says
-    notes = [note] if unseen else []
+    unmeasured = entries.get(HIDDEN + name, b"").decode()
+    says = f"hidden in sheet '{name}' and read: {unmeasured}"
+    note = Caution(says) if unmeasured.startswith("row") else says
+    notes = [note] if unmeasured else []
     if commas:
         notes.append(f"{commas} cells hold numbers as text with a decimal comma, and are read so")
     return replace(

@@ -44,13 +44,13 @@ def sheets(raw: RawFile, options: ReadOptions) -> dict[str, bytes]:
     calamine = extra("python_calamine", "python-calamine", "spreadsheets")
     with raw.open() as stream:
         size = _get_unpacked_size(stream)
-        unseen = hidden(stream)
+        unmeasured = hidden(stream)
         stream.seek(0)
         book = calamine.CalamineWorkbook.from_filelike(stream)
     names = book.sheet_names
     if options.sheet is not None and options.sheet not in names:
         raise ReadError(f"--part sheet={options.sheet}: the sheets are {format_sheet_names(names)}")
-    found, cells = {HIDDEN + name: told.encode() for name, told in unseen.items()}, 0
+    entries, cells = {HIDDEN + name: text.encode() for name, text in unmeasured.items()}, 0
     for name in names if options.sheet is None else [options.sheet]:
         sheet = book.get_sheet_by_name(name)
         rows, columns = (1 + last for last in sheet.end or (-1, -1))
@@ -61,8 +61,8 @@ def sheets(raw: RawFile, options: ReadOptions) -> dict[str, bytes]:
                 f"sheet '{name}' reaches to row {rows} and column {columns}, and hardly any of its "
                 "cells is filled: delete what stands far off the test, or export the test as text"
             )
-        found[name] = "\n".join(_lines(sheet.to_python(skip_empty_area=False))).encode()
-    return found
+        entries[name] = "\n".join(_lines(sheet.to_python(skip_empty_area=False))).encode()
+    return entries
 
 
 def _get_unpacked_size(stream: BinaryIO) -> int:
@@ -105,7 +105,7 @@ def _columns_of_days(rows: list[list[Any]]) -> set[int]:
                 early = isinstance(value, dt.time) or value.year in _FIRST_YEARS
                 name = "time" if isinstance(value, dt.time) else "day" if early else "date"
                 kinds.setdefault(j, set()).add(name)
-    return {j for j, found in kinds.items() if found == {"time", "day"}}
+    return {j for j, kind in kinds.items() if kind == {"time", "day"}}
 
 
 def _since(value: Any) -> Any:
@@ -136,7 +136,7 @@ def _cell(value: Any, *, instant: bool) -> str:
     duration = _DURATION.match(text) if text[:2] == "PT" else None
     if duration and text != "PT":
         hours, minutes, seconds = (
-            float((one or "0").replace(",", ".")) for one in duration.groups()
+            float((group or "0").replace(",", ".")) for group in duration.groups()
         )
         return _clock(3600 * hours + 60 * minutes + seconds)
     return text.replace('"', "''")  # a quote would open a cell

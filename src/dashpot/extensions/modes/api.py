@@ -30,8 +30,8 @@ def fit_mass_series(
     from dashpot.extensions.modes.mass_series_files import fit_modes_by_mass
 
     return fit_modes_by_mass(
-        [merge_frf_set([one]) for one in records],
-        [convert_to_si(one, "mass") for one in mass],
+        [merge_frf_set([record]) for record in records],
+        [convert_to_si(item, "mass") for item in mass],
         list(identify_record_kinds(records)),
         seals=seals,
         band=si_range(band, "frequency"),
@@ -40,5 +40,5 @@ def fit_mass_series(
 
 def read_frf_record(path: str | Path, given: dict[str, Any], _: Mapping[str, Any]) -> Any:
     """Read an FRF, or a set of them at several points."""
-    found = read_frfs([path], **given)
-    return found if len(found.points) > 1 else found.frfs[0]
+    frfs = read_frfs([path], **given)
+    return frfs if len(frfs.points) > 1 else frfs.frfs[0]

@@ -22,7 +22,7 @@ OVERLAP, CLOSE = 0.2, 0.05
 @criterion("orders", ">=", STABLE, "measured: what only follows noise is stable at fewer")
 def modes_stable(modes: Sequence[ModeShape], chart: Stabilisation) -> Finding:
     """Every mode stands in the stabilisation chart, which knows nothing of how it was found."""
-    counts = [(chart.orders_with(one.mode), one.mode.frequency) for one in modes]
+    counts = [(chart.orders_with(mode.mode), mode.mode.frequency) for mode in modes]
     fewest = min(counts)[0]
     doubtful = ", ".join(f"{hz:.4g} Hz ({count})" for count, hz in counts if count < STABLE)
     of = f"of {chart.highest} orders of the stabilisation chart"
@@ -38,13 +38,13 @@ def modes_stable(modes: Sequence[ModeShape], chart: Stabilisation) -> Finding:
 @criterion(
     "squared misfit over its variance", "<=", MISSED, "our choice: twice the scatter; 1 is chance"
 )
-def modes_explain_lines(modes: Sequence[ModeShape], *, known: bool) -> Finding:
+def modes_explain_lines(modes: Sequence[ModeShape], *, certain: bool) -> Finding:
     """The modes follow the lines about them as closely as the lines are known."""
-    if not known:
+    if not certain:
         return Finding(
             "The lines come without their scatter, so the fit of the modes is not judged"
         )
-    worst = max(modes, key=lambda one: one.misfit)
+    worst = max(modes, key=lambda shape: shape.misfit)
     return Finding(
         f"About {worst.mode.frequency:.4g} Hz the lines miss the modes by {worst.misfit:.2g} times "
         "their variance",
@@ -59,9 +59,9 @@ def modes_explain_lines(modes: Sequence[ModeShape], *, known: bool) -> Finding:
 def points_share_modes(modes: Sequence[ModeShape]) -> Finding:
     """Modes close together move the same points, as those of one structure do."""
     close = [
-        (_overlap(one, other), one.mode.frequency, other.mode.frequency)
-        for one, other in combinations(modes, 2)
-        if abs(one.mode.frequency / other.mode.frequency - 1) < CLOSE
+        (_overlap(first, second), first.mode.frequency, second.mode.frequency)
+        for first, second in combinations(modes, 2)
+        if abs(first.mode.frequency / second.mode.frequency - 1) < CLOSE
     ]
     if not close:
         return Finding("No two modes are so close that they could be one, measured at two states")
@@ -77,9 +77,9 @@ def points_share_modes(modes: Sequence[ModeShape]) -> Finding:
     )
 
 
-def _overlap(one: ModeShape, other: ModeShape) -> float:
+def _overlap(first: ModeShape, second: ModeShape) -> float:
     """What two shapes share of their points, whatever the signs."""
-    a, b = np.abs(one.residues), np.abs(other.residues)
+    a, b = np.abs(first.residues), np.abs(second.residues)
     return float(a @ b / np.sqrt((a @ a) * (b @ b)))
 
 

@@ -66,8 +66,8 @@ def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: st
     rules = [Rule(mode.frequency, FOUND, "mode found") for mode in modes]
     limits = compute_padded_log_limits(chart.height, margin=2.0)
     upper: list[Mark] = [*rules, Line(chart.lines, chart.height, MEASURED, "measured")]
-    tallest = sorted(modes, key=lambda one: -abs(one.residue))[:NAMED]
-    for mode in sorted(tallest, key=lambda one: one.frequency):
+    tallest = sorted(modes, key=lambda mode: -abs(mode.residue))[:NAMED]
+    for mode in sorted(tallest, key=lambda mode: mode.frequency):
         top = float(np.interp(mode.frequency, chart.lines, chart.height))
         text = (
             f"{round_to_error(mode.frequency, digits=4)} Hz, "
@@ -99,28 +99,28 @@ def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: st
     return Picture("stabilisation", caption, (strip,), 1, stamp)
 
 
-def several_masses(found: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = "") -> Picture:
+def several_masses(masses: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = "") -> Picture:
     """The FRF under each mass with its mode, and the stiffness of one seal at the poles.
 
     Beside what was measured stands the linear solid that comes closest to all of them.
 
     Parameters
     ----------
-    found : SeveralMasses
+    masses : SeveralMasses
     frfs : sequence of FRF
         Under each of the masses.
     stamp : str
         What the figure says of its origin.
     """
-    hertz = np.array([mode.frequency for mode in found.modes])
+    hertz = np.array([mode.frequency for mode in masses.modes])
     low, high = hertz.min() / ABOUT, hertz.max() * ABOUT
     curves: list[Mark] = []
     heights = []
     colours = sequential(len(frfs))
-    for frf, mass, mode, colour in zip(frfs, found.masses, found.modes, colours, strict=True):
-        one = frf.to(Kind.ACCELERANCE, mass=mass)
-        near = (one.frequency >= low) & (one.frequency <= high)
-        f, height = one.frequency[near], np.abs(one.value[near])
+    for frf, mass, mode, colour in zip(frfs, masses.masses, masses.modes, colours, strict=True):
+        single_frf = frf.to(Kind.ACCELERANCE, mass=mass)
+        near = (single_frf.frequency >= low) & (single_frf.frequency <= high)
+        f, height = single_frf.frequency[near], np.abs(single_frf.value[near])
         heights.append(height)
         curves.append(Line(f, height, Pen(colour, 1.6), format_with_error(mass, "g", digits=4)))
         top = float(np.interp(mode.frequency, f, height))
@@ -137,10 +137,10 @@ def several_masses(found: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = ""
     order = np.argsort(hertz)
     for i, name in enumerate(("storage stiffness, N/mm", "loss stiffness, N/mm")):
         measured, solid = (
-            convert_to_unit((each.imag if i else each.real)[order], "N/mm")
-            for each in (found.stiffness, found.at_poles)
+            convert_to_unit((values.imag if i else values.real)[order], "N/mm")
+            for values in (masses.stiffness, masses.at_poles)
         )
-        error = NORMAL * convert_to_unit(found.spread[order, i], "N/mm")
+        error = NORMAL * convert_to_unit(masses.spread[order, i], "N/mm")
         marks = (
             Line(hertz[order], solid, FOUND),
             Dots(hertz[order], solid, "fit", "the linear solid nearest to all", hollow=True,
@@ -158,12 +158,12 @@ def several_masses(found: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = ""
         "Modes under several masses, and the stiffness and loss of one seal that their poles have, "
         "beside those of the one linear solid that comes closest."
     )
-    return Picture("masses", caption, tuple((one,) for one in panels), 3, stamp, width=1100.0)
+    return Picture("masses", caption, tuple((panel,) for panel in panels), 3, stamp, width=1100.0)
 
 
-def draw_masses(found: ModesByMass) -> Picture:
+def draw_masses(modes: ModesByMass) -> Picture:
     """Return the figure of modes under several masses, of what was fitted."""
-    return several_masses(found.together, [one.frf for one in found.tests])
+    return several_masses(modes.together, [test.frf for test in modes.tests])
 
 
 def draw_poles(frf: FRF, *, band: tuple[float, float] | None = None) -> Picture:

@@ -11,41 +11,41 @@ from dashpot.cli._command_io import CommandResult
 from dashpot.cli.fit_handlers._request import FitRequest
 
 
-def run(given: FitRequest) -> CommandResult:
+def run(request: FitRequest) -> CommandResult:
     """Find the modes that the FRFs share."""
-    given.check_output_suffix(".json", what="the modes of FRFs")
-    found, chart = workflow.modes_files(
-        given.files,
-        options=given.reading,
-        band=given["band"],
-        motion=given.hammer.motion,
-        polarity=given.hammer.polarity,
+    request.check_output_suffix(".json", what="the modes of FRFs")
+    modes, chart = workflow.modes_files(
+        request.files,
+        options=request.reading,
+        band=request["band"],
+        motion=request.hammer.motion,
+        polarity=request.hammer.polarity,
     )
-    return given.told(
-        found,
+    return request.told(
+        modes,
         figure=lambda: dp.plot.stabilisation(
-            chart, [one.mode for one in found.modes], stamp=dp.plot.stamp(found.frf.source)
+            chart, [mode.mode for mode in modes.modes], stamp=dp.plot.stamp(modes.frf.source)
         ),
     )
 
 
-def under_masses(given: FitRequest) -> CommandResult:
+def under_masses(request: FitRequest) -> CommandResult:
     """Find the modes under each mass, and whether one solid carries them all."""
-    masses, files = given["mass"], given.files
+    masses, files = request["mass"], request.files
     if len(masses) != len(files):
         raise click.UsageError(
             f"--mass was given {len(masses)} times for {format_count(len(files), 'file')}. Give "
             "the "
             "mass of each file, in their order."
         )
-    given.refuse_polarity()
-    given.check_output_suffix(".json", what="the modes under several masses")
-    seals = given["seals"]
-    found = workflow.modes_by_mass(
-        files, masses, seals=seals, options=given.reading, band=given["band"]
+    request.refuse_polarity()
+    request.check_output_suffix(".json", what="the modes under several masses")
+    seals = request["seals"]
+    modes = workflow.modes_by_mass(
+        files, masses, seals=seals, options=request.reading, band=request["band"]
     )
-    under = [one.frf for one in found.tests]
-    stamp = dp.plot.stamp([source for one in under for source in one.source], seals=seals)
-    return given.told(
-        found, figure=lambda: dp.plot.several_masses(found.together, under, stamp=stamp)
+    under = [test.frf for test in modes.tests]
+    stamp = dp.plot.stamp([source for frf in under for source in frf.source], seals=seals)
+    return request.told(
+        modes, figure=lambda: dp.plot.several_masses(modes.together, under, stamp=stamp)
     )

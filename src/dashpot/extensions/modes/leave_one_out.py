@@ -69,20 +69,20 @@ def cross_validate_hits(
     errors, peaks = [], []
     for name in names[:_MOST]:
         rest = average(impact, choices=replace(choices, reject=(*choices.reject, name)))
-        others = tuple(one for one in names if one != name)
-        alone = average(impact, choices=replace(choices, reject=(*choices.reject, *others)))
-        one = _as_signed(alone.band(low, high), whole)
-        found = identify(
+        others = tuple(text for text in names if text != name)
+        frf = average(impact, choices=replace(choices, reject=(*choices.reject, *others)))
+        item = _as_signed(frf.band(low, high), whole)
+        new_fit = identify(
             _as_signed(rest, whole), tests=tests, mass=mass, seals=seals, compression=compression,
             arms=fit.model.arms,
         )  # fmt: skip
         predicted = predict_frf(
-            found, mass=mass, frequency=one.frequency, kind=one.quantity, shift=one.shift,
+            new_fit, mass=mass, frequency=item.frequency, kind=item.quantity, shift=item.shift,
             seals=seals, compression=compression,
         )  # fmt: skip
-        off = np.linalg.norm(predicted.value - one.value) / np.linalg.norm(one.value)
+        off = np.linalg.norm(predicted.value - item.value) / np.linalg.norm(item.value)
         errors.append(float(off))
-        there, here = find_peak(one), find_peak(predicted)
+        there, here = find_peak(item), find_peak(predicted)
         peaks.append((here.frequency - there.frequency, here.height / there.height - 1))
     hz, height = np.array(peaks).T
     return LeaveOneOut(

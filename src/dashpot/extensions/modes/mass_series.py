@@ -98,8 +98,8 @@ def several_masses(
     p = np.array([mode.pole for mode in modes])
     m = np.array(masses)
     stiffness = -m * p**2 / seals
-    each = zip(modes, masses, strict=True)
-    spread = np.array([_spread(mode, mass / seals) for mode, mass in each])
+    pairs = zip(modes, masses, strict=True)
+    spread = np.array([_spread(mode, mass / seals) for mode, mass in pairs])
     # the loss is Im K where a pole is light: its error is that of the damping
     counts = np.column_stack(
         (np.hypot(spread[:, 0], STORAGE * np.abs(stiffness)),
@@ -112,8 +112,8 @@ def several_masses(
     rows = np.concatenate((columns.real / counts[:, [0]], columns.imag / counts[:, [1]])) * size
     y = np.concatenate((stiffness.real / counts[:, 0], stiffness.imag / counts[:, 1]))
     k = solve_linear(rows, y, positive=True)[0]
-    apart = (rows @ k - y).reshape(2, -1)
-    far, k = np.hypot(apart[0], apart[1]), size * k
+    pair = (rows @ k - y).reshape(2, -1)
+    far, k = np.hypot(pair[0], pair[1]), size * k
     arms = np.flatnonzero(k[2:] > 0)
     solid = GeneralizedMaxwell(
         float(k[0]), tuple(map(float, k[2:][arms])), tuple(map(float, tau[arms])),

@@ -87,16 +87,16 @@ class ModesByMass(HasChecks, HasVerdict, Serialisable):
     def each(self) -> tuple[MassModes, ...]:
         """The modes under each mass."""
         masses = zip(self.together.masses, self.tests, strict=True)
-        return tuple(MassModes(mass, one.band, one.modes) for mass, one in masses)
+        return tuple(MassModes(mass, modes.band, modes.modes) for mass, modes in masses)
 
     @property
     def sound(self) -> str:
         """The resonance under each mass."""
         pairs = zip(self.together.masses, self.together.modes, strict=True)
-        each = [
+        names = [
             f"{mode.frequency:.4g} Hz under {format_quantity(mass, 'g')}" for mass, mode in pairs
         ]
-        return f"one solid has the resonance of every mass: {', '.join(each[:3])}"
+        return f"one solid has the resonance of every mass: {', '.join(names[:3])}"
 
     @property
     def stiffness(self) -> tuple[StiffnessAtMode, ...]:
@@ -159,26 +159,26 @@ def fit_modes_by_mass(
             f"{len(masses)} masses (--mass) for {len(measured)} files; expected two or more files "
             "and the mass of each, in their order"
         )
-    tests = tuple(modes_of(each, band=band)[0] for each in measured)
+    tests = tuple(modes_of(frfs, band=band)[0] for frfs in measured)
     _refuse_same(names, masses, tests)
-    silent = [mass for mass, one in zip(masses, tests, strict=True) if not one.modes]
+    silent = [mass for mass, test in zip(masses, tests, strict=True) if not test.modes]
     if silent:
         raise DataError(
             f"nothing rings under the mass of {format_quantity(silent[0], 'g')}; give the band of "
             "its "
             "resonance (--band), or leave its file out"
         )
-    modes = [one.modes[0].mode for one in tests]
-    found = several_masses(modes, masses, seals=seals)
-    missed = found.missed
+    modes = [test.modes[0].mode for test in tests]
+    new_masses = several_masses(modes, masses, seals=seals)
+    missed = new_masses.missed
     by = f"{100 * missed.real:+.2g} % of stiffness and {100 * missed.imag:+.2g} % of damping"
-    own = [
+    checks = [
         check.within(f"under {format_quantity(mass, 'g')}")
-        for mass, one in zip(masses, tests, strict=True)
-        for check in one.frf.checks
+        for mass, test in zip(masses, tests, strict=True)
+        for check in test.frf.checks
     ]
-    across = one_solid(found.distance, masses, (masses[found.worst], by))
-    return ModesByMass(tests, found, (across, *own))
+    across = one_solid(new_masses.distance, masses, (masses[new_masses.worst], by))
+    return ModesByMass(tests, new_masses, (across, *checks))
 
 
 def _refuse_same(
@@ -186,8 +186,8 @@ def _refuse_same(
 ) -> None:
     """Refuse an FRF that is given under two masses."""
     every = list(zip(names, masses, tests, strict=True))
-    for (name, mass, one), (other, its, two) in combinations(every, 2):
-        if np.array_equal(one.frf.value, two.frf.value):
+    for (name, mass, modes), (other, its, two) in combinations(every, 2):
+        if np.array_equal(modes.frf.value, two.frf.value):
             both = " and ".join(dict.fromkeys((name, other)))
             raise DataError(
                 f"{both}: the same FRF is given under {convert_to_unit(mass, 'g'):.4g} and under "

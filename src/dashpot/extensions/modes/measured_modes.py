@@ -76,8 +76,8 @@ class MeasuredMode(ImpactMode):
     def mode(self) -> Mode:
         """The pole with its residue and their errors: nan where a method cannot tell."""
         residue = complex(self.residue_real, self.residue_imag)
-        known = float("nan") if self.residue_se is None else self.residue_se
-        return replace(super().mode, residue=residue, residue_se=known)
+        residue_se = float("nan") if self.residue_se is None else self.residue_se
+        return replace(super().mode, residue=residue, residue_se=residue_se)
 
 
 @dataclass(frozen=True)
@@ -175,7 +175,7 @@ def modes_files(
     """
     other = read_frfs(against, options=options) if against else None
     measured = read_frfs(files, options=options)
-    frfs = with_polarity([as_measured(one, motion) for one in measured.frfs], polarity)
+    frfs = with_polarity([as_measured(frf, motion) for frf in measured.frfs], polarity)
     return modes_of(FRFSet(frfs, measured.points), band=band, against=other)
 
 
@@ -194,10 +194,11 @@ def modes_of(
     chart = stabilisation(pushed, band=sought)
     shapes = shapes_of(near)
     several = len(measured.points) > 1
-    found = MeasuredModes(
+    modes = MeasuredModes(
         _select_checked_frf(measured, near, shapes, chart, sought),
         tuple(
-            _build_measured_mode(one, chart, measured.points if several else ()) for one in shapes
+            _build_measured_mode(shape, chart, measured.points if several else ())
+            for shape in shapes
         ),
         sought,
         measured.points if several else (),
@@ -205,14 +206,14 @@ def modes_of(
         _macs(shapes, shapes) if several else (),
     )
     if against is None:
-        return found, chart
+        return modes, chart
     if len(against.points) != len(measured.points):
         raise DataError(
             f"{len(measured.points)} points are held against {len(against.points)}; "
             "expected the same ones, in the same order"
         )
     others = against.per_force(mass=_UNIT).modes(band=sought)
-    return replace(found, against=_match_modes(shapes, others, several)), chart
+    return replace(modes, against=_match_modes(shapes, others, several)), chart
 
 
 def _select_checked_frf(
@@ -249,10 +250,10 @@ def _check_modes(
 ) -> Iterator[Check]:
     """What is asked of the modes, and of the FRF of the point that tells most of the first."""
     main = shapes[0].mode
-    yield modes_within_band([one.mode for one in shapes], sought)
+    yield modes_within_band([shape.mode for shape in shapes], sought)
     yield lines_in_half_power_band(near.frfs[at], main)
     yield modes_stable(shapes, chart)
-    yield modes_explain_lines(shapes, known=near.sd is not None)
+    yield modes_explain_lines(shapes, certain=near.sd is not None)
     if len(near.points) > 1:
         yield points_share_modes(shapes)
     if frf.record is not None:
@@ -266,10 +267,10 @@ def _is_driven(name: str) -> bool:
 
 
 def _build_measured_mode(
-    one: ModeShape, chart: Stabilisation, points: Sequence[str]
+    mode_shape: ModeShape, chart: Stabilisation, points: Sequence[str]
 ) -> MeasuredMode:
-    mode, shape = one.mode, one.normalised
-    errors = one.residue_se / np.abs(one.residues).max()
+    mode, shape = mode_shape.mode, mode_shape.normalised
+    errors = mode_shape.residue_se / np.abs(mode_shape.residues).max()
     return MeasuredMode(
         mode.frequency,
         mode.damping_ratio,
@@ -290,10 +291,10 @@ def _build_measured_mode(
     )
 
 
-def _macs(one: Sequence[ModeShape], other: Sequence[ModeShape]) -> tuple[tuple[float, ...], ...]:
-    if not one or not other:
+def _macs(first: Sequence[ModeShape], second: Sequence[ModeShape]) -> tuple[tuple[float, ...], ...]:
+    if not first or not second:
         return ()
-    both = [np.column_stack([shape.residues for shape in some]) for some in (one, other)]
+    both = [np.column_stack([shape.residues for shape in some]) for some in (first, second)]
     return tuple(tuple(map(float, row)) for row in mac(*both))
 
 
@@ -302,22 +303,22 @@ def _match_modes(
 ) -> tuple[SameMode, ...]:
     """The mode of another set that each is found in again: the most alike of those nearby."""
     alike = _macs(shapes, others)
-    found = []
-    for i, one in enumerate(shapes):
+    modes = []
+    for i, shape in enumerate(shapes):
         near = [
             (
                 -alike[i][j] if several else 0.0,
-                abs(other.mode.frequency / one.mode.frequency - 1),
+                abs(other.mode.frequency / shape.mode.frequency - 1),
                 j,
             )
             for j, other in enumerate(others)
-            if abs(other.mode.frequency / one.mode.frequency - 1) < SAME_MODE
+            if abs(other.mode.frequency / shape.mode.frequency - 1) < SAME_MODE
         ]
         if near:
             j = min(near)[2]
             mode = others[j].mode
-            found.append(
+            modes.append(
                 SameMode(i + 1, j + 1, mode.frequency, mode.damping_ratio,
                          alike[i][j] if several else None)
             )  # fmt: skip
-    return tuple(found)
+    return tuple(modes)

@@ -8,21 +8,23 @@ from dashpot.report.page_content import Group, KindPage, Topic, lights
 from dashpot.report.result_pages.frf_pages import mode_rows
 
 
-def masses_page(found: ModesByMass) -> KindPage:
+def masses_page(modes: ModesByMass) -> KindPage:
     """What the page of one solid under several masses holds."""
-    of = found.together
+    of = modes.together
     facts = tuple(
         Group(format_with_error(mass, "g", digits=4), tuple(mode_rows(mode)))
         for mass, mode in zip(of.masses, of.modes, strict=True)
     )
     return KindPage(
         about=f"one solid under {format_count(len(of.masses), 'mass').replace('masss', 'masses')}",
-        strip=(("Masses", ", ".join(format_with_error(one, "g", digits=4) for one in of.masses)),),
-        lights=lights(found.checks, Topic("FRFs"), Topic("One solid", {"one_solid"})),
+        strip=(
+            ("Masses", ", ".join(format_with_error(mass, "g", digits=4) for mass in of.masses)),
+        ),
+        lights=lights(modes.checks, Topic("FRFs"), Topic("One solid", {"one_solid"})),
         answers="The response under each mass",
-        picture=found.plot(),
+        picture=modes.plot(),
         told="Resonance under each mass",
         groups=facts,
-        sources=tuple(dict.fromkeys(s for one in found.tests for s in one.frf.source)),
+        sources=tuple(dict.fromkeys(s for test in modes.tests for s in test.frf.source)),
         name="masses",
     )

@@ -51,9 +51,9 @@ def read_frfs(
     _refuse_twice(paths)
     names: list[str] = []
     frfs: list[FRF] = []
-    for one in paths:
-        stem = Path(one).stem
-        for point, frf in _points_in(one, options):
+    for name in paths:
+        stem = Path(name).stem
+        for point, frf in _points_in(name, options):
             frfs.append(frf)
             names.append(point if len(paths) == 1 else f"{stem} {point}".strip())
     if len(set(names)) < len(names) or not all(names):
@@ -61,12 +61,12 @@ def read_frfs(
     try:
         return FRFSet(tuple(frfs), tuple(names))
     except DataError as error:
-        raise DataError(f"{', '.join(Path(one).name for one in paths[:4])}: {error}") from None
+        raise DataError(f"{', '.join(Path(path).name for path in paths[:4])}: {error}") from None
 
 
 def _refuse_twice(paths: Sequence[str | Path]) -> None:
-    places = [Path(one).resolve() for one in paths]
-    twice = [one.name for i, one in enumerate(places) if one in places[:i]]
+    places = [Path(path).resolve() for path in paths]
+    twice = [place.name for i, place in enumerate(places) if place in places[:i]]
     if twice:
         raise ReadError(f"{twice[0]} is given twice; expected each point once")
 
@@ -76,7 +76,7 @@ def _points_in(path: str | Path, options: ReadOptions | None) -> Iterator[tuple[
     with channels.open_file(path, options, sure=False) as file:
         groups = _groups(file)
         if len(groups) > 1:
-            other = [one for one in file.table.doubts if one.option != SEGMENT]
+            other = [doubt for doubt in file.table.doubts if doubt.option != SEGMENT]
             if other:
                 raise ReadError(other[0].says)
             # an option that names columns or a part has left one group
@@ -110,36 +110,36 @@ def _group_repeated_pairs(
     # what does not stand there once for each is of none
     roles = [role for role in (*pair, "coherence", "sd") if len(of[role]) == len(first)]
     names = [_point(columns[i], pair[0]) or str(n) for n, i in enumerate(first, start=1)]
-    each = zip(*(of[role] for role in roles), strict=True)
-    named = [dict(zip(indexes, roles, strict=True)) for indexes in each]
+    pairs = zip(*(of[role] for role in roles), strict=True)
+    named = [dict(zip(indexes, roles, strict=True)) for indexes in pairs]
     ticks = {of["frequency"][0]: "frequency"}
     return [(name, ticks | group) for name, group in zip(names, named, strict=True)]
 
 
 def _find_role_columns(columns: Sequence[Column], options: ReadOptions) -> dict[str, list[int]]:
     """The columns that name each role, and those of standard deviations."""
-    found: dict[str, list[int]] = {
+    entries: dict[str, list[int]] = {
         role: [i for i, c in enumerate(columns) if score(c, role, options) >= _NAMED]
         for role in ("frequency", "coherence", *chain(*PAIRS))
     }
     sd = [i for i, c in enumerate(columns) if c.name.casefold().startswith("sd ")]
-    return found | {"sd": sd}
+    return entries | {"sd": sd}
 
 
 def _point(column: Column, role: Role) -> str:
     """What a column's name says besides its role: its point."""
     words = column.name.split()
-    kept = [w for w in words if score(Column(w), role, ReadOptions()) < _NAMED]
-    return " ".join(kept) if len(kept) < len(words) else ""
+    retained = [w for w in words if score(Column(w), role, ReadOptions()) < _NAMED]
+    return " ".join(retained) if len(retained) < len(words) else ""
 
 
 def _build_subset_frf(file: OpenedFile, chosen: dict[int, str]) -> FRF:
     """The FRF in some of a table's columns, as if there were no others."""
     indexes = list(chosen)
-    own = [replace(file.table.columns[i], name=chosen[i]) for i in indexes]
+    columns = [replace(file.table.columns[i], name=chosen[i]) for i in indexes]
     table = replace(
-        file.table, columns=tuple(own), doubts=(),
-        load=lambda asked: file.table.load([indexes[i] for i in asked]),
+        file.table, columns=tuple(columns), doubts=(),
+        load=lambda requested: file.table.load([indexes[i] for i in requested]),
     )  # fmt: skip
-    one = replace(file, table=table)
-    return build_frf(one, determine_frf_columns(one))
+    opened_file = replace(file, table=table)
+    return build_frf(opened_file, determine_frf_columns(opened_file))

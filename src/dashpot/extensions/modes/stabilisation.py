@@ -119,22 +119,22 @@ def _fractions(
     tick = ARC / (omega[-1] - omega[0])
     powers = np.exp(1j * tick * np.outer(omega - omega[0], np.arange(highest + 1)))
     # the equation's error is the scatter times the denominator, which is small at a peak
-    own = powers * (height / lines.sd)[..., None]
-    shown = -own * lines.value[..., None]
-    turned = own.conj().swapaxes(1, 2)
-    square = turned @ own
+    value = powers * (height / lines.sd)[..., None]
+    shown = -value * lines.value[..., None]
+    turned = value.conj().swapaxes(1, 2)
+    square = turned @ value
     size = np.trace(square, axis1=1, axis2=2).real / len(powers.T)
     square += NOTHING_NEW * size[:, None, None] * np.eye(len(powers.T))
     # its leading block is the factor of each lower order
     factor = np.linalg.cholesky(square)
     cross = np.linalg.solve(factor, turned @ shown)
     whole = (shown.conj().swapaxes(1, 2) @ shown).sum(axis=0)
-    found = []
+    pairs = []
     for order in range(1, highest + 1):
         k = order + 1
         by = cross[:, :k, :k]
-        left = whole[:k, :k] - (by.conj().swapaxes(1, 2) @ by).sum(axis=0)
-        c = np.append(1.0, -np.linalg.lstsq(left[1:, 1:], left[1:, 0], rcond=1e-14)[0])
+        residual = whole[:k, :k] - (by.conj().swapaxes(1, 2) @ by).sum(axis=0)
+        c = np.append(1.0, -np.linalg.lstsq(residual[1:, 1:], residual[1:, 0], rcond=1e-14)[0])
         z = np.roots(c[::-1])
         z = z[np.abs(z) > 0]
         angle = np.angle(z)
@@ -149,8 +149,8 @@ def _fractions(
         slope = (base[:, :-1] * np.arange(1, k)) @ c[1:] * z * tick
         numerators = -np.linalg.solve(factor[:, :k, :k].conj().swapaxes(1, 2), (by @ c)[..., None])
         residues = (base @ numerators)[..., 0] / slope
-        found.append((order, np.asarray(poles), residues))
-    return found
+        pairs.append((order, np.asarray(poles), residues))
+    return pairs
 
 
 def _states(

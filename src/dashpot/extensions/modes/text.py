@@ -15,14 +15,14 @@ if TYPE_CHECKING:
     from dashpot.extensions.modes.measured_modes import MeasuredModes
 
 
-def modes(found: MeasuredModes) -> Text:
+def modes(modes: MeasuredModes) -> Text:
     """Return each mode with its errors, where modes were sought, and of several points shapes."""
-    several = bool(found.points)
+    several = bool(modes.points)
     # the mass that moves is told by a point that is struck itself
     last = ["MPC", "MPD, deg"] if several else ["modal mass, kg"]
     rows = [["mode", "frequency, Hz", "damping ratio, %", "residue, m/(N s)", *last, "stable"]]
-    over_base = found.frf.quantity.over_base
-    for number, mode in enumerate(found.modes, start=1):
+    over_base = modes.frf.quantity.over_base
+    for number, mode in enumerate(modes.modes, start=1):
         rows.append(
             [
                 str(number),
@@ -32,66 +32,66 @@ def modes(found: MeasuredModes) -> Text:
                     if several
                     else [f"{mode.modal_mass:.4g}"]
                 ),
-                f"{mode.orders}/{found.highest_order}",
+                f"{mode.orders}/{modes.highest_order}",
             ]
         )
-    near = found.frf.band(*found.band)
-    at = f" at each of {len(found.points)} points" if found.points else ""
-    sought = f"  {len(near.frequency)} lines, {hertz(found.band)}, of the {found.frf.quantity}{at}"
+    near = modes.frf.band(*modes.band)
+    at = f" at each of {len(modes.points)} points" if modes.points else ""
+    sought = f"  {len(near.frequency)} lines, {hertz(modes.band)}, of the {modes.frf.quantity}{at}"
     unit = ["  residues and masses are those of 1 kg on the base"] if over_base else []
-    lines = [*(table(rows) if found.modes else ()), sought, *unit]
-    if found.points and found.modes:
-        lines += ["", *_shapes(found), "", *_macs(found)]
-    if found.against:
-        lines += ["", *_format_matched_modes(found)]
+    lines = [*(table(rows) if modes.modes else ()), sought, *unit]
+    if modes.points and modes.modes:
+        lines += ["", *_shapes(modes), "", *_macs(modes)]
+    if modes.against:
+        lines += ["", *_format_matched_modes(modes)]
     return Text(lines)
 
 
-def _shapes(found: MeasuredModes) -> list[str]:
+def _shapes(measured_modes: MeasuredModes) -> list[str]:
     """Every point's part in every mode, as magnitude and phase."""
-    rows = [["point", *(f"mode {i + 1}" for i in range(len(found.modes)))]]
-    for i, point in enumerate(found.points):
-        values = [complex(mode.shape[i].real, mode.shape[i].imag) for mode in found.modes]
+    rows = [["point", *(f"mode {i + 1}" for i in range(len(measured_modes.modes)))]]
+    for i, point in enumerate(measured_modes.points):
+        values = [complex(mode.shape[i].real, mode.shape[i].imag) for mode in measured_modes.modes]
         rows.append(
             [point, *(f"{abs(v):.3f} {math.degrees(cmath.phase(v)):+4.0f} deg" for v in values)]
         )
     return table(rows)
 
 
-def _macs(found: MeasuredModes) -> list[str]:
+def _macs(measured_modes: MeasuredModes) -> list[str]:
     """Modal assurance criterion of each mode with each."""
-    numbers = [str(i + 1) for i in range(len(found.modes))]
+    numbers = [str(i + 1) for i in range(len(measured_modes.modes))]
     rows = [["MAC", *numbers]]
     rows += [[name, *(f"{value:.3f}" for value in row)]
-             for name, row in zip(numbers, found.mac, strict=True)]  # fmt: skip
+             for name, row in zip(numbers, measured_modes.mac, strict=True)]  # fmt: skip
     return table(rows)
 
 
-def _format_matched_modes(found: MeasuredModes) -> list[str]:
+def _format_matched_modes(measured_modes: MeasuredModes) -> list[str]:
     """The modes that another test has too."""
     rows = [["mode", "there", "frequency there, Hz", "change, %", "damping there, %", "MAC"]]
-    for one in found.against:
-        change = one.frequency_hz / found.modes[one.mode - 1].frequency_hz - 1
+    for mode in measured_modes.against:
+        change = mode.frequency_hz / measured_modes.modes[mode.mode - 1].frequency_hz - 1
         rows.append(
             [
-                str(one.mode),
-                str(one.other),
-                f"{one.frequency_hz:.5g}",
+                str(mode.mode),
+                str(mode.other),
+                f"{mode.frequency_hz:.5g}",
                 f"{100 * change:+.2g}",
-                f"{100 * one.damping_ratio:.3g}",
-                "" if one.mac is None else f"{one.mac:.3f}",
+                f"{100 * mode.damping_ratio:.3g}",
+                "" if mode.mac is None else f"{mode.mac:.3f}",
             ]
         )
     return table(rows)
 
 
-def modes_by_mass(found: ModesByMass) -> Text:
+def modes_by_mass(modes_by_mass: ModesByMass) -> Text:
     """Return the main mode under each mass, the stiffness there, and how near one solid comes."""
-    held = found.together
+    held = modes_by_mass.together
     modes = [["mass, g", "frequency, Hz", "damping ratio, %"]]
     at_poles = [["mass, g", "K', N/mm", "K'', N/mm", "model K', %", "model K'', %"]]
-    each = zip(held.masses, held.modes, held.stiffness, held.spread, held.at_poles, strict=True)
-    for mass, mode, k, se, solid in each:
+    pairs = zip(held.masses, held.modes, held.stiffness, held.spread, held.at_poles, strict=True)
+    for mass, mode, k, se, solid in pairs:
         name = f"{convert_to_unit(mass, 'g'):.5g}"
         modes.append([name, *(fact.cells.ascii.with_error for fact in mode.facts[:2])])
         at_poles.append(

@@ -22,15 +22,15 @@ PAPER_FILES = (
 def run(folder: Path, seed: int) -> CommandResult:
     """Make the paper's equations, figures and table again, each beside its statement."""
     claim(folder / name for name in PAPER_FILES)
-    found = reproduce(seed)
-    for name, text in paper_records(found).items():
+    reproduction = reproduce(seed)
+    for name, text in paper_records(reproduction).items():
         write(folder / name, text)
-    for name, picture in paper_pictures(found).items():
+    for name, picture in paper_pictures(reproduction).items():
         write(folder / f"{name}.svg", dp.plot.rendered(picture, "svg"))
-    write(folder / "paper.json", json.dumps(found.document, indent=2) + "\n")
-    write(folder / "paper.html", paper_page(found))
+    write(folder / "paper.json", json.dumps(reproduction.document, indent=2) + "\n")
+    write(folder / "paper.html", paper_page(reproduction))
     record = folder / "paper.csv"
     follow = format_command(
         "fit", record, "--arms", 2, "--method", "hold", why="the paper's fit, by hand"
     )
-    return CommandResult(found, render_reproduction(found), follow=follow)
+    return CommandResult(reproduction, render_reproduction(reproduction), follow=follow)

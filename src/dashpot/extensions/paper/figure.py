@@ -43,7 +43,7 @@ def figure_2(test: RelaxationTest, contact: float, *, stamp: str = "") -> Pictur
     """
     t = test.time - contact
     axis = Scale(CLOCK, (float(t[0]), float(t[-1])))
-    moved, force = convert_to_unit(test.displacement, "mm"), test.force
+    displacement, force = convert_to_unit(test.displacement, "mm"), test.force
     top = int(np.argmax(force))
     highest = Tag(
         float(t[top]),
@@ -56,8 +56,8 @@ def figure_2(test: RelaxationTest, contact: float, *, stamp: str = "") -> Pictur
     panels = (
         Panel(
             axis,
-            Scale("displacement, mm", compute_padded_limits(moved)),
-            (Line(*downsample_to_extremes(t, moved, bins=BINS), DATA),),
+            Scale("displacement, mm", compute_padded_limits(displacement)),
+            (Line(*downsample_to_extremes(t, displacement, bins=BINS), DATA),),
             title="a: displacement",
             height=110,
         ),
@@ -107,13 +107,13 @@ def figure_4(
             "measured",
         )
     ]
-    left = []
+    panels = []
     for (name, time, force), pen in zip(fits, pens, strict=True):
         marks.append(Line(*downsample_to_extremes(time, force, bins=BINS, log=True), pen, name))
         off = convert_to_unit(np.interp(time, t, test.force) - force, "mN")
         rms = round_to_error(float(np.sqrt(np.mean(off**2))), digits=3)
         label = "left, mN"
-        left.append(
+        panels.append(
             Panel(
                 x,
                 Scale(label, compute_padded_limits(off, np.array([-1.0, 1.0]))),
@@ -130,11 +130,11 @@ def figure_4(
         )
     upper = Panel(
         x,
-        Scale("force, N", compute_padded_limits(drawn, *(one[2] for one in fits))),
+        Scale("force, N", compute_padded_limits(drawn, *(fit[2] for fit in fits))),
         tuple(marks),
         height=230,
     )
     caption = (
         "Force while the seal is held, with N = 1 and N = 2 fitted to it, and what each leaves."
     )
-    return Picture("figure-4", caption, ((upper, *left),), 1, stamp)
+    return Picture("figure-4", caption, ((upper, *panels),), 1, stamp)

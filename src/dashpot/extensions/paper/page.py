@@ -28,42 +28,44 @@ PARTS = {
 """Headings of the tables of statements."""
 
 
-def paper_page(found: Reproduction) -> str:
+def paper_page(reproduction: Reproduction) -> str:
     """Return the page as one self-contained HTML file.
 
     Parameters
     ----------
-    found : Reproduced
+    reproduction : Reproduced
         What ``dashpot demo --paper`` made.
     """
     contents = {
         **frame(),
         "title": TITLE,
         "verdict": None,
-        "colour": "good" if found.reproduced else "bad",
-        "word": "Reproduced" if found.reproduced else "Not reproduced",
-        "says": found.says,
+        "colour": "good" if reproduction.reproduced else "bad",
+        "word": "Reproduced" if reproduction.reproduced else "Not reproduced",
+        "says": reproduction.says,
         "figures": {
-            name: render_figure(one, width=HALF) for name, one in paper_pictures(found).items()
+            name: render_figure(picture, width=HALF)
+            for name, picture in paper_pictures(reproduction).items()
         },
-        "table_1": table_1(found.table),
-        "parts": {part: (PARTS[part], statements(found.rows, part)) for part in PARTS},
-        "link": encode_data_uri("application/json", json.dumps(found.document, indent=2)),
+        "table_1": table_1(reproduction.table),
+        "parts": {part: (PARTS[part], statements(reproduction.rows, part)) for part in PARTS},
+        "link": encode_data_uri("application/json", json.dumps(reproduction.document, indent=2)),
     }
     return str(environment("dashpot.extensions.paper").get_template("paper.html").render(contents))
 
 
-def paper_pictures(found: Reproduction) -> dict[str, Picture]:
+def paper_pictures(reproduction: Reproduction) -> dict[str, Picture]:
     """The paper's figures by file name: 2, 4 and 6."""
     fits = [
-        (f"N = {one.solid.arms}", one.time, one.force) for one in (found.one_arm, found.two_arms)
+        (f"N = {hold_fit.solid.arms}", hold_fit.time, hold_fit.force)
+        for hold_fit in (reproduction.one_arm, reproduction.two_arms)
     ]
-    study = found.study
+    study = reproduction.study
     assert study.comparison is not None  # noqa: S101
     sixth = plot.comparison(study.comparison, band=study.frf_band, stamp=STAMP)
     return {
-        "figure_2": figure_2(found.ideal, BEFORE, stamp=STAMP),
-        "figure_4": figure_4(found.ideal, BEFORE, fits, stamp=STAMP),
+        "figure_2": figure_2(reproduction.ideal, BEFORE, stamp=STAMP),
+        "figure_4": figure_4(reproduction.ideal, BEFORE, fits, stamp=STAMP),
         "figure_6": replace(sixth, name="figure-6"),
     }
 
@@ -75,17 +77,17 @@ def table_1(table: Sequence[Coefficient]) -> TextTable:
         "virtual rig, whole history", "virtual rig, hold alone",
     )  # fmt: skip
     rows, marks = [], []
-    for one in table:
-        unit = one.full.word
+    for item in table:
+        unit = item.full.word
         printed, exact, coarse = (
-            convert_to_unit(value, one.full.reading)
-            for value in (one.printed, one.noise_free, one.quantised)
+            convert_to_unit(value, item.full.reading)
+            for value in (item.printed, item.noise_free, item.quantised)
         )
         rows.append((
-            one.full.symbol, unit, f"{printed:.4f}", round_to_error(exact, digits=9),
-            round_to_error(coarse, digits=7), _format_fact(one.full), _format_fact(one.hold),
+            item.full.symbol, unit, f"{printed:.4f}", round_to_error(exact, digits=9),
+            round_to_error(coarse, digits=7), _format_fact(item.full), _format_fact(item.hold),
         ))  # fmt: skip
-        marks.append("" if all(one.held) else "doubt")
+        marks.append("" if all(item.held) else "doubt")
     return TextTable(head, tuple(rows), tuple(marks))
 
 

@@ -201,10 +201,10 @@ class Reproduction(Serialisable):
     def says(self) -> str:
         """What was found, in a sentence or two."""
         compared = [row for row in self.rows if row.holds is not None]
-        kept = sum(bool(row.holds) for row in compared)
-        held = [sum(one.held[i] for one in self.table) for i in (0, 1)]
+        total = sum(bool(row.holds) for row in compared)
+        held = [sum(coefficient.held[i] for coefficient in self.table) for i in (0, 1)]
         return (
-            f"{kept} of {len(compared)} statements of the paper come out to their tolerance. On "
+            f"{total} of {len(compared)} statements of the paper come out to their tolerance. On "
             f"the virtual rig {held[0]} of {len(self.table)} numbers of Table 1 lie in their 95 % "
             f"interval by the whole history, {held[1]} by the hold alone."
         )
@@ -220,7 +220,7 @@ def reproduce(seed: int = 0) -> Reproduction:
     """
     send_progress("eqs. (1) to (7)")
     ideal = ideal_test()
-    one, two = (fit_hold_phase(ideal, arms) for arms in (1, 2))
+    hold_fit, two = (fit_hold_phase(ideal, arms) for arms in (1, 2))
     coarse = fit_hold_phase(quantise_force(ideal), 2)
     send_progress("the virtual rig and hammer")
     rig = simulate_relaxation(PAPER, depth=DEPTH, ramp_time=RAMP, hold_time=HOLD, seed=seed)
@@ -238,7 +238,7 @@ def reproduce(seed: int = 0) -> Reproduction:
         seed=seed,
         rows=(
             *_equations(),
-            *_compare_test_figures(ideal, one, two, coarse),
+            *_compare_test_figures(ideal, hold_fit, two, coarse),
             *_compare_mass_figures(top, study),
             *_misprints(top[1]),
             *UNSAID,
@@ -249,7 +249,7 @@ def reproduce(seed: int = 0) -> Reproduction:
         peak=top,
         receptance_peak=lower,
         mode=(mode.frequency, mode.damping_ratio),
-        one_arm=one,
+        one_arm=hold_fit,
         two_arms=two,
         quantised=coarse,
         ideal=ideal,
@@ -277,13 +277,13 @@ def quantise_force(test: RelaxationTest) -> RelaxationTest:
     return replace(test, force=QUANTUM * np.round(test.force / QUANTUM))
 
 
-def paper_records(found: Reproduction) -> dict[str, str]:
+def paper_records(reproduction: Reproduction) -> dict[str, str]:
     """The records by file name, each with what it is, and the truths of the virtual ones."""
     what = (byline("simulated by eq. (1) of the paper, not a measurement"),)
-    bench, hammer = found.rig, found.hammer
+    bench, hammer = reproduction.rig, reproduction.hammer
     return {
-        "paper.csv": write_relaxation(found.ideal, comments=what),
-        "paper_steps.csv": write_relaxation(quantise_force(found.ideal), comments=what),
+        "paper.csv": write_relaxation(reproduction.ideal, comments=what),
+        "paper_steps.csv": write_relaxation(quantise_force(reproduction.ideal), comments=what),
         "paper_rig.csv": write_relaxation(bench.test, comments=stamp(bench.truth)),
         "paper_rig.truth.json": truth_json(bench.truth),
         "paper_hammer.csv": write_impact(hammer.test, comments=stamp(hammer.truth)),
@@ -298,17 +298,19 @@ def fit_hold_phase(test: RelaxationTest, arms: int) -> HoldFit:
     """
     t = test.time - BEFORE
     held = t > RAMP
-    found = exponential_sum(t[held], test.force[held], terms=arms, constant=True)
-    rates, sizes = np.array(found.rates), np.array(found.amplitudes)
+    new_exponential_sum = exponential_sum(t[held], test.force[held], terms=arms, constant=True)
+    rates, sizes = np.array(new_exponential_sum.rates), np.array(new_exponential_sum.amplitudes)
     b = sizes / (SPEED * np.expm1(RAMP * rates))
     fast_first = np.argsort(-rates)
     solid = GeneralizedMaxwell(
-        found.constant / DEPTH, tuple((b * rates)[fast_first]), tuple((1 / rates)[fast_first])
+        new_exponential_sum.constant / DEPTH,
+        tuple((b * rates)[fast_first]),
+        tuple((1 / rates)[fast_first]),
     )
-    said = found.constant + np.exp(-np.outer(t[held], rates)) @ sizes
-    left = said - test.force[held]
-    rms = float(np.sqrt(np.mean(left**2)))
-    return HoldFit(solid, t[held], said, rms, float(np.max(np.abs(left))))
+    stated = new_exponential_sum.constant + np.exp(-np.outer(t[held], rates)) @ sizes
+    residual = stated - test.force[held]
+    rms = float(np.sqrt(np.mean(residual**2)))
+    return HoldFit(solid, t[held], stated, rms, float(np.max(np.abs(residual))))
 
 
 def peak_of(kind: Kind) -> tuple[float, float]:
@@ -320,19 +322,19 @@ def peak_of(kind: Kind) -> tuple[float, float]:
         return float(np.abs(frf.value[0]))
 
     about = (0.99 * PRINTED_HZ, 1.01 * PRINTED_HZ)
-    found = minimize_scalar(
+    solution = minimize_scalar(
         lambda hz: -height(hz), bounds=about, method="bounded", options={"xatol": 1e-12}
     )
-    return float(found.x), height(found.x)
+    return float(solution.x), height(solution.x)
 
 
 def _ramp(t: FloatArray) -> FloatArray:
     return PAPER.ramp_hold_force(t, depth=DEPTH, ramp_time=RAMP)
 
 
-def _compute_largest_deviation(one: FloatArray, other: FloatArray) -> float:
+def _compute_largest_deviation(first: FloatArray, second: FloatArray) -> float:
     """The largest difference, as a part of the value."""
-    return float(np.max(np.abs(one - other) / np.abs(other)))
+    return float(np.max(np.abs(first - second) / np.abs(second)))
 
 
 # -- statements -----------------------------------------------------------------------------------
@@ -343,8 +345,8 @@ def _equations() -> Iterator[Statement]:
     ours, late = _ramp(t), t[t > RAMP]
     how = {"speed": SPEED, "c": RAMP}
 
-    def row(name: str, paper: str, found: str, off: float, tolerance: float) -> Statement:
-        return Statement("equation", name, paper, found, off, tolerance)
+    def row(name: str, paper: str, text: str, off: float, tolerance: float) -> Statement:
+        return Statement("equation", name, paper, text, off, tolerance)
 
     yield row(
         "eq. (1)", "force of ramp and hold: A [z(t) - z(t - c) u(t - c)]",
@@ -371,13 +373,13 @@ def _equations() -> Iterator[Statement]:
         1e-13,
     )
     two, s = PRINTED.times(SEALS), 2j * np.pi * np.array(LINES)
-    apart = [_transfer(two, s + sigma) for sigma in SHIFTS]
-    pole = max(two.poles(mass=PAPER_MASS), key=lambda one: one.imag)
+    differences = [_transfer(two, s + sigma) for sigma in SHIFTS]
+    pole = max(two.poles(mass=PAPER_MASS), key=lambda item: item.imag)
     yield row(
         "eq. (6)", "displacement over force of a mass on the seal",
         f"{round_to_error(abs(pole) / (2 * math.pi), digits=8)} Hz and a damping ratio of "
         f"{round_to_error(-pole.real / abs(pole), digits=6)}, for two seals",
-        max(apart), 1e-9,
+        max(differences), 1e-9,
     )  # fmt: skip
     accelerance = predict_frf(SEALS * PAPER, mass=PAPER_MASS, frequency=LINES)
     yield row(
@@ -401,13 +403,13 @@ def _transfer(two: Coefficients, s: np.ndarray) -> float:
 
 
 def _build_figure_statement(
-    name: str, paper: str, found: str, off: float, tolerance: float
+    name: str, paper: str, text: str, off: float, tolerance: float
 ) -> Statement:
-    return Statement("figure", name, paper, found, off, tolerance)
+    return Statement("figure", name, paper, text, off, tolerance)
 
 
 def _compare_test_figures(
-    ideal: RelaxationTest, one: HoldFit, two: HoldFit, coarse: HoldFit
+    ideal: RelaxationTest, fit: HoldFit, two: HoldFit, coarse: HoldFit
 ) -> Iterator[Statement]:
     """Figs. 1 to 4."""
     yield Statement(
@@ -429,11 +431,11 @@ def _compare_test_figures(
     )  # fmt: skip
     yield _build_figure_statement(
         "Fig. 4, N = 1", "does not follow the hold",
-        f"leaves {round_to_error(convert_to_unit(one.rms, 'mN'), digits=8)} mN rms and "
-        f"{round_to_error(convert_to_unit(one.worst, 'mN'), digits=6)} mN where the hold begins; "
-        f"k_inf {round_to_error(convert_to_unit(one.solid.k_inf, 'N/mm'), digits=8)} N/mm. Off: N "
+        f"leaves {round_to_error(convert_to_unit(fit.rms, 'mN'), digits=8)} mN rms and "
+        f"{round_to_error(convert_to_unit(fit.worst, 'mN'), digits=6)} mN where the hold begins; "
+        f"k_inf {round_to_error(convert_to_unit(fit.solid.k_inf, 'N/mm'), digits=8)} N/mm. Off: N "
         "= 2 over it",
-        coarse.rms / one.rms, 0.05,
+        coarse.rms / fit.rms, 0.05,
     )  # fmt: skip
 
 
@@ -457,8 +459,8 @@ def _compare_mass_figures(top: tuple[float, float], study: Study) -> Iterator[St
 
 
 def _misprints(top: float) -> Iterator[Statement]:
-    def row(name: str, paper: str, found: str) -> Statement:
-        return Statement("misprint", name, paper, found)
+    def row(name: str, paper: str, text: str) -> Statement:
+        return Statement("misprint", name, paper, text)
 
     yield row(
         "eq. (7)", "a magnitude with the factor (-w^2)",
@@ -482,23 +484,23 @@ def _misprints(top: float) -> Iterator[Statement]:
         f"two carry it: one peaks at {round_to_error(find_peak(single).frequency, digits=6)} Hz",
     )  # fmt: skip
     heights = [_peak_with_damping(factor) for factor in FACTORS]
-    told = ", ".join(
+    sentence = ", ".join(
         f"x {factor:g} {round_to_error(height, digits=5)}"
         for factor, height in zip(FACTORS, heights, strict=True)
     )
     yield row(
         "Fig. 6", "more damping by slightly changed damping values",
         f"the wrong way: at 12.71 Hz both arms are glassy, so a larger b damps less. Peak, 1/kg, "
-        f"with every b_j {told}. No factor keeps the relaxation curve",
+        f"with every b_j {sentence}. No factor keeps the relaxation curve",
     )  # fmt: skip
-    told = ", ".join(
+    sentence = ", ".join(
         f"{step:g} Hz {round_to_error(seen, digits=4)} "
         f"({round_to_error(100 * seen / top, digits=2)} %)"
         for step, seen in ((step, peak_on_grid(step)) for step in GRIDS)
     )
     yield row(
         "Fig. 6", "the peak may be cut by the sampling rate",
-        f"by the length of the record: read at lines apart by {told}. A mismatch of this size "
+        f"by the length of the record: read at lines apart by {sentence}. A mismatch of this size "
         "proves no damping where the lines are 0.25 Hz apart or more",
     )  # fmt: skip
 
@@ -517,8 +519,8 @@ def peak_on_grid(step: float) -> float:
 
 
 UNSAID = tuple(
-    Statement("unsaid", name, "not given", found)
-    for name, found in (
+    Statement("unsaid", name, "not given", text)
+    for name, text in (
         ("the block's mass", f"12.71 Hz takes {convert_to_unit(PAPER_MASS, 'g'):.4f} g on two "
                              "seals"),
         ("the length of seal under plate and block", "taken as equal"),
@@ -536,14 +538,14 @@ def _table(
     printed = [("k_inf", "N/m", PRINTED.k_inf)]
     for unit, letter, values in (("N/m", "k", PRINTED.k), ("N s/m", "b", PRINTED.b)):
         printed += [(f"{letter}_{j}", unit, value) for j, value in enumerate(values, 1)]
-    full, hold = (_get_facts_by_name(one) for one in (study.fit, study.hold_fit))
+    full, hold = (_get_facts_by_name(fit) for fit in (study.fit, study.hold_fit))
     for name, unit, value in printed:
         mine, theirs = (_coefficient(solid, name) for solid in (exact, coarse))
         yield Coefficient(name, unit, value, mine, theirs, full[name], hold[name])
 
 
-def _get_facts_by_name(one: Fit | None) -> dict[str, ReportedValue]:
-    return {} if one is None else {fact.name: fact for fact in one.known}
+def _get_facts_by_name(fit: Fit | None) -> dict[str, ReportedValue]:
+    return {} if fit is None else {fact.name: fact for fact in fit.known}
 
 
 def _coefficient(solid: GeneralizedMaxwell, name: str) -> float:

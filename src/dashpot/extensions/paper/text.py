@@ -11,20 +11,20 @@ if TYPE_CHECKING:
     from dashpot.extensions.paper.reproduction import Coefficient, Reproduction, Statement
 
 
-def render_reproduction(found: Reproduction) -> Text:
+def render_reproduction(reproduction: Reproduction) -> Text:
     """Return what came out, Table 1 as printed and as found, and every statement."""
     head = ("Table 1", "printed", "virtual rig, 95 %", "by the hold alone, 95 %", "unit")
-    rows = [head, *map(_row, found.table)]
-    word = "reproduced" if found.reproduced else "not reproduced"
-    lines = [f"The paper is {word}: {found.says}", "", *table(rows)]
-    details = ["", *(line for row in found.rows for line in _statement(row))]
+    rows = [head, *map(_row, reproduction.table)]
+    word = "reproduced" if reproduction.reproduced else "not reproduced"
+    lines = [f"The paper is {word}: {reproduction.says}", "", *table(rows)]
+    details = ["", *(line for row in reproduction.rows for line in _statement(row))]
     return Text(lines, details)
 
 
-def _row(one: Coefficient) -> tuple[str, ...]:
-    printed = f"{convert_to_unit(one.printed, one.full.reading):.4f}"
-    intervals = (fact.cells.interval for fact in (one.full, one.hold))
-    return (one.name, printed, *intervals, one.full.cells.unit)
+def _row(coefficient: Coefficient) -> tuple[str, ...]:
+    printed = f"{convert_to_unit(coefficient.printed, coefficient.full.reading):.4f}"
+    intervals = (fact.cells.interval for fact in (coefficient.full, coefficient.hold))
+    return (coefficient.name, printed, *intervals, coefficient.full.cells.unit)
 
 
 def _statement(row: Statement) -> list[str]:

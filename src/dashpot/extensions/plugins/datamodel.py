@@ -50,12 +50,14 @@ class PluggedTest(EqualByValue, HasSummary):
     @property
     def series(self) -> Series:
         """Its columns by their names."""
-        return {one.role or one.name: (one.values, one.unit) for one in self.columns}
+        return {column.role or column.name: (column.values, column.unit) for column in self.columns}
 
     @property
     def described(self) -> tuple[str, ...]:
         """Which file it is, and its columns."""
-        named = ", ".join(f"{one.role or one.name} [{one.unit or '?'}]" for one in self.columns)
+        named = ", ".join(
+            f"{column.role or column.name} [{column.unit or '?'}]" for column in self.columns
+        )
         return describe_record_source(
             self.source, len(self.columns[0].values)
         ), f"for '{self.kind}': {named}"

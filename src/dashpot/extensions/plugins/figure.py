@@ -14,25 +14,25 @@ from dashpot.plot.provenance_stamp import stamp as stamped
 _HEIGHT = 60.0
 
 
-def draw_plugin_result(found: PluggedFit, *, stamp: str = "") -> Picture:
+def draw_plugin_result(fit: PluggedFit, *, stamp: str = "") -> Picture:
     """Every number of a plug-in with its interval, one below the other.
 
     Parameters
     ----------
-    found : PluggedFit
+    fit : PluggedFit
     stamp : str
         What the figure says of its origin; by default the files.
     """
-    origin = stamped(found.sources) if found.sources else ""
-    caption = f"Numbers of '{found.kind}' of {found.by}, each with its interval."
-    panels = tuple((_panel(one),) for one in found.found)
+    origin = stamped(fit.sources) if fit.sources else ""
+    caption = f"Numbers of '{fit.kind}' of {fit.by}, each with its interval."
+    panels = tuple((_panel(fact),) for fact in fit.found)
     return Picture("plugged", caption, panels, 1, stamp or origin)
 
 
 def _panel(fact: ReportedValue) -> Panel:
-    value, low, high = (fact.shown(one) for one in (fact.value, fact.low, fact.high))
-    ends = [one for one in (low, high) if math.isfinite(one)]
-    reach = max([abs(one - value) for one in ends] + [0.1 * abs(value) or 1.0])
+    value, low, high = (fact.shown(number) for number in (fact.value, fact.low, fact.high))
+    ends = [number for number in (low, high) if math.isfinite(number)]
+    reach = max([abs(end - value) for end in ends] + [0.1 * abs(value) or 1.0])
     label = f"{fact.called}, {fact.word or '1'}"
     across = Scale(label, (value - 1.2 * reach, value + 1.2 * reach))
     marks = [Dots(np.array([value]), np.array([0.5]), "fit", "value")]

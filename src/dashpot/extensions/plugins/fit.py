@@ -40,24 +40,29 @@ def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
     plugin = plugins.require_plugin("kinds", test.kind)
     module = plugin.load()
     columns = [
-        {"name": one.name, "role": one.role, "unit": one.unit, "values": one.values.tolist()}
-        for one in test.columns
+        {
+            "name": column.name,
+            "role": column.role,
+            "unit": column.unit,
+            "values": column.values.tolist(),
+        }
+        for column in test.columns
     ]
     try:
-        found = module.fit(columns, {"file": test.source.file if test.source else ""})
+        entries = module.fit(columns, {"file": test.source.file if test.source else ""})
     except Exception as error:  # noqa: BLE001  others' code may raise anything
         plugin.failed(error)
-    if not isinstance(found, dict):
-        plugin.wrong(f"a {type(found).__name__}", _EXPECTED)
-    strange = sorted(map(str, found.keys() - _KNOWN))
+    if not isinstance(entries, dict):
+        plugin.wrong(f"a {type(entries).__name__}", _EXPECTED)
+    strange = sorted(map(str, entries.keys() - _KNOWN))
     if strange:
         plugin.wrong(f"the key '{strange[0]}'", _EXPECTED)
-    facts = tuple(_fact(plugin, one) for one in plugins.items(plugin, found, "numbers"))
+    facts = tuple(_fact(plugin, entry) for entry in plugins.items(plugin, entries, "numbers"))
     if not facts:
         plugin.wrong("no numbers", _EXPECTED)
-    own = tuple(_check(plugin, one) for one in plugins.items(plugin, found, "checks"))
-    checks = (*own, *caution_checks(sources_of(records)))
-    notes = plugins.texts(plugin, found, "notes")
+    all_checks = tuple(_check(plugin, entry) for entry in plugins.items(plugin, entries, "checks"))
+    checks = (*all_checks, *caution_checks(sources_of(records)))
+    notes = plugins.texts(plugin, entries, "notes")
     return PluggedFit(
         plugin.name, plugin.package_version, facts, checks, notes, sources_of(records)
     )
@@ -68,8 +73,8 @@ def _fact(plugin: Plugin, item: Mapping[str, Any]) -> ReportedValue:
     if not name.isidentifier():
         plugin.wrong(f"a number called '{name}'", "an identifier, such as peel_force")
     unit = plugins.word(plugin, item, "unit", "")
-    known = units.find_unit(unit) if unit else None
-    if unit and (known is None or known.factor != 1.0 or known.offset):
+    resolved_unit = units.find_unit(unit) if unit else None
+    if unit and (resolved_unit is None or resolved_unit.factor != 1.0 or resolved_unit.offset):
         plugin.wrong(f"'{name}' in '{unit}'", "a unit of SI that dashpot knows, or none")
     value = _number(plugin, item, "value", name)
     words = plugins.word(plugin, item, "words", "")
@@ -88,10 +93,10 @@ def _fact(plugin: Plugin, item: Mapping[str, Any]) -> ReportedValue:
 
 
 def _number(plugin: Plugin, item: Mapping[str, Any], key: str, name: str) -> float:
-    found = item.get(key)
-    if isinstance(found, bool) or not isinstance(found, int | float) or not math.isfinite(found):
-        plugin.wrong(f"'{name}' whose {key} is {found!r:.40}", "a finite number")
-    return float(found)
+    value = item.get(key)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        plugin.wrong(f"'{name}' whose {key} is {value!r:.40}", "a finite number")
+    return float(value)
 
 
 def _check(plugin: Plugin, item: Mapping[str, Any]) -> Check:

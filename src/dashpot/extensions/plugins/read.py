@@ -26,7 +26,7 @@ def read_plugged(path: str | Path, *, options: ReadOptions | None = None) -> Plu
     """
     with channels.open_file(path, options) as opened:
         every = opened.table.columns
-        numeric = [i for i, one in enumerate(every) if one.content in {"number", "clock"}]
+        numeric = [i for i, column in enumerate(every) if column.content in {"number", "clock"}]
         if not numeric:
             raise ReadError("no column of numbers is in it; expected at least one")
         roles = _roles(opened)
@@ -34,30 +34,32 @@ def read_plugged(path: str | Path, *, options: ReadOptions | None = None) -> Plu
         columns = []
         for place, index in enumerate(numeric):
             role, name = roles.get(index), every[index].name.strip().casefold()
-            told = opened.options.by_name().get(name, every[index].unit)
-            word = opened.unit_word(index, role) if role else told
-            known = units.find_unit(word) if word else None
+            text = opened.options.by_name().get(name, every[index].unit)
+            word = opened.unit_word(index, role) if role else text
+            unit = units.find_unit(word) if word else None
             values = loaded.values[:, place].copy()
             columns.append(
                 PluggedColumn(
                     every[index].label(index + 1),
                     role or "",
-                    "" if known is None else units.si_unit(known.dimension).word,
-                    values if known is None else channels.si(values, known),
+                    "" if unit is None else units.si_unit(unit.dimension).word,
+                    values if unit is None else channels.si(values, unit),
                 )
             )
         notes = [*opened.table.notes, *loaded.notes]
-        said = [f"{one.role or '-'}: {one.name} [{one.unit or '?'}]" for one in columns]
+        sentences = [
+            f"{column.role or '-'}: {column.name} [{column.unit or '?'}]" for column in columns
+        ]
         return PluggedTest(
-            opened.options.kind or "", tuple(columns), channels.source(opened, said, notes)
+            opened.options.kind or "", tuple(columns), channels.source(opened, sentences, notes)
         )
 
 
 def _roles(file: OpenedFile) -> dict[int, Role]:
     """The columns that surely play a role, by index; the likelier role comes first."""
-    found: dict[int, Role] = {}
+    entries: dict[int, Role] = {}
     for role in RECOGNISED["plug-in"].roles:
-        one = assign(file.table, role, file.options)
-        if not isinstance(one, Question):
-            found.setdefault(one.index, role)
-    return found
+        answer = assign(file.table, role, file.options)
+        if not isinstance(answer, Question):
+            entries.setdefault(answer.index, role)
+    return entries

@@ -60,16 +60,18 @@ Half-written files of killed runs are listed, in any folder of results.
 )
 def command(*, project: str, expect: str | None) -> CommandResult:
     """Recompute every result; leave with 1 if anything differs."""
-    left = find_partial_files(project)
+    paths = find_partial_files(project)
     if click.get_current_context().obj.replace:
-        for one in left:
-            one.unlink(missing_ok=True)
+        for path in paths:
+            path.unlink(missing_ok=True)
     try:
         place = workflow.open_project(project)
     except ReadError:
-        if not left or expect is not None:
+        if not paths or expect is not None:
             raise
-        return _make_cleanup_result(project, [one.relative_to(project).as_posix() for one in left])
+        return _make_cleanup_result(
+            project, [path.relative_to(project).as_posix() for path in paths]
+        )
     checks = workflow.verify(place, page=workflow.html, expect=expect)
     every = [
         f"  {'ok' if check.passed else '--'}  {check.says}" for check in checks if not check.failed
@@ -79,18 +81,18 @@ def command(*, project: str, expect: str | None) -> CommandResult:
         Text([f"history {place.head}"], every),
         checks,
         must_pass=True,
-        verdict=verdict(checks, sound=_format_headline(checks)),
+        verdict=verdict(checks, headline=_format_headline(checks)),
     )
 
 
-def _make_cleanup_result(folder: str, left: list[str]) -> CommandResult:
+def _make_cleanup_result(folder: str, remaining: list[str]) -> CommandResult:
     """What is said of a folder that is no project."""
     check = workflow.check_half_written_files(Path(folder))
-    found = Verification(folder, "", (check,))
+    verification = Verification(folder, "", (check,))
     did = "left" if check.failed else "cleared"
-    gone = f"{format_count(len(left), 'half-written file')} {did}"
-    text = Text([f"{did} {one}" for one in left], [])
-    return CommandResult(found, text, (check,), verdict=verdict((check,), sound=gone))
+    gone = f"{format_count(len(remaining), 'half-written file')} {did}"
+    text = Text([f"{did} {name}" for name in remaining], [])
+    return CommandResult(verification, text, (check,), verdict=verdict((check,), headline=gone))
 
 
 def _format_headline(checks: Iterable[Check]) -> str:

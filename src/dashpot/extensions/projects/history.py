@@ -101,15 +101,15 @@ class History:
     @property
     def is_truncated(self) -> bool:
         """Whether lines were cut off its end."""
-        kept = self.written <= len(self.lines)
-        return not (kept and self.head in {"", *(line.hash for line in self.lines)})
+        retained = self.written <= len(self.lines)
+        return not (retained and self.head in {"", *(line.hash for line in self.lines)})
 
     @property
     def has_matching_head(self) -> bool:
         """Whether ``history.head`` is of its last line: not lost, not older, not another's."""
         last = (len(self.lines), self.last)
-        told = (self.written, self.head)
-        return not self.lines or last in (told, (self.written + 1, self.announced))
+        parts = (self.written, self.head)
+        return not self.lines or last in (parts, (self.written + 1, self.announced))
 
 
 def file_of(folder: Path) -> Path:
@@ -174,8 +174,8 @@ def append(folder: Path, content: dict[str, Any]) -> str:
     }
     text, mark = format_hashed_line(entry)
     head = head_of(folder)
-    told = f"{len(history.lines)} {history.last}\n"
-    write_atomic(head, f"{told}{entry['line']} {mark}\n".encode())
+    sentence = f"{len(history.lines)} {history.last}\n"
+    write_atomic(head, f"{sentence}{entry['line']} {mark}\n".encode())
     with file.open("ab") as log:
         log.write(text + b"\n")
         log.flush()
@@ -231,7 +231,7 @@ def _line(text: bytes, number: int) -> HistoryLine:
     try:
         entry = json.loads(text)
         line = msgspec.convert(entry, type=HistoryLine)
-        strange = entry.keys() - {one.name for one in fields(HistoryLine)}
+        strange = entry.keys() - {attribute.name for attribute in fields(HistoryLine)}
         if strange:
             raise ValueError(f"it has {min(strange)!r}")
         return line
@@ -244,12 +244,12 @@ def _line(text: bytes, number: int) -> HistoryLine:
 def _head(folder: Path) -> tuple[int, str, str]:
     """How many lines there were, the hash of the last, and of one that was about to be written."""
     try:
-        told = _HEAD.fullmatch(head_of(folder).read_bytes())
+        match = _HEAD.fullmatch(head_of(folder).read_bytes())
     except FileNotFoundError:
         return 0, "", ""
-    if told is None:
+    if match is None:
         raise ReadError(f"{head_of(folder)} is not as dashpot writes it: it was changed")
-    count, head, announced = (part.decode() for part in told.groups(b""))
+    count, head, announced = (part.decode() for part in match.groups(b""))
     return int(count), head, announced
 
 

@@ -78,7 +78,7 @@ def create(folder: str | Path) -> Project:
     path = validate_path(folder)
     if (path / "dashpot.toml").exists():
         return open_project(path)
-    if path.exists() and any(not one.name.endswith(PART) for one in path.iterdir()):
+    if path.exists() and any(not entry.name.endswith(PART) for entry in path.iterdir()):
         raise DataError(
             f"{path} holds files but no dashpot.toml; choose an empty folder for a new project"
         )
@@ -128,15 +128,17 @@ def record(project: Project, job: Job, *, page: Callable[[Study], str]) -> tuple
         If another dashpot writes there, or a file of the project is not as it was recorded.
     """
     with open_exclusive_lock(project.folder / ".lock", str(project.folder)):
-        for left in project.folder.rglob(f".*{PART}"):  # by a dashpot that was killed
-            left.unlink(missing_ok=True)
-        kept = with_paths(job, lambda path: _keep(project, path))
-        inputs = {path: sha256((project.folder / path).read_bytes()) for path in paths_of(kept)}
-        study = run(resolve_job_paths(project, kept))
+        for item in project.folder.rglob(f".*{PART}"):  # by a dashpot that was killed
+            item.unlink(missing_ok=True)
+        retained_job = with_paths(job, lambda path: _keep(project, path))
+        inputs = {
+            path: sha256((project.folder / path).read_bytes()) for path in paths_of(retained_job)
+        }
+        study = run(resolve_job_paths(project, retained_job))
         made = contents(study, page)
-        name = name_of(to_document(kept), made["records/.json"])
-        outputs = {place.replace("/.", f"/{name}."): each for place, each in made.items()}
-        stated = profiles(kept)
+        name = name_of(to_document(retained_job), made["records/.json"])
+        outputs = {place.replace("/.", f"/{name}."): block for place, block in made.items()}
+        stated = profiles(retained_job)
         for place, content in (stated | outputs).items():
             (project.folder / place).parent.mkdir(exist_ok=True)
             write_atomic(project.folder / place, content)
@@ -146,8 +148,8 @@ def record(project: Project, job: Job, *, page: Callable[[Study], str]) -> tuple
             to_plain_value(
                 {
                     "operation": "report",
-                    "job": kept,
-                    "inputs": [FileEntry(*one) for one in inputs.items()],
+                    "job": retained_job,
+                    "inputs": [FileEntry(*names) for names in inputs.items()],
                     "outputs": [FileEntry(f, sha256(c)) for f, c in outputs.items()],
                 }
             ),
@@ -157,8 +159,8 @@ def record(project: Project, job: Job, *, page: Callable[[Study], str]) -> tuple
 
 def name_of(job: Mapping[str, Any], result: bytes) -> str:
     """Return the name of a result: two questions may have one answer, but not one report."""
-    asked = json.dumps(job, indent=2, ensure_ascii=False)
-    return sha256(asked.encode() + result)[:NAME]
+    text = json.dumps(job, indent=2, ensure_ascii=False)
+    return sha256(text.encode() + result)[:NAME]
 
 
 def contents(study: Study, page: Callable[[Study], str]) -> dict[str, bytes]:
@@ -200,8 +202,11 @@ class ResultNumbers(Serialisable):
     def others(self) -> dict[str, Any]:
         """Of what there is where a hammer was used."""
         names = ("joint", "comparison", "joint_comparison")
-        found = {name: getattr(self.study, name) for name in names}
-        return {name: None if one is None else numbers(one.document) for name, one in found.items()}
+        entries = {name: getattr(self.study, name) for name in names}
+        return {
+            name: None if entry is None else numbers(entry.document)
+            for name, entry in entries.items()
+        }
 
 
 def numbers(whole: dict[str, Any]) -> dict[str, Any]:

@@ -63,10 +63,10 @@ def verify(
         If a line of the history or its head is none that dashpot writes, or names a file outside,
         or one of the project's own files is a link to a file outside.
     """
-    for own in OWN:
-        resolve_project_path(project, own)
+    for name in OWN:
+        resolve_project_path(project, name)
     history = read_history(project.folder)
-    found = [
+    new_checks = [
         checks.history_present(len(history.lines)),
         checks.history_complete(len(history.lines), torn=bool(history.torn)),
         checks.history_whole(
@@ -77,21 +77,21 @@ def verify(
         ),
     ]
     if expect is not None:
-        found.append(_check_expected_hash(history, expect))
+        new_checks.append(_check_expected_hash(history, expect))
     for line, intact in zip(history.lines, history.intact, strict=True):
-        found.append(checks.history_unchanged(line.line, whole=intact))
-        files = [_file(project, one, line.line) for one in (*line.inputs, *line.outputs)]
-        found += files
+        new_checks.append(checks.history_unchanged(line.line, whole=intact))
+        files = [_file(project, entry, line.line) for entry in (*line.inputs, *line.outputs)]
+        new_checks += files
         if not any(check.failed for check in files):
-            found += _compare_with_rerun(project, line, page)
-    found.append(checks.files_listed(_find_unlisted_files(project, history)))
-    return (*found, check_half_written_files(project.folder))
+            new_checks += _compare_with_rerun(project, line, page)
+    new_checks.append(checks.files_listed(_find_unlisted_files(project, history)))
+    return (*new_checks, check_half_written_files(project.folder))
 
 
 def check_half_written_files(folder: Path) -> Check:
     """Whether a folder of results, of whatever kind, holds what killed runs left half written."""
-    left = find_partial_files(folder)
-    return checks.nothing_half_written([one.relative_to(folder).as_posix() for one in left])
+    paths = find_partial_files(folder)
+    return checks.nothing_half_written([path.relative_to(folder).as_posix() for path in paths])
 
 
 def _check_expected_hash(history: History, expect: str) -> Check:
@@ -110,10 +110,12 @@ def _file(project: Project, listed: FileEntry, number: int) -> Check:
 
 def _find_unlisted_files(project: Project, history: History) -> list[str]:
     """The files of the project's folder that no line lists."""
-    known = {*OWN} | {one.file for line in history.lines for one in (*line.inputs, *line.outputs)}
+    names = {*OWN} | {
+        entry.file for line in history.lines for entry in (*line.inputs, *line.outputs)
+    }
     files = (path for path in project.folder.rglob("*") if path.is_file() or path.is_symlink())
     whole = (path for path in files if not is_partial_file(path.name))
-    return sorted({path.relative_to(project.folder).as_posix() for path in whole} - known)
+    return sorted({path.relative_to(project.folder).as_posix() for path in whole} - names)
 
 
 # -- the work, done again -------------------------------------------------------------------------
@@ -126,28 +128,28 @@ def _compare_with_rerun(
     if not isinstance(job, Job):
         raise ReadError(f"line {line.line} of history.jsonl holds no job: it was changed")
     needed = {*paths_of(job), *profiles(job)}
-    unlisted = sorted(needed - {one.file for one in (*line.inputs, *line.outputs)})
+    unlisted = sorted(needed - {entry.file for entry in (*line.inputs, *line.outputs)})
     if unlisted:
         return [checks.inputs_listed(unlisted, line.line)]
     made = contents(run(resolve_job_paths(project, job)), page)
-    kept = {
-        _kind(one.file): resolve_project_path(project, one.file).read_bytes()
-        for one in line.outputs
+    retained = {
+        _kind(output.file): resolve_project_path(project, output.file).read_bytes()
+        for output in line.outputs
     }
     # another version may word and draw the same numbers otherwise
     alike = line.software == software()
-    names = {match[1] for one in line.outputs if (match := _NAMED.search(one.file))}
-    other = kept.keys() != made.keys() or len(names) != 1
-    if other or (alike and names != {name_of(line.job, kept["records/.json"])}):
+    names = {match[1] for output in line.outputs if (match := _NAMED.search(output.file))}
+    other = retained.keys() != made.keys() or len(names) != 1
+    if other or (alike and names != {name_of(line.job, retained["records/.json"])}):
         return [checks.result_recomputed(float("inf"), "it keeps other files", line.line)]
-    if any(one.file not in needed for one in line.inputs):
+    if any(entry.file not in needed for entry in line.inputs):
         return [checks.result_recomputed(float("inf"), "its job reads fewer files", line.line)]
     worst, where = max(
-        _json_difference(kept[place], made[place], place, words=alike)
-        for place in kept
+        _json_difference(retained[place], made[place], place, words=alike)
+        for place in retained
         if place.endswith(".json")
     )
-    same = alike and same_page(kept["reports/.html"], made["reports/.html"])
+    same = alike and same_page(retained["reports/.html"], made["reports/.html"])
     return [
         checks.result_recomputed(worst, where, line.line),
         checks.page_redrawn(line.line, same=same, alike=alike),
@@ -162,9 +164,12 @@ def _kind(place: str) -> str:
     return _NAMED.sub("/.", place)
 
 
-def _json_difference(kept: bytes, again: bytes, place: str, *, words: bool) -> tuple[float, str]:
+def _json_difference(content: bytes, again: bytes, place: str, *, words: bool) -> tuple[float, str]:
     try:
-        before, after = json.loads(kept, object_pairs_hook=require_unique_keys), json.loads(again)
+        before, after = (
+            json.loads(content, object_pairs_hook=require_unique_keys),
+            json.loads(again),
+        )
     except (ValueError, RecursionError):
         return float("inf"), f"{place} is no JSON"
     if not words and isinstance(before, dict):
@@ -172,13 +177,15 @@ def _json_difference(kept: bytes, again: bytes, place: str, *, words: bool) -> t
     return find_largest_difference(before, after, place)
 
 
-def find_largest_difference(kept: Any, again: Any, where: str = "") -> tuple[float, str]:
+def find_largest_difference(retained: Any, again: Any, where: str = "") -> tuple[float, str]:
     """Return the largest relative difference between two documents, and its place."""
-    if not (isinstance(kept, dict | list) and isinstance(again, type(kept))):
-        return _compute_relative_difference(kept, again), f"{where} was {kept!r} and is {again!r}"
-    before, after = parts_of(kept, where), parts_of(again, where)
+    if not (isinstance(retained, dict | list) and isinstance(again, type(retained))):
+        return _compute_relative_difference(
+            retained, again
+        ), f"{where} was {retained!r} and is {again!r}"
+    before, after = parts_of(retained, where), parts_of(again, where)
     if before.keys() != after.keys():
-        otherwise = "other keys" if isinstance(kept, dict) else "another length"
+        otherwise = "other keys" if isinstance(retained, dict) else "another length"
         return float("inf"), f"{where or 'the document'} has {otherwise}"
     pairs = (
         find_largest_difference(before[place], after[place], place.lstrip("."))
@@ -188,18 +195,18 @@ def find_largest_difference(kept: Any, again: Any, where: str = "") -> tuple[flo
     return max(pairs, default=(0.0, ""), key=lambda item: item[0])
 
 
-def _compute_relative_difference(kept: Any, again: Any) -> float:
+def _compute_relative_difference(text: Any, again: Any) -> float:
     """Relative difference of two values; of texts that of the numbers in them, if any."""
-    if repr(kept) == repr(again):  # as NaN equals nothing
+    if repr(text) == repr(again):  # as NaN equals nothing
         return 0.0
-    if _is_number(kept) and _is_number(again) and kept != again:
-        apart, scale = abs(Decimal(kept) - Decimal(again)), max(abs(kept), abs(again))
+    if _is_number(text) and _is_number(again) and text != again:
+        number, scale = abs(Decimal(text) - Decimal(again)), max(abs(text), abs(again))
         # what is not finite is no rounding of what is
-        return float(apart / Decimal(scale)) if apart.is_finite() else float("inf")
-    if isinstance(kept, str) and isinstance(again, str):
-        same = _same_words(kept, again)
+        return float(number / Decimal(scale)) if number.is_finite() else float("inf")
+    if isinstance(text, str) and isinstance(again, str):
+        same = _same_words(text, again)
     else:
-        same = kept == again and isinstance(kept, bool) == isinstance(again, bool)
+        same = text == again and isinstance(text, bool) == isinstance(again, bool)
     return 0.0 if same else float("inf")
 
 
@@ -207,15 +214,15 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def same_page(kept: bytes, again: bytes) -> bool:
+def same_page(content: bytes, again: bytes) -> bool:
     """Tell whether two pages say and show the same, but for how a last digit is rounded.
 
     The files inside a page are compared as what they are.
     """
-    if kept == again:
+    if content == again:
         return True
     try:
-        before, after = (_decode_embedded_files(text.decode()) for text in (kept, again))
+        before, after = (_decode_embedded_files(text.decode()) for text in (content, again))
     except ValueError:
         return False
     return _same_words(before, after)
@@ -233,11 +240,11 @@ def _decode_embedded_files(page: str) -> str:
 _NUMBER = re.compile(r"(-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)", re.ASCII)
 
 
-def _same_words(kept: str, again: str) -> bool:
+def _same_words(text: str, again: str) -> bool:
     """Tell whether two texts differ in nothing but the last printed digit of their numbers."""
-    if kept == again:
+    if text == again:
         return True
-    before, after = _NUMBER.split(kept), _NUMBER.split(again)
+    before, after = _NUMBER.split(text), _NUMBER.split(again)
     return before[::2] == after[::2] and all(
         # of 13 and 12.71 the finer counts: who prints fewer digits has not computed another number
         a == b or _is_rounded(a, b)

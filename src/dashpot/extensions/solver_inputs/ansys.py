@@ -49,13 +49,13 @@ def ansys(
     Parameters are those of :func:`dashpot.export.nastran`.
     """
     if deck.form == "table":
-        asked = (si_range(frequency_range, "frequency"), tolerance)
-        return _table(deck, row_of(deck, line, shear), asked, first_id)
+        requested = (si_range(frequency_range, "frequency"), tolerance)
+        return _table(deck, row_of(deck, line, shear), requested, first_id)
     return _prony(deck) if deck.form == "prony" else _arms(deck)
 
 
 def _table(
-    deck: Deck, row: SpringRow, asked: tuple[tuple[float, float], float], first_id: int
+    deck: Deck, row: SpringRow, requested: tuple[tuple[float, float], float], first_id: int
 ) -> DeckText:
     """An element type for each way, a real constant of two tables for each share of it."""
     cards, tables = ["/PREP7"], []
@@ -67,16 +67,16 @@ def _table(
             if (way, shares[way]) in constants:
                 continue
             number = constants[way, shares[way]] = first_id + len(constants)
-            tables.append(deck.table(*asked, solid=solid, damping="damping"))
+            tables.append(deck.table(*requested, solid=solid, damping="damping"))
             cards += _real_constant(deck, number, tables[-1])
-    for i, one in enumerate(row.stations):
+    for i, station in enumerate(row.stations):
         for node in row.nodes(i, first_id):
-            words = [text(value) for value in (*one.place, *rotation(one.frame))]
+            words = [text(value) for value in (*station.place, *rotation(station.frame))]
             cards.append(f"N,{node},{','.join(words)}")
-    for i, one in enumerate(row.stations):
+    for i, station in enumerate(row.stations):
         a, b = row.nodes(i, first_id)
-        for way, _ in row.springs(one.shares):
-            constant = constants[way, one.shares[way]]
+        for way, _ in row.springs(station.shares):
+            constant = constants[way, station.shares[way]]
             cards += [f"TYPE,{first_id + way}", f"REAL,{constant}", f"E,{a},{b}"]
     return deck.written(
         "!",
@@ -104,13 +104,13 @@ def _real_constant(deck: Deck, number: int, table: Table) -> list[str]:
     }
     cards = []
     for name, column in values.items():
-        own = f"{name}{number}"
-        cards.append(f"*DIM,{own},TABLE,{len(f)},1,1,FREQ")
+        label = f"{name}{number}"
+        cards.append(f"*DIM,{label},TABLE,{len(f)},1,1,FREQ")
         # a command holds ten values
         for at in range(0, len(f), 10):
-            cards.append(f"*TAXIS,{own}({at + 1}),1,{','.join(map(text, f[at : at + 10]))}")
+            cards.append(f"*TAXIS,{label}({at + 1}),1,{','.join(map(text, f[at : at + 10]))}")
             rows = ",".join(map(text, column[at : at + 10]))
-            cards.append(f"*SET,{own}({at + 1},1),{rows}")
+            cards.append(f"*SET,{label}({at + 1},1),{rows}")
     return [*cards, f"R,{number},%SK{number}%,%SC{number}%"]
 
 
@@ -119,14 +119,14 @@ def rotation(frame: tuple[tuple[float, ...], ...]) -> tuple[float, float, float]
 
     :math:`R_z(\theta_{xy}) R_x(\theta_{yz}) R_y(\theta_{zx})`, as N takes them.
     """
-    x, y = (np.array(one) for one in frame[:2])
+    x, y = (np.array(values) for values in frame[:2])
     a = np.arctan2(-y[0], y[1])
     b = np.arctan2(y[2], np.hypot(y[0], y[1]))
     # x as the first two leave it; where y stands on z they are one, and this is the rest
     about_z = np.array([(np.cos(a), np.sin(a), 0), (-np.sin(a), np.cos(a), 0), (0, 0, 1)])
     about_x = np.array([(1, 0, 0), (0, np.cos(b), np.sin(b)), (0, -np.sin(b), np.cos(b))])
-    left = about_x @ about_z @ x
-    c = np.arctan2(-left[2], left[0])
+    remainder = about_x @ about_z @ x
+    c = np.arctan2(-remainder[2], remainder[0])
     xy, yz, zx = np.degrees([a, b, c]).tolist()
     return xy + 0.0, yz + 0.0, zx + 0.0
 
@@ -173,7 +173,7 @@ def _format_nonlinear_cards(deck: Deck, number: int) -> list[str]:
         raise ExportError(
             "COMBIN39 must rise at its origin, and beside a spring that softens there is no k_inf "
             "that makes it; those that hold such: --to "
-            f"{', '.join(one for one in CARRIERS if one != 'ansys')}"
+            f"{', '.join(name for name in CARRIERS if name != 'ansys')}"
         )
     values = [text(value) for pair in curve for value in pair]
     cards += ["ET,3,COMBIN39", "TYPE,3", f"R,{number},{','.join(values[:6])}"]

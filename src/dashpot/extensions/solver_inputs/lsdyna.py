@@ -116,24 +116,26 @@ def _parts(
         for way, solid in row.springs(shares):
             if (way, shares[way]) in parts:
                 continue
-            own: list[int] = []
-            parts[way, shares[way]] = own
+            indices: list[int] = []
+            parts[way, shares[way]] = indices
             for material in _linear(deck.of(solid)):
-                own.append(next(numbers))
-                cards += _part(own[-1], first_id, material)
+                indices.append(next(numbers))
+                cards += _part(indices[-1], first_id, material)
     return parts, cards
 
 
 def _line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
     """The network of each way of each station, along a vector of its own."""
     cards = ["*KEYWORD", "*NODE"]
-    for i, one in enumerate(row.stations):
-        place = "".join(f"{format_fixed_width(value, 16):>16}" for value in one.place)
+    for i, station in enumerate(row.stations):
+        place = "".join(f"{format_fixed_width(value, 16):>16}" for value in station.place)
         cards += [f"{node:>8}{place}" for node in row.nodes(i, first_id)]
     vectors = {
         (frame, way): rank
         for rank, (frame, way) in enumerate(
-            itertools.product(dict.fromkeys(one.frame for one in row.stations), range(row.ways)),
+            itertools.product(
+                dict.fromkeys(station.frame for station in row.stations), range(row.ways)
+            ),
             start=first_id,
         )
     }
@@ -143,15 +145,15 @@ def _line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
         *(fields(vid, 0, *frame[way], 0, 0) for (frame, way), vid in vectors.items()),
         *_section(first_id),
     ]
-    parts, told = _parts(deck, row, first_id)
-    cards += [*told, "*ELEMENT_DISCRETE"]
+    parts, sentences = _parts(deck, row, first_id)
+    cards += [*sentences, "*ELEMENT_DISCRETE"]
     element = itertools.count(first_id)
-    for i, one in enumerate(row.stations):
+    for i, item in enumerate(row.stations):
         a, b = row.nodes(i, first_id)
-        for way, _ in row.springs(one.shares):
+        for way, _ in row.springs(item.shares):
             cards += [
-                f"{next(element):>8}{part:>8}{a:>8}{b:>8}{vectors[one.frame, way]:>8}"
-                for part in parts[way, one.shares[way]]
+                f"{next(element):>8}{part:>8}{a:>8}{b:>8}{vectors[item.frame, way]:>8}"
+                for part in parts[way, item.shares[way]]
             ]
     return deck.written(
         "$",

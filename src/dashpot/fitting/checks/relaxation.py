@@ -58,29 +58,29 @@ def same_specimen(stiffnesses: Sequence[EndStiffness]) -> Finding:
     ]
     if not pairs:
         return Finding("No two tests have one depth and temperature, so they are not compared")
-    apart, i, j = max(pairs)
+    difference, i, j = max(pairs)
     first, second = stiffnesses[i], stiffnesses[j]
-    each = ", ".join(
-        f"{convert_to_unit(one.value, 'N/mm'):.4g} +- {convert_to_unit(one.sd, 'N/mm'):.1g}"
-        for one in stiffnesses
+    text = ", ".join(
+        f"{convert_to_unit(item.value, 'N/mm'):.4g} +- {convert_to_unit(item.sd, 'N/mm'):.1g}"
+        for item in stiffnesses
     )
     return Finding(
-        f"At the end of the hold the tests give {each} N/mm",
-        apart,
+        f"At the end of the hold the tests give {text} N/mm",
+        difference,
         f"Tests {i + 1} and {j + 1} differ by {100 * (second.value / first.value - 1):+.2g} % at "
-        f"one depth, or {apart:.3g} standard errors. They are not one seal",
+        f"one depth, or {difference:.3g} standard errors. They are not one seal",
         "Fit each alone.",
         excused=abs(second.value / first.value - 1) <= SAME_STIFFNESS,
     )
 
 
-def _alike(one: EndStiffness, other: EndStiffness) -> bool:
+def _alike(first: EndStiffness, second: EndStiffness) -> bool:
     """True of two tests of one depth at one temperature, as far as it is known."""
-    if abs(one.depth / other.depth - 1) > SAME_DEPTH:
+    if abs(first.depth / second.depth - 1) > SAME_DEPTH:
         return False
-    if one.temperature is None or other.temperature is None:
+    if first.temperature is None or second.temperature is None:
         return True
-    return abs(one.temperature - other.temperature) <= SAME_TEMPERATURE
+    return abs(first.temperature - second.temperature) <= SAME_TEMPERATURE
 
 
 @criterion("probability by chance", ">=", 0.01, "Wald's test at 1 %; or alike within 0.1 %")
@@ -164,18 +164,23 @@ def k_inf_known(
     end: EndOfHold | None = None,
 ) -> Finding:
     """The stiffness at the end of the hold is known to a part of itself."""
-    left = float(model.relaxation(max(test.hold_time for test in tests)))
+    remainder = float(model.relaxation(max(test.hold_time for test in tests)))
     if end is not None:
-        (low, high), most, what = end.k_end, max(left, 1e-300), "this stiffness"
+        (low, high), most, what = end.k_end, max(remainder, 1e-300), "this stiffness"
         says = (
             f"When the hold ends the stiffness is {convert_to_unit(low, 'N/mm'):.3g} to "
             f"{format_quantity(high, 'N/mm', '.3g')}"
         )
     else:
-        low, high, most, what = max(model.k_inf - 2 * se, 0.0), model.k_inf + 2 * se, left, "k_inf"
+        low, high, most, what = (
+            max(model.k_inf - 2 * se, 0.0),
+            model.k_inf + 2 * se,
+            remainder,
+            "k_inf",
+        )
         says = (
             f"Noise leaves {format_quantity(high - low, 'N/mm', '.3g')} of k_inf open, of "
-            f"{format_quantity(left, 'N/mm', '.3g')} at the end of the hold"
+            f"{format_quantity(remainder, 'N/mm', '.3g')} at the end of the hold"
         )
     if not (np.isfinite(high) and most > 0):
         return Finding(
@@ -332,7 +337,7 @@ def residuals_steady(
     Those of an rms below `rounding`, N, are no measurement; up to `SLIGHT` of the `peak`, N, the
     limits of every stiffness count their power.
     """
-    measured = [one for one in residuals if _rms(one) > rounding]
+    measured = [residual for residual in residuals if _rms(residual) > rounding]
     ratios = [wander(residual) for residual in measured if len(residual) >= 800]
     if not ratios:
         return Finding("The residuals are too few, or only rounding, to judge slow wandering")
@@ -385,14 +390,14 @@ def hold_and_full_agree(
     whole = np.where(ours > ROUNDING * full.k_0, ours, max(full.k_0, 1e-300))
     difference = (theirs - ours) / whole
     size = np.abs(difference)
-    beyond = np.abs(theirs - ours) > 3.0 * sigma
-    failed = beyond & (size > MAX_METHOD_DIFFERENCE)
+    excess = np.abs(theirs - ours) > 3.0 * sigma
+    failed = excess & (size > MAX_METHOD_DIFFERENCE)
     worst = int(np.argmax(np.where(failed, 1e9, 0.0) + size))
     orders = "" if alike else f" with {arms_said(hold.arms)}"
     return Finding(
         f"The fit of the hold alone (eq. 5){orders} changes {labels[worst]} by "
         f"{100 * difference[worst]:+.2g} %, "
-        f"{'more' if beyond[worst] else 'not more'} than noise explains",
+        f"{'more' if excess[worst] else 'not more'} than noise explains",
         float(size[worst]),
         remedy="Use the fit of ramp and hold.",
         excused=not failed.any(),
@@ -434,7 +439,7 @@ def filter_bias(
         says += ". A causal filter delays the force"
     return Finding(
         says,
-        max(abs(change) for found in changes.values() for change in found.values()),
+        max(abs(change) for entry in changes.values() for change in entry.values()),
         remedy=Remedy("Fit the raw record.", "filter"),
         faulted=slow or by.causal,
     )
@@ -442,7 +447,7 @@ def filter_bias(
 
 def _outside(full: GeneralizedMaxwell, hold: GeneralizedMaxwell, end: EndOfHold) -> bool:
     """True if eq. 5 has another stiffness at the end of the hold than the records allow."""
-    ours, theirs = (float(one.relaxation(end.time)) for one in (full, hold))
+    ours, theirs = (float(model.relaxation(end.time)) for model in (full, hold))
     low, high = end.k_end
     return max(low - theirs, theirs - high) > SAME_STIFFNESS * ours
 
@@ -481,12 +486,12 @@ def worst_misfit(test: RampHold, residual: FloatArray) -> tuple[float, str]:
 
 def largest_rms(residual: FloatArray, parts: Sequence[tuple[str, BoolArray]]) -> tuple[float, str]:
     """Return the largest rms of some parts of a residual, and the words for that part."""
-    found = [
+    pairs = [
         (float(np.sqrt(np.mean(residual[part] ** 2))), where)
         for where, part in parts
         if np.count_nonzero(part) >= 5
     ]
-    return max(found, default=(0.0, "in the record"))
+    return max(pairs, default=(0.0, "in the record"))
 
 
 def slow_noise(residual: FloatArray, peak: float) -> float:

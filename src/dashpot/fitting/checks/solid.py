@@ -88,13 +88,13 @@ def arms_supported(
     then BIC rejects fewer.
     """
     n = model.arms
-    each = list(zip(model.k, model.tau, error[1 : 1 + n], error[1 + n : 1 + 2 * n], strict=True))
+    group = list(zip(model.k, model.tau, error[1 : 1 + n], error[1 + n : 1 + 2 * n], strict=True))
     weak = " and ".join(
         f"arm {j} (k = {amount(k, unit)}, tau = {tau:.3g} s)"
-        for j, (k, tau, sk, st) in enumerate(each, start=1)
+        for j, (k, tau, sk, st) in enumerate(group, start=1)
         if not (k > MIN_K_OVER_SE * sk and st < MAX_SE_LN_TAU)
     )
-    value = float(min((k / sk for k, _, sk, _ in each if sk > 0), default=np.inf))
+    value = float(min((k / sk for k, _, sk, _ in group if sk > 0), default=np.inf))
     doubt = (
         f"Its k is below {MIN_K_OVER_SE:.0f} standard errors, or its tau is uncertain by more "
         "than a factor of 1.6"
@@ -215,9 +215,9 @@ def arms_enough(shortage: Shortage | None, arms: int, *, unit: str) -> Finding:
         return Finding("The data support no further arm", float(arms), limit=float(arms))
     few, more = shortage.arms, shortage.supported
     leave = "leaves" if few == 1 else "leave"
-    left, less = (format_residual(rms, unit) for rms in (shortage.rms, shortage.supported_rms))
+    remainder, less = (format_residual(rms, unit) for rms in (shortage.rms, shortage.supported_rms))
     return Finding(
-        f"{sentence(arms_said(few))[:-1]} {leave} {left} rms, {arms_said(more)} leave {less}",
+        f"{sentence(arms_said(few))[:-1]} {leave} {remainder} rms, {arms_said(more)} leave {less}",
         float(more),
         "What too few arms miss is in no interval",
         Remedy(f"Use {arms_said(more)}.", "arms", f"{more}"),
@@ -264,11 +264,11 @@ def frequencies_informed(band: tuple[float, float]) -> Finding:
 
 
 @criterion("error of the loss factor", "<=", WELL_KNOWN, "our choice; 95 %, over all spectra")
-def loss_factor_known(known: BandError | None) -> Finding:
+def loss_factor_known(band_error: BandError | None) -> Finding:
     """The loss factor is known in the valid band, whatever arms the data cannot show."""
-    if known is None:
+    if band_error is None:
         return Finding("How well the loss factor is known was not computed")
-    error = known.largest[1]
+    error = band_error.largest[1]
     size = f"±{100 * error:.2g} %" if error < FAR_OFF else "a factor of two or worse"
     return Finding(
         f"In the valid band the loss factor is known to {size}",

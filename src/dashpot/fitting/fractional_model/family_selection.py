@@ -99,12 +99,12 @@ class FractionalFit(SelectedModel):
         """Of k_inf, k_0, ln tau and alpha, and b: k_0 is k_inf and the k of the element."""
         names = ["k_inf", "k", "ln_tau", "alpha", *(["b"] if "b" in self.parameters else [])]
         rows = [self.estimate.names.index(name) for name in names]
-        own = self.estimate.covariance[np.ix_(rows, rows)]
-        if not np.isfinite(own).all():
+        covariance = self.estimate.covariance[np.ix_(rows, rows)]
+        if not np.isfinite(covariance).all():
             return np.diag(np.full(len(rows), np.inf))
         turn = np.eye(len(rows))
         turn[1, 0] = 1.0
-        return np.asarray(turn @ own @ turn.T)
+        return np.asarray(turn @ covariance @ turn.T)
 
     @property
     def at_edge(self) -> bool:
@@ -223,27 +223,25 @@ class FamilySelection:
     arms: SelectedModel
     other: AlternativeFamily | None = None
 
-    def alternative(self, band: tuple[float, float], further: str = RAMPS) -> Alternative | None:
+    def alternative(self, band: tuple[float, float], extra: str = RAMPS) -> Alternative | None:
         """The other family, as a fit keeps it; `band` is what the data inform, Hz."""
         if self.other is None:
             return None
         solid, _, rise, explains = self.other
-        return alternative_of(
-            self.best.solid, solid, rise, band, explains=explains, further=further
-        )
+        return alternative_of(self.best.solid, solid, rise, band, explains=explains, extra=extra)
 
     def checks(self, alternative: Alternative | None) -> tuple[Check, ...]:
         """What to ask of a solid that was taken beside another family."""
         if self.other is None:
             return ()
-        told = families_told_apart(alternative)
+        check = families_told_apart(alternative)
         if not isinstance(self.best, FractionalFit):
-            return (told,)
+            return (check,)
         error = float(self.best.error[ELEMENT.index("alpha")])
         return (
             slope_known(error, edge=self.best.at_edge),
             element_explains(self.other.residual, self.other.solid.maxwell.arms),
-            told,
+            check,
         )
 
 
@@ -257,33 +255,37 @@ class _Contender(NamedTuple):
 
 
 def chosen_family(
-    arms: SelectedModel, family: str, one: FractionalFit | None = None
+    arms: SelectedModel, family: str, fit: FractionalFit | None = None
 ) -> FamilySelection:
     """Return the family asked for, or with ``"auto"`` the one that BIC prefers, and the other.
 
-    `one` is the fractional solid of the same data, where it is known already.
+    `fit` is the fractional solid of the same data, where it is known already.
     """
     if family == "maxwell":
         return FamilySelection(arms, arms)
-    one = one or element(arms.data)
-    fewest = min(arms, one, key=lambda found: found.solution.sse)
+    fit = fit or element(arms.data)
+    fewest = min(arms, fit, key=lambda selection: selection.solution.sse)
     effective = fewest.estimate.effective
     floor = arms.solution.samples * rounding(arms.data.peak) ** 2
 
-    def criterion(found: _Contender) -> float:
-        return bic(found.sse, effective=effective, parameters=found.parameters, floor=floor)
+    def criterion(contender: _Contender) -> float:
+        return bic(contender.sse, effective=effective, parameters=contender.parameters, floor=floor)
 
-    def explained(found: _Contender, best: _Contender) -> bool:
-        own, least = (deviance(one.sse, effective=effective, floor=floor) for one in (found, best))
-        return not is_significant_fall(own - least, max(best.parameters - found.parameters, 1))
+    def explained(contender: _Contender, best: _Contender) -> bool:
+        value, least = (
+            deviance(item.sse, effective=effective, floor=floor) for item in (contender, best)
+        )
+        return not is_significant_fall(
+            value - least, max(best.parameters - contender.parameters, 1)
+        )
 
-    def spread(found: _Contender) -> float:
+    def spread(contender: _Contender) -> float:
         # many arms leave less of few samples by chance alone
-        return (found.sse + floor) / max(effective - found.parameters, 1.0)
+        return (contender.sse + floor) / max(effective - contender.parameters, 1.0)
 
-    single, several = _candidate(one), _of_orders(arms)
+    single, several = _candidate(fit), _of_orders(arms)
     taken = several[0]
-    better = criterion(single) + VERY_STRONG < criterion(taken) and not one.at_edge
+    better = criterion(single) + VERY_STRONG < criterion(taken) and not fit.at_edge
     best, others = (single, several) if better or family == "fractional" else (taken, [single])
     least = criterion(best) + VERY_STRONG
     explain = [other for other in others if criterion(other) < least or explained(other, best)]
@@ -300,66 +302,68 @@ def chosen_family(
     )
 
 
-def _candidate(found: SelectedModel) -> _Contender:
-    return _Contender(found, found.solid, found.solution.sse, len(found.estimate.names))
+def _candidate(selection: SelectedModel) -> _Contender:
+    return _Contender(
+        selection, selection.solid, selection.solution.sse, len(selection.estimate.names)
+    )
 
 
 def _of_orders(arms: SelectedModel) -> list[_Contender]:
     """The number of arms that was taken, and the larger ones that were tried."""
-    own = _candidate(arms)
+    contender = _candidate(arms)
     more = [score.solution for score in arms.scores if score.solution.order > arms.solution.order]
-    each = 1 + len(arms.solution.groups)
+    count = 1 + len(arms.solution.groups)
     return [
-        own,
+        contender,
         *(
             _Contender(
                 arms,
                 solid_of(solution),
                 solution.sse,
-                own.parameters + each * (solution.order - arms.solution.order),
+                contender.parameters + count * (solution.order - arms.solution.order),
             )
             for solution in more
         ),
     ]
 
 
-def with_linear_fractional(bent: Fit, left: Sequence[FloatArray], one: FractionalFit) -> Fit:
+def with_linear_fractional(bent: Fit, residuals: Sequence[FloatArray], fit: FractionalFit) -> Fit:
     """Return a fit hold first that says what a linear fractional solid makes of the same tests.
 
     Parameters
     ----------
     bent : Fit
-    left : sequence of array
+    residuals : sequence of array
         What it leaves of each test, up to the end of the hold, N.
-    one : ChosenElement
+    fit : ChosenElement
         Of the same tests.
     """
     pairs = [
         (mine[-min(len(mine), len(other)) :], other[-min(len(mine), len(other)) :])
-        for mine, other in zip(left, one.estimate.residuals, strict=True)
+        for mine, other in zip(residuals, fit.estimate.residuals, strict=True)
     ]
     sse = np.array([[part @ part for part in pair] for pair in pairs]).sum(axis=0)
-    effective = one.estimate.effective
+    effective = fit.estimate.effective
     mine, other_sse = sse.tolist()
     fall = deviance(other_sse, effective=effective) - deviance(mine, effective=effective)
     law = bent.elastic_law
     parameters = len(bent.parameters) + len(bent.nuisance) + (len(law.knots) if law else 0)
-    rise = fall + (len(one.estimate.names) - parameters) * float(np.log(effective))
+    rise = fall + (len(fit.estimate.names) - parameters) * float(np.log(effective))
     explains = rise < VERY_STRONG or not is_significant_fall(fall, 1)
-    other = alternative_of(bent.solid, one.solid, rise, bent.band, explains=explains, further=RAMPS)
+    other = alternative_of(bent.solid, fit.solid, rise, bent.band, explains=explains, extra=RAMPS)
     checks = (*bent.checks, families_told_apart(other))
     return replace(bent, evidence=replace(bent.evidence, alternative=other, checks=checks))
 
 
-def describe_fit(found: SelectedModel) -> str:
+def describe_fit(selection: SelectedModel) -> str:
     """Return what was fitted, in words."""
-    if isinstance(found, FractionalFit):
+    if isinstance(selection, FractionalFit):
         return "a fractional Zener solid"
-    arms = found.model.arms
+    arms = selection.model.arms
     return f"a generalized Maxwell solid with {arms} arm{'s' * (arms != 1)}"
 
 
-def divergence_frequency(one: Solid, other: Solid, band: tuple[float, float]) -> float | None:
+def divergence_frequency(first: Solid, second: Solid, band: tuple[float, float]) -> float | None:
     """Return the lowest frequency, Hz, at which two solids differ materially, if any.
 
     From the middle of `band`, what the data inform, Hz, to where parts vibrate.
@@ -368,13 +372,13 @@ def divergence_frequency(one: Solid, other: Solid, band: tuple[float, float]) ->
     low, high = max(float(np.sqrt(band[0] * band[1])), 1e-6), max(10 * band[1], HEARD)
     count = int(np.ceil(_LINES * np.log10(high / low))) + 1
     f = np.geomspace(low, high, count)
-    apart = np.flatnonzero(_apart(one, other, f))
-    return float(f[apart[0]]) if apart.size else None
+    indices = np.flatnonzero(_apart(first, second, f))
+    return float(f[indices[0]]) if indices.size else None
 
 
-def _apart(one: Solid, other: Solid, f: FloatArray) -> FloatArray:
+def _apart(first: Solid, second: Solid, f: FloatArray) -> FloatArray:
     """Where two solids differ by more than is worth telling."""
-    a, b = (solid.complex_stiffness(omega=2 * np.pi * f) for solid in (one, other))
+    a, b = (solid.complex_stiffness(omega=2 * np.pi * f) for solid in (first, second))
     loss = np.array([a.imag / a.real, b.imag / b.real])
     # the damping of anything that is mounted is hardly ever below a hundredth
     of_loss = np.abs(np.diff(loss, axis=0)[0]) / np.maximum(loss.max(axis=0), 2e-2)
@@ -388,7 +392,7 @@ def alternative_of(
     band: tuple[float, float],
     *,
     explains: bool,
-    further: str,
+    extra: str,
 ) -> Alternative:
     """Return another family's solid as a fit keeps it, in numbers that no count of seals changes.
 
@@ -401,10 +405,10 @@ def alternative_of(
         What the data inform, Hz.
     explains : bool
         The data do not reject the other.
-    further : str
+    extra : str
         What would tell the two apart.
     """
-    apart = divergence_frequency(mine, other, band)
+    frequency = divergence_frequency(mine, other, band)
     if isinstance(other, FractionalZener):
         name = f"a fractional model (alpha = {other.alpha:.3g})"
     else:
@@ -413,15 +417,15 @@ def alternative_of(
     both = f"{name} explains the data too (BIC {rise:+.3g})"
     if not explains:
         says = f"{name} does not explain the data; its BIC is {rise:.3g} higher"
-    elif apart is None:
+    elif frequency is None:
         says = f"{both}. It predicts the same up to {HEARD:g} Hz"
     else:
-        at = max(10.0, 10.0 ** np.ceil(np.log10(apart)))
+        at = max(10.0, 10.0 ** np.ceil(np.log10(frequency)))
         a, b = (complex(solid.complex_stiffness(omega=2 * np.pi * at)) for solid in (mine, other))
-        then = sentence(f"{further} separates them")
+        then = sentence(f"{extra} separates them")
         says = (
-            f"{both}. From {apart:.2g} Hz on the two differ: at {at:g} Hz the loss factor is "
+            f"{both}. From {frequency:.2g} Hz on the two differ: at {at:g} Hz the loss factor is "
             f"{a.imag / a.real:.3g} by this model and {b.imag / b.real:.3g} by the other, the "
             f"stiffness {100 * (b.real / a.real - 1):+.2g} %. {then}"
         )
-    return Alternative(other, rise, explains, apart, sentence(says))
+    return Alternative(other, rise, explains, frequency, sentence(says))

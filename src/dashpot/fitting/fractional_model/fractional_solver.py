@@ -80,20 +80,20 @@ class ArmColumns:
 
     def best(self) -> Optimum:
         """The element that leaves least, from the best of a grid of starts."""
-        return require_optimum(self.problem, [one.theta for one in self.starts(_STARTS)])
+        return require_optimum(self.problem, [start.theta for start in self.starts(_STARTS)])
 
     def starts(self, count: int) -> list[Optimum]:
         """The best points of a grid, no two of nearly the same relaxation time."""
         low, high = self.bounds
         times = np.arange(low[0], high[0], 1 / _PER_FOLD)
         tried = [self.problem.at(np.array([t, slope])) for t in times for slope in _SLOPES]
-        found: list[Optimum] = []
-        for near in sorted(tried, key=lambda one: one.cost):
-            if all(abs(near.theta[0] - one.theta[0]) > 2 / _PER_FOLD for one in found):
-                found.append(near)
-            if len(found) == count:
+        optima: list[Optimum] = []
+        for near in sorted(tried, key=lambda optimum: optimum.cost):
+            if all(abs(near.theta[0] - optimum.theta[0]) > 2 / _PER_FOLD for optimum in optima):
+                optima.append(near)
+            if len(optima) == count:
                 break
-        return found
+        return optima
 
     def solution(self, best: Optimum) -> Solution:
         """An element as the arms that stand for it, in the engine's own terms."""
@@ -122,16 +122,16 @@ def element_jacobian(blocks: Sequence[DataBlock], columns: ArmColumns, best: Opt
     """Residual and derivative by fixed coefficients, k, ln tau and alpha, in the blocks' rows."""
     stack, weights = Stack(blocks), columns.weights(best.theta)
     matrix = np.stack(weights, axis=1)
-    found = None
+    values = None
     for first in range(0, len(columns.log_tau), _AT_ONCE):
         part = slice(first, first + _AT_ONCE)
         rows = stack.evaluate(columns.log_tau[part], derivative=False)
         q = len(stack.names)
-        if found is None:
+        if values is None:
             target, fixed = rows.target, rows.phi[:, :q]
-            found = np.zeros((len(target), 3))
-        found += rows.phi[:, q:] @ matrix[part]
-    assert found is not None  # noqa: S101  # a window holds times
-    jacobian = np.concatenate((fixed, found * [1.0, best.beta[-1], best.beta[-1]]), axis=1)
+            values = np.zeros((len(target), 3))
+        values += rows.phi[:, q:] @ matrix[part]
+    assert values is not None  # noqa: S101  # a window holds times
+    jacobian = np.concatenate((fixed, values * [1.0, best.beta[-1], best.beta[-1]]), axis=1)
     model = jacobian[:, : q + 1] @ best.beta
     return Jacobian((*stack.names, "k", "ln_tau", "alpha"), jacobian, target - model)

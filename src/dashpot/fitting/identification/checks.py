@@ -90,9 +90,9 @@ def relaxation_still_explained(number: int, ratio: float, *, missed: float = np.
 
 
 @criterion("error of the loss factor", "<=", WELL_KNOWN, "our choice; 95 %", grade="note")
-def cables_described(known: BandError, peak: float) -> Finding:
+def cables_described(band_error: BandError, peak: float) -> Finding:
     """What nobody described of a hammer's rig leaves the loss factor at the peak known."""
-    error = float(np.interp(peak, known.frequency, known.loss_factor))
+    error = float(np.interp(peak, band_error.frequency, band_error.loss_factor))
     return Finding(
         f"Cables, table and added mass leave the loss factor at {peak:.3g} Hz known to "
         f"±{100 * error:.2g} %",
@@ -189,17 +189,17 @@ gain_believable, delay_believable, stiffness_believable = map(
 
 
 @criterion("fall of BIC", "<=", DECISIVE, "0 beside arms that are not known", grade="note")
-def dashpot_not_missed(fall: float | None, beside: str, b: float, *, sure: bool = True) -> Finding:
+def dashpot_not_missed(fall: float | None, text: str, b: float, *, sure: bool = True) -> Finding:
     """No parallel dashpot explains the lines much better.
 
-    `beside` is the solid beside it, in words; `sure` is one of which every part is known.
+    `text` is the solid beside it, in words; `sure` is one of which every part is known.
     """
     if fall is None:
         return Finding(f"The model has a parallel dashpot of {b:.3g} N s/m")
     return Finding(
         "A parallel dashpot explains the FRF no better",
         fall,
-        instead=f"A parallel dashpot of {b:.3g} N s/m beside {beside} explains the FRF better "
+        instead=f"A parallel dashpot of {b:.3g} N s/m beside {text} explains the FRF better "
         f"(BIC falls by {fall:.3g})",
         remedy=Remedy("Add a dashpot.", "dashpot"),
         limit=DECISIVE if sure else 0.0,
@@ -228,16 +228,16 @@ def arms_identified(
     help of the hammer; `in_band` are the relative standard errors of stiffness and loss factor in
     the band that a hammer alone informs, which is all that it is asked for.
     """
-    known = f"known (largest standard error {100 * worst:.2g} %)"
+    name = f"known (largest standard error {100 * worst:.2g} %)"
     hammer = f"; the hammer test adds {new} of them" if new > 0 else ""
     be = "is" if len(unknown) == 1 else "are"
     return Finding(
-        f"Every one of the {arms} arms is {known}{hammer}",
+        f"Every one of the {arms} arms is {name}{hammer}",
         worst,
         instead=f"{len(unknown)} of the {arms} arms (relaxation time "
-        f"{', '.join(f'{tau:.3g} s' for tau in unknown)}) {be} not {known}{hammer}"
+        f"{', '.join(f'{tau:.3g} s' for tau in unknown)}) {be} not {name}{hammer}"
         if arms > 1
-        else f"The one arm is not {known}",
+        else f"The one arm is not {name}",
         remedy=Remedy("Use fewer arms, widen the band, or add a relaxation test.", "arms"),
         faulted=bool(unknown),
         grade="note" if in_band[0] <= KNOWN[0] and in_band[1] <= KNOWN[1] else None,

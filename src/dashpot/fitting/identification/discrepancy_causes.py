@@ -136,35 +136,35 @@ def explain_discrepancy(
         Where the seals under the hammer were supposed to be, m.
     """
     problem = plain.problem
-    alone = not problem.relaxations and problem.constraints.before is None
-    if alone or not is_contradicted(plain):
+    single = not problem.relaxations and problem.constraints.before is None
+    if single or not is_contradicted(plain):
         return None
     before, alike, ranked = _ranked(plain, refit)
-    told = [
-        _told(cause, one, before, law, compression, leads=not place)
-        for place, (cause, one) in enumerate(ranked)
+    explanations = [
+        _told(cause, candidate, before, law, compression, leads=not place)
+        for place, (cause, candidate) in enumerate(ranked)
     ]
-    if not told[0].explains and _failed(plain) == {"lines_explained"}:
+    if not explanations[0].explains and _failed(plain) == {"lines_explained"}:
         # lines that no cause explains contradict no other test: the FRF holds something else
         return None
     rivals = [
-        one.says
-        for one, (_, candidate) in zip(told[1:], ranked[1:], strict=True)
-        if one.explains and candidate.criterion <= alike
+        explanation.says
+        for explanation, (_, candidate) in zip(explanations[1:], ranked[1:], strict=True)
+        if explanation.explains and candidate.criterion <= alike
     ]
-    if not told[0].explains:
+    if not explanations[0].explains:
         return Discrepancy(
-            tuple(told),
+            tuple(explanations),
             plain,
-            refit_with_free_cause(before, told[0].name).point.model,
+            refit_with_free_cause(before, explanations[0].name).point.model,
             problem.priors,
         )
     if rivals:
-        says = f"{told[0].says}. It is as well explained by {', or by '.join(rivals)}"
-        told[0] = replace(told[0], says=says)
+        says = f"{explanations[0].says}. It is as well explained by {', or by '.join(rivals)}"
+        explanations[0] = replace(explanations[0], says=says)
     lead = ranked[0][1]
     held = replace(lead.problem, priors=problem.priors)
-    return Discrepancy(tuple(told), lead, _to(held, lead).point.model, problem.priors)
+    return Discrepancy(tuple(explanations), lead, _to(held, lead).point.model, problem.priors)
 
 
 def _ranked(
@@ -176,20 +176,20 @@ def _ranked(
     """
     problem = plain.problem
     free: list[DiscrepancyCause] = []
-    found: list[Candidate] = []
+    candidates: list[Candidate] = []
     for causes in (CAUSES, PAIRS):
-        if all(map(is_contradicted, found)):
+        if all(map(is_contradicted, candidates)):
             new = [cause for cause in causes if problem.priors.each[cause.quantity] is not None]
             free += new
-            found += [refit(_freed(problem, cause)) for cause in new]
-    scale = min(candidate.line_scale for candidate in found)
-    found = [_again(candidate, scale) for candidate in found]
+            candidates += [refit(_freed(problem, cause)) for cause in new]
+    scale = min(candidate.line_scale for candidate in candidates)
+    candidates = [_again(candidate, scale) for candidate in candidates]
     before = _again(plain, scale)
-    least = min(one.criterion for one in found)
+    least = min(candidate.criterion for candidate in candidates)
     # an arm that the model lacks also tells causes apart: only a decisive lead counts
     alike = least + max(DECISIVE, LACKING * (before.criterion - least))
     by = sorted(
-        zip(free, found, strict=True),
+        zip(free, candidates, strict=True),
         key=lambda pair: (is_contradicted(pair[1]), max(pair[1].criterion, alike)),
     )
     return before, alike, by
@@ -253,14 +253,14 @@ def _missed(relaxation: RelaxationData, chi2: float) -> float:
 def _of_rig(point: Parameters, priors: NuisancePriors) -> list[Check]:
     """How far each nuisance had to go from what was known of it."""
     mass = priors.mass
-    known = [
+    pairs = [
         (checks.gain_believable, float(np.log(point.gain)), priors.gain.sd),
         (checks.delay_believable, point.delay, priors.delay.sd),
         (checks.stiffness_believable, point.factor - priors.factor.mean, priors.factor.sd),
     ]
     if mass is not None:
-        known.insert(0, (checks.mass_believable, point.mass - mass.mean, mass.sd))
-    return [judge(off, sd) for judge, off, sd in known if 0 < sd < np.inf]
+        pairs.insert(0, (checks.mass_believable, point.mass - mass.mean, mass.sd))
+    return [judge(off, sd) for judge, off, sd in pairs if 0 < sd < np.inf]
 
 
 def _freed(problem: IdentificationProblem, cause: DiscrepancyCause) -> IdentificationProblem:
@@ -279,45 +279,45 @@ def _again(candidate: Candidate, scale: float) -> Candidate:
 
 def _told(
     cause: DiscrepancyCause,
-    found: Candidate,
+    candidate: Candidate,
     before: Candidate,
     law: ElasticLaw | None,
     compression: float | None,
     *,
     leads: bool,
 ) -> Explanation:
-    explains = not is_contradicted(found)
-    value, error = _known(found, cause.quantity)
+    explains = not is_contradicted(candidate)
+    value, error = _known(candidate, cause.quantity)
     supposed = float(getattr(before.problem.priors, cause.quantity).mean)
     says = cause.noun
     if explains and leads:
         says = _SENTENCES[cause.quantity](value, error)
         says += f", not {format_quantity(supposed, 'g', '.5g')}" if cause.quantity == "mass" else ""
-        says += _beside(cause, found) + _elsewhere(cause, value, law, compression)
+        says += _beside(cause, candidate) + _elsewhere(cause, value, law, compression)
     return Explanation(
         name=cause.name,
         value=value,
         standard_error=error,
         unit=cause.unit,
         departure=value / supposed - 1,
-        fall=before.cost - found.cost,
+        fall=before.cost - candidate.cost,
         explains=explains,
         says=says,
     )
 
 
-def _known(found: Candidate, quantity: str) -> tuple[float, float]:
+def _known(candidate: Candidate, quantity: str) -> tuple[float, float]:
     """What a free quantity came to, and its standard error."""
-    place = found.problem.at[quantity]
-    value = float(getattr(found.point, quantity))
-    return value, value * float(np.sqrt(found.covariance[place, place]))
+    place = candidate.problem.at[quantity]
+    value = float(getattr(candidate.point, quantity))
+    return value, value * float(np.sqrt(candidate.covariance[place, place]))
 
 
-def _beside(cause: DiscrepancyCause, found: Candidate) -> str:
+def _beside(cause: DiscrepancyCause, candidate: Candidate) -> str:
     """The stiffness that goes with a mass or a gain, where it is another one at all."""
     if not cause.beside:
         return ""
-    value, error = _known(found, cause.beside)
+    value, error = _known(candidate, cause.beside)
     if abs(value - 1) < _OTHER * error:
         return ""
     return f". Then {_SENTENCES[cause.beside](value, error)}"

@@ -45,21 +45,21 @@ class AlternativeCandidate(NamedTuple):
     @property
     def worst(self) -> float:
         """Root of what the best leaves of a test over what the other does, of the worst test."""
-        mine, other = (_left(one) for one in (self.best, self.other))
+        mine, other = (_left(candidate) for candidate in (self.best, self.other))
         return float(np.sqrt(np.max(mine / np.maximum(other, 1e-300))))
 
     def alternative(self, band: tuple[float, float]) -> Alternative:
         """The other family as a fit keeps it; `band` is what the tests inform, Hz."""
         problem, rise = self.best.problem, self.other.bic - self.best.bic
-        alone = not problem.relaxations and problem.constraints.before is None
+        single = not problem.relaxations and problem.constraints.before is None
         return alternative_of(
             self.best.point.model, self.other.point.model, rise, band,
-            explains=self.explains, further=_ALONE if alone else _JOINT,
+            explains=self.explains, extra=_ALONE if single else _JOINT,
         )  # fmt: skip
 
 
 def chosen_rival(
-    arms: Candidate, tried: Sequence[Candidate], one: Candidate, family: str
+    arms: Candidate, tried: Sequence[Candidate], candidate: Candidate, family: str
 ) -> AlternativeCandidate:
     """Return the family asked for, or with ``"auto"`` the one that BIC prefers, and the other.
 
@@ -69,13 +69,13 @@ def chosen_rival(
         The number of arms taken.
     tried : sequence of Candidate
         Every one.
-    one : Candidate
+    candidate : Candidate
         The best element.
     family : "fractional" or "auto"
     """
     several = [arms, *(other for other in tried if other.arms > arms.arms)]
-    better = one.bic + VERY_STRONG < arms.bic and not at_bound(one)
-    best, others = (one, several) if family == "fractional" or better else (arms, [one])
+    better = candidate.bic + VERY_STRONG < arms.bic and not at_bound(candidate)
+    best, others = (candidate, several) if family == "fractional" or better else (arms, [candidate])
     explain = [other for other in others if _explains(other, best)]
     return AlternativeCandidate(best, (explain or others)[0], bool(explain))
 

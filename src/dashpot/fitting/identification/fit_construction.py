@@ -54,26 +54,26 @@ def build_identified_fit(
     frf: FRF,
     tests: Sequence[RampHold],
     before: Fit | None,
-    own: Fit | None,
+    fit: Fit | None,
     doubtful: Sequence[RelaxationData],
-    asked: int | str,
+    request: int | str,
     most: int,
-    apart: Discrepancy | None,
+    discrepancy: Discrepancy | None,
     rival: AlternativeCandidate | None,
     dashpot: tuple[Check, ...],
     rig: HammerRig,
 ) -> Fit:
     """The fit of one seal, with everything needed to judge it.
 
-    `before` is what was known of the seal before the hammer, `own` that of the same family;
+    `before` is what was known of the seal before the hammer, `fit` that of the same family;
     `doubtful` are its tests with all that their rigs may have done unseen.
     """
     point, covariance = best.point, best.covariance
     names, values, physical = _physical(best)
-    unseen = _moved_by_rig(best, physical, doubtful, rig)
-    if apart is not None:
+    unmeasured = _moved_by_rig(best, physical, doubtful, rig)
+    if discrepancy is not None:
         # which of the two solids is right is a doubt of its own
-        physical = physical + np.outer(*[values - _physical(best, apart.other)[1]] * 2)
+        physical = physical + np.outer(*[values - _physical(best, discrepancy.other)[1]] * 2)
     residual, samples = _residual(best)
     band = data_band(best, before)
     other = None if rival is None else rival.alternative(band)
@@ -85,15 +85,15 @@ def build_identified_fit(
         nuisance=_nuisance(best, covariance),
     )
     in_band = np.asarray(2j * np.pi * np.geomspace(*band, LINES_IN_BAND), dtype=complex)
-    known = (np.inf, np.inf)
+    errors = (np.inf, np.inf)
     if before is None and isinstance(best.problem.sought, Arms):
-        known = estimate.errors_of_vibration(point.model.maxwell, in_band)
+        errors = estimate.errors_of_vibration(point.model.maxwell, in_band)
     answers = (
-        *_checks(best, covariance, before, apart, known),
+        *_checks(best, covariance, before, discrepancy, errors),
         *family_checks(best, rival, other),
         *dashpot,
     )
-    of_noise, estimate = estimate, estimate.with_rig(unseen)
+    of_noise, estimate = estimate, estimate.with_rig(unmeasured)
     band, known_there = _known_band(best, band, of_noise, estimate)
     answers = (*answers, checks.cables_described(known_there, best.problem.frf_data.peak_hz))
     end = end_of_data(best, before, estimate)
@@ -102,15 +102,15 @@ def build_identified_fit(
         SolidEstimate(
             point.model,
             estimate,
-            fewer=asked != "auto" and most > point.model.maxwell.arms,
+            fewer=request != "auto" and most > point.model.maxwell.arms,
             at_bound=at_bound(best),
         ),
         Evidence(
             band,
             orders=tuple(_score(candidate) for candidate in orders),
             checks=answers,
-            moved=() if own is None else _moved(own, point.model, names, physical, end),
-            explanations=() if apart is None else apart.explanations,
+            moved=() if fit is None else _moved(fit, point.model, names, physical, end),
+            explanations=() if discrepancy is None else discrepancy.explanations,
             alternative=other,
             end_of_hold=end,
             band_error=known_there,
@@ -156,8 +156,8 @@ def end_of_data(
 
 def _shifts(before: Fit) -> TemperatureShifts | None:
     """How the solid of the relaxation tests moves with temperature; the hammer is of one."""
-    moved = before.temperatures
-    return None if moved is None else replace(moved, cross=moved.cross[-1:])
+    shifts = before.temperatures
+    return None if shifts is None else replace(shifts, cross=shifts.cross[-1:])
 
 
 def _specimen(tests: Sequence[RampHold], before: Fit | None) -> Specimen:
@@ -180,11 +180,11 @@ def _physical(
         return np.append(sought.physical(theta[: sought.size])[1], b)
 
     names = sought.physical(best.theta[: sought.size])[0] + ("b",) * problem.dashpot
-    told = best.estimate.derive_quantity(physical)
+    quantity = best.estimate.derive_quantity(physical)
     if model is None:
-        return names, told.values, told.covariance
+        return names, quantity.values, quantity.covariance
     b = [model.maxwell.b] if problem.dashpot else []
-    return names, np.append(sought.physical(sought.pack(model))[1], b), told.covariance
+    return names, np.append(sought.physical(sought.pack(model))[1], b), quantity.covariance
 
 
 def _moved_by_rig(
@@ -207,8 +207,8 @@ def _moved_by_rig(
         pulls.append(np.zeros((size, len(places))))
         pulls[-1][places] = np.linalg.solve(root @ root.T, _unseen_root(before, best))
     of_hammer = _slope_of_physical(best) @ moved_by_hammer_rig(best, rig)
-    known = np.where(np.isfinite(covariance), covariance, 0.0)
-    return np.hstack([*(known @ pull for pull in pulls), of_hammer])
+    indices = np.where(np.isfinite(covariance), covariance, 0.0)
+    return np.hstack([*(indices @ pull for pull in pulls), of_hammer])
 
 
 def _slope_of_physical(best: Candidate) -> FloatArray:
@@ -263,8 +263,12 @@ def _known_band(
     solid, peak = best.point.model, best.problem.frf_data.peak_hz
     model = solid.maxwell
 
-    def errors_by(known: ParameterEstimate) -> Callable[[float], tuple[float, float]]:
-        arms = known.of_arms(solid) if isinstance(solid, FractionalZener) else known
+    def errors_by(parameter_estimate: ParameterEstimate) -> Callable[[float], tuple[float, float]]:
+        arms = (
+            parameter_estimate.of_arms(solid)
+            if isinstance(solid, FractionalZener)
+            else parameter_estimate
+        )
 
         def errors(line: float) -> tuple[float, float]:
             s = np.array([2j * np.pi * line], dtype=complex)
@@ -277,14 +281,16 @@ def _known_band(
     # an error by a covariance costs little: so many lines place the ends to a few per cent
     lines = sorted({*np.geomspace(*band, 8 * LINES_IN_BAND).tolist(), peak})
     errors = every if every(peak)[1] <= WELL_KNOWN else noise
-    found, known = known_band(errors, band, {line: errors(line) for line in lines}, around=peak)
+    values, band_error = known_band(
+        errors, band, {line: errors(line) for line in lines}, around=peak
+    )
     if errors is every:
-        return found, known
-    told = {line: every(line) for line in known.frequency}
-    return found, replace(
-        known,
-        stiffness=tuple(error[0] for error in told.values()),
-        loss_factor=tuple(error[1] for error in told.values()),
+        return values, band_error
+    entries = {line: every(line) for line in band_error.frequency}
+    return values, replace(
+        band_error,
+        stiffness=tuple(error[0] for error in entries.values()),
+        loss_factor=tuple(error[1] for error in entries.values()),
     )
 
 
@@ -298,19 +304,19 @@ def data_band(best: Candidate, before: Fit | None) -> tuple[float, float]:
 
 def _nuisance(best: Candidate, covariance: FloatArray) -> tuple[Nuisance, ...]:
     at, point = best.problem.at, best.point
-    told = [("mass", "mass", "kg"), ("gain", "gain", "1"), ("delay", "delay", "s")]
-    told += [
+    items = [("mass", "mass", "kg"), ("gain", "gain", "1"), ("delay", "delay", "s")]
+    items += [
         (title, name, "1")
         for title, name in (("stiffness_factor", "factor"), ("k_inf_factor", "spring"))
         if getattr(best.problem.priors, name) != UNCHANGED
     ]
-    found = []
-    for title, name, unit in told:
+    nuisances = []
+    for title, name, unit in items:
         value = float(getattr(point, name))
         number = covariance[at[name], at[name]] if name in at else 0.0
         scale = DELAY_UNIT if name == "delay" else value
-        found.append(Nuisance(title, value, float(np.sqrt(number)) * scale, unit))
-    return tuple(found)
+        nuisances.append(Nuisance(title, value, float(np.sqrt(number)) * scale, unit))
+    return tuple(nuisances)
 
 
 def _step(best: Candidate) -> Step:
@@ -368,52 +374,59 @@ def _moved(
     def error(errors: dict[str, float], row: str, value: float) -> float:
         return errors[row] * (value if row.startswith("ln_") else 1.0)
 
-    found = []
+    changes = []
     for title, unit, was, there, now, here in rows:
         if title == "k_inf":
             most = None if end is None else end.k_inf[1]
-            found.append(
+            changes.append(
                 ParameterChange(
                     title, was, None, now, None, unit, before.intervals()["k_inf"][1], most
                 )
             )
             continue
-        known = None if was is None or there not in old else error(old, there, was)
-        found.append(ParameterChange(title, was, known, now, error(new, here, now), unit))
-    return tuple(found)
+        reference = None if was is None or there not in old else error(old, there, was)
+        changes.append(ParameterChange(title, was, reference, now, error(new, here, now), unit))
+    return tuple(changes)
 
 
 def _partners(old: tuple[float, ...], new: tuple[float, ...]) -> dict[int, int]:
     """New arm -> old arm, nearest pairs first, none farther apart than a factor e."""
     pairs = sorted((abs(np.log(a / b)), i, j) for i, a in enumerate(old) for j, b in enumerate(new))
-    found: dict[int, int] = {}
+    entries: dict[int, int] = {}
     for distance, i, j in pairs:
-        if distance < SAME and j not in found and i not in found.values():
-            found[j] = i
-    return found
+        if distance < SAME and j not in entries and i not in entries.values():
+            entries[j] = i
+    return entries
 
 
 def _checks(
     best: Candidate,
     covariance: FloatArray,
     before: Fit | None,
-    apart: Discrepancy | None,
+    discrepancy: Discrepancy | None,
     in_band: tuple[float, float],
 ) -> tuple[Check, ...]:
-    lead = None if apart is None else apart.explanations[0]
+    lead = None if discrepancy is None else discrepancy.explanations[0]
     answers = [optimum_found(stationary=best.optimum.stationary)]
-    asked = agreement(best, None if apart is None else apart.known)
+    requested_checks = agreement(best, None if discrepancy is None else discrepancy.known)
     if before is not None:
-        told = checks.tests_agree(lead)
+        check = checks.tests_agree(lead)
         if lead is not None and lead.explains:
             # what follows from the cause is no graver than the cause
-            asked = [replace(one, grade=told.grade) if one.failed else one for one in asked]
-        answers.append(told)
-    answers += asked
+            requested_checks = [
+                replace(requested_check, grade=check.grade)
+                if requested_check.failed
+                else requested_check
+                for requested_check in requested_checks
+            ]
+        answers.append(check)
+    answers += requested_checks
     if isinstance(best.problem.sought, Arms):
         arms = best.problem.sought.count
         worst = float(max(np.sqrt(np.diag(covariance))[1 : 1 + 2 * arms], default=0.0))
         new = 0 if before is None else arms - before.model.arms
-        known = checks.arms_identified(arms, worst, unknown=best.unknown, new=new, in_band=in_band)
-        answers.append(known)
+        resolved_check = checks.arms_identified(
+            arms, worst, unknown=best.unknown, new=new, in_band=in_band
+        )
+        answers.append(resolved_check)
     return tuple(answers)

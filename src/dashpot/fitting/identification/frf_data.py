@@ -57,9 +57,9 @@ class FRFData:
     weighed: float | None = None
     reach: float = REACH
 
-    def reaching(self, left: float) -> FRFData:
+    def reaching(self, remainder: float) -> FRFData:
         """As far as lines tell of which a part of so much is left unexplained."""
-        reach = min(max(1 / np.sqrt(ABOVE * max(left, 1e-300)), REACH), FARTHEST)
+        reach = min(max(1 / np.sqrt(ABOVE * max(remainder, 1e-300)), REACH), FARTHEST)
         return replace(self, reach=float(reach))
 
     def response(self, model: Solid, mass: float) -> Response:
@@ -92,8 +92,8 @@ class FRFData:
         seen = gain * np.exp(-self.lines.s * delay)
         moving = seen * share * response.accelerance
         shown = moving - seen * base
-        beside = moving if self.weighed is not None else 0 * moving
-        return (seen * share)[:, None] * by, beside, shown, -self.lines.s * shown
+        extra = moving if self.weighed is not None else 0 * moving
+        return (seen * share)[:, None] * by, extra, shown, -self.lines.s * shown
 
     def _over_base(self, mass: float) -> tuple[float, float]:
         """What the accelerance is multiplied by, and its value where the mass does not move."""
@@ -172,14 +172,14 @@ def frf_data_of(
         )
     lines = measured.only(keep)
     scatter, size = lines.random_sd, np.abs(lines.value)
-    known = scatter is not None
+    certain = scatter is not None
     if scatter is None and lines.scatter_of_one is not None:
         # of an unknown number of hits: the lines' shares of the misfit, which tells its size
         share = np.hypot(lines.scatter_of_one / size, FLOOR)
         scatter = size * share / np.sqrt(np.mean(share**2))
     sd = _size(lines, frf.quantity, mass) if scatter is None else np.hypot(scatter, FLOOR * size)
     weighed = mass if over_base else None
-    return FRFData(lines, sd, known, float(seals), peak, frf.quantity, weighed)
+    return FRFData(lines, sd, certain, float(seals), peak, frf.quantity, weighed)
 
 
 def _size(lines: FRF, kind: Kind, mass: float | None) -> FloatArray:

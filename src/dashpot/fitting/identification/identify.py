@@ -156,57 +156,60 @@ def identify(
     point = point_of(before.known, mass, seals, compression)
     priors, constraints = priors_of(mass, rig, point), constraints_of(known, before)
     whole = IdentificationProblem(before.relaxations, frf_data, priors, constraints)
-    asked = known.parallel_dashpot
-    dashpots = (False, True) if asked == "auto" else (bool(asked),)
+    parallel_dashpot = known.parallel_dashpot
+    dashpots = (False, True) if parallel_dashpot == "auto" else (bool(parallel_dashpot),)
     problems = [replace(whole, dashpot=dashpot) for dashpot in dashpots]
     numbers = numbers_of(arms, before.arms)
     problems = _reaching(problems, max(numbers))
-    best, found, rival = _best(problems, numbers, before, family)
+    best, candidates, rival = _best(problems, numbers, before, family)
     scale = best.line_scale
     final = _last_descent(replace(best.problem, scale=scale), best.theta)
     earlier = before.known
-    own = before.element if isinstance(best.problem.sought, FractionalElement) else before.arms
-    apart = explain_discrepancy(
+    element = before.element if isinstance(best.problem.sought, FractionalElement) else before.arms
+    discrepancy = explain_discrepancy(
         final,
-        lambda problem: _again(problem, final.point, numbers, own),
+        lambda problem: _again(problem, final.point, numbers, element),
         law=None if earlier is None else earlier.elastic_law,
         compression=None if point is None else point.compression,
     )
-    if apart is not None and rival is not None:
+    if discrepancy is not None and rival is not None:
         rival = reselected_family(
-            rival, lambda one: refit_with_free_cause(one, apart.explanations[0].name)
+            rival,
+            lambda candidate: refit_with_free_cause(candidate, discrepancy.explanations[0].name),
         )
-    orders = [candidate.scaled(scale) for candidate in found]
-    if apart is not None and apart.found is not final:
+    orders = [candidate.scaled(scale) for candidate in candidates]
+    if discrepancy is not None and discrepancy.found is not final:
         # what explains both tests chose its arms anew
-        final, orders = apart.found, [apart.found]
+        final, orders = discrepancy.found, [discrepancy.found]
     solid = build_identified_fit(
         final,
         orders,
         frf=frf,
         tests=records,
         before=earlier,
-        own=own,
+        fit=element,
         doubtful=before.doubtful,
-        asked=arms,
+        request=arms,
         most=max(numbers),
-        apart=apart,
+        discrepancy=discrepancy,
         rival=rival,
         # where two tests disagree, a dashpot only hides it
-        dashpot=() if apart else (_dashpot_missed(best, own), *_arms_enough(best, arms, own)),
+        dashpot=()
+        if discrepancy
+        else (_dashpot_missed(best, element), *_arms_enough(best, arms, element)),
         rig=rig,
     )
     return _with_choices(solid, bench)
 
 
-def _with_choices(found: Fit, bench: BenchFit) -> Fit:
+def _with_choices(fit: Fit, bench: BenchFit) -> Fit:
     """Return a fit whose last step names how its relaxation tests were fitted, if that was said."""
     if not bench.choices:
-        return found
-    *earlier, last = found.steps
-    said = tuple((f"test {name}", str(value)) for name, value in bench.choices.items())
-    step = replace(last, parameters=(*last.parameters, *said))
-    return replace(found, provenance=replace(found.provenance, steps=(*earlier, step)))
+        return fit
+    *earlier, last = fit.steps
+    stated = tuple((f"test {name}", str(value)) for name, value in bench.choices.items())
+    step = replace(last, parameters=(*last.parameters, *stated))
+    return replace(fit, provenance=replace(fit.provenance, steps=(*earlier, step)))
 
 
 def _last_descent(problem: IdentificationProblem, theta: FloatArray) -> Candidate:
@@ -217,10 +220,10 @@ def _last_descent(problem: IdentificationProblem, theta: FloatArray) -> Candidat
     final = descend(problem, theta, tolerance=TIGHT)
     if final.optimum.stationary:
         return final
-    further = descend(problem, final.theta, tolerance=TIGHT)
-    settled = final.cost - further.cost <= SETTLED
-    stationary = further.optimum.stationary or bool(settled)
-    return replace(further, optimum=replace(further.optimum, stationary=stationary))
+    candidate = descend(problem, final.theta, tolerance=TIGHT)
+    settled = final.cost - candidate.cost <= SETTLED
+    stationary = candidate.optimum.stationary or bool(settled)
+    return replace(candidate, optimum=replace(candidate.optimum, stationary=stationary))
 
 
 # -- the best solid of either family ----------------------------------------------------------
@@ -233,22 +236,24 @@ def _best(
     family: str,
 ) -> tuple[Candidate, list[Candidate], AlternativeCandidate | None]:
     """The candidate to take, every number of arms tried beside it, and the other family's."""
-    one = None if family == "maxwell" else _element(problems, before)
-    if one is not None and before.known is not before.arms:
+    candidate = None if family == "maxwell" else _element(problems, before)
+    if candidate is not None and before.known is not before.arms:
         # an earlier fit of four parameters is no prior of arms
-        return one, [], None
-    found = _every(problems, numbers, before.arms)
-    best = _chosen(found)
-    if one is None:
-        return best, found, None
-    rival = chosen_rival(best, found, one, family)
-    return rival.best, found if rival.best is best else [], rival
+        return candidate, [], None
+    candidates = _every(problems, numbers, before.arms)
+    best = _chosen(candidates)
+    if candidate is None:
+        return best, candidates, None
+    rival = chosen_rival(best, candidates, candidate, family)
+    return rival.best, candidates if rival.best is best else [], rival
 
 
 def _element(problems: Sequence[IdentificationProblem], before: PriorTests) -> Candidate:
     """The best fractional element, from the linear start of dynamic stiffness."""
     sought, tries = FractionalElement.of(before.relaxations), []
-    for problem in (replace(one, sought=sought) for one in problems):
+    for problem in (
+        replace(identification_problem, sought=sought) for identification_problem in problems
+    ):
         starts = []
         columns = ArmColumns(_stiffness_blocks(problem))
         for near in (columns.best(), *columns.starts(ELEMENT_STARTS)):
@@ -261,12 +266,14 @@ def _element(problems: Sequence[IdentificationProblem], before: PriorTests) -> C
         if before.element is not None and isinstance(before.element.solid, FractionalZener):
             starts.append((before.element.solid, starts[0][1]))
         rough = [
-            descend(problem, problem.pack(_start(problem, *one)), tolerance=LOOSE, most=ROUGH)
-            for one in starts
-            if one[1] > 0 and one[0].k_0 > 0
+            descend(problem, problem.pack(_start(problem, *start)), tolerance=LOOSE, most=ROUGH)
+            for start in starts
+            if start[1] > 0 and start[0].k_0 > 0
         ]
         rough.sort(key=lambda candidate: candidate.cost)
-        tries += [descend(problem, one.theta, tolerance=LOOSE) for one in rough[:FINISHED]]
+        tries += [
+            descend(problem, candidate.theta, tolerance=LOOSE) for candidate in rough[:FINISHED]
+        ]
     if not tries:
         raise FitError("no fractional solid explains the FRF; widen --band, or fit arms")
     return min(tries, key=lambda candidate: candidate.bic)
@@ -279,14 +286,16 @@ def _every(
     problems: Sequence[IdentificationProblem], numbers: Sequence[int], before: Fit | None
 ) -> list[Candidate]:
     """The optimum for every number of arms, or for fewer where the data reject so many."""
-    found = [best for problem in problems for best in _candidates(problem, numbers, before)]
+    candidates = [best for problem in problems for best in _candidates(problem, numbers, before)]
     fewer = 0 if problems[0].constraints.before is not None else min(numbers)
-    while not found and fewer > 0:
+    while not candidates and fewer > 0:
         fewer -= 1
-        found = [best for problem in problems for best in _candidates(problem, [fewer], before)]
-    if not found:
+        candidates = [
+            best for problem in problems for best in _candidates(problem, [fewer], before)
+        ]
+    if not candidates:
         raise FitError("no solid with arms of positive stiffness explains the FRF; widen --band")
-    return found
+    return candidates
 
 
 def _candidates(
@@ -300,28 +309,28 @@ def _candidates(
 
     From a `start` in place of the linear ones, which know of no difference between the tests.
     """
-    given = _linear(whole, max(numbers)) if start is None else [start]
-    found: list[Candidate] = []
+    parameters = _linear(whole, max(numbers)) if start is None else [start]
+    candidates: list[Candidate] = []
     for number in numbers:
         problem = replace(whole, sought=Arms(number))
-        starts = [one for one in given if one.model.maxwell.arms == number]
+        starts = [parameter for parameter in parameters if parameter.model.maxwell.arms == number]
         best = _lowest(problem, [*starts, *_spread(problem, before)])
         # more arms explain no less: where they do, their optimum was not found
         if best.problem.sought.whole(best.point.model) and not (
-            found and best.cost > ASTRAY * found[-1].cost
+            candidates and best.cost > ASTRAY * candidates[-1].cost
         ):
-            found.append(best)
-        least = min((candidate.bic for candidate in found), default=np.inf)
-        if found and (found[-1].exact or best.bic > least + WORSE):
+            candidates.append(best)
+        least = min((candidate.bic for candidate in candidates), default=np.inf)
+        if candidates and (candidates[-1].exact or best.bic > least + WORSE):
             break
-    return found
+    return candidates
 
 
 def _lowest(problem: IdentificationProblem, starts: Sequence[Parameters]) -> Candidate:
     """The lowest optimum from several starts, or the first that nothing is left of."""
     tries: list[Candidate] = []
-    for one in starts:
-        tries.append(descend(problem, problem.pack(one), tolerance=LOOSE))
+    for start in starts:
+        tries.append(descend(problem, problem.pack(start), tolerance=LOOSE))
         if tries[-1].exact:
             break
     return min(tries, key=lambda candidate: candidate.cost)
@@ -335,12 +344,16 @@ def _again(
         return descend(problem, problem.pack(start), tolerance=LOOSE)
     most = start.model.maxwell.arms
     fewer = [number for number in numbers if number < most]
-    found = _candidates(problem, [*fewer, most], before, start=start)
+    candidates = _candidates(problem, [*fewer, most], before, start=start)
     # where an arm has left every candidate, as it is
-    return _chosen(found) if found else descend(problem, problem.pack(start), tolerance=LOOSE)
+    return (
+        _chosen(candidates)
+        if candidates
+        else descend(problem, problem.pack(start), tolerance=LOOSE)
+    )
 
 
-def _chosen(found: Sequence[Candidate]) -> Candidate:
+def _chosen(candidates: Sequence[Candidate]) -> Candidate:
     """Choose the arms by both rules, with and without a dashpot; then the better of the two.
 
     An arm that cannot be placed leads nevertheless where BIC is decisive. Were the smaller model to
@@ -351,37 +364,46 @@ def _chosen(found: Sequence[Candidate]) -> Candidate:
     at most, and say "use". So it stays, as a correction of the others: `Fit.unplaced` tells it, and
     the check on the arms lets the verdict be no better than "use with care".
     """
-    scale = min(found, key=lambda candidate: candidate.bic).line_scale
+    scale = min(candidates, key=lambda candidate: candidate.bic).line_scale
     best = []
     for dashpot in (False, True):
-        ladder = {one.arms: one for one in found if one.problem.dashpot == dashpot}
+        ladder = {
+            candidate.arms: candidate
+            for candidate in candidates
+            if candidate.problem.dashpot == dashpot
+        }
         if ladder:
-            sure = [one.scaled(scale).significant for one in ladder.values()]
-            bics = [one.bic for one in ladder.values()]
+            sure = [candidate.scaled(scale).significant for candidate in ladder.values()]
+            bics = [candidate.bic for candidate in ladder.values()]
             best.append(ladder[select_model_order([*ladder], bics, sure, decisive=DECISIVE).arms])
     return min(best, key=lambda candidate: candidate.bic)
 
 
 def _arms_enough(
-    best: Candidate, asked: int | Literal["auto"], before: Fit | None
+    best: Candidate, request: int | Literal["auto"], before: Fit | None
 ) -> tuple[Check, ...]:
     """Whether the data support no further arm, where their number was asked for."""
     sought = best.problem.sought
-    if asked == "auto" or not isinstance(sought, Arms) or best.exact:
+    if request == "auto" or not isinstance(sought, Arms) or best.exact:
         return ()
     few, shortage = sought.count, None
-    further = [few + one for one in range(1, FURTHER + 1)]
-    found = [best, *_candidates(best.problem, further, before)]
-    scale = min(found, key=lambda one: one.bic).line_scale
-    sure = [one.scaled(scale).significant for one in found]
-    numbers, bics = [one.arms for one in found], [one.bic for one in found]
+    others = [few + index for index in range(1, FURTHER + 1)]
+    candidates = [best, *_candidates(best.problem, others, before)]
+    scale = min(candidates, key=lambda candidate: candidate.bic).line_scale
+    sure = [candidate.scaled(scale).significant for candidate in candidates]
+    numbers, bics = (
+        [candidate.arms for candidate in candidates],
+        [candidate.bic for candidate in candidates],
+    )
     more = select_model_order(numbers, bics, sure, decisive=DECISIVE).arms
     if more > few:
         lines = best.problem.frf_data.lines.s
-        samples = 2 * len(lines) + sum(one.samples for one in best.problem.relaxations)
-        other = found[numbers.index(more)]
-        left = (float(np.sqrt(one.chi2 / samples)) for one in (best, other))
-        shortage = Shortage(few, more, *left)
+        samples = 2 * len(lines) + sum(
+            relaxation.samples for relaxation in best.problem.relaxations
+        )
+        other = candidates[numbers.index(more)]
+        residuals = (float(np.sqrt(candidate.chi2 / samples)) for candidate in (best, other))
+        shortage = Shortage(few, more, *residuals)
     return (arms_enough(shortage, few, unit="sd"),)
 
 
@@ -401,8 +423,10 @@ def _dashpot_missed(best: Candidate, before: Fit | None) -> Check:
     else:
         problem, point = replace(best.problem, dashpot=True), best.point
         tries = [(problem, replace(point, model=_damped(problem, point.model)))]
-    found = [descend(problem, problem.pack(start), tolerance=LOOSE) for problem, start in tries]
-    other = min(found, key=lambda candidate: candidate.bic)
+    candidates = [
+        descend(problem, problem.pack(start), tolerance=LOOSE) for problem, start in tries
+    ]
+    other = min(candidates, key=lambda candidate: candidate.bic)
     sure = best.scaled(best.line_scale).significant
     b = other.point.model.maxwell.b
     return dashpot_not_missed(best.bic - other.bic, other.problem.sought.counted(), b, sure=sure)
@@ -411,15 +435,15 @@ def _dashpot_missed(best: Candidate, before: Fit | None) -> Check:
 def _stiffness_blocks(problem: IdentificationProblem) -> list[DataBlock]:
     """Every test as a linear problem in the stiffnesses of the solid."""
     blocks = [relaxation.weighted(i) for i, relaxation in enumerate(problem.relaxations)]
-    felt = replace(problem.frf_data, seals=problem.frf_data.seals * problem.priors.factor.mean)
-    known = None if problem.priors.mass is None else problem.priors.mass.mean
-    return [*blocks, felt.stiffness_block(known, dashpot=problem.dashpot)]
+    frf_data = replace(problem.frf_data, seals=problem.frf_data.seals * problem.priors.factor.mean)
+    mean = None if problem.priors.mass is None else problem.priors.mass.mean
+    return [*blocks, frf_data.stiffness_block(mean, dashpot=problem.dashpot)]
 
 
 def _mass(problem: IdentificationProblem, fixed: Mapping[str, float]) -> float:
     """The mass that is known, or that a linear solution found."""
-    known = problem.priors.mass
-    return fixed["mass@frf"] if known is None else known.mean
+    prior = problem.priors.mass
+    return fixed["mass@frf"] if prior is None else prior.mean
 
 
 def _linear(problem: IdentificationProblem, most: int) -> list[Parameters]:
@@ -469,12 +493,20 @@ def _spread(problem: IdentificationProblem, before: Fit | None) -> list[Paramete
 
 def _reaching(problems: list[IdentificationProblem], most: int) -> list[IdentificationProblem]:
     """They seek arms as slow as lines can tell that nobody measured: computed, without scatter."""
-    one = problems[-1]
-    if one.frf_data.known_sd or one.relaxations or one.constraints.before is not None:
+    identification_problem = problems[-1]
+    if (
+        identification_problem.frf_data.known_sd
+        or identification_problem.relaxations
+        or identification_problem.constraints.before is not None
+    ):
         return problems
-    whole = replace(one, frf_data=replace(one.frf_data, reach=FARTHEST))
+    whole = replace(
+        identification_problem, frf_data=replace(identification_problem.frf_data, reach=FARTHEST)
+    )
     least = min(solution.sse for solution in solve_orders(_stiffness_blocks(whole), most))
-    data = one.frf_data.reaching(float(np.sqrt(least / (2 * len(one.frf_data.lines.s)))))
+    data = identification_problem.frf_data.reaching(
+        float(np.sqrt(least / (2 * len(identification_problem.frf_data.lines.s))))
+    )
     return [replace(problem, frf_data=data) for problem in problems]
 
 

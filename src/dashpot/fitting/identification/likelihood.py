@@ -96,7 +96,7 @@ class NuisancePriors:
     @property
     def each(self) -> dict[str, Prior | None]:
         """By name, in the order of the vector."""
-        return {one.name: getattr(self, one.name) for one in fields(self)}
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
 
 @dataclass(frozen=True)
@@ -181,8 +181,8 @@ class IdentificationProblem:
         before = self.constraints.before
         if before is not None and before.model.arms:
             solid = before.solid
-            known = (solid.tau,) if isinstance(solid, FractionalZener) else before.model.tau
-            windows.append((known[0] / BEYOND, known[-1] * BEYOND))
+            tau = (solid.tau,) if isinstance(solid, FractionalZener) else before.model.tau
+            windows.append((tau[0] / BEYOND, tau[-1] * BEYOND))
         low, high = min(w[0] for w in windows), max(w[1] for w in windows)
         return float(np.log(low / BEYOND)), float(np.log(high * BEYOND))
 
@@ -196,28 +196,30 @@ class IdentificationProblem:
 
     def unpack(self, theta: FloatArray) -> Parameters:
         """The point of a vector."""
-        found = {
+        entries = {
             name: float(theta[i] * DELAY_UNIT if name == "delay" else np.exp(theta[i]))
             for name, i in self.at.items()
         }
-        model = self.sought.unpack(theta[: self.sought.size], found.pop("b", 0.0))
-        known = {name: prior.mean for name, prior in self.priors.each.items() if prior is not None}
-        return Parameters(model, **known | found)
+        model = self.sought.unpack(theta[: self.sought.size], entries.pop("b", 0.0))
+        available = {
+            name: prior.mean for name, prior in self.priors.each.items() if prior is not None
+        }
+        return Parameters(model, **available | entries)
 
     # -- what is known beforehand ---------------------------------------------------------------
 
     @cached_property
     def rig(self) -> tuple[list[int], FloatArray, FloatArray]:
         """Which of the vector is known of the rig, its mean and its standard deviation."""
-        known = {
+        entries = {
             name: (0.0, prior.sd / DELAY_UNIT)
             if name == "delay"
             else (float(np.log(prior.mean)), prior.sd / prior.mean)
             for name, prior in self.priors.each.items()
             if prior is not None and name in self.at
         }
-        mean, sd = np.array([*known.values()]).reshape(-1, 2).T
-        return [self.at[name] for name in known], mean, sd
+        mean, sd = np.array([*entries.values()]).reshape(-1, 2).T
+        return [self.at[name] for name in entries], mean, sd
 
     @cached_property
     def earlier(self) -> tuple[list[int], FloatArray, FloatArray] | None:
@@ -225,13 +227,13 @@ class IdentificationProblem:
         before = self.constraints.before
         if before is None:
             return None
-        kept, places = self.sought.kept(before)
-        of = dict(zip(kept, places, strict=True))
+        retained, places = self.sought.kept(before)
+        of = dict(zip(retained, places, strict=True))
         # with all that its rig may have done it could not show that the tests disagree
         covariance, rows = before.estimate.noise_alone.covariance, self.earlier_rows
         names = [before.parameters[i] for i in rows]
         root = np.asarray(np.linalg.cholesky(covariance[np.ix_(rows, rows)]))
-        return [of[name] for name in names], np.array([kept[name] for name in names]), root
+        return [of[name] for name in names], np.array([retained[name] for name in names]), root
 
     @cached_property
     def earlier_rows(self) -> list[int]:
@@ -239,13 +241,13 @@ class IdentificationProblem:
         before = self.constraints.before
         if before is None:
             return []
-        kept, variance = (
+        retained, variance = (
             self.sought.kept(before)[0],
             np.diag(before.estimate.noise_alone.covariance),
         )
         return [
             i for i, name in enumerate(before.parameters)
-            if name in kept and np.isfinite(variance[i]) and variance[i] > 0
+            if name in retained and np.isfinite(variance[i]) and variance[i] > 0
         ]  # fmt: skip
 
     def about(self, start: FloatArray) -> least_squares.Problem:
@@ -284,7 +286,10 @@ class ModelPrediction:
     @cached_property
     def tests(self) -> list[FloatArray]:
         """Residuals of the relaxation tests."""
-        return [each.residual + self._b * each.dashpot for each in self._of_relaxations]
+        return [
+            relaxation.residual + self._b * relaxation.dashpot
+            for relaxation in self._of_relaxations
+        ]
 
     @cached_property
     def lines(self) -> FloatArray:
@@ -317,11 +322,14 @@ class ModelPrediction:
     def slope(self) -> FloatArray:
         """Derivative of every row."""
         size = len(self._numbers)
-        tests = [np.zeros((len(each.residual), len(self.theta))) for each in self._of_relaxations]
-        for columns, each in zip(tests, self._of_relaxations, strict=True):
-            columns[:, :size] = each.jacobian
+        tests = [
+            np.zeros((len(relaxation.residual), len(self.theta)))
+            for relaxation in self._of_relaxations
+        ]
+        for columns, residuals in zip(tests, self._of_relaxations, strict=True):
+            columns[:, :size] = residuals.jacobian
             if self.problem.dashpot:
-                columns[:, self.problem.at["b"]] = self._b * each.dashpot
+                columns[:, self.problem.at["b"]] = self._b * residuals.dashpot
         return np.concatenate([*tests, self._by_lines(), self.known[1]])
 
     # -- private ------------------------------------------------------------------------------
@@ -337,7 +345,10 @@ class ModelPrediction:
     @cached_property
     def _of_relaxations(self) -> list[RelaxationResiduals]:
         problem = self.problem
-        return [problem.sought.residuals(each, self._numbers) for each in problem.relaxations]
+        return [
+            problem.sought.residuals(relaxation, self._numbers)
+            for relaxation in problem.relaxations
+        ]
 
     @cached_property
     def _response(self) -> Response:
@@ -346,17 +357,19 @@ class ModelPrediction:
     def _by_lines(self) -> FloatArray:
         problem, response, p = self.problem, self._response, self.point
         s, data = response.s, problem.frf_data
-        own = problem.sought.at_lines(self._numbers, s)
-        felt = 1 / response.receptance - p.mass * s**2
+        values = problem.sought.at_lines(self._numbers, s)
+        sensed = 1 / response.receptance - p.mass * s**2
 
         def by_poles(lost: Lost) -> tuple[ComplexArray, ComplexArray]:
-            mass, own = p.mass, at_poles(problem.sought, self._numbers, lost.p)
+            mass, columns = p.mass, at_poles(problem.sought, self._numbers, lost.p)
             return (
-                self._by_impedance(lost.p, own[0], -mass * lost.p**2),
-                self._by_impedance(lost.p, own[1], 1 / lost.residue - 2 * mass * lost.p, order=1),
+                self._by_impedance(lost.p, columns[0], -mass * lost.p**2),
+                self._by_impedance(
+                    lost.p, columns[1], 1 / lost.residue - 2 * mass * lost.p, order=1
+                ),
             )
 
-        by = response.slope(self._by_impedance(s, own, felt), by_poles)
+        by = response.slope(self._by_impedance(s, values, sensed), by_poles)
         by, *rest = data.slopes(response, p.gain, p.delay, by)
         units = {"mass": 1.0, "gain": 1.0, "delay": DELAY_UNIT}
         for (name, unit), column in zip(units.items(), rest, strict=True):
@@ -388,24 +401,24 @@ class ModelPrediction:
         return by
 
     def _of_solid(self) -> Iterator[tuple[float, FloatArray]]:
-        known, p = self.problem.constraints, self.point
-        if known.static_stiffness is not None:
+        constraints, p = self.problem.constraints, self.point
+        if constraints.static_stiffness is not None:
             k_inf = p.model.k_inf
-            yield known.static_stiffness.off(k_inf, k_inf * np.eye(1, len(self.theta))[0])
-        if known.natural_frequency is None and known.damping_ratio is None:
+            yield constraints.static_stiffness.off(k_inf, k_inf * np.eye(1, len(self.theta))[0])
+        if constraints.natural_frequency is None and constraints.damping_ratio is None:
             return
         solid = self.problem.frf_data.seals * p.felt
         pole = ringing_pole(solid, p.mass)
         at, size = np.array([pole]), abs(pole)
-        own = at_poles(self.problem.sought, self._numbers, at)[0]
-        by = self._by_impedance(at, own, -p.mass * at**2)[0]
-        moved = -by * complex(residues(solid.maxwell, p.mass, at)[0])
-        longer = (pole.conjugate() * moved).real / size
-        if known.natural_frequency is not None:
-            yield known.natural_frequency.off(size / (2 * np.pi), longer / (2 * np.pi))
-        if known.damping_ratio is not None:
-            slope = (pole.real * longer / size - moved.real) / size
-            yield known.damping_ratio.off(-pole.real / size, slope)
+        values = at_poles(self.problem.sought, self._numbers, at)[0]
+        by = self._by_impedance(at, values, -p.mass * at**2)[0]
+        change = -by * complex(residues(solid.maxwell, p.mass, at)[0])
+        longer = (pole.conjugate() * change).real / size
+        if constraints.natural_frequency is not None:
+            yield constraints.natural_frequency.off(size / (2 * np.pi), longer / (2 * np.pi))
+        if constraints.damping_ratio is not None:
+            slope = (pole.real * longer / size - change.real) / size
+            yield constraints.damping_ratio.off(-pole.real / size, slope)
 
 
 # -- the optimum ------------------------------------------------------------------------------
@@ -488,8 +501,10 @@ class Candidate:
     def exact(self) -> bool:
         """True if it leaves nothing of the lines, and nothing else was measured."""
         lines = 2.0 * len(self.problem.frf_data.lines.s)
-        left = self.line_misfit / lines <= SMALLEST_SCATTER**2
-        return left and not self.problem.relaxations and self.problem.constraints.before is None
+        remaining = self.line_misfit / lines <= SMALLEST_SCATTER**2
+        return (
+            remaining and not self.problem.relaxations and self.problem.constraints.before is None
+        )
 
     @property
     def criterion(self) -> float:
@@ -509,8 +524,8 @@ class Candidate:
     @cached_property
     def relaxation_chi2(self) -> list[float]:
         """Chi-square of each relaxation test, its floor included."""
-        each = zip(self.modelled.tests, self.problem.relaxations, strict=True)
-        return [float(rows @ rows) + relaxation.floor for rows, relaxation in each]
+        pairs = zip(self.modelled.tests, self.problem.relaxations, strict=True)
+        return [float(rows @ rows) + relaxation.floor for rows, relaxation in pairs]
 
     @cached_property
     def line_misfit(self) -> float:

@@ -167,21 +167,21 @@ class FractionalElement:
     def pack(self, solid: Solid) -> FloatArray:
         """The numbers of a solid."""
         assert isinstance(solid, FractionalZener)  # noqa: S101  # nothing else is an element
-        k_inf, own = solid.k_inf, solid.k_0 - solid.k_inf
-        ends = [max(each, FADED * max(solid.k_0, 1e-300)) for each in (k_inf, own)]
+        k_inf, value = solid.k_inf, solid.k_0 - solid.k_inf
+        ends = [max(number, FADED * max(solid.k_0, 1e-300)) for number in (k_inf, value)]
         return np.array([*np.log(ends), np.log(solid.tau), solid.alpha])
 
     def unpack(self, numbers: FloatArray, b: float) -> FractionalZener:
         """The solid of the numbers, beside a dashpot b."""
-        k_inf, own, tau = np.exp(numbers[:3]).tolist()
-        return FractionalZener(k_inf + own, k_inf, tau, float(numbers[3]), b)
+        k_inf, value, tau = np.exp(numbers[:3]).tolist()
+        return FractionalZener(k_inf + value, k_inf, tau, float(numbers[3]), b)
 
     def residuals(self, relaxation: RelaxationData, numbers: FloatArray) -> RelaxationResiduals:
         """What it makes of a relaxation test."""
         log_tau, rows = self.grids[relaxation]
-        k_inf, own = np.exp(numbers[:2])
+        k_inf, value = np.exp(numbers[:2])
         weights = weights_at(log_tau - numbers[2], float(numbers[3]))
-        column, by_tau, by_alpha = (own * (rows.arms @ part) for part in weights)
+        column, by_tau, by_alpha = (value * (rows.arms @ part) for part in weights)
         spring = k_inf * rows.spring
         slopes = np.column_stack((spring, column, by_tau, by_alpha))
         return RelaxationResiduals(spring + column - rows.target, slopes, rows.dashpot)
@@ -192,10 +192,10 @@ class FractionalElement:
 
     def physical(self, numbers: FloatArray) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
         """Names, values and derivatives of a fit's parameters."""
-        k_inf, own = np.exp(numbers[:2])
+        k_inf, value = np.exp(numbers[:2])
         gradient = np.eye(4)
-        gradient[:2, :2] = [[k_inf, 0.0], [k_inf, own]]
-        return ELEMENT, np.array([k_inf, k_inf + own, *numbers[2:]]), gradient
+        gradient[:2, :2] = [[k_inf, 0.0], [k_inf, value]]
+        return ELEMENT, np.array([k_inf, k_inf + value, *numbers[2:]]), gradient
 
     def arm_gradient(self, numbers: FloatArray) -> FloatArray:
         """Of the arms that stand for it."""
@@ -203,9 +203,9 @@ class FractionalElement:
 
     def at_lines(self, numbers: FloatArray, s: ComplexArray) -> ComplexArray:
         """Derivative of its own stiffness."""
-        (k_inf, own, tau), alpha = np.exp(numbers[:3]), numbers[3]
+        (k_inf, value, tau), alpha = np.exp(numbers[:3]), numbers[3]
         power = (s * tau) ** alpha
-        column = own * (1 - 1 / (1 + power))
+        column = value * (1 - 1 / (1 + power))
         turned = column / (1 + power)
         spring = np.full(len(s), k_inf)
         return np.column_stack((spring, column, alpha * turned, np.log(s * tau) * turned))

@@ -36,7 +36,7 @@ class BenchFit:
     @property
     def choices(self) -> dict[str, Any]:
         """What differs from the usual, by the names of those arguments."""
-        every = {one.name: getattr(self, one.name) for one in fields(self)}
+        every = {field.name: getattr(self, field.name) for field in fields(self)}
         return {name: every[name] for name in every if every[name] != getattr(BenchFit, name)}
 
     @property
@@ -137,11 +137,11 @@ class KnownSolid:
 
 
 def _pair(
-    name: str, given: Quantity | tuple[Quantity, Quantity] | None, dimension: Dimension
+    name: str, provided: Quantity | tuple[Quantity, Quantity] | None, dimension: Dimension
 ) -> tuple[float, float] | None:
-    if given is None:
+    if provided is None:
         return None
-    value, sd = si_range(given if isinstance(given, tuple) else (given, 0.0), dimension)
+    value, sd = si_range(provided if isinstance(provided, tuple) else (provided, 0.0), dimension)
     if not (isfinite(value) and value > 0):
         raise DataError(f"{name} = {value!r}; expected a number > 0")
     if name == "damping_ratio" and value >= 1:

@@ -79,22 +79,22 @@ def before_hammer(
     if temperature is not None:
         before = before.at_temperature(temperature)
     same = len(records) == 1 and before.method in get_choice_values(Method)
-    each = bench.of_one_test.choices
-    alone = [before] if same else [fit_tests(record, **each) for record in records]
-    found, doubtful = (
+    choices = bench.of_one_test.choices
+    fits = [before] if same else [fit_tests(record, **choices) for record in records]
+    relaxation_datasets, doubtful = (
         tuple(
-            relaxation_data(record, before, alone=own, claimed=claimed)
-            for record, own in zip(records, alone, strict=True)
+            relaxation_data(record, before, single_fit=fit, claimed=claimed)
+            for record, fit in zip(records, fits, strict=True)
         )
         for claimed in (False, True)
     )
     bent = before.elastic_law is not None and before.elastic_law.kind != "linear"
     if family == "maxwell" or bent:
-        return PriorTests(before, None, found, doubtful)
+        return PriorTests(before, None, relaxation_datasets, doubtful)
     element = _of_family("fractional", fit) or fit_tests(
         list(records), family="fractional", **bench.choices
     )
-    return PriorTests(before, element, found, doubtful)
+    return PriorTests(before, element, relaxation_datasets, doubtful)
 
 
 def _of_family(family: str, fit: Fit | None) -> Fit | None:
@@ -159,11 +159,11 @@ def priors_of(mass: float | None, rig: HammerRig, point: OperatingPoint | None) 
     )
 
 
-def constraints_of(known: KnownSolid, before: PriorTests) -> Constraints:
+def constraints_of(solid_prior: KnownSolid, before: PriorTests) -> Constraints:
     """What the solid must obey: what is known of it, and an earlier fit that has no tests here."""
 
     def prior(name: str) -> Prior | None:
-        pair = known.pair(name)
+        pair = solid_prior.pair(name)
         return None if pair is None else Prior(*pair)
 
     return Constraints(

@@ -58,17 +58,17 @@ def ramp_followed(missed: float, noise: float, discrepancy: float, kind: str) ->
     1.2,
     "simulation: of 11 that no law explained better, 8 missed; more where few samples ramp",
 )
-def ramp_explained(found: LinearFitQuality | None) -> Finding:
+def ramp_explained(quality: LinearFitQuality | None) -> Finding:
     """A linear solid explains ramp and hold to their noise."""
-    if found is None:
+    if quality is None:
         return Finding("No one ramp before one hold is there, so it is not judged")
     return Finding(
-        f"A linear solid leaves {found.ramp:.3g} times the noise on the ramp",
-        found.ramp,
+        f"A linear solid leaves {quality.ramp:.3g} times the noise on the ramp",
+        quality.ramp,
         "No bent law explains it better: two faults may hide each other, such as a seal that bends "
         "a little and one that warms. Fast arms, and the loss that they give, are uncertain",
         "Press at a second speed, or strike the seal with a hammer.",
-        excused=found.sound,
+        excused=quality.sound,
     )
 
 
@@ -127,15 +127,15 @@ def k_inf_believable(model: GeneralizedMaxwell, se: float, end: float, hold: flo
     Of the force at the end over the depth, `end` in N/m, the arms still carry
     :math:`\sum_j k_j e^{-T/\tau_j}` after a `hold` T, s; the rest is k_inf.
     """
-    left = sum(k * np.exp(-hold / tau) for k, tau in zip(model.k, model.tau, strict=True))
-    off = abs(model.k_inf - (end - float(left)))
+    total = sum(k * np.exp(-hold / tau) for k, tau in zip(model.k, model.tau, strict=True))
+    off = abs(model.k_inf - (end - float(total)))
     share = off / max(abs(end), 1e-300)
     # a plateau that is not told from zero claims nothing
     wrong = share > _BEYOND_BELIEF and model.k_inf > 3.0 * se
     return Finding(
         f"k_inf and the rest of the arms miss the stiffness at the end of the hold by "
         f"{100 * share:.2g} %. They are {format_quantity(model.k_inf, 'N/mm')} and "
-        f"{convert_to_unit(left, 'N/mm'):.2g}, and {format_quantity(end, 'N/mm')} was measured",
+        f"{convert_to_unit(total, 'N/mm'):.2g}, and {format_quantity(end, 'N/mm')} was measured",
         share,
         "Offset or drift of the load cell took what is stiffness, or the other way round",
         Remedy("Record a baseline before contact, or give the drift.", "machine", "drift=..."),
@@ -147,13 +147,13 @@ def k_inf_believable(model: GeneralizedMaxwell, se: float, end: float, hold: flo
 @criterion(
     "offset less baseline, SE", "<=", 3.0, grade="note", otherwise="limit from 1 % of the force on"
 )
-def offset_believable(found: Sequence[tuple[float, float, float, float]]) -> Finding:
+def offset_believable(results: Sequence[tuple[float, float, float, float]]) -> Finding:
     """The offset of the load cell is what the record shows before contact.
 
-    `found` holds of each test the fitted offset, its mean and its standard deviation before the
+    `results` holds of each test the fitted offset, its mean and its standard deviation before the
     fit, and the departure that matters, N.
     """
-    return _believable(found, "offset", 1e3, "mN", "the force at rest")
+    return _believable(results, "offset", 1e3, "mN", "the force at rest")
 
 
 @criterion(
@@ -164,15 +164,15 @@ def offset_believable(found: Sequence[tuple[float, float, float, float]]) -> Fin
     otherwise="limit from 1 % of the force over the record on, if k(T) is beyond its limits",
 )
 def drift_believable(
-    found: Sequence[tuple[float, float, float, float]], beyond: float = np.inf
+    results: Sequence[tuple[float, float, float, float]], excess: float = np.inf
 ) -> Finding:
     """The drift of the load cell is what its baseline or data sheet allows.
 
-    `found` as for the offset, N/s. Limits know of the drift what is known: while they hold the
-    fit, but for a part `beyond` of their width, a drift that went far does no harm.
+    `results` as for the offset, N/s. Limits know of the drift what is known: while they hold the
+    fit, but for a part `excess` of their width, a drift that went far does no harm.
     """
-    answer = _believable(found, "drift", 1e3, "mN/s", "what is known of the cell")
-    return answer if beyond > BEYOND else answer._replace(grade=None)
+    answer = _believable(results, "drift", 1e3, "mN/s", "what is known of the cell")
+    return answer if excess > BEYOND else answer._replace(grade=None)
 
 
 @criterion(
@@ -205,19 +205,19 @@ def baseline_agrees(slopes: Sequence[tuple[float, float]]) -> Finding:
     grade="note",
     otherwise="limit where the delay is far beyond what was thought possible",
 )
-def clocks_agree(found: Sequence[tuple[float, float, float]]) -> Finding:
+def clocks_agree(results: Sequence[tuple[float, float, float]]) -> Finding:
     """The force is read at the time of the displacement.
 
-    `found` holds the fitted delay of the force, its standard error and its standard deviation
+    `results` holds the fitted delay of the force, its standard error and its standard deviation
     before the fit of each test, s. The fit takes the delay into account, and so do the limits of
     one test.
     """
-    if not found:
+    if not results:
         return Finding("No delay between force and displacement is fitted")
-    late = [abs(value) / error if error > 0 else 0.0 for value, error, _ in found]
+    late = [abs(value) / error if error > 0 else 0.0 for value, error, _ in results]
     worst = int(np.argmax(late))
-    value, error, prior = found[worst]
-    of, far = (f" of test {worst + 1}", TOO_LATE_TOGETHER) if len(found) > 1 else ("", TOO_LATE)
+    value, error, prior = results[worst]
+    of, far = (f" of test {worst + 1}", TOO_LATE_TOGETHER) if len(results) > 1 else ("", TOO_LATE)
     return Finding(
         f"The force{of} lags the displacement by {convert_to_unit(value, 'ms'):.3g} ± "
         f"{format_quantity(error, 'ms', '.2g')}",
@@ -231,23 +231,23 @@ def clocks_agree(found: Sequence[tuple[float, float, float]]) -> Finding:
 
 
 def _believable(
-    found: Sequence[tuple[float, float, float, float]],
+    results: Sequence[tuple[float, float, float, float]],
     what: str,
     scale: float,
     unit: str,
-    known: str,
+    name: str,
 ) -> Finding:
-    if not found:
+    if not results:
         return Finding(f"No {what} is fitted")
-    away = [abs(value - mean) / sd if sd > 0 else 0.0 for value, mean, sd, _ in found]
+    away = [abs(value - mean) / sd if sd > 0 else 0.0 for value, mean, sd, _ in results]
     worst = int(np.argmax(away))
-    value, mean, *_ = found[worst]
+    value, mean, *_ = results[worst]
     matters = any(
-        abs(value - mean) > max(3 * sd, departure) for value, mean, sd, departure in found
+        abs(value - mean) > max(3 * sd, departure) for value, mean, sd, departure in results
     )
-    of = f" of test {worst + 1}" if len(found) > 1 else ""
+    of = f" of test {worst + 1}" if len(results) > 1 else ""
     return Finding(
-        f"The fitted {what}{of} ({scale * value:.3g} {unit}) differs from {known} "
+        f"The fitted {what}{of} ({scale * value:.3g} {unit}) differs from {name} "
         f"({scale * mean:.3g} {unit}) by {away[worst]:.2g} standard deviations",
         away[worst],
         "It hides a misfit",

@@ -99,10 +99,10 @@ def downsample(tests: Sequence[RampHold]) -> DownsampledRows:
     FitError
         If a test has no ramp or no hold to speak of.
     """
-    parts, known = [], []
+    parts, cell_priors = [], []
     for number, test in enumerate(tests):
-        known.append(priors(test))
-        parts.append(_rows(test, number, known[-1].first))
+        cell_priors.append(priors(test))
+        parts.append(_rows(test, number, cell_priors[-1].first))
     columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
     time, step, x, force, count, record, ramp = columns
     return DownsampledRows(
@@ -116,7 +116,7 @@ def downsample(tests: Sequence[RampHold]) -> DownsampledRows:
         tuple(test.ramp_end - float(test.time[0]) for test in tests),
         tuple(test.depth for test in tests),
         tuple(test.force_noise for test in tests),
-        tuple(known),
+        tuple(cell_priors),
     )
 
 
@@ -130,10 +130,10 @@ def ramp_obstacle(test: RampHold) -> str | None:
             f"elastic law from the ramp needs at least {_FEWEST_ON_RAMP} and {_FEWEST}: sample "
             "faster"
         )
-    moved = float(np.ptp(test.displacement[corner:end])) / test.depth
-    if moved > _MOST_BY_RAMP_LAW:
+    ratio = float(np.ptp(test.displacement[corner:end])) / test.depth
+    if ratio > _MOST_BY_RAMP_LAW:
         return (
-            f"the displacement moves by {100 * moved:.0f} % of the depth after the first ramp; an "
+            f"the displacement moves by {100 * ratio:.0f} % of the depth after the first ramp; an "
             "elastic law from the ramp needs one ramp and its hold: cut the record to them"
         )
     return None

@@ -101,7 +101,7 @@ class RampLaw:
     @property
     def sound(self) -> bool:
         """True if the linear law explains every record to its noise."""
-        return all(one.sound for one in self.soundness)
+        return all(quality.sound for quality in self.soundness)
 
     @property
     def discrepancy(self) -> tuple[float, ...]:
@@ -115,7 +115,7 @@ class RampLaw:
     def missed(self) -> tuple[float, ...]:
         """Residual on each ramp as a part of the largest force."""
         rows = self.followed.weighted.solid.rows
-        return tuple(one / rows.peak(i) for i, one in enumerate(self.followed.ramp))
+        return tuple(value / rows.peak(i) for i, value in enumerate(self.followed.ramp))
 
     @property
     def rho(self) -> tuple[float, ...]:
@@ -127,17 +127,17 @@ def described(
     tests: Sequence[RampHold],
     hold: HoldEstimate,
     soundness: tuple[LinearFitQuality, ...],
-    found: RampHoldOptimum,
+    optimum: RampHoldOptimum,
     scores: tuple[ElasticLawScore, ...],
 ) -> RampLaw:
     """Return the value of an optimum, with its covariance and its residuals."""
-    k, log_tau, solid = found.k[0], found.log_tau, found.weighted.solid
+    k, log_tau, solid = optimum.k[0], optimum.log_tau, optimum.weighted.solid
     order = np.argsort(log_tau)
     there = order[k[1:][order] > 0]
     model = GeneralizedMaxwell(
         float(k[0]), tuple(k[1:][there].tolist()), tuple(np.exp(log_tau[there]).tolist())
     )
-    first = len(found.optimum.theta)
+    first = len(optimum.optimum.theta)
 
     def seal(values: FloatArray) -> FloatArray:
         """The solid's parameters, then the law's shape, whose mean is 1."""
@@ -149,52 +149,54 @@ def described(
 
     # each encoder's step scales every stiffness of its test
     doubt = float(np.sqrt(np.mean([test.depth_doubt**2 for test in tests]) / len(tests)))
-    scaled = np.zeros(len(found.optimum.values))
+    scaled = np.zeros(len(optimum.optimum.values))
     scaled[first : first + len(k)] = doubt * k
-    known = found.estimate(hold).add_parameter_error(scaled)
-    covariance, names = known.derive_quantity(seal).covariance, parameter_names(len(there))
-    own = found.nuisance
-    errors = dict(zip(own, known.standard_error[-len(own) :].tolist(), strict=True))
-    residuals = tuple(_residual(test, i, model, found) for i, test in enumerate(tests))
-    left = ParameterCovariance((), covariance, residuals, tuple(map(noise_of, residuals)))
+    estimate = optimum.estimate(hold).add_parameter_error(scaled)
+    covariance, names = estimate.derive_quantity(seal).covariance, parameter_names(len(there))
+    nuisance = optimum.nuisance
+    errors = dict(zip(nuisance, estimate.standard_error[-len(nuisance) :].tolist(), strict=True))
+    residuals = tuple(_residual(test, i, model, optimum) for i, test in enumerate(tests))
+    parameter_covariance = ParameterCovariance(
+        (), covariance, residuals, tuple(map(noise_of, residuals))
+    )
     return RampLaw(
-        law=elastic_law_of(found),
+        law=elastic_law_of(optimum),
         model=model,
         estimate=ParameterEstimate(
             names,
             covariance[: len(names), : len(names)],
-            dof=max(left.effective - len(scaled), 1.0),
-            residual=left.statistics([1.0] * len(tests)),
-            nuisance=nuisances([*own], own.__getitem__, errors.__getitem__),
+            dof=max(parameter_covariance.effective - len(scaled), 1.0),
+            residual=parameter_covariance.statistics([1.0] * len(tests)),
+            nuisance=nuisances([*nuisance], nuisance.__getitem__, errors.__getitem__),
         ),
         law_covariance=covariance,
         hold=hold,
         soundness=soundness,
-        followed=found,
+        followed=optimum,
         scores=scores,
         residuals=residuals,
     )
 
 
 def _residual(
-    test: RampHold, i: int, model: GeneralizedMaxwell, found: RampHoldOptimum
+    test: RampHold, i: int, model: GeneralizedMaxwell, optimum: RampHoldOptimum
 ) -> FloatArray:
     """Every sample less the model and the load cell."""
-    known = found.weighted.solid.rows.known[i]
-    path = elastic_law_of(found).path(denoise_displacement(test)[0])
+    priors = optimum.weighted.solid.rows.known[i]
+    path = elastic_law_of(optimum).path(denoise_displacement(test)[0])
     time = test.time[: len(path)] - test.time[0]
     arms = arm_columns(time, path, np.asarray(model.tau), derivative=False)[0]
-    values = found.nuisance
+    values = optimum.nuisance
     force = model.k_inf * path + arms @ np.asarray(model.k)
-    force += values[f"offset@{i}"] + values[f"drift@{i}"] * (time - known.at)
+    force += values[f"offset@{i}"] + values[f"drift@{i}"] * (time - priors.at)
     if f"delay@{i}" in values:
         force -= values[f"delay@{i}"] * np.gradient(force, time)
-    return np.asarray((test.force[: len(path)] - force)[known.first :])
+    return np.asarray((test.force[: len(path)] - force)[priors.first :])
 
 
-def elastic_law_of(found: RampHoldOptimum) -> ElasticLaw:
+def elastic_law_of(optimum: RampHoldOptimum) -> ElasticLaw:
     """Return the law of an optimum."""
-    knots, shape, k_inf = found.weighted.solid.knots, found.shape, float(found.k[0, 0])
+    knots, shape, k_inf = optimum.weighted.solid.knots, optimum.shape, float(optimum.k[0, 0])
     if len(knots) == 2:
         return ElasticLaw.linear(k_inf, float(knots[-1]))
     return ElasticLaw(tuple(knots.tolist()), tuple(shape.tolist()), k_inf)

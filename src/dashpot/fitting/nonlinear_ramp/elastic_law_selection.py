@@ -90,22 +90,22 @@ def select_elastic_law(
     rows = downsample(tests)
     hold = hold_alone(rows, arms, max_arms)
     noise = [sample_noise(*pair) for pair in zip(rows.noise, hold.rms, strict=True)]
-    soundness, sound = linear_fit_quality(rows, hold, noise, arms)
-    if law != "nonlinear" and all(one.sound for one in soundness):
-        score = ElasticLawScore(LINEAR, elastic_law_of(sound), 0.0, sound.ramp, sound.hold)
-        return described(tests, hold, soundness, sound, (score,))
+    soundness, optimum = linear_fit_quality(rows, hold, noise, arms)
+    if law != "nonlinear" and all(quality.sound for quality in soundness):
+        score = ElasticLawScore(LINEAR, elastic_law_of(optimum), 0.0, optimum.ramp, optimum.hold)
+        return described(tests, hold, soundness, optimum, (score,))
     shown = int(rows.ramp.sum()) // _ROWS_PER_KNOT
     finer = DEPTHS_LADDER if len(set(rows.depths)) >= _SEVERAL else ()
-    bent = [one for one in (*LADDER, *finer) if one.knots <= max(shown, LADDER[0].knots)]
+    bent = [item for item in (*LADDER, *finer) if item.knots <= max(shown, LADDER[0].knots)]
     laws = {"linear": [LINEAR], "nonlinear": bent, "auto": [LINEAR, *bent]}[law]
     start = recorded_hold(rows, hold)
-    tried = {one: _followed(rows, one, hold, start) for one in laws}
+    tried = {law: _followed(rows, law, hold, start) for law in laws}
     scores = _scores(tried, hold)
     taken = _taken(scores) if law == "auto" else min(scores, key=lambda score: score.bic)
-    found = _with_delay(tried[taken.spacing], hold)
+    ramp_optimum = _with_delay(tried[taken.spacing], hold)
     if arms is None and len(hold.log_tau) < max_arms:
-        found = _with_faster_arm(found, hold)
-    return described(tests, hold, soundness, found, scores)
+        ramp_optimum = _with_faster_arm(ramp_optimum, hold)
+    return described(tests, hold, soundness, ramp_optimum, scores)
 
 
 def supported_by_holds(tests: Sequence[RampHold], hold: HoldEstimate) -> Shortage | None:
@@ -140,33 +140,33 @@ def _scores(
     tried: dict[KnotSpacing, RampHoldOptimum], hold: HoldEstimate
 ) -> tuple[ElasticLawScore, ...]:
     """Return BIC of each law; ramp rows count as the closest of them leaves them correlated."""
-    best = min(tried.values(), key=lambda found: float(np.sum(np.log(found.ramp))))
+    best = min(tried.values(), key=lambda optimum: float(np.sum(np.log(optimum.ramp))))
     return tuple(
         ElasticLawScore(
             spacing,
-            elastic_law_of(found),
-            _bic(found, hold, best.ramp_correlation),
-            found.ramp,
-            found.hold,
+            elastic_law_of(optimum),
+            _bic(optimum, hold, best.ramp_correlation),
+            optimum.ramp,
+            optimum.hold,
         )
-        for spacing, found in tried.items()
+        for spacing, optimum in tried.items()
     )
 
 
-def _bic(found: RampHoldOptimum, hold: HoldEstimate, correlation: Sequence[float]) -> float:
+def _bic(optimum: RampHoldOptimum, hold: HoldEstimate, correlation: Sequence[float]) -> float:
     r"""Return :math:`\sum m_r \ln r_r^2 + m_h \ln r_h^2 + p \ln \sum m_r`, m = rows / kappa."""
-    rows = found.weighted.solid.rows
+    rows = optimum.weighted.solid.rows
     total, effective = 0.0, 0.0
     for i, kappa in enumerate(correlation):
         on = float(np.sum(rows.ramp & (rows.record == i))) / kappa
         # a ramp followed closer than its noise is luck
-        least = min(rows.noise[i], found.hold[i])
+        least = min(rows.noise[i], optimum.hold[i])
         held = rows.held(i).sum() / hold.correlation[i]
-        total += deviance(max(found.ramp[i], least) ** 2, effective=on)
-        total += deviance(found.hold[i] ** 2, effective=held)
+        total += deviance(max(optimum.ramp[i], least) ** 2, effective=on)
+        total += deviance(optimum.hold[i] ** 2, effective=held)
         effective += on
-    arms, bends = len(found.log_tau), found.weighted.solid.bends.stop
-    delays = len(found.nuisance) - 2 * len(rows.depths)
+    arms, bends = len(optimum.log_tau), optimum.weighted.solid.bends.stop
+    delays = len(optimum.nuisance) - 2 * len(rows.depths)
     free = 2 * arms + max(bends - 1, 0) + delays
     return bic_of_deviance(total, effective=max(effective, 2.0), parameters=free)
 
@@ -179,32 +179,32 @@ def _taken(scores: Sequence[ElasticLawScore]) -> ElasticLawScore:
     return best if worth else linear
 
 
-def _with_delay(found: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOptimum:
+def _with_delay(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOptimum:
     """Return the fit with a delay of each force if the ramps show one."""
-    solid, best = found.weighted.solid, found.optimum
-    known = nuisances(solid.rows, delay_derivative(found.weighted, best))
-    late = fit_ramp_and_hold(solid, hold, found, best.theta, known=known)
-    gain = _bic(found, hold, late.ramp_correlation) - _bic(late, hold, late.ramp_correlation)
-    return late if gain > LEAST_GAIN else found
+    solid, best = optimum.weighted.solid, optimum.optimum
+    resolved_nuisances = nuisances(solid.rows, delay_derivative(optimum.weighted, best))
+    late = fit_ramp_and_hold(solid, hold, optimum, best.theta, value=resolved_nuisances)
+    gain = _bic(optimum, hold, late.ramp_correlation) - _bic(late, hold, late.ramp_correlation)
+    return late if gain > LEAST_GAIN else optimum
 
 
-def _with_faster_arm(found: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOptimum:
+def _with_faster_arm(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOptimum:
     """Return the fit with one more arm if the ramps show one that the holds hardly do."""
-    solid, n = found.weighted.solid, len(hold.log_tau)
+    solid, n = optimum.weighted.solid, len(hold.log_tau)
     rows = solid.rows
     first = rows.ramp & (rows.record == 0)
     ramp = np.log(rows.ends[0] - rows.time[first][0])
     fastest = float(hold.log_tau[0]) if n else float(ramp)
     if fastest - np.log(4.0) <= tau_bounds(rows).low:
-        return found
-    tried = found.weighted.descend(np.append(fastest - np.log(4.0), found.optimum.theta))
-    fall = found.optimum.cost - tried.cost
+        return optimum
+    tried = optimum.weighted.descend(np.append(fastest - np.log(4.0), optimum.optimum.theta))
+    fall = optimum.optimum.cost - tried.cost
     if solid.parted(tried.theta)[0].min() > fastest - np.log(2.0) or fall < LEAST_GAIN:
-        return found
-    more = fit_ramp_and_hold(solid, hold, found, tried.theta, known=found.weighted.nuisances)
+        return optimum
+    more = fit_ramp_and_hold(solid, hold, optimum, tried.theta, value=optimum.weighted.nuisances)
     faster = float(more.log_tau.min()) < fastest - np.log(2.0)
-    gain = _bic(found, hold, more.ramp_correlation) - _bic(more, hold, more.ramp_correlation)
-    return more if faster and bool((more.k[0, 1:] > 0).all()) and gain > LEAST_GAIN else found
+    gain = _bic(optimum, hold, more.ramp_correlation) - _bic(more, hold, more.ramp_correlation)
+    return more if faster and bool((more.k[0, 1:] > 0).all()) and gain > LEAST_GAIN else optimum
 
 
 def linear_fit_quality(
@@ -213,26 +213,26 @@ def linear_fit_quality(
     """Return how sound the linear law is, the best of the numbers of arms tried."""
     count = len(hold.log_tau)
     tried = []
-    for one in (count, count - 1) if arms is None and count > 1 else (count,):
-        start = hold if one == count else hold_alone(rows, one)
-        found = _joint(rows, hold, start.log_tau, noise)
-        judged = tuple(
+    for index in (count, count - 1) if arms is None and count > 1 else (count,):
+        start = hold if index == count else hold_alone(rows, index)
+        optimum = _joint(rows, hold, start.log_tau, noise)
+        qualities = tuple(
             soundness(
-                found.ramp[i],
-                found.hold[i],
+                optimum.ramp[i],
+                optimum.hold[i],
                 hold.rms[i],
                 noise=noise[i],
-                discrepancy=found.ramp_scatter[i] / float(independent(hold)[i]),
+                discrepancy=optimum.ramp_scatter[i] / float(independent(hold)[i]),
                 samples=float(np.sum(rows.ramp & (rows.record == i))) / hold.correlation[i],
                 peak=rows.peak(i),
             )
             for i in range(len(noise))
         )
-        tried.append((judged, found))
-        if all(at.sound for at in judged):
+        tried.append((qualities, optimum))
+        if all(at.sound for at in qualities):
             break
-    sound = [pair for pair in tried if all(at.sound for at in pair[0])]
-    return (sound or tried)[0]
+    reliable = [pair for pair in tried if all(at.sound for at in pair[0])]
+    return (reliable or tried)[0]
 
 
 def _joint(

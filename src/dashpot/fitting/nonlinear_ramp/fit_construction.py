@@ -33,13 +33,13 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 def ramp_fit(
     tests: Sequence[RampHold],
-    found: RampLaw,
+    law: RampLaw,
     *,
-    asked: int | None = None,
+    requested: int | None = None,
     by_depth: tuple[DepthStiffness, ...] = (),
-    further: Sequence[Check] = (),
+    checks: Sequence[Check] = (),
     end: EndOfHold | None = None,
-    unseen: FloatArray | None = None,
+    unmeasured: FloatArray | None = None,
     spectra: AdmissibleSpectra | None = None,
 ) -> Fit:
     """Return the fit of tests that share an elastic law.
@@ -47,21 +47,21 @@ def ramp_fit(
     Parameters
     ----------
     tests : sequence of RampHold
-    found : RampLaw
-    asked : int or None
+    law : RampLaw
+    requested : int or None
         Number of arms asked for; None if the holds chose.
-    by_depth, further
+    by_depth, checks
         The stiffnesses of each test, and checks besides those of the law.
     end : EndOfHold or None
         What the holds know of their end.
-    unseen : array, shape (p, d), optional
+    unmeasured : array, shape (p, d), optional
         What each doubt of the rigs adds to the parameters: it is in every interval, and in nothing
         that a check judges by the noise.
     spectra : AdmissibleSpectra, optional
         What the holds do not reject: they end the valid band.
     """
-    model, estimate = found.model, _doubted(found.estimate, found.model, tests)
-    found = replace(found, estimate=estimate)
+    model, estimate = law.model, _doubted(law.estimate, law.model, tests)
+    law = replace(law, estimate=estimate)
     residual = estimate.residual
     band = informed_band(
         tests,
@@ -69,40 +69,40 @@ def ramp_fit(
         stiffness=max(model.k_0, 1e-300),
         noise=max(residual.rms * np.sqrt(residual.kappa), 1e-300),
     )
-    known = None
+    error = None
     if spectra is not None:
-        band, known = band_of_hold(spectra, model, band)
+        band, error = band_of_hold(spectra, model, band)
     noticed = [check for test in tests for check in test.checks]
     answers = (
-        *law_checks(tests, found, end),
-        *further,
+        *law_checks(tests, law, end),
+        *checks,
         frequencies_informed(band),
-        loss_factor_known(known),
+        loss_factor_known(error),
     )
     return build_fit(
         SolidEstimate(
             model,
-            estimate if unseen is None else estimate.with_rig(unseen),
-            fewer=asked is not None and model.arms < asked,
+            estimate if unmeasured is None else estimate.with_rig(unmeasured),
+            fewer=requested is not None and model.arms < requested,
         ),
         Evidence(
-            band, checks=(*noticed, *answers), by_depth=by_depth, end_of_hold=end, band_error=known
+            band, checks=(*noticed, *answers), by_depth=by_depth, end_of_hold=end, band_error=error
         ),
-        provenance_of("full", tests, _step(tests, found)),
-        elastic_law=replace(found.law, ratio_se=_shape_error(found)),
+        provenance_of("full", tests, _step(tests, law)),
+        elastic_law=replace(law.law, ratio_se=_shape_error(law)),
     )
 
 
-def held_ramps(tests: Sequence[RampHold], found: RampLaw) -> list[RelaxationData]:
+def held_ramps(tests: Sequence[RampHold], law: RampLaw) -> list[RelaxationData]:
     """The holds of tests that share an elastic law, with what their rigs may have done unseen."""
     return [
         hold_only_data(
             test,
-            found.model,
+            law.model,
             residual[test.settled.start - test.hold.stop :],
-            law=found.law,
+            law=law.law,
         )
-        for test, residual in zip(tests, found.residuals, strict=True)
+        for test, residual in zip(tests, law.residuals, strict=True)
     ]
 
 
@@ -126,85 +126,83 @@ def _doubted(
     return replace(estimate, covariance=estimate.covariance + by @ by.T)
 
 
-def _shape_error(found: RampLaw) -> tuple[float, ...]:
+def _shape_error(law: RampLaw) -> tuple[float, ...]:
     """Standard errors of the law's shape at its knots; none of a straight line."""
-    if found.law.kind == "linear":
+    if law.law.kind == "linear":
         return ()
-    shape = np.diag(found.law_covariance)[-len(found.law.knots) :]
+    shape = np.diag(law.law_covariance)[-len(law.law.knots) :]
     return tuple(float(error) for error in np.sqrt(np.maximum(shape, 0.0)))
 
 
-def law_checks(
-    tests: Sequence[RampHold], found: RampLaw, end: EndOfHold | None
-) -> tuple[Check, ...]:
+def law_checks(tests: Sequence[RampHold], law: RampLaw, end: EndOfHold | None) -> tuple[Check, ...]:
     """Return every check of the records, of the solid and of its elastic law."""
-    residual = found.estimate.residual
-    error = np.sqrt(np.diag(found.estimate.covariance))
+    residual = law.estimate.residual
+    error = np.sqrt(np.diag(law.estimate.covariance))
     # the ramp's own misfit is priced, and judged by ramp_followed
     held = [
-        one[test.settled.start - test.hold.stop :]
-        for one, test in zip(found.residuals, tests, strict=True)
+        residual[test.settled.start - test.hold.stop :]
+        for residual, test in zip(law.residuals, tests, strict=True)
     ]
-    left = Residuals(held, residual.rms, residual.kappa)
+    residuals = Residuals(held, residual.rms, residual.kappa)
     return (
-        *run_relaxation_checks(tests, found.model, error, left, end),
-        *ramp_checks(tests, found, end),
+        *run_relaxation_checks(tests, law.model, error, residuals, end),
+        *ramp_checks(tests, law, end),
     )
 
 
 def ramp_checks(
-    tests: Sequence[RampHold], found: RampLaw, end: EndOfHold | None
+    tests: Sequence[RampHold], law: RampLaw, end: EndOfHold | None
 ) -> tuple[Check, ...]:
     """Return the checks of elastic law and load cell, each at its worst over the records."""
-    rows = found.followed.weighted.solid.rows
-    worst = int(np.argmax(found.missed))
-    values = found.followed.nuisance
-    error = np.sqrt(np.diag(found.estimate.covariance))
+    rows = law.followed.weighted.solid.rows
+    worst = int(np.argmax(law.missed))
+    values = law.followed.nuisance
+    error = np.sqrt(np.diag(law.estimate.covariance))
     deepest = int(np.argmax(rows.depths))
     followed = checks.ramp_followed(
-        found.missed[worst],
-        max(rows.noise[worst], found.hold.rms[worst]) / rows.peak(worst),
-        found.discrepancy[worst],
-        found.law.kind,
+        law.missed[worst],
+        max(rows.noise[worst], law.hold.rms[worst]) / rows.peak(worst),
+        law.discrepancy[worst],
+        law.law.kind,
     )
     return (
         followed,
         checks.hold_followed(
-            found.rho, [one / rows.peak(i) for i, one in enumerate(found.followed.hold)]
+            law.rho, [value / rows.peak(i) for i, value in enumerate(law.followed.hold)]
         ),
-        checks.tangent_told(found.law, different_ramps(tests)),
+        checks.tangent_told(law.law, different_ramps(tests)),
         checks.k_inf_believable(
-            found.model,
-            float(np.hypot(error[0], found.hold.plateau_error[deepest])),
+            law.model,
+            float(np.hypot(error[0], law.hold.plateau_error[deepest])),
             end_stiffness(tests[deepest], rows.known[deepest].offset.mean),
             tests[deepest].hold_time,
         ),
         checks.offset_believable(
             [
-                (values[f"offset@{i}"], *known.offset, significant_drift(tests[i]).offset)
-                for i, known in enumerate(rows.known)
+                (values[f"offset@{i}"], *priors.offset, significant_drift(tests[i]).offset)
+                for i, priors in enumerate(rows.known)
             ]
         ),
         checks.drift_believable(
             [
-                (values[f"drift@{i}"], *known.drift, significant_drift(tests[i]).drift)
-                for i, known in enumerate(rows.known)
+                (values[f"drift@{i}"], *priors.drift, significant_drift(tests[i]).drift)
+                for i, priors in enumerate(rows.known)
             ],
             np.inf if end is None else end.beyond,
         ),
-        checks.baseline_agrees([(known.slope.mean, known.conflict) for known in rows.known]),
+        checks.baseline_agrees([(priors.slope.mean, priors.conflict) for priors in rows.known]),
         checks.clocks_agree(
             [
                 (late.value, late.standard_error, delay_prior(test).sd)
-                for late, test in zip(_of_kind("delay", found), tests, strict=False)
+                for late, test in zip(_of_kind("delay", law), tests, strict=False)
             ]
         ),
     )
 
 
-def _of_kind(kind: str, found: RampLaw) -> list[Nuisance]:
+def _of_kind(kind: str, law: RampLaw) -> list[Nuisance]:
     """The nuisances of a kind, in the order of the tests, where they were fitted."""
-    return [one for one in found.estimate.nuisance if one.name.startswith(kind)]
+    return [nuisance for nuisance in law.estimate.nuisance if nuisance.name.startswith(kind)]
 
 
 def end_stiffness(test: RampHold, rest: float) -> float:
@@ -215,17 +213,17 @@ def end_stiffness(test: RampHold, rest: float) -> float:
 
 def different_ramps(tests: Sequence[RampHold]) -> int:
     """Return how many ramps differ in rate or depth by a tenth or more."""
-    told: list[tuple[float, float]] = []
+    items: list[tuple[float, float]] = []
     for test in tests:
         here = (test.depth / test.ramp_time, test.depth)
-        if all(max(abs(np.log(a / b)) for a, b in zip(here, one, strict=True)) >= 0.1
-               for one in told):  # fmt: skip
-            told.append(here)
-    return len(told)
+        if all(max(abs(np.log(a / b)) for a, b in zip(here, item, strict=True)) >= 0.1
+               for item in items):  # fmt: skip
+            items.append(here)
+    return len(items)
 
 
-def _step(tests: Sequence[RampHold], found: RampLaw) -> Step:
-    law, arms = found.law, found.model.arms
+def _step(tests: Sequence[RampHold], ramp_law: RampLaw) -> Step:
+    law, arms = ramp_law.law, ramp_law.model.arms
     plural = f"{len(tests)} tests" if len(tests) > 1 else "one test"
     shape = "a linear elastic law" if law.kind == "linear" else (
         f"an elastic law whose tangent is linear between {len(law.knots)} knots"

@@ -42,7 +42,7 @@ class LinearFitQuality(NamedTuple):
 def soundness(
     ramp: float,
     hold: float,
-    alone: float,
+    single: float,
     *,
     noise: float,
     discrepancy: float,
@@ -56,7 +56,7 @@ def soundness(
     ----------
     ramp, hold : float
         Root mean square residual of the fit to the whole record, on the ramp and in the hold, N.
-    alone : float
+    single : float
         That of a fit to the hold alone, N.
     noise : float
         Standard deviation of the noise of one sample, N.
@@ -76,11 +76,11 @@ def soundness(
     straight = discrepancy <= SOUND_SHAPE * by_chance
     unread = min(SOUND_SHAPE * unread, UNREAD * peak)
     followed = (quiet and straight) or ramp <= max(floor, unread)
-    sound = bool(followed and (hold <= SOUND_HOLD * alone or hold <= floor))
-    return LinearFitQuality(ramp / max(noise, 1e-300), hold / max(alone, 1e-300), sound)
+    valid = bool(followed and (hold <= SOUND_HOLD * single or hold <= floor))
+    return LinearFitQuality(ramp / max(noise, 1e-300), hold / max(single, 1e-300), valid)
 
 
-def linear_soundness(test: RampHold, whole: FloatArray, alone: FloatArray) -> LinearFitQuality:
+def linear_soundness(test: RampHold, whole: FloatArray, single: FloatArray) -> LinearFitQuality:
     """Judge a linear fit that was made elsewhere, by the residuals of every sample.
 
     Parameters
@@ -88,21 +88,21 @@ def linear_soundness(test: RampHold, whole: FloatArray, alone: FloatArray) -> Li
     test : RampHold
     whole : array, shape (n,)
         Residual of the fit to ramp and hold, up to the last sample of the hold, N.
-    alone : array, shape (m,)
+    single : array, shape (m,)
         Residual of a fit to the hold alone, N.
     """
     corner, onset = relaxes_from(test), int(np.searchsorted(test.time, test.onset))
     held = whole[corner - test.hold.stop :]
     ramp = whole[: -len(held)][onset - corner :]
     # the colour of the noise shows in a stretch of it
-    noises = noise_of(ramp), noise_of(alone[: 4 * len(ramp)])
-    rms, least = (float(np.sqrt(np.mean(part**2))) for part in (ramp, alone))
+    noises = noise_of(ramp), noise_of(single[: 4 * len(ramp)])
+    rms, least = (float(np.sqrt(np.mean(part**2))) for part in (ramp, single))
     peak = float(np.abs(test.force[: test.hold.stop]).max())
     return soundness(
         rms,
         float(np.sqrt(np.mean(held**2))),
         least,
-        noise=max(sample_noise(test.force_noise, least), slow_noise(alone, peak)),
+        noise=max(sample_noise(test.force_noise, least), slow_noise(single, peak)),
         discrepancy=rms / max(least, 1e-300) * float(np.sqrt(noises[0].kappa / noises[1].kappa)),
         samples=len(ramp) / noises[1].kappa,
         peak=peak,
@@ -112,8 +112,8 @@ def linear_soundness(test: RampHold, whole: FloatArray, alone: FloatArray) -> Li
 
 def _left_of_motion(test: RampHold, ramp: slice) -> float:
     """Standard deviation of what the encoder leaves of the motion on the ramp, m."""
-    _, left = denoise_displacement(test)
-    return float(np.sqrt(np.mean(left[ramp] ** 2)))
+    _, residual = denoise_displacement(test)
+    return float(np.sqrt(np.mean(residual[ramp] ** 2)))
 
 
 def sample_noise(scatter: float, rms: float) -> float:

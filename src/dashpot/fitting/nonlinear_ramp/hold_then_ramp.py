@@ -161,9 +161,9 @@ def _hold_block(rows: DownsampledRows, i: int, bounds: Bounds) -> DataBlock:
     time = rows.time[here] - rows.time[here][0]
     root = np.sqrt(rows.count[here])
     fixed = {f"k_inf@{i}": np.ones(len(time))}
-    moved = rows.displacement[here] - rows.depths[i]
-    if float(np.ptp(moved)) > STILL * rows.depths[i]:
-        fixed[f"settling@{i}"] = moved
+    displacement = rows.displacement[here] - rows.depths[i]
+    if float(np.ptp(displacement)) > STILL * rows.depths[i]:
+        fixed[f"settling@{i}"] = displacement
 
     def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
         age = time[:, None] / tau
@@ -199,19 +199,19 @@ def _supported(
 def _described(
     rows: DownsampledRows, blocks: Sequence[DataBlock], solution: Solution
 ) -> HoldEstimate:
-    found = full_jacobian(blocks, solution)
+    jacobian = full_jacobian(blocks, solution)
     cuts = np.cumsum([block.samples for block in blocks])[:-1]
     scatter, correlation, rms, plateau, error = [], [], [], [], []
-    for i, residual in enumerate(np.split(found.residual, cuts)):
-        own = [n.endswith(f"@{i}") or n.startswith("ln_tau") for n in found.names]
-        left = max(len(residual) - sum(own), 1)
+    for i, residual in enumerate(np.split(jacobian.residual, cuts)):
+        items = [n.endswith(f"@{i}") or n.startswith("ln_tau") for n in jacobian.names]
+        remaining = max(len(residual) - sum(items), 1)
         rms.append(max(float(np.sqrt(np.mean(residual**2))), rounding(rows, i)))
-        scatter.append(max(float(np.sqrt(residual @ residual / left)), rounding(rows, i)))
+        scatter.append(max(float(np.sqrt(residual @ residual / remaining)), rounding(rows, i)))
         correlation.append(noise_of(residual).kappa)
     sd = np.repeat(np.array(scatter) * np.sqrt(correlation), [block.samples for block in blocks])
-    covariance = white(found.matrix / sd[:, None], 1.0)
+    covariance = white(jacobian.matrix / sd[:, None], 1.0)
     for i, depth in enumerate(rows.depths):
-        row = found.names.index(f"k_inf@{i}")
+        row = jacobian.names.index(f"k_inf@{i}")
         doubt = float(covariance[row, row]) + rows.known[i].offset.sd ** 2
         plateau.append(solution.coefficient(f"k_inf@{i}") / depth)
         error.append(float(np.sqrt(doubt)) / depth)
@@ -235,33 +235,33 @@ def rounding(rows: DownsampledRows, i: int) -> float:
 
 def nuisances(rows: DownsampledRows, delay: FloatArray | None = None) -> Nuisances:
     r"""Return offset and drift of each record; with :math:`-dF/dt` given, its delay too."""
-    names, columns, known = [], [], []
+    names, columns, priors = [], [], []
     for i, prior in enumerate(rows.known):
         here = rows.record == i
         names += [f"offset@{i}", f"drift@{i}"]
         columns += [1.0 * here, here * (rows.time - prior.at)]
-        known += [prior.offset, prior.drift]
+        priors += [prior.offset, prior.drift]
         if delay is not None:
             names.append(f"delay@{i}")
             columns.append(here * delay)
-            known.append(prior.delay)
+            priors.append(prior.delay)
     peak = float(np.abs(rows.force).max())
     least = 1e-12 * peak
     return Nuisances(
         tuple(names),
         np.column_stack(columns),
-        tuple(Prior(one.mean, max(one.sd, least)) for one in known),
+        tuple(Prior(prior.mean, max(prior.sd, least)) for prior in priors),
     )
 
 
 def delay_derivative(weighted: Weighted, best: Optimum) -> FloatArray:
     r"""Return what a delay of one second would do, :math:`-\dot F` of the solid, N/s."""
     rows, force = weighted.solid.rows, weighted.force(best)
-    found = np.empty(len(force))
+    values = np.empty(len(force))
     for i in range(len(rows.depths)):
         here = np.flatnonzero(rows.record == i)
-        found[here] = -np.gradient(force[here], rows.time[here])
-    return found
+        values[here] = -np.gradient(force[here], rows.time[here])
+    return values
 
 
 def spread(rows: DownsampledRows, ramp: npt.ArrayLike, hold: npt.ArrayLike) -> FloatArray:
@@ -276,36 +276,41 @@ def independent(hold: HoldEstimate) -> FloatArray:
 
 def recorded_hold(rows: DownsampledRows, hold: HoldEstimate) -> RampHoldOptimum:
     """Fit the hold rows alone as what follows the recorded history of a linear seal."""
-    unseen = spread(rows, np.full(len(rows.depths), np.inf), independent(hold))
-    weighted = Weighted(QuasiLinear(rows, np.array([0.0, rows.depth])), unseen, nuisances(rows))
+    unmeasured = spread(rows, np.full(len(rows.depths), np.inf), independent(hold))
+    weighted = Weighted(QuasiLinear(rows, np.array([0.0, rows.depth])), unmeasured, nuisances(rows))
     return with_residual_statistics(weighted, weighted.descend(hold.log_tau), independent(hold))
 
 
 def fit_ramp_and_hold(
     solid: QuasiLinear,
     hold: HoldEstimate,
-    found: RampHoldOptimum,
+    optimum: RampHoldOptimum,
     theta: FloatArray,
     *,
-    known: Nuisances | None = None,
-    apart: bool = False,
+    value: Nuisances | None = None,
+    separate: bool = False,
 ) -> RampHoldOptimum:
-    """Fit one law to every row, the ramps weighted by what they miss, first that of `found`.
+    """Fit one law to every row, the ramps weighted by what they miss, first that of `optimum`.
 
-    The nuisances are offset and drift unless others are `known`; `apart` gives each record its
+    The nuisances are offset and drift unless others are `value`; `separate` gives each record its
     own stiffnesses.
     """
     rows = solid.rows
-    known = nuisances(rows) if known is None else known
+    value = nuisances(rows) if value is None else value
     by_hold = independent(hold)
     for _ in range(_ROUNDS):
-        weighted = Weighted(solid, spread(rows, found.ramp_scatter, by_hold), known, apart=apart)
-        before, found = found, with_residual_statistics(weighted, weighted.descend(theta), by_hold)
-        theta = found.optimum.theta
-        change = np.array(found.ramp_scatter) / np.array(before.ramp_scatter) - 1
+        weighted = Weighted(
+            solid, spread(rows, optimum.ramp_scatter, by_hold), value, separate=separate
+        )
+        before, optimum = (
+            optimum,
+            with_residual_statistics(weighted, weighted.descend(theta), by_hold),
+        )
+        theta = optimum.optimum.theta
+        change = np.array(optimum.ramp_scatter) / np.array(before.ramp_scatter) - 1
         if float(np.abs(change).max()) < _SETTLED:
             break
-    return found
+    return optimum
 
 
 def with_residual_statistics(
@@ -320,13 +325,15 @@ def with_residual_statistics(
     for i in range(len(rows.depths)):
         ramp, held = rows.ramp & (rows.record == i), rows.held(i)
         size = int(ramp.sum())
-        left = max(size - float(leverage[ramp].sum()), _LEAST_DOF * size)
+        remainder = max(size - float(leverage[ramp].sum()), _LEAST_DOF * size)
         kappa = noise_of(scaled[ramp]).kappa
         ramps.append(max(float(np.sqrt(np.mean(scaled[ramp] ** 2))), rounding(rows, i)))
         holds.append(max(float(np.sqrt(np.mean(scaled[held] ** 2))), rounding(rows, i)))
         correlations.append(kappa)
         scatters.append(
-            max(float(np.sqrt(kappa * (scaled[ramp] @ scaled[ramp]) / left)), float(by_hold[i]))
+            max(
+                float(np.sqrt(kappa * (scaled[ramp] @ scaled[ramp]) / remainder)), float(by_hold[i])
+            )
         )
     return RampHoldOptimum(
         weighted, best, tuple(ramps), tuple(holds), tuple(scatters), tuple(correlations)

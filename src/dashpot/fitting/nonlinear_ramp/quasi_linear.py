@@ -36,9 +36,9 @@ class QuasiLinear:
         self.hats = hat_integrals(rows.displacement, knots)
         width = np.diff(knots)
         self.weights = 0.5 * (np.append(width, 0.0) + np.append(0.0, width)) / knots[-1]
-        moved = np.diff(self.hats, axis=0, prepend=0.0)
-        moved[rows.first] = self.hats[rows.first]
-        self._moved = moved
+        steps = np.diff(self.hats, axis=0, prepend=0.0)
+        steps[rows.first] = self.hats[rows.first]
+        self._moved = steps
 
     @property
     def bends(self) -> slice:
@@ -64,8 +64,8 @@ class QuasiLinear:
         """Derivative of each arm's elongation under a shape by its ln tau, (M, N)."""
         z, mean, passed = self._steps(log_tau)
         before = np.concatenate((np.zeros((1, len(log_tau))), arms[:-1]))
-        moved = (self._moved @ shape)[:, None]
-        return _run(passed, passed * z * before + (mean - np.exp(-z)) * moved)
+        change = (self._moved @ shape)[:, None]
+        return _run(passed, passed * z * before + (mean - np.exp(-z)) * change)
 
     def _steps(self, log_tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Step of each row over tau, the mean decay within it, and what passes from row to row."""
@@ -86,14 +86,14 @@ def hat_integrals(x: FloatArray, knots: FloatArray) -> FloatArray:
     for m in range(1, len(knots)):
         below[m] = below[m - 1]
         below[m, m - 1 : m + 1] += half[m - 1]
-    found = below[i]
+    values = below[i]
     right = 0.5 * part**2 / width[i]
     every = np.arange(len(x))
-    found[every, i] += part - right
-    found[every, i + 1] += right
-    found[:, 0] += np.minimum(x, 0.0)
-    found[:, -1] += np.maximum(x - knots[-1], 0.0)
-    return found
+    values[every, i] += part - right
+    values[every, i + 1] += right
+    values[:, 0] += np.minimum(x, 0.0)
+    values[:, -1] += np.maximum(x - knots[-1], 0.0)
+    return values
 
 
 def _run(decay: FloatArray, increments: FloatArray) -> FloatArray:

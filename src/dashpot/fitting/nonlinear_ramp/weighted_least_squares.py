@@ -61,10 +61,10 @@ class Weighted:
     """
 
     def __init__(
-        self, solid: QuasiLinear, sd: FloatArray, nuisances: Nuisances, *, apart: bool = False
+        self, solid: QuasiLinear, sd: FloatArray, nuisances: Nuisances, *, separate: bool = False
     ) -> None:
         self.solid, self.nuisances = solid, nuisances
-        self._set = solid.rows.record if apart else np.zeros(len(sd), dtype=np.intp)
+        self._set = solid.rows.record if separate else np.zeros(len(sd), dtype=np.intp)
         self.sets = int(self._set[-1]) + 1
         self._member = (self._set[:, None] == np.arange(self.sets)) * 1.0
         self.root = np.sqrt(solid.rows.count) / sd
@@ -78,9 +78,9 @@ class Weighted:
 
     def _white(self, columns: FloatArray) -> FloatArray:
         """Columns of the rows in units of their noise, rows of zeros for what is known before."""
-        found = np.zeros((len(self.target), columns.shape[1]))
-        found[: len(columns)] = self.root[:, None] * columns
-        return found
+        values = np.zeros((len(self.target), columns.shape[1]))
+        values[: len(columns)] = self.root[:, None] * columns
+        return values
 
     def _by_row(self, k: FloatArray) -> FloatArray:
         """Stiffnesses of each row's own set, shape (M, 1 + N)."""
@@ -106,8 +106,8 @@ class Weighted:
             mean = float(solid.weights @ shape)
             hats, shape = solid.columns(log_tau), shape / mean
             columns = hats @ shape
-            own = (self._member[:, :, None] * columns[:, None, :]).reshape(len(columns), -1)
-            A = np.concatenate((self._white(own), self._known), axis=1)
+            value = (self._member[:, :, None] * columns[:, None, :]).reshape(len(columns), -1)
+            A = np.concatenate((self._white(value), self._known), axis=1)
 
             def slope(beta: FloatArray) -> FloatArray:
                 k = self._by_row(beta[:stiff])
@@ -115,9 +115,9 @@ class Weighted:
                 force = np.sum(columns * k, axis=1)
                 by_shape = (np.einsum("mnp,mn->mp", hats[:, :, solid.bends], k)
                             - np.outer(force, bends)) / mean  # fmt: skip
-                found = self._white(np.concatenate((by_tau, by_shape), axis=1))
-                found[-1, arms:] = self._size * bends
-                return found
+                values = self._white(np.concatenate((by_tau, by_shape), axis=1))
+                values[-1, arms:] = self._size * bends
+                return values
 
             y = self.target.copy()
             y[-1] = self._size * (1.0 - mean)

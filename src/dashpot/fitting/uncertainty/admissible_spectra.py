@@ -107,7 +107,7 @@ class AdmissibleSpectra:
         *,
         fastest: float,
         limit: float,
-        further: Sequence[float] = (),
+        extra: Sequence[float] = (),
     ) -> None:
         self.limit = limit
         shortest = min(test.window[0] for test in tests)
@@ -115,15 +115,15 @@ class AdmissibleSpectra:
         low = np.log(min(shortest, 1 / (BEYOND * fastest)))
         high = np.log(longest)
         count = int(np.ceil((high - low) / np.log(10) * PER_DECADE)) + 1
-        own = np.log(np.asarray(further, dtype=float))
-        log_tau = _merged(np.linspace(low, high, count), own)
+        logs = np.log(np.asarray(extra, dtype=float))
+        log_tau = _merged(np.linspace(low, high, count), logs)
         # the fit is no bad spectrum: a plateau and its own arms
-        left, weight = np.inf, np.zeros(len(log_tau) + 2)
-        weight[0], weight[2 + np.searchsorted(log_tau, own)] = 1.0, 1.0
+        remainder, weight = np.inf, np.zeros(len(log_tau) + 2)
+        weight[0], weight[2 + np.searchsorted(log_tau, logs)] = 1.0, 1.0
         for _ in range(ROUNDS):
-            before, left = left, self._on(tests, log_tau, weight)
+            before, remainder = remainder, self._on(tests, log_tau, weight)
             finer = _refined(log_tau, self.best[2:] > 0)
-            if before - left < GAIN or len(finer) == len(log_tau):
+            if before - remainder < GAIN or len(finer) == len(log_tau):
                 break
             weight = np.zeros(len(finer) + 2)
             weight[:2], weight[2 + np.searchsorted(finer, log_tau)] = np.split(
@@ -149,10 +149,10 @@ class AdmissibleSpectra:
         self.shown = norm > UNSEEN * norm.max()
         self.scale = np.where(self.shown, norm, 1.0)
         columns = np.where(self.shown, rows[:, 1:] / self.scale, 0.0)
-        told = np.linalg.norm(columns, axis=1) > ROUNDING
-        aside, self.target = float(rows[~told, 0] @ rows[~told, 0]), rows[told, 0].copy()
+        text = np.linalg.norm(columns, axis=1) > ROUNDING
+        aside, self.target = float(rows[~text, 0] @ rows[~text, 0]), rows[text, 0].copy()
         # a column is asked for as a row: laid out so, none is copied for it
-        self.columns = np.asfortranarray(columns[told][:, self.shown])
+        self.columns = np.asfortranarray(columns[text][:, self.shown])
         self.best = np.zeros(len(norm))
         self._ball = NonnegativeConfidenceRegion(self.columns, self.target)
         self.best[self.shown] = self._ball.least((start * self.scale)[self.shown])
@@ -173,13 +173,13 @@ class AdmissibleSpectra:
         for row, place in enumerate(np.log10(self.tau).tolist(), start=2):
             if place - last >= decades:
                 keep[row], last = True, place
-        found = copy(self)
-        found.tau, found.scale = self.tau[keep[2:]], self.scale[keep]
-        found.columns = np.asfortranarray(self.columns[:, keep[self.shown]])
-        found.shown, found.best = self.shown[keep], self.best[keep]
-        found._ball = NonnegativeConfidenceRegion(found.columns, self.target, ROUGH)
-        found.met = deque((one[keep] for one in self.met), maxlen=REMEMBERED)
-        return found
+        spectra = copy(self)
+        spectra.tau, spectra.scale = self.tau[keep[2:]], self.scale[keep]
+        spectra.columns = np.asfortranarray(self.columns[:, keep[self.shown]])
+        spectra.shown, spectra.best = self.shown[keep], self.best[keep]
+        spectra._ball = NonnegativeConfidenceRegion(spectra.columns, self.target, ROUGH)
+        spectra.met = deque((values[keep] for values in self.met), maxlen=REMEMBERED)
+        return spectra
 
     def refuse_beyond(self, misfit: float, floor: float) -> None:
         """Refuse a set whose best spectrum is far worse than the fit, which is one of them.
@@ -254,10 +254,10 @@ class AdmissibleSpectra:
         """The spectrum of the largest v . k, N/m, shape (m,)."""
         aim, on = v / self.scale, self.shown
         start = self.met[int((np.array(self.met) @ aim).argmax())]
-        found = np.zeros(len(aim))
-        found[on] = self._ball.find_farthest_point(aim[on], self.least + self.limit, start[on])
-        self.met.append(found)
-        stiffness = found / self.scale
+        values = np.zeros(len(aim))
+        values[on] = self._ball.find_farthest_point(aim[on], self.least + self.limit, start[on])
+        self.met.append(values)
+        stiffness = values / self.scale
         return stiffness if on.all() else np.where(~on & (aim > 0), np.inf, stiffness)
 
     def reach(self, v: FloatArray) -> tuple[float, float]:
@@ -272,16 +272,16 @@ class AdmissibleSpectra:
         if (above[~self.shown] > 0).any():
             return np.inf
         a, b = above / self.scale, below / self.scale
-        known = [float(a @ s) / float(b @ s) for s in self.met if float(b @ s) > 0]
-        if not known:  # the record knows of no stiffness at all, and so of no ratio
+        values = [float(a @ s) / float(b @ s) for s in self.met if float(b @ s) > 0]
+        if not values:  # the record knows of no stiffness at all, and so of no ratio
             return np.inf if (above > 0).any() else 0.0
-        ratio = max(known)
+        ratio = max(values)
         for _ in range(STEPS):
-            found = self.farthest(above - ratio * below)
-            if not float(below @ found) > 0:
+            result = self.farthest(above - ratio * below)
+            if not float(below @ result) > 0:
                 break
-            gain = float(above @ found) - ratio * float(below @ found)
-            larger = float(above @ found) / float(below @ found)
+            gain = float(above @ result) - ratio * float(below @ result)
+            larger = float(above @ result) / float(below @ result)
             if gain <= CLOSE * abs(larger - ratio) or larger <= ratio:
                 break
             ratio = larger
@@ -290,8 +290,8 @@ class AdmissibleSpectra:
 
 def _along(v: FloatArray, spectrum: FloatArray) -> float:
     """V . k, of what v asks for."""
-    asked = v != 0
-    return float(v[asked] @ spectrum[asked])
+    request = v != 0
+    return float(v[request] @ spectrum[request])
 
 
 def _spread(count: int) -> IndexArray:
@@ -307,16 +307,16 @@ def _spread(count: int) -> IndexArray:
     return reversed_[reversed_ < count]
 
 
-def _merged(one: FloatArray, other: FloatArray) -> FloatArray:
+def _merged(first: FloatArray, second: FloatArray) -> FloatArray:
     """The points of both grids; `numpy.union1d` says the same and imports masked arrays."""
-    both = np.sort(np.concatenate((one, other)))
+    both = np.sort(np.concatenate((first, second)))
     return np.asarray(both[np.append(True, np.diff(both) > 0)])
 
 
 def _refined(log_tau: FloatArray, active: BoolArray) -> FloatArray:
     """The grid with points put into the gaps on both sides of every active arm."""
     gaps = np.diff(log_tau)
-    beside = (active[1:] | active[:-1]) & (gaps > FINEST)
+    parallel = (active[1:] | active[:-1]) & (gaps > FINEST)
     steps = np.arange(1, POINTS + 1) / (POINTS + 1)
-    new = log_tau[:-1][beside, None] + gaps[beside, None] * steps
+    new = log_tau[:-1][parallel, None] + gaps[parallel, None] * steps
     return _merged(log_tau, new.ravel())

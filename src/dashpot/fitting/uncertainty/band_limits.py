@@ -105,17 +105,17 @@ def _largest_ratio(
     """
     ratio = start
     for _ in range(STEPS):
-        found = spectra.farthest(above - ratio * below)
-        if not np.isfinite(found).all():
+        values = spectra.farthest(above - ratio * below)
+        if not np.isfinite(values).all():
             return np.inf
-        base = float(below @ found)
-        larger = float(above @ found) / base if base > 0 else -np.inf
+        base = float(below @ values)
+        larger = float(above @ values) / base if base > 0 else -np.inf
         if not larger > ratio:
             break
-        moved, ratio = larger - ratio, larger
+        change, ratio = larger - ratio, larger
         if spread <= NARROW:
-            return start + spread * moved
-        if moved <= SETTLED * (ratio - start):
+            return start + spread * change
+        if change <= SETTLED * (ratio - start):
             break
     return ratio
 
@@ -220,19 +220,19 @@ class BeforeCurve:
 
     def rows(self, log_tau: FloatArray, *, slopes: bool = True) -> RelaxationRows:
         """Those of the curve, and one of what may relax before it."""
-        found = self.data.rows(log_tau, slopes=slopes)
+        rows = self.data.rows(log_tau, slopes=slopes)
         start, later = (float(self.solid.relaxation(n * self.first)) for n in (1.0, 10.0))
         weight = 1 / max(start - later, LITTLE * start)
         # how much of an arm is gone at the first time
         before = -np.expm1(-self.first / np.exp(log_tau)) * weight
         relaxed = float(self.solid.relaxation(0.0)) - start
-        return found._replace(
-            target=np.append(found.target, relaxed * weight),
-            spring=np.append(found.spring, 0.0),
+        return rows._replace(
+            target=np.append(rows.target, relaxed * weight),
+            spring=np.append(rows.spring, 0.0),
             # a dashpot is no arm that a curve can show
-            dashpot=np.append(found.dashpot, UNSHOWN * weight / self.first),
-            arms=np.vstack((found.arms, before)),
-            slopes=np.vstack((found.slopes, np.zeros(len(log_tau)))) if slopes else found.slopes,
+            dashpot=np.append(rows.dashpot, UNSHOWN * weight / self.first),
+            arms=np.vstack((rows.arms, before)),
+            slopes=np.vstack((rows.slopes, np.zeros(len(log_tau)))) if slopes else rows.slopes,
         )
 
 

@@ -64,22 +64,22 @@ class CurveData:
 
     def rows(self, log_tau: FloatArray, *, slopes: bool = True) -> RelaxationRows:
         """Everything that depends on the solid, whitened for all that is doubted."""
-        found = self.block.evaluate(log_tau, slopes)
+        evaluation = self.block.evaluate(log_tau, slopes)
         names = self.block.fixed_names
-        doubts, mean = self.terms.doubts(found.fixed, names)
+        doubts, mean = self.terms.doubts(evaluation.fixed, names)
         every = np.hstack((doubts, self.common)) if self.common.size else doubts
         white = marginal(np.zeros((len(mean), 0)), every)
 
         def column(kinds: set[str]) -> FloatArray:
             there = [i for i, name in enumerate(names) if name in kinds]
-            return white(found.fixed[:, there].sum(axis=1))
+            return white(evaluation.fixed[:, there].sum(axis=1))
 
         return RelaxationRows(
-            target=white(found.target - mean),
+            target=white(evaluation.target - mean),
             spring=column(_SPRINGS),
             dashpot=column(_DASHPOTS),
-            arms=white(found.arms),
-            slopes=white(found.d_arms),
+            arms=white(evaluation.arms),
+            slopes=white(evaluation.d_arms),
         )
 
 
@@ -112,8 +112,8 @@ def curve_data(
         # a spring has no loss
         size = nearest[part] if nearest[part].any() else nearest
         least = DIGITS * float(np.sqrt(np.mean(size**2)))
-        left = ResidualSeries(rows.target[part] - nearest[part])
-        noise = noise_of(left, JacobianColumns(active[part], shared=True), rounding=least)
+        series = ResidualSeries(rows.target[part] - nearest[part])
+        noise = noise_of(series, JacobianColumns(active[part], shared=True), rounding=least)
         weight[part] = 1 / np.sqrt(max(noise.power, least**2))
         worth += noise.effective
     hats = common * np.kron(np.eye(len(nearest) // n), _hats(np.log10(at)))

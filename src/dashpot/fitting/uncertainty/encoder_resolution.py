@@ -91,8 +91,8 @@ def _contact_row(columns: FloatArray, before: int, encoder: Encoder, kernel: Ker
     if encoder.contact_error == 0.0:
         return np.zeros((0, columns.shape[1]))
     first = max(int(np.searchsorted(encoder.time, encoder.onset)), before)
-    moved = kernel(encoder.time[first:] - encoder.onset) @ columns[first - before :]
-    return encoder.contact_error * moved[None]
+    change = kernel(encoder.time[first:] - encoder.onset) @ columns[first - before :]
+    return encoder.contact_error * change[None]
 
 
 def _step_rows(columns: FloatArray, before: int, encoder: Encoder, kernel: Kernel) -> FloatArray:
@@ -119,9 +119,9 @@ def _pulse(
     The record measures motion from its first reading, so an error of the first run is a step
     at the run's end.
     """
-    moved = np.zeros(columns.shape[1])
+    values = np.zeros(columns.shape[1])
     for sign, at in zip((1.0, -1.0), run, strict=True):
         first = max(at, before)
         if 0 < at < len(time):
-            moved += sign * (kernel(time[first:] - time[at]) @ columns[first - before :])
-    return moved
+            values += sign * (kernel(time[first:] - time[at]) @ columns[first - before :])
+    return values

@@ -42,7 +42,7 @@ def spectra_of_holds(
 ) -> AdmissibleSpectra:
     """Return the spectra that some holds do not reject; the parameters of :func:`end_of_hold_limits`."""
     spectra = AdmissibleSpectra(
-        relaxations, fastest=1 / time, limit=deviance_limit(level, dof), further=own.tau
+        relaxations, fastest=1 / time, limit=deviance_limit(level, dof), extra=own.tau
     )
     spectra.refuse_beyond(*misfits(relaxations))
     return spectra
@@ -78,7 +78,7 @@ def end_of_hold_limits(
     if spectra is None:
         spectra = spectra_of_holds(relaxations, time=time, own=own, dof=dof, level=level)
     falling = spectra.falling_at(time)
-    found = EndOfHold(
+    end = EndOfHold(
         time=time,
         k_end=_reach(spectra, spectra.relaxed_to(time)),
         k_3end=_reach(spectra, spectra.relaxed_to(3 * time)),
@@ -86,15 +86,15 @@ def end_of_hold_limits(
         falling=_highest(spectra, falling),
         named=_left_if_named(relaxations, spectra, time),
     )
-    return found.holding(own)
+    return end.holding(own)
 
 
 def spectra_of_curve(
-    data: CurveData | BeforeCurve, *, time: float, further: Sequence[float], level: float = 0.95
+    data: CurveData | BeforeCurve, *, time: float, extra: Sequence[float], level: float = 0.95
 ) -> AdmissibleSpectra:
     """Return the spectra that a curve does not reject; the parameters of :func:`end_of_curve`."""
     return AdmissibleSpectra(
-        [data], fastest=1 / time, limit=deviance_limit(level, data.dof), further=further
+        [data], fastest=1 / time, limit=deviance_limit(level, data.dof), extra=extra
     )
 
 
@@ -103,8 +103,8 @@ def end_of_curve(
     ended: Ended,
     *,
     time: float,
-    own: GeneralizedMaxwell,
-    further: Sequence[float],
+    model: GeneralizedMaxwell,
+    extra: Sequence[float],
     level: float = 0.95,
     spectra: AdmissibleSpectra | None = None,
 ) -> EndOfHold:
@@ -119,9 +119,9 @@ def end_of_curve(
         What it is of: a modulus over time, storage and loss, or a compliance.
     time : float
         T, s; of a sweep 1/omega of its lowest line.
-    own : GeneralizedMaxwell
+    model : GeneralizedMaxwell
         The fit.
-    further : sequence of float
+    extra : sequence of float
         Its relaxation times, of creep its retardation times, s.
     level : float
         Coverage of each limit, nearly.
@@ -129,7 +129,7 @@ def end_of_curve(
         Those of :func:`spectra_of_curve`, where they are known already.
     """
     if spectra is None:
-        spectra = spectra_of_curve(data, time=time, further=further, level=level)
+        spectra = spectra_of_curve(data, time=time, extra=extra, level=level)
 
     def reach(times: float) -> Interval:
         return _of_curve(spectra, ended, times * time)
@@ -140,7 +140,7 @@ def end_of_curve(
         falling = _highest(spectra, spectra.creeping_at(time)) * k_end[1] ** 2
     else:
         falling = _highest(spectra, spectra.falling_at(time))
-    found = EndOfHold(
+    end = EndOfHold(
         time=time,
         k_end=k_end,
         k_3end=reach(3),
@@ -149,7 +149,7 @@ def end_of_curve(
         falling=falling,
         ended=ended,
     )
-    return found.holding(own)
+    return end.holding(model)
 
 
 def _of_curve(spectra: AdmissibleSpectra, ended: Ended, time: float) -> Interval:
@@ -175,13 +175,13 @@ def _left_if_named(
     goal = np.append(1.0, np.exp(-time / tau))
 
     def variance(data: Sequence[RelaxationData]) -> float:
-        rows = [one.rows(np.log(tau), slopes=False) for one in data]
-        matrix = np.vstack([np.column_stack((one.spring, one.arms)) for one in rows])
+        rows = [relaxation_data.rows(np.log(tau), slopes=False) for relaxation_data in data]
+        matrix = np.vstack([np.column_stack((row.spring, row.arms)) for row in rows])
         scale = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
         along = np.linalg.lstsq((matrix / scale).T, goal / scale, rcond=1e-9)[0]
         return float(along @ along)
 
-    return float(np.sqrt(variance([one.on_a_named_rig for one in relaxations])
+    return float(np.sqrt(variance([relaxation.on_a_named_rig for relaxation in relaxations])
                          / variance(relaxations)))  # fmt: skip
 
 

@@ -54,14 +54,14 @@ def parameter_band(fit: Fit, frequency: npt.ArrayLike, *, level: float = 0.95) -
     f = _frequencies(frequency)
     _level(level)
     K = _drawn(fit, 2 * np.pi * f)
-    own = fit.solid.complex_stiffness(omega=2 * np.pi * f)
+    stiffness = fit.solid.complex_stiffness(omega=2 * np.pi * f)
     # a draw that bears nothing has no loss factor
-    borne = np.where(K == 0, own, K)
+    borne = np.where(K == 0, stiffness, K)
     return StiffnessBounds(
         f,
-        _quantiles(K.real, own.real, level),
-        _quantiles(K.imag, own.imag, level),
-        _quantiles(borne.imag / borne.real, own.imag / own.real, level),
+        _quantiles(K.real, stiffness.real, level),
+        _quantiles(K.imag, stiffness.imag, level),
+        _quantiles(borne.imag / borne.real, stiffness.imag / stiffness.real, level),
         f"{100 * level:g} % of the solids that the fit's own standard errors allow; arms that the "
         "fit does not have are not in it",
     )
@@ -96,11 +96,13 @@ def unseen_arm_band(
     f = _frequencies(frequency)
     spectra = _spectra(fit, tests, fastest=2 * np.pi * float(f[-1]), level=level)
     limits = np.array([_limits(spectra, 2 * np.pi * at) for at in f])
-    own = fit.solid.complex_stiffness(omega=2 * np.pi * f)
+    stiffness = fit.solid.complex_stiffness(omega=2 * np.pi * f)
     storage, loss, factor = (
         _holding(part, value)
         for part, value in zip(
-            limits.transpose(1, 2, 0), (own.real, own.imag, own.imag / own.real), strict=True
+            limits.transpose(1, 2, 0),
+            (stiffness.real, stiffness.imag, stiffness.imag / stiffness.real),
+            strict=True,
         )
     )
     says = (
@@ -155,29 +157,29 @@ def frf_band(
         )
     f = _frequencies(frequency)
     predicted = PredictedFRF(mass, seals, kind, coupled)
-    own, formal = _formal(fit, 2 * np.pi * f, predicted, level=level)
+    values, formal = _formal(fit, 2 * np.pi * f, predicted, level=level)
     resonance = np.sqrt(seals * fit.model.k_0 / mass) / (2 * np.pi)
     fastest = 2 * np.pi * max(float(f[-1]), SOUGHT * resonance)
     spectra = _spectra(fit, tests, fastest=fastest, level=level)
 
     def limits(at: FloatArray) -> FloatArray:
         omega = 2 * np.pi * at
-        reach = np.transpose([predicted.reach(spectra, one) for one in omega])
+        reach = np.transpose([predicted.reach(spectra, item) for item in omega])
         return _holding(reach, predicted.magnitude(fit.solid.complex_stiffness(omega=omega), omega))
 
-    unseen = limits(f)
+    unmeasured = limits(f)
     peak = _resonance(spectra, mass / seals, 2 * np.pi * resonance)
     height = None
     if peak is not None and np.isfinite(peak[1]):
         there = limits(np.linspace(*peak, PEAK_LINES))
         about = (f > peak[0] / ABOUT) & (f < peak[1] * ABOUT)
-        low, high = np.concatenate((there, unseen[:, about]), axis=1).max(axis=1)
+        low, high = np.concatenate((there, unmeasured[:, about]), axis=1).max(axis=1)
         height = (float(low), float(high))
     return FRFBounds(
         frequency=f,
-        magnitude=own,
+        magnitude=values,
         parameter=formal,
-        unseen=unseen,
+        unseen=unmeasured,
         peak_frequency=peak,
         peak_height=height,
         kind=kind,
@@ -234,21 +236,21 @@ class PredictedFRF:
 
     def reach(self, spectra: AdmissibleSpectra, omega: float) -> tuple[float, float]:
         """Lowest and highest magnitude over all spectra that the tests do not reject."""
-        felt = omega**2 / self.seals
+        ratio = omega**2 / self.seals
         if self.kind is Kind.TRANSMISSIBILITY:
-            return ratios(spectra, omega, self.mass * felt, self.coupled * felt)
-        near, far = distances(spectra, omega, self.mass * felt)
-        felt = felt * self._pulled
+            return ratios(spectra, omega, self.mass * ratio, self.coupled * ratio)
+        near, far = distances(spectra, omega, self.mass * ratio)
+        ratio = ratio * self._pulled
         # where a spectrum without loss may resonate, nothing limits the response
-        return felt / far, felt / near if near > 0 else np.inf
+        return ratio / far, ratio / near if near > 0 else np.inf
 
 
 def _formal(
     fit: Fit, omega: FloatArray, predicted: PredictedFRF, *, level: float
 ) -> tuple[FloatArray, FloatArray]:
     """The fit's own magnitude, shape (n,), and its limits by the draws, shape (2, n)."""
-    own = predicted.magnitude(fit.solid.complex_stiffness(omega=omega), omega)
-    return own, _quantiles(predicted.magnitude(_drawn(fit, omega), omega), own, level)
+    values = predicted.magnitude(fit.solid.complex_stiffness(omega=omega), omega)
+    return values, _quantiles(predicted.magnitude(_drawn(fit, omega), omega), values, level)
 
 
 # -- draws ------------------------------------------------------------------------------------
@@ -284,10 +286,10 @@ def _draws(mean: FloatArray, covariance: FloatArray, widest: FloatArray) -> Floa
     return np.asarray(mean + normal @ root(covariance))
 
 
-def _quantiles(values: FloatArray, own: FloatArray, level: float) -> FloatArray:
+def _quantiles(values: FloatArray, base: FloatArray, level: float) -> FloatArray:
     """Limits that hold the middle `level` of the draws, and the fit itself; shape (2, n)."""
     low, high = np.quantile(values, [(1 - level) / 2, (1 + level) / 2], axis=0)
-    return np.array([np.minimum(low, own), np.maximum(high, own)])
+    return np.array([np.minimum(low, base), np.maximum(high, base)])
 
 
 # -- spectra ----------------------------------------------------------------------------------
@@ -304,11 +306,11 @@ def _spectra(fit: Fit, tests: Tests, *, fastest: float, level: float) -> Admissi
             "relaxation test alone; give the fit of that test"
         )
     data = [relaxation_data(record, fit) for record in records]
-    found = AdmissibleSpectra(
-        data, fastest=fastest, limit=deviance_limit(level, fit.dof), further=fit.few_arms.tau
+    spectra = AdmissibleSpectra(
+        data, fastest=fastest, limit=deviance_limit(level, fit.dof), extra=fit.few_arms.tau
     )
-    found.refuse_beyond(*misfits(data))
-    return found
+    spectra.refuse_beyond(*misfits(data))
+    return spectra
 
 
 def _limits(spectra: AdmissibleSpectra, omega: float) -> list[tuple[float, float]]:
@@ -316,12 +318,14 @@ def _limits(spectra: AdmissibleSpectra, omega: float) -> list[tuple[float, float
     return [spectra.reach(storage), spectra.reach(loss), spectra.ratio_reach(loss, storage)]
 
 
-def _holding(limits: FloatArray, own: FloatArray) -> FloatArray:
+def _holding(limits: FloatArray, values: FloatArray) -> FloatArray:
     """Limits, shape (2, n), that hold the fit itself."""
-    return np.array([np.minimum(limits[0], own), np.maximum(limits[1], own)])
+    return np.array([np.minimum(limits[0], values), np.maximum(limits[1], values)])
 
 
-def _resonance(spectra: AdmissibleSpectra, share: float, own: float) -> tuple[float, float] | None:
+def _resonance(
+    spectra: AdmissibleSpectra, share: float, value: float
+) -> tuple[float, float] | None:
     r"""Frequencies, Hz, at which :math:`K' = m\omega^2/n` for some spectrum; `share` is m/n.
 
     None if every spectrum is softer or stiffer than that wherever it was sought, an upper end of
@@ -332,7 +336,7 @@ def _resonance(spectra: AdmissibleSpectra, share: float, own: float) -> tuple[fl
         storage, _ = spectra.stiffness_at(omega)
         return float(storage @ spectra.farthest(sign * storage)) / (share * omega**2) - 1
 
-    low, high = own / SOUGHT, own * SOUGHT
+    low, high = value / SOUGHT, value * SOUGHT
     if excess(1, low) < 0 or excess(-1, high) > 0:
         return None
     ends = [_crossing(partial(excess, sign), low, high) for sign in (-1, 1)]

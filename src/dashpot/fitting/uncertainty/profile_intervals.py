@@ -60,25 +60,27 @@ def profiles(
     noise_gain = None if every_sample is None else _noise_gain(every_sample, estimate)
     scaling = _Scaling(estimate, noise_gain)
     fixed = len(solution.fixed_names)
-    asked = {}
+    targets = {}
     if solution.coefficient("k_inf") > 0:
-        asked["k_inf"] = scaling.linear("k_inf")
+        targets["k_inf"] = scaling.linear("k_inf")
     for number, j in doubtful:
         row = f"k_{j + 1}"
-        asked[f"k_{number}"] = scaling.linear(row)
-        asked[f"ln_tau_{number}"] = scaling.log_tau(j)
-        asked[f"ln_b_{number}"] = scaling.log_b(j, row, float(k[j]), fixed=fixed)
+        targets[f"k_{number}"] = scaling.linear(row)
+        targets[f"ln_tau_{number}"] = scaling.log_tau(j)
+        targets[f"ln_b_{number}"] = scaling.log_b(j, row, float(k[j]), fixed=fixed)
     # a prior is a few rows already
     stack = Stack(
         [
-            compact_block(block, beyond=BEYOND) if block.variance is None else block
+            compact_block(block, excess=BEYOND) if block.variance is None else block
             for block in blocks
         ]
     )
-    widest, usual = (t_quantile(one, estimate.dof) ** 2 for one in (_WIDEST_LEVEL, _USUAL_LEVEL))
+    widest, usual = (
+        t_quantile(value, estimate.dof) ** 2 for value in (_WIDEST_LEVEL, _USUAL_LEVEL)
+    )
     limit = min(widest, max(1.1 * usual, _MEASURE))
-    found = walked(stack, solution, list(asked.values()), limit=limit)
-    return tuple(Profile(name, *one) for name, one in zip(asked, found, strict=True))
+    results = walked(stack, solution, list(targets.values()), limit=limit)
+    return tuple(Profile(name, *result) for name, result in zip(targets, results, strict=True))
 
 
 def _noise_gain(every_sample: Sequence[DataBlock], estimate: SolutionEstimate) -> NoiseGain | None:
@@ -120,8 +122,8 @@ class _Scaling:
     def _along(self, coordinate: Coordinate, index: int, gradient: FloatArray) -> ProfileTarget:
         used = gradient != 0.0
         block = self.estimate.covariance[np.ix_(used, used)]
-        known = self.estimate.directions
-        inverse = known @ (known.T @ gradient)
+        directions = self.estimate.directions
+        inverse = directions @ (directions.T @ gradient)
         wide = float(gradient @ inverse)
         if np.all(np.isfinite(block)):
             variance = float(gradient[used] @ block @ gradient[used])

@@ -41,7 +41,7 @@ class _TestColumns(NamedTuple):
 
 
 def rig_sensitivity(
-    relaxations: Sequence[RelaxationData], solid: Solid, *, apart: bool = False
+    relaxations: Sequence[RelaxationData], solid: Solid, *, separate: bool = False
 ) -> FloatArray:
     """Return what each doubt of each test adds to the parameters of a solid fitted to them.
 
@@ -51,7 +51,7 @@ def rig_sensitivity(
         With what their rigs may add (`RelaxationData.unseen`), and as the solid was fitted.
     solid : Solid
         Its parameters are k_inf, every k, every ln tau, or those of a fractional solid; N/m and s.
-    apart : bool
+    separate : bool
         Each test has stiffnesses of its own, one test's below another's, and the relaxation times
         are those of all.
 
@@ -60,64 +60,70 @@ def rig_sensitivity(
     array, shape (p, d)
         One standard deviation a column; all are independent.
     """
-    each = [_rows(data, solid) for data in relaxations]
-    whole = each[0].solid.shape[1]
-    stiff = 1 + solid.maxwell.arms if apart else 0
-    own = whole + stiff * (len(each) - 1)
-    shared = np.arange(own - whole + stiff, own)
-    width = own + sum(one.private.shape[1] for one in each)
-    jacobians, first = [], own
-    for i, one in enumerate(each):
-        rows, here = len(one.solid), slice(first, first + one.private.shape[1])
-        J = np.zeros((rows + len(one.known), width))
-        J[:rows, np.r_[i * stiff : (i + 1) * stiff, shared]] = one.solid
-        J[:rows, here], J[rows:, here] = one.private, one.known
+    all_columns = [_rows(data, solid) for data in relaxations]
+    whole = all_columns[0].solid.shape[1]
+    stiff = 1 + solid.maxwell.arms if separate else 0
+    value = whole + stiff * (len(all_columns) - 1)
+    shared = np.arange(value - whole + stiff, value)
+    width = value + sum(column.private.shape[1] for column in all_columns)
+    jacobians, first = [], value
+    for i, item in enumerate(all_columns):
+        rows, here = len(item.solid), slice(first, first + item.private.shape[1])
+        J = np.zeros((rows + len(item.known), width))
+        J[:rows, np.r_[i * stiff : (i + 1) * stiff, shared]] = item.solid
+        J[:rows, here], J[rows:, here] = item.private, item.known
         jacobians.append(J)
         first = here.stop
-    known = directions(jacobians)
+    information = directions(jacobians)
     moves = [
-        known.turn @ (columns.matrix[: len(one.unseen)].T @ one.unseen)
-        for one, columns in zip(each, known.columns, strict=True)
+        information.turn @ (columns.matrix[: len(column.unseen)].T @ column.unseen)
+        for column, columns in zip(all_columns, information.columns, strict=True)
     ]
-    return np.hstack(moves)[:own]
+    return np.hstack(moves)[:value]
 
 
 def _rows(data: RelaxationData, solid: Solid) -> _TestColumns:
     model, adds = solid.maxwell, data.unseen
-    further = np.zeros(0) if adds is None else adds.log_tau
+    values = np.zeros(0) if adds is None else adds.log_tau
     # arms of a fractional solid lie beyond what a record shows, too: there they are all alike
-    own, arms = np.unique(
+    base, arms = np.unique(
         np.clip(np.log(model.tau), *np.log(data.block.window)), return_inverse=True
     )
     # coordinates may change from call to call: all that is compared is of one
-    found = data.block.evaluate(np.concatenate((own, further)))
+    evaluation = data.block.evaluate(np.concatenate((base, values)))
     kinds = [kind_of(name) for name in data.block.fixed_names]
     spring = kinds.index("k_inf")
     columns = np.column_stack(
-        (found.fixed[:, spring], found.arms[:, arms], found.d_arms[:, arms] * model.k)
+        (
+            evaluation.fixed[:, spring],
+            evaluation.arms[:, arms],
+            evaluation.d_arms[:, arms] * model.k,
+        )
     )
     if isinstance(solid, FractionalZener):
         columns = columns @ solid.arm_gradient()
     private = [i for i in range(len(kinds)) if i != spring]
     quiet = replace(data.terms, known={**data.terms.known, "drift": data.drift})
     rows = quiet.rows(data.block, 1 / data.weight)
-    known = np.zeros((rows.samples, len(kinds)))
-    known[:, [data.block.fixed_names.index(name) for name in rows.fixed_names]] = rows.evaluate(
+    matrix = np.zeros((rows.samples, len(kinds)))
+    matrix[:, [data.block.fixed_names.index(name) for name in rows.fixed_names]] = rows.evaluate(
         np.zeros(0)
     ).fixed
-    unseen = np.zeros((len(columns), 0))
+    unmeasured = np.zeros((len(columns), 0))
     if adds is not None:
-        unseen = adds.columns(found.fixed, found.arms[:, len(own) :])
+        unmeasured = adds.columns(evaluation.fixed, evaluation.arms[:, len(base) :])
     if "drift" in kinds:
         # of the drift itself, what the fit holds to be less than it may be
         more = data.terms.known["drift"].beyond(data.drift)
         drift = replace(data.terms, known={"drift": more})
-        unseen = np.hstack((unseen, drift.doubts(found.fixed, data.block.fixed_names)[0]))
+        unmeasured = np.hstack(
+            (unmeasured, drift.doubts(evaluation.fixed, data.block.fixed_names)[0])
+        )
     return _TestColumns(
         data.weight * columns,
-        data.weight * found.fixed[:, private],
-        data.weight * known[:, private],
-        data.weight * unseen,
+        data.weight * evaluation.fixed[:, private],
+        data.weight * matrix[:, private],
+        data.weight * unmeasured,
     )
 
 

@@ -142,9 +142,9 @@ def estimated(
     peak: float,
     priors: Sequence[DataBlock] = (),
     encoders: Sequence[Encoder] | None = None,
-    further: Sequence[Callable[[FloatArray], FloatArray]] = (),
+    others: Sequence[Callable[[FloatArray], FloatArray]] = (),
     whole: Jacobian | None = None,
-    left: Sequence[ResidualSeries] = (),
+    series: Sequence[ResidualSeries] = (),
 ) -> SolutionEstimate:
     """Return the solution's uncertainty from one block per record with a row per sample.
 
@@ -158,31 +158,35 @@ def estimated(
         Of each record, where the recorded motion is fitted.
     priors : sequence of DataBlock
         What was known before the data.
-    further : sequence of callable, optional
+    others : sequence of callable, optional
         Of each record that has no encoder, as
         :func:`~dashpot.numerics.inference.covariance.sandwich` takes errors that are not constant
         in time.
     whole : Jacobian, optional
         Of every sample and then of the priors, where it is known already.
-    left : sequence of Series, optional
+    series : sequence of Series, optional
         The residual of each record, where its correlations are known already.
     """
     whole = whole or full_jacobian([*every_sample, *priors], solution)
     every_residual, every_jacobian = by_record(whole, [*every_sample, *priors])
     count = len(every_sample)
-    left, known_by = (
-        left or [*map(ResidualSeries, every_residual[:count])],
+    series, known_by = (
+        series or [*map(ResidualSeries, every_residual[:count])],
         directions(every_jacobian),
     )
-    noises = noises_of(left, known_by.columns[:count], peak=peak)
-    further = further or [
+    noises = noises_of(series, known_by.columns[:count], peak=peak)
+    others = others or [
         partial(encoder_rows, encoder=encoder, kernel=_kernel(solution, block))
         for encoder, block in zip(encoders or (), every_sample, strict=False)
     ]
-    known = [Noise(block.samples, np.array([block.variance]), 1.0, 2.0) for block in priors]
-    met = [*map(known_by.compute_record_gain, range(len(every_jacobian)), [*noises, *known])]
-    covariance = known_by.covariance(np.sum(met, axis=0), further=further)
-    residuals = tuple(one.values for one in left)
+    resolved_noises = [
+        Noise(block.samples, np.array([block.variance]), 1.0, 2.0) for block in priors
+    ]
+    met = [
+        *map(known_by.compute_record_gain, range(len(every_jacobian)), [*noises, *resolved_noises])
+    ]
+    covariance = known_by.covariance(np.sum(met, axis=0), others=others)
+    residuals = tuple(residual_series.values for residual_series in series)
     return SolutionEstimate(
         whole.names, covariance, residuals, noises, solution, known_by.turn,
         noise_gain_ratio(known_by, met[:count]),
@@ -261,11 +265,11 @@ def scored(
     criterion = bic(solution.sse, effective=effective, parameters=parameters, floor=floor)
     if not solution.order:
         return Score(solution, criterion, True)
-    known = directions([full_jacobian([*blocks, *priors], solution).matrix])
+    information = directions([full_jacobian([*blocks, *priors], solution).matrix])
 
     def clear(independent: float) -> bool:
         variance = (solution.sse + floor) / max(independent - parameters, 1.0)
-        return _significant(solution, known.covariance(variance * known.gram))
+        return _significant(solution, information.covariance(variance * information.gram))
 
     # if every sample counted in full and it is not significant, or if only the slowest
     # correlation counted and it is, the sandwich between the two need not be built

@@ -27,19 +27,19 @@ _TINY = float(np.finfo(float).tiny)
 
 def distances(spectra: AdmissibleSpectra, omega: float, inertia: float) -> tuple[float, float]:
     """Nearest and farthest distance of the convex set of (K', K'') from (inertia, 0), outer."""
-    felt = StiffnessSet(spectra, omega, inertia)
+    stiffness_set = StiffnessSet(spectra, omega, inertia)
     while True:
-        nearest, inside = felt.nearest()
-        corner = max(felt.corners(), key=abs)
-        if len(felt) >= DIRECTIONS:
+        nearest, inside = stiffness_set.nearest()
+        corner = max(stiffness_set.corners(), key=abs)
+        if len(stiffness_set) >= DIRECTIONS:
             break
-        gap_near = 0.0 if inside else 1 - felt.near / max(abs(nearest), 1e-300)
+        gap_near = 0.0 if inside else 1 - stiffness_set.near / max(abs(nearest), 1e-300)
         # a set that is one point, where the point is, has no farther one
-        gap_far = 1 - felt.far / abs(corner) if corner else 0.0
+        gap_far = 1 - stiffness_set.far / abs(corner) if corner else 0.0
         if max(gap_near, gap_far) <= CLOSE:
             break
-        felt.towards(-nearest if gap_near > gap_far else corner)
-    return 0.0 if inside else felt.near, abs(corner)
+        stiffness_set.towards(-nearest if gap_near > gap_far else corner)
+    return 0.0 if inside else stiffness_set.near, abs(corner)
 
 
 def ratios(
@@ -53,11 +53,11 @@ def ratios(
     the edges. Where it goes beyond 1 upwards, or below 1 downwards, the stiffnesses that go as far
     are a disc, which a straight line parts from the set; else a corner reaches farthest.
     """
-    felt = StiffnessSet(spectra, omega, inertia)
+    stiffness_set = StiffnessSet(spectra, omega, inertia)
     base = inertia + coupled
     while True:
-        outer = [_extreme(felt.corners(), base, sign) for sign in (1, -1)]
-        inner = [_extreme(felt.points, base, sign) for sign in (1, -1)]
+        outer = [_extreme(stiffness_set.corners(), base, sign) for sign in (1, -1)]
+        inner = [_extreme(stiffness_set.points, base, sign) for sign in (1, -1)]
         (most, _), (least, _) = outer
         # where nothing limits a ratio nothing more can be felt
         gaps = [
@@ -65,11 +65,11 @@ def ratios(
             0.0 if inner[1][0] == least else 1 - least / inner[1][0],
         ]
         worse = int(np.argmax(gaps))
-        if gaps[worse] <= CLOSE or len(felt) >= DIRECTIONS:
+        if gaps[worse] <= CLOSE or len(stiffness_set) >= DIRECTIONS:
             return least, most
         sign, disc = ((1, most > 1), (-1, least < 1))[worse]
         at = (inner if disc else outer)[worse][1]
-        felt.towards(complex(*(sign * _steepest(at, base))))
+        stiffness_set.towards(complex(*(sign * _steepest(at, base))))
 
 
 class StiffnessSet:
@@ -139,8 +139,8 @@ class StiffnessSet:
         ]
 
 
-def _dot(one: complex, other: complex) -> float:
-    return one.real * other.real + one.imag * other.imag
+def _dot(first: complex, second: complex) -> float:
+    return first.real * second.real + first.imag * second.imag
 
 
 def _nearest(start: complex, end: complex) -> complex:
@@ -179,8 +179,8 @@ def _extreme(corners: list[complex], offset: float, sign: int) -> tuple[float, F
 
 def _holds(start: FloatArray, along: FloatArray) -> bool:
     """Whether the origin lies within a convex polygon, its corners turning to the left."""
-    left = along[:, 1] * start[:, 0] - along[:, 0] * start[:, 1]
-    return bool((left >= 0).all() and (left > 0).any())
+    residual = along[:, 1] * start[:, 0] - along[:, 0] * start[:, 1]
+    return bool((residual >= 0).all() and (residual > 0).any())
 
 
 def _steepest(at: FloatArray, offset: float) -> FloatArray:

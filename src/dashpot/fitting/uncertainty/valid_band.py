@@ -67,19 +67,19 @@ def informed_band(
     slower : sequence of float, optional
         How many times slower than the solid asked about each test's was: its shift factor.
     """
-    each = list(zip(tests, slower or [1.0] * len(tests), strict=True))
-    slowest = 1.0 / (2.0 * np.pi * max(test.hold_time / a for test, a in each))
-    step = min(float(np.diff(test.time).min()) / a for test, a in each)
-    ramp = min(test.ramp_time / a for test, a in each)
+    group = list(zip(tests, slower or [1.0] * len(tests), strict=True))
+    slowest = 1.0 / (2.0 * np.pi * max(test.hold_time / a for test, a in group))
+    step = min(float(np.diff(test.time).min()) / a for test, a in group)
+    ramp = min(test.ramp_time / a for test, a in group)
     fastest = min(1.0 / (np.pi * max(ramp, step)), 0.5 / step)
-    frequency, left = spread_left(blocks, stiffness=stiffness, noise=noise)
-    return _widest(frequency, left, slowest, fastest)
+    frequency, residual = spread_left(blocks, stiffness=stiffness, noise=noise)
+    return _widest(frequency, residual, slowest, fastest)
 
 
 def informed_alone(block: DataBlock, *, stiffness: float, noise: float) -> tuple[float, float]:
     """Return the band of one test by its noise alone, Hz, whatever its motion holds."""
-    frequency, left = spread_left([block], stiffness=stiffness, noise=noise)
-    return _widest(frequency, left, float(frequency[0]), float(frequency[-1]))
+    frequency, residual = spread_left([block], stiffness=stiffness, noise=noise)
+    return _widest(frequency, residual, float(frequency[0]), float(frequency[-1]))
 
 
 def spread_left(
@@ -105,8 +105,8 @@ def spread_left(
     loss = x / (1.0 + x * x)
     # what millions of samples leave is less than its rounding
     spread = np.maximum(((loss @ posterior) * loss).sum(axis=1), 0.0)
-    left = np.sqrt(spread / (loss * loss).sum(axis=1))
-    return omega / (2.0 * np.pi), left
+    remainder = np.sqrt(spread / (loss * loss).sum(axis=1))
+    return omega / (2.0 * np.pi), remainder
 
 
 def _widest(

@@ -42,32 +42,34 @@ def compute_arm_elongations(
     steps = np.zeros(count * STRETCH)
     np.subtract(x[1:], x[:-1], out=steps[1:size])
     # beside the steps of each stretch, what the one before it ends with
-    given = np.zeros((count, STRETCH + 2))
-    given[:, :STRETCH] = steps.reshape(count, STRETCH)
+    values = np.zeros((count, STRETCH + 2))
+    values[:, :STRETCH] = steps.reshape(count, STRETCH)
     both = np.empty((2 if derivative else 1, len(z), count, STRETCH))
     index = np.arange(STRETCH + 1.0)
-    for j, one in enumerate(z):
-        power = np.exp(-one * index)
-        mean = -np.expm1(-one) / one
+    for j, value in enumerate(z):
+        power = np.exp(-value * index)
+        mean = -np.expm1(-value) / value
         ends = compute_exponential_cumsum(
-            given[:, :STRETCH] @ power[STRETCH - 1 :: -1], one * STRETCH
+            values[:, :STRETCH] @ power[STRETCH - 1 :: -1], value * STRETCH
         )
-        given[1:, STRETCH] = ends[:-1]
-        np.matmul(given[:, :-1], _answers(mean * power), out=both[0, j])
+        values[1:, STRETCH] = ends[:-1]
+        np.matmul(values[:, :-1], _answers(mean * power), out=both[0, j])
         if derivative:
             late = index * power
-            late_ends = given[:, :STRETCH] @ late[STRETCH - 1 :: -1]
+            late_ends = values[:, :STRETCH] @ late[STRETCH - 1 :: -1]
             late_ends[1:] += late[STRETCH] * ends[:-1]
-            given[1:, STRETCH + 1] = compute_exponential_cumsum(late_ends, one * STRETCH)[:-1]
-            made = _answers((mean - power[1]) * power + mean * one * late)
-            np.matmul(given, np.concatenate((made, mean * one * power[None, 1:])), out=both[1, j])
-    q, p = (one.reshape(len(z), count * STRETCH) for one in (both[0], both[-1]))
+            values[1:, STRETCH + 1] = compute_exponential_cumsum(late_ends, value * STRETCH)[:-1]
+            made = _answers((mean - power[1]) * power + mean * value * late)
+            np.matmul(
+                values, np.concatenate((made, mean * value * power[None, 1:])), out=both[1, j]
+            )
+    q, p = (item.reshape(len(z), count * STRETCH) for item in (both[0], both[-1]))
     if x[0] != 0.0:
         passed = z[:, None] * np.arange(q.shape[1])
-        left = x[0] * np.exp(-passed)
-        q += left
+        remainder = x[0] * np.exp(-passed)
+        q += remainder
         if derivative:
-            p += passed * left
+            p += passed * remainder
     return q.T[:size], p.T[:size]
 
 
@@ -82,11 +84,11 @@ def compute_exponential_cumsum(values: FloatArray, z: float) -> FloatArray:
     if size <= STRETCH:
         return values @ _triangle(np.exp(-z * np.arange(float(size))))
     power = np.exp(-z * np.arange(STRETCH + 1.0))
-    given = np.zeros((-(-size // STRETCH), STRETCH))
-    given.ravel()[:size] = values
-    found = given @ _triangle(power[:STRETCH])
-    found[1:] += compute_exponential_cumsum(found[:, -1], z * STRETCH)[:-1, None] * power[1:]
-    return np.asarray(found.ravel()[:size])
+    matrix = np.zeros((-(-size // STRETCH), STRETCH))
+    matrix.ravel()[:size] = values
+    result = matrix @ _triangle(power[:STRETCH])
+    result[1:] += compute_exponential_cumsum(result[:, -1], z * STRETCH)[:-1, None] * power[1:]
+    return np.asarray(result.ravel()[:size])
 
 
 def _triangle(kernel: FloatArray) -> FloatArray:

@@ -188,10 +188,10 @@ class DataBlock:
         stiff = np.where(stiffnesses(self.fixed_names), factor, 1.0)
 
         def rows(asked: FloatArray, derivative: bool) -> Evaluation:
-            found = self.rows(log_tau(asked), derivative)
-            arms = factor * found.arms
-            slopes = stretch * factor * found.d_arms if derivative else arms
-            return Evaluation(found.target, found.fixed * stiff, arms, slopes)
+            evaluation = self.rows(log_tau(asked), derivative)
+            arms = factor * evaluation.arms
+            slopes = stretch * factor * evaluation.d_arms if derivative else arms
+            return Evaluation(evaluation.target, evaluation.fixed * stiff, arms, slopes)
 
         return replace(self, rows=rows, window=window, sampling=None, full=None, widen=None)
 
@@ -258,9 +258,9 @@ def retarding(block: DataBlock, whole: str) -> DataBlock:
     at = block.fixed_names.index(whole)
 
     def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
-        found = block.rows(log_tau, derivative)
-        arms = found.fixed[:, [at]] - found.arms
-        return found._replace(arms=arms, d_arms=-found.d_arms if derivative else arms)
+        evaluation = block.rows(log_tau, derivative)
+        arms = evaluation.fixed[:, [at]] - evaluation.arms
+        return evaluation._replace(arms=arms, d_arms=-evaluation.d_arms if derivative else arms)
 
     return replace(
         block,

@@ -95,7 +95,7 @@ class DataCompression:
 
     def compute_stacked_nodes(self, sequences: Sequence[FloatArray]) -> FloatArray:
         """As `nodes_of`, for sequences of shape (M,), as rows: one by one while they are long."""
-        first = np.stack([_apply_stages(each, self.stages[:1]) for each in sequences])
+        first = np.stack([_apply_stages(sequence, self.stages[:1]) for sequence in sequences])
         return _apply_stages(first, self.stages[1:])
 
     def _explicit(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:

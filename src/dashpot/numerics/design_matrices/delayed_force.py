@@ -69,19 +69,21 @@ class MotionSteps(NamedTuple):
 
 def late_lags(steps: MotionSteps, late: DelayedForce, *, start: int, interval: float) -> FloatArray:
     """Correlation of the column with the steps at every lag, shape (stop,)."""
-    d, own = steps.each, steps.own
+    d, values = steps.each, steps.own
     first = reverse_before_start(d, start + 1)
     after_last = np.concatenate(([0.0], d[:0:-1]))
     total = np.zeros(len(d))
     for q, k, tau in zip(late.arms.T, late.k, late.tau, strict=True):
         z = interval / tau
         mean = -np.expm1(-z) / z
-        given = mean * own + (q[0] - mean * d[start]) * first - np.exp(-z) * q[-1] * after_last
-        given[0] = q @ d[start:]
-        total += k / tau * compute_exponential_cumsum(given, z)
-    moved = own + steps.after * d[::-1] - d[start] * reverse_before_start(d, start)
-    moved[:-1] += own[1:]
-    return np.asarray(total - late.k_g / (2.0 * interval) * moved)
+        difference = (
+            mean * values + (q[0] - mean * d[start]) * first - np.exp(-z) * q[-1] * after_last
+        )
+        difference[0] = q @ d[start:]
+        total += k / tau * compute_exponential_cumsum(difference, z)
+    change = values + steps.after * d[::-1] - d[start] * reverse_before_start(d, start)
+    change[:-1] += values[1:]
+    return np.asarray(total - late.k_g / (2.0 * interval) * change)
 
 
 def reverse_before_start(values: FloatArray, start: int) -> FloatArray:

@@ -90,15 +90,15 @@ class ConvolvedMotion(EqualByValue):
     step: float
     steps: MotionSteps | None = None
 
-    def with_fixed(self, column: FloatArray, own: FloatArray | None = None) -> ConvolvedMotion:
-        """The same with one more fixed column, shape (n,), `own` its correlation if known."""
+    def with_fixed(self, column: FloatArray, values: FloatArray | None = None) -> ConvolvedMotion:
+        """The same with one more fixed column, shape (n,), `values` its correlation if known."""
         fixed = np.concatenate((self.fixed.T, column[None])).T
         crossed = column @ fixed
         size = len(crossed)
         gram = np.empty((size, size))
         gram[:-1, :-1], gram[-1], gram[:, -1] = self.fixed_gram, crossed, crossed
-        own = self.correlate(column) if own is None else self.lags.nodes_of(own)
-        sequences = np.concatenate((self.sequences[:-3], own[None], self.sequences[-3:]))
+        values = self.correlate(column) if values is None else self.lags.nodes_of(values)
+        sequences = np.concatenate((self.sequences[:-3], values[None], self.sequences[-3:]))
         return replace(self, fixed=fixed, fixed_gram=gram, sequences=sequences)
 
     def correlate(self, values: FloatArray) -> FloatArray:
@@ -141,8 +141,8 @@ class ConvolvedMotion(EqualByValue):
             _mirror(gram, y, there, arm.dg * arm.y + arm.g * arm.dy)
             _mirror(gram, here, there, products.qp)
             gram[..., there, there] = products.pp
-        own = np.diagonal(gram, axis1=-2, axis2=-1)[..., here]
-        lost = own < arm.g * arm.g * self.rounding
+        values = np.diagonal(gram, axis1=-2, axis2=-1)[..., here]
+        lost = values < arm.g * arm.g * self.rounding
         if lost.any():
             gone = np.zeros((*tau.shape[:-1], size), dtype=bool)
             gone[..., here] = lost
@@ -164,7 +164,7 @@ class ConvolvedMotion(EqualByValue):
         x = z[..., None] * self.lags.nodes
         decay = self.lags.root_weight * np.exp(-x)
         falling = x * decay
-        own = force.sequence[..., None]
+        values = force.sequence[..., None]
         return _ArmSums(
             z,
             a,
@@ -172,8 +172,8 @@ class ConvolvedMotion(EqualByValue):
             g - a,
             np.swapaxes(decay @ self.sequences.T, -1, -2),
             np.swapaxes(falling @ self.sequences.T, -1, -2),
-            (decay @ own)[..., 0],
-            (falling @ own)[..., 0],
+            (decay @ values)[..., 0],
+            (falling @ values)[..., 0],
         )
 
 
@@ -182,12 +182,12 @@ def _correlate_window_steps(bare: ConvolvedMotion, d: FloatArray, moving: int) -
     if d[: bare.start].any():
         # never the difference of two correlations: the last creep of a motion is lost in it
         return bare.lag(d[bare.start :])
-    found = np.zeros(len(d))
+    values = np.zeros(len(d))
     size = find_fast_length(2 * moving)
     spectrum = np.fft.rfft(d[:moving], size)
     power = spectrum.real**2 + spectrum.imag**2
-    found[:moving] = np.fft.irfft(power, size)[:moving]
-    return found
+    values[:moving] = np.fft.irfft(power, size)[:moving]
+    return values
 
 
 class Force(NamedTuple):
@@ -216,17 +216,17 @@ def correlation_rows(shared: ConvolvedMotion, force: Force, exact: DataBlock) ->
             factor = upper_factor(shared.gram(np.exp(log_tau), force, derivative=derivative))
         except FitError:
             factor = _factor_of_samples(exact.evaluate(log_tau, derivative), derivative=derivative)
-        own = slice(q, q + len(log_tau))
-        slope = slice(own.stop, -1) if derivative else own
-        return Evaluation(factor[:, -1], factor[:, :q], factor[:, own], factor[:, slope])
+        span = slice(q, q + len(log_tau))
+        slope = slice(span.stop, -1) if derivative else span
+        return Evaluation(factor[:, -1], factor[:, :q], factor[:, span], factor[:, slope])
 
     return rows
 
 
-def _factor_of_samples(found: Evaluation, *, derivative: bool) -> FloatArray:
+def _factor_of_samples(evaluation: Evaluation, *, derivative: bool) -> FloatArray:
     """The same factor by the columns themselves: dearer, and no digit is lost by squaring."""
-    slopes = [found.d_arms] if derivative else []
-    columns = np.column_stack((found.fixed, found.arms, *slopes, found.target))
+    slopes = [evaluation.d_arms] if derivative else []
+    columns = np.column_stack((evaluation.fixed, evaluation.arms, *slopes, evaluation.target))
     if not np.isfinite(columns).all():
         raise FitError("the terms of the fit are no finite numbers on this record; check its units")
     return np.asarray(np.linalg.qr(columns, mode="r"))
@@ -313,9 +313,9 @@ def upper_factor(gram: FloatArray) -> FloatArray:
             return np.asarray(np.swapaxes(np.linalg.cholesky(gram), -1, -2))
         except np.linalg.LinAlgError:  # so it is asked again, with all that follows
             pass
-    own = np.diagonal(gram, axis1=-2, axis2=-1)
-    there = ~(own <= 0)  # what is no number is not passed over
-    scale = np.sqrt(np.where(there, own, 0.0))
+    values = np.diagonal(gram, axis1=-2, axis2=-1)
+    there = ~(values <= 0)  # what is no number is not passed over
+    scale = np.sqrt(np.where(there, values, 0.0))
     shrink = np.where(there, 1 / np.where(there, scale, 1.0), 0.0)
     unit = gram * (shrink[..., :, None] * shrink[..., None, :])
     if not there.all():
@@ -374,12 +374,12 @@ def correlate_displacement(
         count=stop,
         step=float(time[-1] - time[0]) / (len(time) - 1),
     )
-    own = _correlate_window_steps(bare, d, moving)
-    rows = [_correlate_column(bare, column, x, d, own) for column in fixed.T]
-    nodes = lags.compute_stacked_nodes([*rows, own, d[::-1]])
+    steps = _correlate_window_steps(bare, d, moving)
+    rows = [_correlate_column(bare, column, x, d, steps) for column in fixed.T]
+    nodes = lags.compute_stacked_nodes([*rows, steps, d[::-1]])
     sequences = np.concatenate((nodes[:-1], before[None], nodes[-1:]))
     after = float(x[stop] - x[stop - 1] if stop < len(x) else d[-1])
-    return replace(bare, sequences=sequences, steps=MotionSteps(d, after, own))
+    return replace(bare, sequences=sequences, steps=MotionSteps(d, after, steps))
 
 
 def _steps(x: FloatArray) -> tuple[FloatArray, int]:
@@ -394,7 +394,7 @@ def _steps(x: FloatArray) -> tuple[FloatArray, int]:
 
 
 def _correlate_column(
-    bare: ConvolvedMotion, column: FloatArray, x: FloatArray, d: FloatArray, own: FloatArray
+    bare: ConvolvedMotion, column: FloatArray, x: FloatArray, d: FloatArray, values: FloatArray
 ) -> FloatArray:
     r"""Correlation of a fixed column with the steps, in closed form where there is one.
 
@@ -421,7 +421,7 @@ def _correlate_column(
     falls = x[stop - 1] * d
     if start:
         falls -= x[start - 1] * reverse_before_start(d, start)[::-1]
-    falls[1:] -= own[:0:-1]
+    falls[1:] -= values[:0:-1]
     return np.cumsum(falls)[::-1]
 
 

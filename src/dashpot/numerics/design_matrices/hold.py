@@ -99,7 +99,7 @@ def hold_block(
         offset=offset, drift=drift, weights=weights, compress=False,
     )  # fmt: skip
     # the columns follow from the clock and all but the data
-    known = weights is None and step is not None
+    certain = weights is None and step is not None
     block = DataBlock(
         rows,
         names,
@@ -107,7 +107,7 @@ def hold_block(
         len(time),
         floor=float(floor),
         accuracy=ACCURACY,
-        sampling=(len(time), float(time[0]), step, ideal) if known else None,
+        sampling=(len(time), float(time[0]), step, ideal) if certain else None,
         full=full,
     )
     return _widening(block, plans)

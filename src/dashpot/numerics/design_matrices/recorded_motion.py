@@ -120,23 +120,23 @@ def recorded_block(
     )
 
 
-def _stack_blocks(one: DataBlock, two: DataBlock) -> DataBlock:
+def _stack_blocks(block: DataBlock, two: DataBlock) -> DataBlock:
     """Two stretches of one record as one block."""
-    cut = one.samples
+    cut = block.samples
 
     def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
-        parts = one.evaluate(log_tau, derivative), two.evaluate(log_tau, derivative)
+        parts = block.evaluate(log_tau, derivative), two.evaluate(log_tau, derivative)
         return Evaluation(*(np.concatenate(pair) for pair in zip(*parts, strict=True)))
 
     return replace(
         two,
         rows=rows,
-        samples=one.samples + two.samples,
-        floor=one.floor + two.floor,
+        samples=block.samples + two.samples,
+        floor=block.floor + two.floor,
         sampling=None,
-        full=lambda: _stack_blocks(one.exact, two.exact),
+        full=lambda: _stack_blocks(block.exact, two.exact),
         widen=lambda name, column: _stack_blocks(
-            one.with_column(name, column[:cut]), two.with_column(name, column[cut:])
+            block.with_column(name, column[:cut]), two.with_column(name, column[cut:])
         ),
         delayed=None,
     )
@@ -184,14 +184,16 @@ def arm_columns(
     step = uniform_step(time)
     if step is not None:
         return compute_arm_elongations(x, step / tau, derivative=derivative)
-    moved = np.diff(x)[:, None]
+    displacement = np.diff(x)[:, None]
     z = np.diff(time)[:, None] / tau
     lost = np.expm1(-z)
     decay, mean = 1 + lost, -lost / z
-    q = recursion(decay, mean * moved, np.full(len(tau), x[0]))
+    q = recursion(decay, mean * displacement, np.full(len(tau), x[0]))
     if not derivative:
         return q, q
-    return q, recursion(decay, decay * z * q[:-1] + (mean - decay) * moved, np.zeros(len(tau)))
+    return q, recursion(
+        decay, decay * z * q[:-1] + (mean - decay) * displacement, np.zeros(len(tau))
+    )
 
 
 def recursion(decay: FloatArray, increments: FloatArray, first: FloatArray) -> FloatArray:

@@ -149,7 +149,7 @@ def _to_its_floor(factor: FloatArray) -> FloatArray:
     return np.concatenate((factor, np.zeros((1, columns)))) if rows < columns else factor
 
 
-def compact_block(block: DataBlock, *, beyond: float) -> DataBlock:
+def compact_block(block: DataBlock, *, excess: float) -> DataBlock:
     r"""A block in as few rows as its kernels span, for many trials that need few digits.
 
     The columns at fixed relaxation times come from the block itself, whatever its form, and all
@@ -159,15 +159,15 @@ def compact_block(block: DataBlock, *, beyond: float) -> DataBlock:
     ----------
     block : DataBlock
         Of any rows, compressed or not.
-    beyond : float
+    excess : float
         Relaxation times up to this factor outside the window are to be evaluated.
     """
     shortest, longest = block.window
     kernels = Kernels.from_window(
-        (shortest / beyond, longest * beyond), per_fold=FEW_TIMES_PER_FOLD, rank=FEW_RANK
+        (shortest / excess, longest * excess), per_fold=FEW_TIMES_PER_FOLD, rank=FEW_RANK
     )
-    found = block.evaluate(np.log(kernels.tau), False)
-    every = (found.arms @ kernels.right, found.fixed, found.target[:, None])
+    evaluation = block.evaluate(np.log(kernels.tau), False)
+    every = (evaluation.arms @ kernels.right, evaluation.fixed, evaluation.target[:, None])
     factor = _to_its_floor(np.asarray(np.linalg.qr(np.concatenate(every, axis=1), mode="r")))
     return replace(
         block,

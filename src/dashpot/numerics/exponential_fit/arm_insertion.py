@@ -73,12 +73,12 @@ class ArmInsertion:
 
     def leap(self, arms: int) -> bool:
         """Go straight to `arms` if that leaves no doubt, as two that start as neighbours would."""
-        found = (
+        optimum = (
             self._find_certain_optimum(arms) if arms and self._has_separated_start(arms) else None
         )
-        if found is not None:
-            self.best.append(found)
-        return found is not None
+        if optimum is not None:
+            self.best.append(optimum)
+        return optimum is not None
 
     def as_good_near(self, log_tau: FloatArray, *, negligible: float) -> bool:
         """Go to the optimum next to `log_tau` if no spectrum gains `negligible` noise variances."""
@@ -173,13 +173,13 @@ class ArmInsertion:
                 return
             enough = self._leaves_less_than(negligible)
             if enough:
-                found = self._best_with(count, starts=self._insert_arm(count=1))
+                optimum = self._best_with(count, starts=self._insert_arm(count=1))
             else:
-                found = self._find_certain_optimum(count) or self._best_with(count)
+                optimum = self._find_certain_optimum(count) or self._best_with(count)
             worth = last.sse - 1e-10 * (self.stack.floor + last.sse) - self.stack.nothing
-            if found is None or found.point.sse >= worth:
+            if optimum is None or optimum.point.sse >= worth:
                 return
-            self.best.append(found)
+            self.best.append(optimum)
             if enough and not every:
                 return
 
@@ -249,19 +249,19 @@ class ArmInsertion:
         restricted: BoolArray,
     ) -> list[LocalOptimum[StackTrial]]:
         """The optima without a coefficient below zero that the starts lead to."""
-        found = [] if first is None else [first]
+        optima = [] if first is None else [first]
         for start in starts:
-            rivals = [np.sort(rival.point.log_tau) for rival in found]
+            rivals = [np.sort(rival.point.log_tau) for rival in optima]
             local = self._descend(start, rivals, wanted=restricted)
             if local is not None:
-                found.append(local)
-        sse = np.array([local.point.sse for local in found])
-        signs = [(local.point.beta[restricted] >= 0).all() for local in found]
+                optima.append(local)
+        sse = np.array([local.point.sse for local in optima])
+        signs = [(local.point.beta[restricted] >= 0).all() for local in optima]
         feasible = np.array(signs, dtype=bool)
-        allowed = list(compress(found, feasible))
+        allowed = list(compress(optima, feasible))
         # what is better but not allowed is pushed back to where it is
         better = ~feasible & (sse < sse[feasible].min(initial=np.inf))
-        pushed = [local.point.log_tau for local in compress(found, better)]
+        pushed = [local.point.log_tau for local in compress(optima, better)]
         return allowed + self._descend_restricted(
             [*pushed, *([] if allowed else starts[-2:])], restricted
         )
@@ -270,8 +270,12 @@ class ArmInsertion:
         self, starts: Sequence[FloatArray], restricted: BoolArray
     ) -> list[LocalOptimum[StackTrial]]:
         """The optima next to the starts with no restricted coefficient below zero."""
-        found = [self._descend(start, (), restricted=restricted) for start in starts]
-        return [one for one in found if one and one.point.beta[-len(one.point.log_tau) :].any()]
+        optima = [self._descend(start, (), restricted=restricted) for start in starts]
+        return [
+            optimum
+            for optimum in optima
+            if optimum and optimum.point.beta[-len(optimum.point.log_tau) :].any()
+        ]
 
     def _descend(
         self,

@@ -56,28 +56,28 @@ def certificate(blocks: Sequence[DataBlock], solution: Solution) -> OptimalityCe
     # k_inf resting at zero is no free direction: its column then is not swept out
     loose = ~(stack.get_nonnegative_mask(0, signed=False) & (solution.fixed == 0))
     grid, support = np.linspace(*stack.bounds, GRID), solution.log_tau
-    best, left, dual_gradient, place = np.inf, 0.0, -np.inf, 0.0
+    best, remainder, dual_gradient, place = np.inf, 0.0, -np.inf, 0.0
     for round_ in range(ROUNDS):
         together = np.concatenate((solution.log_tau, grid))
         near = np.append(np.ones(solution.order, bool), np.isin(grid, support))
         offered = Grid(stack, log_tau=together, loose=loose, near=near)
         if round_ == 0:
             length = offered.length.reshape(groups, -1)[:, : solution.order]
-            own = np.zeros((groups, len(together)))
-            own[:, : solution.order] = solution.arms * np.where(np.isfinite(length), length, 0.0)
-            residual = offered.aim - offered.columns @ own.ravel()
-            left = float(residual @ residual)
+            values = np.zeros((groups, len(together)))
+            values[:, : solution.order] = solution.arms * np.where(np.isfinite(length), length, 0.0)
+            residual = offered.aim - offered.columns @ values.ravel()
+            remainder = float(residual @ residual)
             towards = (offered.columns.T @ residual).reshape(groups, -1).max(axis=0)
             dual_gradient, place = float(towards.max()), float(together[np.argmax(towards)])
         best = min(best, offered.residual_sse)
         weight = offered.spectrum.sum(axis=0)
         support = together[weight > 0]
         grid = _make_refined_grid(support, round_, stack.bounds)
-    sse = stack.floor + left
+    sse = stack.floor + remainder
     # of a gap that is seen a few digits will do
-    flat = 1e-3 * max(CERTAIN, (left - best) / sse if sse > 0 else 0.0)
+    flat = 1e-3 * max(CERTAIN, (remainder - best) / sse if sse > 0 else 0.0)
     best = min(best, _compute_merged_sse(stack, together, weight, flat))
-    gap = 0.0 if left <= stack.nothing else max(0.0, left - best) / sse
+    gap = 0.0 if remainder <= stack.nothing else max(0.0, remainder - best) / sse
     optimal = gap <= CERTAIN
     return OptimalityCertificate(
         optimal=optimal,

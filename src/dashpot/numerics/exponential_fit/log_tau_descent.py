@@ -107,10 +107,10 @@ class Stack:
         slopes = every if derivative else 0
         columns = np.zeros((q + every + slopes + 1, sum(len(part.target) for part in parts)))
         first = 0
-        for (own, group), part in zip(self._places, parts, strict=True):
+        for (indices, group), part in zip(self._places, parts, strict=True):
             here = slice(first, first + len(part.target))
             at = q + group * arms
-            columns[own, here] = part.fixed.T
+            columns[indices, here] = part.fixed.T
             columns[at : at + arms, here] = part.arms.T
             if derivative:
                 columns[at + every : at + every + arms, here] = part.d_arms.T
@@ -176,7 +176,7 @@ class StackTrial(NamedTuple):
         along = inverse @ factor[..., :p, p:-1]
         towards = inverse
         if active is not None:
-            beta, along, towards = (_spread(active, each) for each in (beta, along, inverse))
+            beta, along, towards = (_spread(active, values) for values in (beta, along, inverse))
         residual, outside = factor[..., p:, -1], factor[..., p:, p:-1]
         k = beta[..., fixed:]
         outward = (residual[..., None, :] @ outside)[..., 0, :]

@@ -52,16 +52,16 @@ class ColumnGrid(NamedTuple):
         `loose` says which fixed columns have a coefficient that is not held at zero; all, by
         default.
         """
-        found = stack.evaluate(log_tau, derivative=False)
-        target, phi, q = found.target, found.phi, len(stack.names)
+        stack_rows = stack.evaluate(log_tau, derivative=False)
+        target, phi, q = stack_rows.target, stack_rows.phi, len(stack.names)
         rows = np.ascontiguousarray(phi.T[q:])
         fixed = phi[:, :q] if loose is None else phi[:, :q][:, loose]
         basis = np.linalg.qr(fixed)[0] if fixed.size else np.zeros((len(target), 0))
         raw = np.vecdot(rows, rows)
         rows -= (rows @ basis) @ basis.T
-        left = np.vecdot(rows, rows)
+        remainder = np.vecdot(rows, rows)
         # a column that the fixed ones explain to seven digits points nowhere
-        length = np.sqrt(np.where(left > 1e-14 * raw, left, np.inf))
+        length = np.sqrt(np.where(remainder > 1e-14 * raw, remainder, np.inf))
         rows /= length[:, None]
         return cls(log_tau, rows, length, rows @ rows.T, basis), target
 
@@ -73,13 +73,13 @@ class _GridCache(OrderedDict[Hashable, ColumnGrid]):
         key = (stack.sampling, size)
         if key in self:
             return self[key], stack.blocks[0].target
-        found, target = ColumnGrid.from_stack(stack, np.linspace(*stack.bounds, size))
+        grid, target = ColumnGrid.from_stack(stack, np.linspace(*stack.bounds, size))
         if stack.sampling is None:
-            return found, target
-        self[key] = found
+            return grid, target
+        self[key] = grid
         if len(self) > KEPT:
             self.popitem(last=False)
-        return found, target
+        return grid, target
 
 
 _KEPT_LATTICES = _GridCache()
@@ -127,8 +127,8 @@ class Grid:
     def spectrum(self) -> FloatArray:
         """Best non-negative spectrum on the grid, in unit columns, shape (G, m)."""
         near = None if self.near is None else np.tile(self.near, self.groups)
-        found = nonnegative(self.gram, self.moment, near)
-        return np.asarray(found.reshape(self.groups, -1))
+        values = nonnegative(self.gram, self.moment, near)
+        return np.asarray(values.reshape(self.groups, -1))
 
     @cached_property
     def residual_sse(self) -> float:
@@ -146,8 +146,8 @@ class Grid:
             columns, residual, phi = self._compute_shared_rows(point)
             basis = np.linalg.qr(phi)[0]
             along = basis.T @ columns
-            left = np.sqrt(np.maximum(1.0 - (along * along).sum(axis=0), 0.0))
-            dual_gradient = (columns.T @ residual) / np.where(left > 1e-4, left, np.inf)
+            remainder = np.sqrt(np.maximum(1.0 - (along * along).sum(axis=0), 0.0))
+            dual_gradient = (columns.T @ residual) / np.where(remainder > 1e-4, remainder, np.inf)
         else:
             dual_gradient = self.moment
         dual_gradient = np.where(np.isfinite(self.length), dual_gradient, 0.0).reshape(
@@ -237,7 +237,7 @@ def find_best_triple(grid: Grid) -> FloatArray | None:
     if gain[best] <= 0:
         return None
     around = np.indices((2 * COARSE - 1,) * 3).reshape(3, -1) - (COARSE - 1)
-    finer = np.clip(around + np.array([[each[best]] for each in sets]), 0, last)
+    finer = np.clip(around + np.array([[values[best]] for values in sets]), 0, last)
     return np.asarray(grid.log_tau[finer[:, int(np.argmax(_triple_gain(grid, finer)))]])
 
 

@@ -201,11 +201,11 @@ def full_jacobian(blocks: Sequence[DataBlock], solution: Solution) -> Jacobian:
     matrix = np.zeros((by_tau + arms, len(target)))
     for block, part in zip(blocks, parts, strict=True):
         here = slice(first, first + len(part.target))
-        own = solution.groups.index(block.arm_group)
+        index = solution.groups.index(block.arm_group)
         for name, column in zip(block.fixed_names, part.fixed.T, strict=True):
             matrix[stack.names.index(name), here] = column
-        matrix[q + own * arms : q + (own + 1) * arms, here] = part.arms.T
-        np.multiply(solution.arms[own][:, None], part.d_arms.T, out=matrix[by_tau:, here])
+        matrix[q + index * arms : q + (index + 1) * arms, here] = part.arms.T
+        np.multiply(solution.arms[index][:, None], part.d_arms.T, out=matrix[by_tau:, here])
         first = here.stop
     names = list(solution.fixed_names)
     for group in solution.groups:

@@ -78,15 +78,15 @@ class BatchedDescent:
             return sse - promised, self.here[i] + self.move[i]
         return sse, self.here[i]
 
-    def take(self, trial: FloatArray, found: SolvedTrials, on: IndexArray) -> BoolArray:
+    def take(self, trial: FloatArray, trials: SolvedTrials, on: IndexArray) -> BoolArray:
         """Learn from one trial each of the descents `on`; True where that is enough."""
-        known = self.known
-        gain = known.sse[on] - found.sse
+        solved_trials = self.known
+        gain = solved_trials.sse[on] - trials.sse
         better = gain > 0
-        kept = on[better]
-        self.here[kept] = trial[better]
-        for mine, new in zip(known, found, strict=True):
-            mine[kept] = new[better]
+        retained = on[better]
+        self.here[retained] = trial[better]
+        for mine, new in zip(solved_trials, trials, strict=True):
+            mine[retained] = new[better]
         damping = self.damping[on]
         self.damping[on] = np.where(better, np.maximum(0.1 * damping, 1e-9), 10 * damping)
         # where the parabola has failed it is believed nearby only
@@ -117,9 +117,9 @@ class BatchedDescent:
         share, first = solved[..., :-1], solved[..., -1]
         # what the move takes off the residual bends nothing where it leads
         taken = np.vecdot(first, gradient) / np.maximum(self.known.sse[on], 1e-300)
-        left = np.maximum(1.0 - taken * taken, 0.0)[:, None, None]
-        believed = _moderate(left * share)[:, None, None]
-        curvature += np.where(believed, left, 0.0) * self.known.bent[on]
+        remainder = np.maximum(1.0 - taken * taken, 0.0)[:, None, None]
+        believed = _moderate(remainder * share)[:, None, None]
+        curvature += np.where(believed, remainder, 0.0) * self.known.bent[on]
         curvature[:, arms, arms] += stretch * self.damping[on][:, None]
         move = np.linalg.solve(curvature, gradient[:, :, None])[..., 0]
         longest = np.abs(move).max(axis=1, keepdims=True)

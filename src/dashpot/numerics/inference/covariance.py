@@ -195,9 +195,9 @@ def _join_noise_scales(fine: Noise, slow: FloatArray, few: int) -> Noise:
     gamma, cut = fine.autocovariance, len(fine.autocovariance)
     lag = np.arange(cut, max(few * len(slow), cut))
     # between one mean and its neighbour it is at least what neighbours share
-    beyond = np.interp(lag / few, np.arange(1, len(slow) + 1), np.append(slow[1:], 0.0))
-    kept = np.concatenate((gamma, beyond))
-    return Noise(fine.samples, kept, _kappa(kept), fine.durbin_watson)
+    interpolated = np.interp(lag / few, np.arange(1, len(slow) + 1), np.append(slow[1:], 0.0))
+    joined = np.concatenate((gamma, interpolated))
+    return Noise(fine.samples, joined, _kappa(joined), fine.durbin_watson)
 
 
 def _estimate_noise(
@@ -205,22 +205,22 @@ def _estimate_noise(
 ) -> Noise:
     """What the correlations of neighbours say, up to the lag at which chance takes over."""
     n = len(series.values)
-    kept, gamma = series.sequence
+    retained, gamma = series.sequence
     parameters = 0.0 if columns is None else columns.absorbed_count
     whitened = n / max(n - parameters, 1.0)
-    if kept[0] <= rounding**2:
-        return Noise(n, kept[:1] * whitened, 1.0, 2.0)
-    kappa = _kappa(kept)
+    if retained[0] <= rounding**2:
+        return Noise(n, retained[:1] * whitened, 1.0, 2.0)
+    kappa = _kappa(retained)
     if columns is not None and parameters * kappa > _WORTH_GIVING_BACK * n:
         if gamma is None:
             gamma = autocovariance(series.values, max(int(_MOST_END * n), 1))
-        kept = _restore_autocovariance(gamma, kappa, columns)
-        if len(kept) == len(gamma) < n:
-            kept = _restore_autocovariance(autocovariance(series.values), kappa, columns)
-        kappa = _kappa(kept)
+        retained = _restore_autocovariance(gamma, kappa, columns)
+        if len(retained) == len(gamma) < n:
+            retained = _restore_autocovariance(autocovariance(series.values), kappa, columns)
+        kappa = _kappa(retained)
     else:
-        kept = kept * whitened
-    return Noise(n, kept, kappa, series.durbin_watson)
+        retained = retained * whitened
+    return Noise(n, retained, kappa, series.durbin_watson)
 
 
 def _kappa(gamma: FloatArray) -> float:
@@ -232,14 +232,14 @@ def _restore_autocovariance(
 ) -> FloatArray:
     """The autocovariance with what the fit took out of it, cut; uncut if all lags are too few."""
     n, parameters = len(columns.matrix), max(columns.absorbed_count, 1e-9)
-    taken, kept = _compute_absorbed_autocovariance(columns, len(gamma)), gamma
+    taken, retained = _compute_absorbed_autocovariance(columns, len(gamma)), gamma
     for _ in range(_ROUNDS):
-        given = gamma + gamma[0] * min(kappa, n / (2.0 * parameters)) * taken / n
-        kept = given[: geyer_cut(given)]
-        if len(kept) == len(gamma) < n:
+        provided = gamma + gamma[0] * min(kappa, n / (2.0 * parameters)) * taken / n
+        retained = provided[: geyer_cut(provided)]
+        if len(retained) == len(gamma) < n:
             break
-        kappa = _kappa(kept)
-    return kept
+        kappa = _kappa(retained)
+    return retained
 
 
 def _compute_absorbed_autocovariance(columns: JacobianColumns, lags: int) -> FloatArray:
@@ -273,13 +273,13 @@ def initial_sequence(residual: FloatArray) -> tuple[FloatArray, FloatArray | Non
     Lag by lag while lags are few, and none transformed; all lags only if the part where most noise
     ends does not show the cut.
     """
-    n, found = len(residual), [float(residual @ residual)]
+    n, values = len(residual), [float(residual @ residual)]
     for lag in range(1, min(_FEW_LAGS, n - 1), 2):
         # gamma_{lag - 1} is the first of the pair
-        found.append(float(residual[lag:] @ residual[:-lag]))
-        if found[-2] + found[-1] <= 0.0:
-            return np.array(found[: max(lag - 1, 1)]) / n, None
-        found.append(float(residual[lag + 1 :] @ residual[: -lag - 1]))
+        values.append(float(residual[lag:] @ residual[:-lag]))
+        if values[-2] + values[-1] <= 0.0:
+            return np.array(values[: max(lag - 1, 1)]) / n, None
+        values.append(float(residual[lag + 1 :] @ residual[: -lag - 1]))
     gamma = autocovariance(residual, max(int(_MOST_END * n), 1))
     if (cut := geyer_cut(gamma)) == len(gamma):
         gamma = autocovariance(residual)
@@ -304,21 +304,21 @@ def sandwich(
     jacobians: Sequence[FloatArray] | Directions,
     noises: Sequence[Noise],
     *,
-    further: Sequence[Callable[[FloatArray], FloatArray]] = (),
+    others: Sequence[Callable[[FloatArray], FloatArray]] = (),
 ) -> FloatArray:
     r"""Return the covariance of the parameters, shape (p, p), from one Jacobian per record.
 
     Each record keeps its own noise: the middle of the sandwich is
-    :math:`\sum_r J_r^T \Gamma_r J_r`. `further` adds errors that are not constant in time: a
+    :math:`\sum_r J_r^T \Gamma_r J_r`. `others` adds errors that are not constant in time: a
     function for each record that makes, of columns of its Jacobian (n, r), their products (m, r)
     with m independent errors of unit variance. A parameter that the data do not determine has an
     infinite variance and no correlation.
     """
-    known = jacobians if isinstance(jacobians, Directions) else directions(jacobians)
-    return known.covariance(known.sum_noise_gain(noises), further=further)
+    information = jacobians if isinstance(jacobians, Directions) else directions(jacobians)
+    return information.covariance(information.sum_noise_gain(noises), others=others)
 
 
-def noise_gain_ratio(known: Directions, met: Sequence[FloatArray]) -> float:
+def noise_gain_ratio(information: Directions, met: Sequence[FloatArray]) -> float:
     r"""Return how much more of the noise meets one direction of the parameters than another.
 
     The ratio u of the largest to the smallest eigenvalue of :math:`(J^TJ)^{-1} J^T\Gamma J`: 1 for
@@ -328,13 +328,13 @@ def noise_gain_ratio(known: Directions, met: Sequence[FloatArray]) -> float:
 
     Parameters
     ----------
-    known : Directions
+    information : Directions
     met : sequence of array, shape (r, r)
         The noise of each record along them; further columns are no data.
     """
-    if not known.turn.size:
+    if not information.turn.size:
         return 1.0
-    turn, _ = _turn(np.sum([columns.gram for columns in known.columns[: len(met)]], axis=0))
+    turn, _ = _turn(np.sum([columns.gram for columns in information.columns[: len(met)]], axis=0))
     shares = np.linalg.eigvalsh(turn.T @ np.sum(met, axis=0) @ turn)
     return float(shares[-1] / shares[0]) if shares[0] > 0.0 else np.inf
 
@@ -351,8 +351,8 @@ def noise_gain_differs(ratio: float) -> bool:
 
 def white(jacobian: FloatArray, variance: float) -> FloatArray:
     """Return the covariance for independent residuals of this variance, shape (p, p)."""
-    known = directions([jacobian])
-    return known.covariance(variance * known.gram)
+    information = directions([jacobian])
+    return information.covariance(variance * information.gram)
 
 
 def toeplitz_form(columns: JacobianColumns, gamma: FloatArray) -> FloatArray:
@@ -423,13 +423,13 @@ class Directions(NamedTuple):
         return toeplitz_form(self.columns[record], noise.autocovariance)
 
     def covariance(
-        self, gained: FloatArray, *, further: Sequence[Callable[[FloatArray], FloatArray]] = ()
+        self, gained: FloatArray, *, others: Sequence[Callable[[FloatArray], FloatArray]] = ()
     ) -> FloatArray:
         """The covariance of the parameters (p, p), infinite where the data say nothing."""
         middle = gained.copy()
-        for shares, columns in zip(further, self.columns, strict=False):
-            each = shares(columns.matrix)
-            middle += each.T @ each
+        for shares, columns in zip(others, self.columns, strict=False):
+            row = shares(columns.matrix)
+            middle += row.T @ row
         spread = np.linalg.solve(self.gram, self.turn.T)
         covariance = spread.T @ middle @ spread
         covariance[self.lost, :] = 0.0
@@ -463,22 +463,22 @@ def directions(
 def _turn(information: FloatArray) -> tuple[FloatArray, BoolArray]:
     """The directions that J'J knows, orthonormal by it, and which parameters have lost a part."""
     scale = np.sqrt(np.diag(information))
-    known = scale > 0.0
-    scale = np.where(known, scale, 1.0)
-    values, vectors = np.linalg.eigh(information / np.outer(scale, scale) - np.diag(~known * 1.0))
+    certain = scale > 0.0
+    scale = np.where(certain, scale, 1.0)
+    values, vectors = np.linalg.eigh(information / np.outer(scale, scale) - np.diag(~certain * 1.0))
     sharp = values > _SINGULAR * max(values[-1], 0.0)
     dull = np.abs(vectors[:, ~sharp]).max(axis=1, initial=0.0)
     turn = vectors[:, sharp] / (np.sqrt(values[sharp]) * scale[:, None])
-    return turn, ~known | (dull > np.sqrt(_SINGULAR))
+    return turn, ~certain | (dull > np.sqrt(_SINGULAR))
 
 
 def _turn_finely(jacobian: FloatArray) -> tuple[FloatArray, BoolArray]:
     """As :func:`_turn`, by the singular values of J itself."""
     size = np.linalg.norm(jacobian, axis=0)
-    known = size > 0.0
-    scale = np.where(known, size, 1.0)
+    value = size > 0.0
+    scale = np.where(value, size, 1.0)
     _, values, rows = np.linalg.svd(np.linalg.qr(jacobian / scale, mode="r"))
     sharp = values > _SINGULAR * values[0]
     dull = np.abs(rows[~sharp]).max(axis=0, initial=0.0)
     turn = rows[sharp].T / (values[sharp] * scale[:, None])
-    return turn, ~known | (dull > np.sqrt(_SINGULAR))
+    return turn, ~value | (dull > np.sqrt(_SINGULAR))

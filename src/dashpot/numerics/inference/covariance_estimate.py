@@ -127,7 +127,7 @@ class Estimate:
         beyond which nothing is worse is that of the parameter's range. Source: D. M. Bates and
         D. G. Watts, Nonlinear Regression Analysis (1988), ch. 6.
         """
-        best, one = self.optimum, self.optimum.problem.parameters[index]
+        best, parameter = self.optimum, self.optimum.problem.parameters[index]
         count = [noise.samples for noise in self.noises]
         power = float(np.average([noise.power for noise in self.noises], weights=count))
         reach, middle = self.quantile(level), float(best.theta[index])
@@ -135,43 +135,43 @@ class Estimate:
         sized = 0 < width < np.inf
         rest, along = np.delete(best.theta, index), self.covariance[: len(best.theta), index]
         tangent = np.delete(along, index) / width**2 if sized else np.zeros(len(rest))
-        first = reach * width / _SLICES if sized else one.scale
+        first = reach * width / _SLICES if sized else parameter.scale
 
         def solve_slice(value: float, start: FloatArray) -> ProfileSlice | None:
             """What is held has no error; None where the model says nothing."""
             try:
-                found = best.problem.held(index, value).solve([start], flat=_CLOSE / sum(count))
-                return None if found is None else slice_of(value, found)
+                optimum = best.problem.held(index, value).solve([start], flat=_CLOSE / sum(count))
+                return None if optimum is None else slice_of(value, optimum)
             except DataError:
                 return None
 
-        def slice_of(value: float, found: Optimum) -> ProfileSlice:
-            known = estimate(
-                found, parts=count, noises=self.noises, prior_variance=self.prior_variance
+        def slice_of(value: float, new_optimum: Optimum) -> ProfileSlice:
+            covariance = estimate(
+                new_optimum, parts=count, noises=self.noises, prior_variance=self.prior_variance
             ).covariance
-            known = np.insert(np.insert(known, index, 0.0, axis=0), index, 0.0, axis=1)
-            optimum = best.problem.at(np.insert(found.theta, index, value))
-            root = float(np.sqrt(max(found.cost - best.cost, 0.0) / power))
-            return ProfileSlice(root, replace(self, optimum=optimum, covariance=known))
+            covariance = np.insert(np.insert(covariance, index, 0.0, axis=0), index, 0.0, axis=1)
+            optimum = best.problem.at(np.insert(new_optimum.theta, index, value))
+            root = float(np.sqrt(max(new_optimum.cost - best.cost, 0.0) / power))
+            return ProfileSlice(root, replace(self, optimum=optimum, covariance=covariance))
 
         def side(way: float, limit: float) -> list[ProfileSlice]:
             inside: list[ProfileSlice] = []
             last, (here, near, root) = (middle - first, rest - first * tangent), (middle, rest, 0.0)
-            step, beyond, worse = first, np.nan, np.inf
+            step, excess, worse = first, np.nan, np.inf
             for _ in range(_TRIALS):
-                met = root > reach * (1 - _CLOSE) or abs(beyond - here) < _CLOSE * first
+                met = root > reach * (1 - _CLOSE) or abs(excess - here) < _CLOSE * first
                 if met or here == limit:
                     break
                 # the root of a parabola's deviance is straight: a secant, kept off the ends
                 share = (reach - root) / (worse - root) if worse < np.inf else 0.5
                 far = min(step, abs(limit - here))
-                far = far if np.isnan(beyond) else min(max(share, 0.1), 0.9) * abs(beyond - here)
+                far = far if np.isnan(excess) else min(max(share, 0.1), 0.9) * abs(excess - here)
                 value = here + way * far
                 # the others begin where the last two lead
                 start = near + (near - last[1]) * ((value - here) / (here - last[0]))
                 new = solve_slice(value, start)
                 if new is None or new.root > reach * (1 + _CLOSE):
-                    beyond, worse = value, np.inf if new is None else new.root
+                    excess, worse = value, np.inf if new is None else new.root
                     continue
                 inside.append(new)
                 step *= min(max(reach / _SLICES / max(new.root - root, 1e-9), 0.5), 2.0)
@@ -182,7 +182,7 @@ class Estimate:
             return inside
 
         centre = slice_of(middle, best.problem.held(index, middle).at(rest))
-        return [*side(-1.0, one.low)[::-1], centre, *side(1.0, one.high)]
+        return [*side(-1.0, parameter.low)[::-1], centre, *side(1.0, parameter.high)]
 
 
 def propagate_covariance(covariance: FloatArray, gradient: FloatArray) -> FloatArray:
@@ -190,12 +190,12 @@ def propagate_covariance(covariance: FloatArray, gradient: FloatArray) -> FloatA
 
     What depends on anything that the data do not determine is none of theirs either.
     """
-    told = np.isfinite(np.diag(covariance))
-    found = gradient[:, told] @ covariance[np.ix_(told, told)] @ gradient[:, told].T
-    lost = (gradient[:, ~told] != 0).any(axis=1)
-    found[lost], found[:, lost] = 0.0, 0.0
-    found[lost, lost] = np.inf
-    return np.asarray(found)
+    finite = np.isfinite(np.diag(covariance))
+    values = gradient[:, finite] @ covariance[np.ix_(finite, finite)] @ gradient[:, finite].T
+    lost = (gradient[:, ~finite] != 0).any(axis=1)
+    values[lost], values[:, lost] = 0.0, 0.0
+    values[lost, lost] = np.inf
+    return np.asarray(values)
 
 
 class ProfileSlice(NamedTuple):
@@ -249,23 +249,23 @@ def estimate(
     sizes = [*(parts or [len(optimum.residual)]), *([count] if count else [])]
     cuts = np.cumsum(sizes)[:-1]
     split = np.split(optimum.jacobian[:, free], cuts)
-    known = directions(split, shared=len(cuts) > 0, finely=finely)
+    information = directions(split, shared=len(cuts) > 0, finely=finely)
     # rows of priors are no record
-    records = list(zip(np.split(optimum.all_residuals, cuts), known.columns, strict=True))
+    records = list(zip(np.split(optimum.all_residuals, cuts), information.columns, strict=True))
     noises = tuple(noises) or tuple(
         noise_of(residual, columns, rounding=rounding)
         for residual, columns in (records[:-1] if count else records)
     )
     if resting is not None:
         free = free | np.concatenate((np.zeros(len(optimum.theta), dtype=bool), resting))
-        known = directions(np.split(optimum.jacobian[:, free], cuts))
+        information = directions(np.split(optimum.jacobian[:, free], cuts))
     weights = [*noises]
     if count:
-        power = np.mean([one.power for one in noises])
+        power = np.mean([noise.power for noise in noises])
         variance = power if prior_variance is None else prior_variance
         weights.append(Noise(count, np.array([variance]), 1.0, 2.0))
     covariance = np.zeros((len(free), len(free)))
-    covariance[np.ix_(free, free)] = sandwich(known, weights)
+    covariance[np.ix_(free, free)] = sandwich(information, weights)
     return Estimate(optimum, covariance, noises, prior_variance)
 
 

@@ -52,7 +52,7 @@ _DERIVED = np.array([np.eye(4), np.diag(_POWERS[1:], 1), np.diag([2.0, 6.0], 2)]
 
 
 def profiles(
-    stack: Stack, optimum: Solution, asked: Sequence[ProfileTarget], *, limit: float
+    stack: Stack, optimum: Solution, targets: Sequence[ProfileTarget], *, limit: float
 ) -> list[tuple[FloatArray, FloatArray]]:
     """Return of each profile the trial values, ascending, the optimum among them, and deviances.
 
@@ -61,24 +61,24 @@ def profiles(
     stack : Stack
         The data of the fit, in rows that do not depend on tau.
     optimum : Solution
-    asked : sequence of Profiled
+    targets : sequence of Profiled
     limit : float
         A walk ends where the deviance exceeds this, or where the data say no more: at the edge
         of their window, or where a stiffness has grown out of all proportion.
     """
     together = _Together(stack, optimum)
     walks = [
-        ProfileTrace(one, together.value(one), sign, limit, together.range(one))
-        for one in asked
+        ProfileTrace(target, together.value(target), sign, limit, together.range(target))
+        for target in targets
         for sign in (-1.0, 1.0)
     ]
     together.walk(walks)
-    found = []
+    results = []
     for low, high in zip(walks[::2], walks[1::2], strict=True):
         points = [*reversed(low.points), (low.start, 0.0), *high.points]
         value, deviance = np.array(points).T
-        found.append((value, deviance))
-    return found
+        results.append((value, deviance))
+    return results
 
 
 class _Together:
@@ -93,7 +93,7 @@ class _Together:
         self.restricted = stack.get_nonnegative_mask(self.arms, signed=False)
         self.reach = stack.bounds[0] - outside, stack.bounds[1] + outside
         count = int(np.ceil((self.reach[1] - self.reach[0]) / _NODES_APART)) + 1
-        nodes, apart = np.linspace(*self.reach, count, retstep=True)
+        nodes, difference = np.linspace(*self.reach, count, retstep=True)
         rows = stack.evaluate(nodes)
         self.target, self.still = rows.target, rows.phi[:, : self.fixed].T
 
@@ -103,54 +103,56 @@ class _Together:
 
         columns, slopes = (
             reshape_by_node(rows.phi[:, self.fixed :]),
-            apart * reshape_by_node(rows.slope),
+            difference * reshape_by_node(rows.slope),
         )
         change, rise, fall = np.diff(columns, axis=0), slopes[:-1], slopes[1:]
         # node, group, power of the part of the way to the next node, row
         self.cubics = np.stack(
             (columns[:-1], rise, 3 * change - 2 * rise - fall, rise + fall - 2 * change), axis=2
         )
-        turn = _DERIVED / apart ** np.arange(3.0)[:, None]
-        self.apart, self.turn = float(apart), turn.reshape(4, -1)
+        turn = _DERIVED / difference ** np.arange(3.0)[:, None]
+        self.apart, self.turn = float(difference), turn.reshape(4, -1)
         start = self._phi(optimum.log_tau[None])[0][0]
         self.best = float(np.square(self.target - optimum.beta @ start).sum())
 
-    def value(self, asked: ProfileTarget) -> float:
+    def value(self, target: ProfileTarget) -> float:
         """The held coordinate at the optimum."""
         beta, log_tau = self.optimum.beta, self.optimum.log_tau
-        if asked.coordinate is Coordinate.LINEAR:
-            return float(beta[asked.index])
-        arm = asked.index % self.arms
-        if asked.coordinate is Coordinate.LOG_TAU:
+        if target.coordinate is Coordinate.LINEAR:
+            return float(beta[target.index])
+        arm = target.index % self.arms
+        if target.coordinate is Coordinate.LOG_TAU:
             return float(log_tau[arm])
-        return float(log_tau[arm] + np.log(beta[self.fixed + asked.index]))
+        return float(log_tau[arm] + np.log(beta[self.fixed + target.index]))
 
-    def range(self, asked: ProfileTarget) -> tuple[float, float]:
+    def range(self, target: ProfileTarget) -> tuple[float, float]:
         """How far the held coordinate goes."""
-        if asked.coordinate is Coordinate.LOG_TAU:
+        if target.coordinate is Coordinate.LOG_TAU:
             return self.window
-        if asked.coordinate is Coordinate.LINEAR:
+        if target.coordinate is Coordinate.LINEAR:
             return 0.0, _OPEN_STIFFNESS * float(np.abs(self.optimum.beta).max())
-        start = self.value(asked)
+        start = self.value(target)
         return start - _OPEN_FOLDS, start + _OPEN_FOLDS
 
     def walk(self, walks: Sequence[ProfileTrace]) -> None:
         """Walk every side to its end."""
         held = _Sides([walk.asked for walk in walks], self.fixed, self.arms)
         self._spare(walks, held)
-        left = np.tile(self.optimum.log_tau, (len(walks), 1))
+        residual = np.tile(self.optimum.log_tau, (len(walks), 1))
         goal = np.array([walk.goal for walk in walks])
-        descents = self._descents(left, walks)
-        known = descents.known
+        descents = self._descents(residual, walks)
+        trials = descents.known
         while on := [i for i, walk in enumerate(walks) if not walk.ended]:
             for i in self._run_trials(descents, goal, held, np.array(on)):
                 walk, at, foretold = walks[i], walks[i].at, np.zeros(self.arms)
                 sse, there = descents.best(i)
-                if walk.update_walk(self._deviance(walk, known.beta[i], there, sse)):
-                    foretold = (there - left[i]) * (walk.goal - walk.at) / (walk.at - at)
-                    left[i] = there
+                if walk.update_walk(self._deviance(walk, trials.beta[i], there, sse)):
+                    foretold = (there - residual[i]) * (walk.goal - walk.at) / (walk.at - at)
+                    residual[i] = there
                 far = max(map(abs, foretold.tolist()), default=0.0)
-                descents.start(i, left[i] + min(1.0, _FORETOLD / max(far, _FORETOLD)) * foretold)
+                descents.start(
+                    i, residual[i] + min(1.0, _FORETOLD / max(far, _FORETOLD)) * foretold
+                )
                 goal[i] = walk.goal
 
     def _spare(self, walks: Sequence[ProfileTrace], held: _Sides) -> None:
@@ -166,12 +168,12 @@ class _Together:
             self.fixed,
             self.arms,
         )
-        own = self.optimum.log_tau
-        descents = self._descents(np.tile(own, (len(first), 1)), first)
+        values = self.optimum.log_tau
+        descents = self._descents(np.tile(values, (len(first), 1)), first)
         # the others keep their places: one that took the arm's would be the arm
-        between = (own[none.arm][:, None] + own) / 2.0
-        low = np.where(own > own[none.arm][:, None], between, self.reach[0])
-        high = np.where(own < own[none.arm][:, None], between, self.reach[1])
+        between = (values[none.arm][:, None] + values) / 2.0
+        low = np.where(values > values[none.arm][:, None], between, self.reach[0])
+        high = np.where(values < values[none.arm][:, None], between, self.reach[1])
         on = np.arange(len(first))
         while on.size:
             within = low[on], high[on]
@@ -216,44 +218,44 @@ class _Together:
         place = (log_tau.ravel() - self.reach[0]) / self.apart
         node = np.minimum(np.maximum(place.astype(int), 0), len(self.cubics) - 1)
         weights = (place - node)[:, None] ** _POWERS @ self.turn
-        found = weights.reshape(-1, 1, 3, 4) @ self.cubics[node]
+        values = weights.reshape(-1, 1, 3, 4) @ self.cubics[node]
         trials, rows = len(log_tau), len(self.target)
-        found = found.reshape(trials, self.arms, self.groups, 3, rows).swapaxes(1, 2)
+        values = values.reshape(trials, self.arms, self.groups, 3, rows).swapaxes(1, 2)
         phi = np.empty((trials, self.fixed + self.groups * self.arms, rows))
         phi[:, : self.fixed] = self.still
-        phi[:, self.fixed :] = found[..., 0, :].reshape(trials, -1, rows)
-        return phi, found
+        phi[:, self.fixed :] = values[..., 0, :].reshape(trials, -1, rows)
+        return phi, values
 
     def _solve_trials(
         self, log_tau: FloatArray, goal: FloatArray, held: _Sides, on: IndexArray
     ) -> SolvedTrials:
-        phi, found = self._phi(log_tau)
-        each, arm, column = np.arange(len(on)), held.arm[on], held.column[on]
-        amount, own = held.amount(log_tau, goal, on), phi[each, column]
-        target = self.target - amount[:, None] * own
+        phi, values = self._phi(log_tau)
+        row, arm, column = np.arange(len(on)), held.arm[on], held.column[on]
+        amount, base = held.amount(log_tau, goal, on), phi[row, column]
+        target = self.target - amount[:, None] * base
         # where a relaxation time is held no coefficient is
         linear = ~held.log_tau[on]
         normal = _Normal(phi)
-        normal.leave_out(each[linear], column[linear])
+        normal.leave_out(row[linear], column[linear])
         aim = phi @ target[:, :, None]
         beta = normal.solve_moments(aim)[..., 0]
         # what must not be negative rests at zero, the worst first
         while (signed := np.where(self.restricted, beta, 0.0)).min() < 0:
             worst, negative = signed.argmin(axis=1), signed.min(axis=1) < 0
-            normal.leave_out(each[negative], worst[negative])
+            normal.leave_out(row[negative], worst[negative])
             beta = normal.solve_moments(aim)[..., 0]
         residual = target - (beta[:, None, :] @ phi)[:, 0]
-        beta[each, column] += amount
+        beta[row, column] += amount
         stiffness = beta[:, self.fixed :].reshape(len(on), self.groups, self.arms)
-        turned = (found[..., 1, :] * stiffness[..., None]).sum(axis=1)
+        turned = (values[..., 1, :] * stiffness[..., None]).sum(axis=1)
         # columns, slopes and curves meet the residual
-        met = (found @ residual[:, None, None, :, None])[..., 0]
+        met = (values @ residual[:, None, None, :, None])[..., 0]
         second = (stiffness * met[..., 2]).sum(axis=1)
         # k = exp(ln b - ln tau): the stiffness of an arm whose b is held falls as its ln tau rises
         falls = amount * held.log_b[on]
-        at_zero, rising, _ = met.reshape(len(on), -1, 3)[each, np.maximum(column - self.fixed, 0)].T
-        second[each, arm] -= falls * (2.0 * rising - at_zero)
-        turned[each, arm] -= falls[:, None] * own
+        at_zero, rising, _ = met.reshape(len(on), -1, 3)[row, np.maximum(column - self.fixed, 0)].T
+        second[row, arm] -= falls * (2.0 * rising - at_zero)
+        turned[row, arm] -= falls[:, None] * base
         # a coefficient and its own tau meet in the residual
         meets = np.zeros((*beta.shape, self.arms))
         place = np.arange(self.groups * self.arms)
@@ -267,7 +269,7 @@ class _Together:
         index = np.arange(self.arms)
         bent[:, index, index] -= second
         moves = np.ones(log_tau.shape)
-        moves[each, arm] = linear
+        moves[row, arm] = linear
         pairs = moves[:, :, None] * moves[:, None, :]
         return SolvedTrials(
             np.vecdot(residual, residual),
@@ -290,11 +292,11 @@ class _Normal:
         self.gram[:, place, place] = 1.0 + RIDGE
         self.free = np.ones_like(self.length)
 
-    def leave_out(self, each: IndexArray, column: IndexArray) -> None:
+    def leave_out(self, row: IndexArray, column: IndexArray) -> None:
         """Hold a further column of some of the matrices at zero."""
-        self.free[each, column] = 0.0
-        self.gram[each, column, :] = self.gram[each, :, column] = 0.0
-        self.gram[each, column, column] = 1.0 + RIDGE
+        self.free[row, column] = 0.0
+        self.gram[row, column, :] = self.gram[row, :, column] = 0.0
+        self.gram[row, column, column] = 1.0 + RIDGE
 
     def solve_moments(self, moment: FloatArray) -> FloatArray:
         """Coefficients (A, p, r) that answer moments of that shape; zero of what is left out."""
@@ -305,9 +307,9 @@ class _Normal:
 class _Sides:
     """The sides of the profiles: which coordinate each holds."""
 
-    def __init__(self, asked: Sequence[ProfileTarget], fixed: int, arms: int) -> None:
-        kinds = [one.coordinate for one in asked]
-        index = np.array([one.index for one in asked])
+    def __init__(self, targets: Sequence[ProfileTarget], fixed: int, arms: int) -> None:
+        kinds = [target.coordinate for target in targets]
+        index = np.array([target.index for target in targets])
         self.log_tau = np.array([kind is Coordinate.LOG_TAU for kind in kinds])
         self.log_b = np.array([kind is Coordinate.LOG_B for kind in kinds])
         # where a relaxation time is held the column named stays free
@@ -324,6 +326,6 @@ class _Sides:
 
     def amount(self, log_tau: FloatArray, goal: FloatArray, on: IndexArray) -> FloatArray:
         """The coefficient that is held, zero where none is."""
-        own = log_tau[np.arange(len(on)), self.arm[on]]
-        of_b = np.exp(np.minimum(np.where(self.log_b[on], goal - own, 0.0), 600.0))
+        values = log_tau[np.arange(len(on)), self.arm[on]]
+        of_b = np.exp(np.minimum(np.where(self.log_b[on], goal - values, 0.0), 600.0))
         return np.where(self.log_b[on], of_b, np.where(self.log_tau[on], 0.0, goal))

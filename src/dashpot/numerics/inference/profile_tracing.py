@@ -56,16 +56,16 @@ class ProfileTrace:
 
     def __init__(
         self,
-        asked: ProfileTarget,
+        target: ProfileTarget,
         start: float,
         sign: float,
         limit: float,
         ends: tuple[float, float],
     ) -> None:
-        self.asked, self.start, self.limit, self.ends = asked, start, limit, ends
+        self.asked, self.start, self.limit, self.ends = target, start, limit, ends
         self.sign = sign
         self.rise = max(_RISE, float(np.sqrt(limit)) / _RISES)
-        self.step, self.root, self.at = sign * asked.step, 0.0, start
+        self.step, self.root, self.at = sign * target.step, 0.0, start
         self.walked: list[tuple[float, float]] = []
         self.leapt: list[tuple[float, float]] = []
         self.trials = self.leaps = 0

@@ -74,9 +74,9 @@ def marginal(free: FloatArray, doubts: FloatArray) -> Callable[[FloatArray], Flo
     shrink = 1 - 1 / np.sqrt(1 + stretch**2)
 
     def white(columns: FloatArray) -> FloatArray:
-        left = columns - private @ (private.T @ columns)
-        along = axes.T @ left
-        return np.asarray(left - axes @ (shrink.reshape(-1, *[1] * (along.ndim - 1)) * along))
+        residual = columns - private @ (private.T @ columns)
+        along = axes.T @ residual
+        return np.asarray(residual - axes @ (shrink.reshape(-1, *[1] * (along.ndim - 1)) * along))
 
     return white
 
@@ -101,10 +101,10 @@ def reduced_basis(exact: DataBlock, few: int) -> ReducedBasis:
 
     Of means over `few` neighbours; found once.
     """
-    known = _bases(exact)
-    if few not in known:
-        known[few] = _make_reduced_basis(exact, few)
-    return known[few]
+    bases = _bases(exact)
+    if few not in bases:
+        bases[few] = _make_reduced_basis(exact, few)
+    return bases[few]
 
 
 @cache_on_record
@@ -132,8 +132,8 @@ def compute_blockwise_qr(tall: FloatArray) -> tuple[FloatArray, FloatArray]:
     pieces = [np.linalg.qr(tall[i : i + AT_ONCE]) for i in range(0, len(tall), AT_ONCE)]
     turn, factor = np.linalg.qr(np.concatenate([piece.R for piece in pieces]))
     basis, row, at = np.empty((len(tall), turn.shape[1])), 0, 0
-    for own, (rows, columns) in ((piece.Q, piece.Q.shape) for piece in pieces):
-        np.matmul(own, turn[at : at + columns], out=basis[row : row + rows])
+    for values, (rows, columns) in ((piece.Q, piece.Q.shape) for piece in pieces):
+        np.matmul(values, turn[at : at + columns], out=basis[row : row + rows])
         row, at = row + rows, at + columns
     return basis, factor
 

@@ -95,14 +95,14 @@ class LocalOptimum(NamedTuple, Generic[T]):
     converged: bool
 
 
-def is_step_acceptable(new: Any, old: Any, moved: Any, rounding: Any) -> Any:
+def is_step_acceptable(new: Any, old: Any, change: Any, rounding: Any) -> Any:
     """Far away a step must lower the SSE; near the end, where it is flat, not raise it."""
-    return (new < old) | ((moved < TAIL) & (new <= old * (1 + 1e-8) + rounding))
+    return (new < old) | ((change < TAIL) & (new <= old * (1 + 1e-8) + rounding))
 
 
-def has_converged(moved: Any, last: Any, fall: Any, sse: Any) -> Any:
+def has_converged(change: Any, last: Any, fall: Any, sse: Any) -> Any:
     """At the rate of the last undamped steps next to nothing is left, of theta and of the SSE."""
-    return (moved <= LINEAR) & (moved * moved <= REST * last) & (fall <= UNCHANGED * sse)
+    return (change <= LINEAR) & (change * change <= REST * last) & (fall <= UNCHANGED * sse)
 
 
 def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
@@ -146,38 +146,38 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
     for count in range(2, limit + 2):
         trial = _trial(here, lacking, damping, bounds)
         step = trial - here.theta
-        moved = max(map(abs, step.tolist()), default=0.0)
+        change = max(map(abs, step.tolist()), default=0.0)
         # much the step that was refused
-        while TAIL < NEARER * refused < moved:
+        while TAIL < NEARER * refused < change:
             damping *= 10
             trial = _trial(here, lacking, damping, bounds)
             step = trial - here.theta
-            moved = max(map(abs, step.tolist()), default=0.0)
+            change = max(map(abs, step.tolist()), default=0.0)
         refused = np.inf
         fall, sse = abs(float(here.gradient @ step)), floor + here.sse
-        if moved <= finished or (fall < flat * sse and damping <= DAMPED):
+        if change <= finished or (fall < flat * sse and damping <= DAMPED):
             return LocalOptimum(here, count, True)
-        if damping < LINEAR and has_converged(moved, last, fall, sse):
+        if damping < LINEAR and has_converged(change, last, fall, sse):
             return LocalOptimum(here.ahead(step), count, True)
         new = at(trial, here)
-        if here.sse < new.sse < np.inf and moved >= TAIL:
+        if here.sse < new.sse < np.inf and change >= TAIL:
             # along a valley that bends the step ends on its side: from there to its floor
             floored = at(_trial(new, None, damping, bounds), new)
             if floored.sse < here.sse:
                 new, step = floored, floored.theta - here.theta
-                moved = max(map(abs, step.tolist()))
-        if is_step_acceptable(new.sse, here.sse, moved, rounding):
+                change = max(map(abs, step.tolist()))
+        if is_step_acceptable(new.sse, here.sse, change, rounding):
             promised = -float(step @ (2 * here.gradient + here.curvature @ step))
             short = wary and here.sse - new.sse < GAINED * promised
-            sure = moved < TAIL or _foretold(lacking, here, new, step)
-            lacking = _update_hessian_correction(lacking, here, new, moved, last) if sure else None
-            last, here = moved, new
+            sure = change < TAIL or _foretold(lacking, here, new, step)
+            lacking = _update_hessian_correction(lacking, here, new, change, last) if sure else None
+            last, here = change, new
             wrong = wrong + 1 if wanted is not None and (here.beta[wanted] < 0).any() else 0
-            damping *= (1.0 if short else EASED if wary else 0.1) * (moved >= TAIL)
-        elif (moved < TAIL and damping == 0.0) or fall <= UNCHANGED * sse:
+            damping *= (1.0 if short else EASED if wary else 0.1) * (change >= TAIL)
+        elif (change < TAIL and damping == 0.0) or fall <= UNCHANGED * sse:
             return LocalOptimum(here, count, True)
         else:
-            damping, refused, wary = 10 * max(damping, 1e-6), moved, True
+            damping, refused, wary = 10 * max(damping, 1e-6), change, True
         if here.sse <= rounding or damping > 1e9 or wrong > PATIENCE:
             return LocalOptimum(here, count, here.sse <= rounding)
         if met is not None and met(here.theta):
@@ -199,12 +199,12 @@ def _update_hessian_correction(
     """What the Hessian holds beyond J'J, corrected so that it explains a step that creeps."""
     if not (ROUNDING < length < NEAR and length > SLOW * last):
         return lacking
-    moved = new.theta - old.theta
-    missed = new.gradient - old.gradient - new.curvature @ moved
+    change = new.theta - old.theta
+    missed = new.gradient - old.gradient - new.curvature @ change
     if lacking is not None:
-        missed = missed - lacking @ moved
-    along = float(missed @ moved)
-    if along * along <= 1e-16 * float((missed @ missed) * (moved @ moved)):
+        missed = missed - lacking @ change
+    along = float(missed @ change)
+    if along * along <= 1e-16 * float((missed @ missed) * (change @ change)):
         return lacking
     update = np.outer(missed, missed) / along
     return update if lacking is None else lacking + update
@@ -244,10 +244,10 @@ def _is_within_bounds(
     at: FloatArray, bounds: tuple[list[float], list[float]], *, least: bool
 ) -> bool:
     """True if no parameter sits at an end of its range or, at `least`, beyond one."""
-    each = zip(bounds[0], at.tolist(), bounds[1], strict=True)
+    pairs = zip(bounds[0], at.tolist(), bounds[1], strict=True)
     if least:
-        return all(low <= value <= high for low, value, high in each)
-    return all(low < value < high for low, value, high in each)
+        return all(low <= value <= high for low, value, high in pairs)
+    return all(low < value < high for low, value, high in pairs)
 
 
 def _solve_damped_step(

@@ -80,8 +80,8 @@ def _solve_mixed_sign(
     Q, factor = np.linalg.qr(unit[:, ~must])
     A, beta = unit[:, must], np.zeros(len(must))
     aside, along = Q.T @ A, Q.T @ y
-    A, left = A - Q @ aside, y - Q @ along
-    beta[must] = nonnegative(A.T @ A, A.T @ left, None if near is None else near[must])
+    A, residual = A - Q @ aside, y - Q @ along
+    beta[must] = nonnegative(A.T @ A, A.T @ residual, None if near is None else near[must])
     beta[~must] = np.linalg.lstsq(factor, along - aside @ beta[must], rcond=DEPENDENT)[0]
     return beta
 

@@ -150,18 +150,18 @@ class NonnegativeConfidenceRegion:
         face, entered = self._get_face(np.flatnonzero(s > 0)), -1
         for _ in range(PATIENCE * len(self._rows)):
             active = face.active
-            goal, multiplier, left = face.find_farthest_point(aim, squared)
+            goal, multiplier, residual = face.find_farthest_point(aim, squared)
             if len(active) and goal.min() <= 0:
-                s[active], kept = _as_far_as_allowed(s[active], goal)
+                s[active], mask = _as_far_as_allowed(s[active], goal)
                 # rounding let it enter: it would leave at once for ever
                 if entered >= 0 and s[entered] == 0.0:
                     barred.append(entered)
                 face = self._get_cached_face(
-                    active[kept], partial(self._remove_columns, face, kept)
+                    active[mask], partial(self._remove_columns, face, mask)
                 )
                 continue
             s[active] = goal
-            gain = self._gain(left, aim, multiplier)
+            gain = self._gain(residual, aim, multiplier)
             gain[active] = gain[barred] = -np.inf
             entered = int(gain.argmax())
             if not gain[entered] > self._nothing:
@@ -211,12 +211,12 @@ class NonnegativeConfidenceRegion:
         inverse = np.asarray(np.linalg.inv(factor))
         return ActiveSet(active, basis, factor, inverse, along, rest, float(rest @ rest))
 
-    def _remove_columns(self, face: ActiveSet, kept: BoolArray) -> ActiveSet:
+    def _remove_columns(self, face: ActiveSet, mask: BoolArray) -> ActiveSet:
         """Return a face with fewer columns."""
-        active, factor = face.active[kept], face.factor[:, kept]
-        if len(active) == len(kept) - 1:
+        active, factor = face.active[mask], face.factor[:, mask]
+        if len(active) == len(mask) - 1:
             # what only the one that leaves could add is turned to the last direction
-            mirror = face.inverse[int(kept.argmin())]
+            mirror = face.inverse[int(mask.argmin())]
             mirror = mirror / sqrt(mirror @ mirror)
             mirror[-1] += 1.0 if mirror[-1] > 0 else -1.0
             mirror *= sqrt(2.0 / (mirror @ mirror))
@@ -255,5 +255,5 @@ def _as_far_as_allowed(s: FloatArray, goal: FloatArray) -> tuple[FloatArray, Boo
     way = zip(s.tolist(), goal.tolist(), strict=True)  # so few are faster one by one
     shares = [(old / (old - new) if old > 0 else 0.0) if new <= 0 else np.inf for old, new in way]
     least = min(shares)
-    kept = np.array(shares) > least
-    return np.where(kept, s + least * (goal - s), 0.0), kept
+    mask = np.array(shares) > least
+    return np.where(mask, s + least * (goal - s), 0.0), mask

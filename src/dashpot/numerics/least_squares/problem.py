@@ -127,11 +127,11 @@ class Problem:
         """
         if not self.parameters:
             return self.at(np.zeros(0))
-        found = self.valleys(starts, most=rough or most, finished=finished, flat=flat)
-        best = min(found, key=lambda one: one.cost, default=None)
+        optima = self.valleys(starts, most=rough or most, finished=finished, flat=flat)
+        best = min(optima, key=lambda optimum: optimum.cost, default=None)
         if best is None or not rough:
             return best
-        near = [one.theta for one in found if one.cost <= _CLEARLY * best.cost]
+        near = [optimum.theta for optimum in optima if optimum.cost <= _CLEARLY * best.cost]
         return self.solve(near, most=most, finished=finished, flat=flat)
 
     def valleys(
@@ -148,22 +148,22 @@ class Problem:
         One that comes nearer than `same`, in sizes of the parameters, to the end of another is not
         followed.
         """
-        found: list[Optimum] = []
+        optima: list[Optimum] = []
         scale = self.bounds[2]
 
         def is_repeat_optimum(theta: FloatArray) -> bool:
-            return any(np.abs(theta - one.theta / scale).max() < same for one in found)
+            return any(np.abs(theta - optimum.theta / scale).max() < same for optimum in optima)
 
         for start in starts:
             if (
                 ended := self._run_descent(start, is_repeat_optimum, most, finished, flat)
             ) is not None:
-                found.append(replace(ended.point.optimum, stationary=ended.converged))
-        return found
+                optima.append(replace(ended.point.optimum, stationary=ended.converged))
+        return optima
 
     def held(self, index: int, value: float) -> Problem:
         """The problem with one theta held."""
-        rest = [one for i, one in enumerate(self.parameters) if i != index]
+        rest = [parameter for i, parameter in enumerate(self.parameters) if i != index]
 
         def model(theta: FloatArray) -> Rows:
             rows = self.model(np.insert(theta, index, value))
@@ -197,19 +197,19 @@ class Problem:
         near = None if last is None else last.beta > 0
         meant = theta * scale
         try:
-            found = self.at(meant if self.gauge is None else self.gauge(meant), near)
+            optimum = self.at(meant if self.gauge is None else self.gauge(meant), near)
         except DataError:
             return _AtTheta(theta, scale, None)
-        return _AtTheta(found.theta / scale, scale, found)
+        return _AtTheta(optimum.theta / scale, scale, optimum)
 
 
 class _AtTheta:
     """An optimum at some theta, in sizes of the parameters, as a descent wants it."""
 
-    def __init__(self, theta: FloatArray, scale: FloatArray, found: Optimum | None) -> None:
-        self.theta, self.scale, self.found = theta, scale, found
-        self.sse = np.inf if found is None else found.cost
-        self.rounding = 0.0 if found is None else found.nothing
+    def __init__(self, theta: FloatArray, scale: FloatArray, optimum: Optimum | None) -> None:
+        self.theta, self.scale, self.found = theta, scale, optimum
+        self.sse = np.inf if optimum is None else optimum.cost
+        self.rounding = 0.0 if optimum is None else optimum.nothing
 
     @property
     def optimum(self) -> Optimum:
@@ -232,8 +232,8 @@ class _AtTheta:
 
     def ahead(self, step: FloatArray) -> _AtTheta:
         """The trial a short step away."""
-        beside = self.optimum.problem._evaluate_trial(self.theta + step, self)
-        return beside if beside.sse <= self.sse * (1 + 1e-8) + self.rounding else self
+        theta = self.optimum.problem._evaluate_trial(self.theta + step, self)
+        return theta if theta.sse <= self.sse * (1 + 1e-8) + self.rounding else self
 
 
 @dataclass(frozen=True, eq=False)
@@ -335,12 +335,14 @@ class Optimum:
     @property
     def steps(self) -> list[tuple[float, float]]:
         """How far down and up theta, in its range, and beta move for a difference."""
-        found = []
-        for value, one in zip(self.theta.tolist(), self.problem.parameters, strict=True):
-            h = one.step * one.scale
-            found.append((-min(h, max(value - one.low, 0.0)), min(h, max(one.high - value, 0.0))))
-        each = _SMALL * np.maximum(np.abs(self.beta), 1e-300)
-        return found + [(-h, h) for h in each.tolist()]
+        results = []
+        for value, parameter in zip(self.theta.tolist(), self.problem.parameters, strict=True):
+            h = parameter.step * parameter.scale
+            results.append(
+                (-min(h, max(value - parameter.low, 0.0)), min(h, max(parameter.high - value, 0.0)))
+            )
+        row = _SMALL * np.maximum(np.abs(self.beta), 1e-300)
+        return results + [(-h, h) for h in row.tolist()]
 
     def _slopes(self, *, central: bool) -> FloatArray:
         if self.rows.slope is not None and len(self.theta):
@@ -378,10 +380,10 @@ def require_optimum(
     FitError
         If the model says nothing of the record from any start.
     """
-    found = problem.solve(starts, most=most, rough=rough, finished=finished, flat=flat)
-    if found is None:
+    optimum = problem.solve(starts, most=most, rough=rough, finished=finished, flat=flat)
+    if optimum is None:
         raise FitError("the model says nothing of the record from any start")
-    return found
+    return optimum
 
 
 def solve_ordinary(y: FloatArray, A: FloatArray, *, positive: bool = False) -> Optimum:

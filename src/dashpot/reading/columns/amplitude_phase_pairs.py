@@ -46,23 +46,27 @@ def two_signals(
             lines += 1
         elif score(column, "phase", options) >= _NAMED:
             phases.append(i)
-        elif units.find_unit(word, "force") or any(units.find_unit(word, one) for one in _MOTIONS):
+        elif units.find_unit(word, "force") or any(
+            units.find_unit(word, motion) for motion in _MOTIONS
+        ):
             sizes.append(i)
     pushes = [bool(units.find_unit(table.columns[i].unit or "", "force")) for i in sizes]
     if not lines or len(sizes) != 2 or len(phases) != 2 or all(pushes):
         return None
     if _has_reversed_phases(table, sizes, phases):
         phases.reverse()
-    first, second = (AmplitudePhaseColumns(*one) for one in zip(sizes, phases, pushes, strict=True))
+    first, second = (
+        AmplitudePhaseColumns(*item) for item in zip(sizes, phases, pushes, strict=True)
+    )
     return first, second
 
 
 def _has_reversed_phases(table: FileTable, sizes: list[int], phases: list[int]) -> bool:
     """Whether the names say that the first phase is that of the second amplitude."""
     words = {i: set(vocabulary.tokens(table.columns[i].name)) for i in (*sizes, *phases)}
-    own = {i: words[i] - words[j] for i, j in (sizes, sizes[::-1])}
+    entries = {i: words[i] - words[j] for i, j in (sizes, sizes[::-1])}
     straight, across = (
-        sum(len(own[i] & words[p]) for i, p in zip(sizes, order, strict=True))
+        sum(len(entries[i] & words[p]) for i, p in zip(sizes, order, strict=True))
         for order in (phases, phases[::-1])
     )
     return across > straight

@@ -45,9 +45,9 @@ def split_unit(name: str) -> tuple[str, str | None]:
     if _OF_WHAT.match(text):
         return text, None
     for shape in _SHAPES:
-        found = shape(text)
-        if found is not None:
-            return found
+        names = shape(text)
+        if names is not None:
+            return names
     return text, None
 
 
@@ -59,17 +59,17 @@ def add_factor_to_unit(name: str, unit: str | None) -> str | None:
 
 def _split_factored_unit(text: str) -> tuple[str, str] | None:
     """``Load [N] x 1000``, whose unit then holds the factor, too."""
-    found = off_the_name(text)
-    if found is None or found[0][-1] not in "])":
+    names = off_the_name(text)
+    if names is None or names[0][-1] not in "])":
         return None
-    name, unit = split_unit(found[0])
-    return (name, f"{found[1]} {unit}") if unit else None
+    name, unit = split_unit(names[0])
+    return (name, f"{names[1]} {unit}") if unit else None
 
 
 def _unit_before(text: str) -> tuple[str, str] | None:
     match = _UNIT_FIRST.match(text)
-    known = match is not None and units.find_unit(match[1])
-    return (match[2].strip(), match[1].strip()) if match and known else None
+    certain = match is not None and units.find_unit(match[1])
+    return (match[2].strip(), match[1].strip()) if match and certain else None
 
 
 def _split_bracketed_unit(text: str) -> tuple[str, str | None] | None:

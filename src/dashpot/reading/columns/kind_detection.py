@@ -152,7 +152,7 @@ class _NamedColumns:
 
     def names(self, *fields: str) -> bool:
         """Whether the user names a column that is here in one of these fields of the options."""
-        return any(self._has_column(getattr(self.options, one, None)) for one in fields)
+        return any(self._has_column(getattr(self.options, field, None)) for field in fields)
 
     def _has_column(self, named: str | None) -> bool:
         try:
@@ -179,7 +179,9 @@ class _NamedColumns:
     def has_partial_response(self) -> bool:
         """Whether there is one part of a complex value over frequency, and no time."""
         parts: tuple[Role, ...] = ("magnitude", "phase", "real")
-        return not self.has_time() and self.has("frequency") and any(self.has(one) for one in parts)
+        return (
+            not self.has_time() and self.has("frequency") and any(self.has(part) for part in parts)
+        )
 
     def has_motion_as_magnitude(self) -> bool:
         """Whether a dynamic stiffness is named, and what looks like a magnitude is the motion."""
@@ -189,7 +191,7 @@ class _NamedColumns:
             return columns[find_column(columns, named, flag("magnitude"))] in sizes
         words = [columns[i].unit for i in self._find_likely_columns("magnitude", 1.5)]
         return bool(sizes) and all(
-            word and any(units.find_unit(word, one) for one in ("length", "strain", "force"))
+            word and any(units.find_unit(word, name) for name in ("length", "strain", "force"))
             for word in words
         )
 
@@ -228,7 +230,7 @@ class _NamedColumns:
     def has_signal_pair(self, *, pushed: bool) -> bool:
         """Whether there are two amplitudes with two phases, one of them a force or none."""
         pair = two_signals(self.table, self.options)
-        return pair is not None and pushed == any(one.pushes for one in pair)
+        return pair is not None and pushed == any(columns.pushes for columns in pair)
 
     def has_motion_ratio(self) -> bool:
         return is_motion_ratio(self.table)
@@ -238,9 +240,9 @@ class _NamedColumns:
         names = map(str.casefold, self.unique_names)
         named = any("compliance" in name and "machine" not in name for name in names)
         named = named or self.has("creep_compliance", least=2.5)  # J(t), in 1/Pa
-        said = "creep" in header and "relax" not in header
+        stated = "creep" in header and "relax" not in header
         # what moves of columns that the user names is asked of the record
-        return named or (said and not self.names("displacement", "force"))
+        return named or (stated and not self.names("displacement", "force"))
 
     def has_indenter_motion(self) -> bool:
         """Whether an indenter is named beside its motion, or a velocity stands alone."""
@@ -251,13 +253,13 @@ class _NamedColumns:
         if "indent" in names and (fast or self.has_acceleration()):
             return True
         return fast and not (
-            self.has_acceleration() or any(self.has(one) for one in ("displacement", "force"))
+            self.has_acceleration() or any(self.has(name) for name in ("displacement", "force"))
         )
 
     def has_slam(self) -> bool:
         """Whether a slam is named beside a force or the motion of its mass."""
-        said = " ".join((*self.table.header, *self.unique_names))
-        named = not _SLAM.isdisjoint(vocabulary.tokens(said))
+        text = " ".join((*self.table.header, *self.unique_names))
+        named = not _SLAM.isdisjoint(vocabulary.tokens(text))
         return named and self.has_time() and (self.has("force") or self.has_acceleration())
 
     def has_coordinates(self, *more: str) -> bool:
@@ -405,10 +407,10 @@ def kind_of(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
     peaks = None if swept or meant or two_signals(table, options) else cycle_peaks(table)
     if peaks:
         return "not-a-test", peaks
-    said = {kind for role, kinds in _OF_ROLE.items() if named.names(role) for kind in kinds}
+    stated = {kind for role, kinds in _OF_ROLE.items() if named.names(role) for kind in kinds}
     if named.names("stress", "strain") and not swept:  # of a sweep they are amplitudes
-        said.add("stress-strain")
-    rules = sorted(_RULES, key=lambda rule: rule[0] not in said)
+        stated.add("stress-strain")
+    rules = sorted(_RULES, key=lambda rule: rule[0] not in stated)
     kind, reason = next((kind, reason) for kind, reason, holds in rules if holds(named))
     if kind == "dma":
         kind, reason = _swept(table, options, reason)
@@ -447,8 +449,8 @@ def parse_file_kind(word: str) -> tuple[FileKind, str]:
 
 def is_motion_ratio(table: FileTable) -> bool:
     """Whether a response is of a motion to another, as under base excitation."""
-    said = any("transmissib" in line.casefold() for line in table.header)
-    return said or any(
+    stated = any("transmissib" in line.casefold() for line in table.header)
+    return stated or any(
         "transmissib" in column.name.casefold() or _over_motion(column.unit or "")
         for column in table.columns
     )
@@ -456,8 +458,10 @@ def is_motion_ratio(table: FileTable) -> bool:
 
 def is_relative_transmissibility(table: FileTable) -> bool:
     """Whether a name or the header says a relative transmissibility."""
-    said = (*table.header, *(column.name for column in table.columns))
-    return any("relative transmissib" in one.casefold().replace("_", " ") for one in said)
+    sentences = (*table.header, *(column.name for column in table.columns))
+    return any(
+        "relative transmissib" in sentence.casefold().replace("_", " ") for sentence in sentences
+    )
 
 
 MASTER = 7.0
@@ -468,8 +472,8 @@ ONE_FREQUENCY = 0.02
 
 def _over_motion(unit: str) -> bool:
     """Whether a unit is that of a motion over a motion, such as g/g or mm/g."""
-    found = ratio(unit)
-    return found is not None and found.kind.over_base
+    new_ratio = ratio(unit)
+    return new_ratio is not None and new_ratio.kind.over_base
 
 
 def _numbers(table: FileTable, role: Role, options: ReadOptions) -> FloatArray:
@@ -481,16 +485,16 @@ def _numbers(table: FileTable, role: Role, options: ReadOptions) -> FloatArray:
 
 def _columns(table: FileTable, roles: Sequence[Role], options: ReadOptions) -> list[int]:
     """The index of the column likeliest in each role; of a role without such a column none."""
-    found = []
+    indices = []
     for role in roles:
         named = getattr(options, role, None)
         if named is not None:
-            found.append(find_column(table.columns, named, flag(role)))
+            indices.append(find_column(table.columns, named, flag(role)))
             continue
         scores = score_columns(table, role, options)
         best = max(scores, key=lambda i: scores[i], default=None)
-        found += [best] if best is not None and scores[best] >= 1.0 else []
-    return found
+        indices += [best] if best is not None and scores[best] >= 1.0 else []
+    return indices
 
 
 def _decades(table: FileTable, role: Role, options: ReadOptions) -> float:
@@ -547,12 +551,12 @@ def amplitude_named(table: FileTable, options: ReadOptions) -> ReadOptions:
 def groups(values: FloatArray, width: float) -> npt.NDArray[np.intp]:
     """The group of each value: those that lie within a width of the smallest of their group."""
     order = np.argsort(values)
-    found, first, group = np.zeros(len(values), dtype=np.intp), -math.inf, -1
+    result, first, group = np.zeros(len(values), dtype=np.intp), -math.inf, -1
     for i in order.tolist():
         if not values[i] - first <= width:
             first, group = float(values[i]), group + 1
-        found[i] = group
-    return found
+        result[i] = group
+    return result
 
 
 def _has_amplitude_sweep(table: FileTable, options: ReadOptions) -> bool:
@@ -564,8 +568,8 @@ def _has_amplitude_sweep(table: FileTable, options: ReadOptions) -> bool:
     temperature = _columns(table, ("temperature",), options)
     loaded = table.load([*frequency, amplitudes[0], *temperature])
     block = np.repeat(np.arange(len(loaded.starts)), np.diff((*loaded.starts, len(loaded.values))))
-    told = np.all(np.isfinite(loaded.values), axis=1) & np.all(loaded.values[:, :2] > 0, axis=1)
-    rows, block = loaded.values[told], block[told]
+    text = np.all(np.isfinite(loaded.values), axis=1) & np.all(loaded.values[:, :2] > 0, axis=1)
+    rows, block = loaded.values[text], block[text]
     warmth = np.zeros(len(rows), dtype=np.intp)
     if rows.shape[1] > 2:
         warmth = groups(rows[:, 2], _SAME_WARMTH)
@@ -573,9 +577,9 @@ def _has_amplitude_sweep(table: FileTable, options: ReadOptions) -> bool:
         warmth = block
     cells = np.stack((groups(np.log10(rows[:, 0]), ONE_FREQUENCY), warmth))
     _, cell = np.unique(cells, axis=1, return_inverse=True)
-    alike = [rows[cell.ravel() == one, 1] for one in range(int(cell.max(initial=-1)) + 1)]
-    apart = [float(X.max()) >= _APART * float(X.min()) for X in alike]
-    return 2 * sum(apart) >= max(len(apart), 1)
+    alike = [rows[cell.ravel() == index, 1] for index in range(int(cell.max(initial=-1)) + 1)]
+    separate = [float(X.max()) >= _APART * float(X.min()) for X in alike]
+    return 2 * sum(separate) >= max(len(separate), 1)
 
 
 def refuse_kind(

@@ -83,11 +83,11 @@ def assign(table: FileTable, role: Role, options: ReadOptions) -> RoleAssignment
     ReadError
         If the options name a column that is not there.
     """
-    asked = "force" if role == "hammer" and not options.hammer else option_of(role)
-    named = getattr(options, asked, None)
+    option = "force" if role == "hammer" and not options.hammer else option_of(role)
+    named = getattr(options, option, None)
     if named:
-        index = find_column(table.columns, str(named), flag(asked))
-        return RoleAssignment(role, index, f"named by {flag(asked)}")
+        index = find_column(table.columns, str(named), flag(option))
+        return RoleAssignment(role, index, f"named by {flag(option)}")
     suited = _rank_columns(table, role, options)
     if not suited:
         return _nothing(table, role)
@@ -102,9 +102,9 @@ def assign(table: FileTable, role: Role, options: ReadOptions) -> RoleAssignment
         if len(equals) > _COPIES or not _same_numbers(table, equals, role, options):
             says = (
                 f"{alike} could each be the {_word(role)}; say which, for example "
-                f'{flag(asked)}="{handle(table.columns, index, names)}"'
+                f'{flag(option)}="{handle(table.columns, index, names)}"'
             )
-            return Question(says, f"{flag(asked)}=NAME", choices=len(equals))
+            return Question(says, f"{flag(option)}=NAME", choices=len(equals))
         reason = f"{alike} hold the same numbers"
     rivals = tuple(i for _, i in suited[len(equals) :])
     return RoleAssignment(role, index, reason, rivals)
@@ -127,18 +127,18 @@ def _same_numbers(
     dimension = DIMENSION.get(role)
     columns = [table.columns[i] for i in indexes]
     words = [get_unit_word(column, role, options) for column in columns]
-    found = [units.find_unit(word, dimension) if word and dimension else None for word in words]
-    if any((unit is None) != (found[0] is None) for unit in found):
+    new_units = [units.find_unit(word, dimension) if word and dimension else None for word in words]
+    if any((unit is None) != (new_units[0] is None) for unit in new_units):
         return False
     values = table.load(indexes).values
-    for j, unit in enumerate(found):
+    for j, unit in enumerate(new_units):
         if unit is not None:
             values[:, j] = unit.factor * values[:, j] + unit.offset
     whole = values[np.isfinite(values).all(axis=1)]
     if not len(whole) or not len(whole) > 0.5 * len(values):
         return False
-    apart = np.abs(whole - whole[:, :1]).max(axis=0)
-    return bool((apart <= _ROUNDED * np.ptp(whole[:, 0])).all())
+    difference = np.abs(whole - whole[:, :1]).max(axis=0)
+    return bool((difference <= _ROUNDED * np.ptp(whole[:, 0])).all())
 
 
 def _rank_columns(table: FileTable, role: Role, options: ReadOptions) -> list[tuple[float, int]]:
@@ -194,13 +194,13 @@ def score_columns(table: FileTable, role: Role, options: ReadOptions) -> Mapping
 
     A table keeps what was found, for there may be thousands of columns.
     """
-    known: dict[object, dict[Role, dict[int, float]]] = vars(table).setdefault(_SUITED, {})
-    if options.units not in known:
-        by_role = known[options.units] = {one: {} for one in _ROLES}
+    entries: dict[object, dict[Role, dict[int, float]]] = vars(table).setdefault(_SUITED, {})
+    if options.units not in entries:
+        by_role = entries[options.units] = {role: {} for role in _ROLES}
         for i, column in enumerate(table.columns):
-            for one, value in scores(column, options).items():
-                by_role[one][i] = value
-    return known[options.units][role]
+            for name, value in scores(column, options).items():
+                by_role[name][i] = value
+    return entries[options.units][role]
 
 
 def score(column: Column, role: Role, options: ReadOptions) -> float:
@@ -224,8 +224,8 @@ def _compute_file_scores(name: str, unit: str | None, content: Content) -> Mappi
 def _scores(column: Column, options: ReadOptions) -> Mapping[Role, float]:
     words = {column.unit, _get_stated_unit(column, "time", options, by_role=False)} - {None, ""}
     possible = {*vocabulary.matches(column.name), *chain(*map(_measured_by, words))}
-    found = {role: _score(column, role, options) for role in possible}
-    return {role: value for role, value in found.items() if value}
+    entries = {role: _score(column, role, options) for role in possible}
+    return {role: value for role, value in entries.items() if value}
 
 
 @lru_cache(maxsize=1024)
@@ -363,16 +363,16 @@ def _nothing(table: FileTable, role: Role) -> Question:
 
 def ask(table: FileTable, questions: Sequence[Question]) -> str:
     """All questions in one sentence each; what no column was found for, in one for all."""
-    lacking = [one for one in questions if one.role]
+    lacking = [question for question in questions if question.role]
     if len(lacking) < 2:
-        return ". ".join(one.says for one in questions)
-    examples = " ".join(one.example for one in reversed(lacking))
+        return ". ".join(item.says for item in questions)
+    examples = " ".join(item.example for item in reversed(lacking))
     says = (
         f"none of its columns ({_all_columns(table)}) looks like "
-        f"{join_words([one.role for one in lacking], 'or')}. Name each by its name or number: "
+        f"{join_words([item.role for item in lacking], 'or')}. Name each by its name or number: "
         f"{examples}"
     )
-    return ". ".join([says, *(one.says for one in questions if not one.role)])
+    return ". ".join([says, *(question.says for question in questions if not question.role)])
 
 
 def _is_mislabelled(column: Column, role: Role) -> bool:
@@ -389,8 +389,8 @@ def _is_mislabelled(column: Column, role: Role) -> bool:
 
 def _all_say_something(table: FileTable) -> bool:
     """Whether each column of numbers is named for something, and so none is free for another."""
-    told = [_says(one) for one in table.columns if one.content in {"number", "clock"}]
-    return bool(told) and all(told)
+    items = [_says(column) for column in table.columns if column.content in {"number", "clock"}]
+    return bool(items) and all(items)
 
 
 def _example(table: FileTable, role: Role) -> str:
@@ -408,8 +408,8 @@ def format_wrong_unit(column: Column, role: Role) -> str:
     example = EXAMPLE.get(role, "")
     sensed = "100mV/g" if role == "acceleration" else f"22.5mV/{example}"
     word = column.unit or ""
-    found = units.dimensions(word)
-    kind = f"a unit of {' or '.join(found)}" if found else "no unit known"
+    names = units.dimensions(word)
+    kind = f"a unit of {' or '.join(names)}" if names else "no unit known"
     mass = units.find_unit(word, "mass")
     weight = _WEIGHTS.get(mass.word, "") if mass is not None and role == "force" else ""
     weighed = f'; if they are a weight, add --units "force={weight}"' if weight else ""
@@ -488,24 +488,24 @@ def _angular(column: Column) -> bool:
 
 def _determine_frequency_unit(word: str, column: Column, label: str) -> str:
     """The unit of a frequency: 1/s of what is called angular is rad/s, and Hz a contradiction."""
-    found = units.find_unit(word, "frequency")
-    if found is None or found.word == "rad/s" or not _angular(column):
+    unit = units.find_unit(word, "frequency")
+    if unit is None or unit.word == "rad/s" or not _angular(column):
         return word
-    if found.word == "Hz" and "z" not in word.casefold():
+    if unit.word == "Hz" and "z" not in word.casefold():
         return "rad/s"
     raise ReadError(
         f"{label} is called an angular frequency and stands in {word}: say which is right with "
-        f'--units "frequency={found.word}" or --units "frequency=rad/s"'
+        f'--units "frequency={unit.word}" or --units "frequency=rad/s"'
     )
 
 
 def _refuse_factor(word: str, dimension: Dimension, role: Role, label: str) -> None:
     """Ask what a factor beside a unit does: nobody knows if it is applied to the numbers."""
-    found = split_factor(word)
-    unit = found and (units.find_unit(found[1], dimension) or _find_part_unit(found[1], role))
-    if not found or not unit or sensitivity(word, dimension, None):
+    result = split_factor(word)
+    unit = result and (units.find_unit(result[1], dimension) or _find_part_unit(result[1], role))
+    if not result or not unit or sensitivity(word, dimension, None):
         return
-    factor, plain = found[0], unit.word
+    factor, plain = result[0], unit.word
     more, less = times(unit, factor), times(unit, 1 / factor)
     raise ReadError(
         f"{label} stands under '{word}', a factor and a unit: if its numbers are {plain} as they "
@@ -529,8 +529,8 @@ def _refuse_stated_factor(column: Column, word: str, role: Role, label: str) -> 
 def get_unit_word(column: Column, role: Role, options: ReadOptions) -> str | None:
     """Return what the user, or else the file, says is the unit of a column in its role, if any."""
     pure = "1" if role == "stretch" else None  # a ratio of lengths
-    said = (options.unit_of(role, column.name), column.unit, pure)
-    return next((word for word in said if word is not None), None)
+    sentences = (options.unit_of(role, column.name), column.unit, pure)
+    return next((word for word in sentences if word is not None), None)
 
 
 def _label(column: Column, number: int, role: Role) -> str:
@@ -561,13 +561,15 @@ def _clock_unit(label: str, stated: str | None) -> Unit:
 
 def no_units(table: FileTable, lacking: Sequence[RoleAssignment]) -> str:
     """Ask for the units of several columns that have none, in one sentence."""
-    columns = [table.columns[one.index] for one in lacking]
-    each = list(zip(columns, lacking, strict=True))
-    labels = [_label(column, one.index + 1, one.role) for column, one in each]
-    given = [f"{one.role}={_unit_like(column, one.role)}" for column, one in each]
+    columns = [table.columns[assignment.index] for assignment in lacking]
+    group = list(zip(columns, lacking, strict=True))
+    labels = [_label(column, assignment.index + 1, assignment.role) for column, assignment in group]
+    provided = [
+        f"{assignment.role}={_unit_like(column, assignment.role)}" for column, assignment in group
+    ]
     return (
         f"{labels[0]} has no unit, nor has {join_words(labels[1:], 'or')}; add --units "
-        f'"{",".join(dict.fromkeys(given))}", or write them into the header, as '
+        f'"{",".join(dict.fromkeys(provided))}", or write them into the header, as '
         f"'{_with_unit(columns[0], lacking[0].role)}'"
     )
 
@@ -605,8 +607,8 @@ def handle(columns: Sequence[Column], index: int, names: Counter[str] | None = N
     Who asks it of many columns counts their names once.
     """
     name = _fold_column_name(columns[index])
-    alone = (names or _count_column_names(columns))[name] == 1
-    return columns[index].name if name and alone else str(index + 1)
+    single = (names or _count_column_names(columns))[name] == 1
+    return columns[index].name if name and single else str(index + 1)
 
 
 def _count_column_names(columns: Sequence[Column]) -> Counter[str]:
@@ -625,10 +627,12 @@ def _names(table: FileTable) -> Counter[str]:
 @cache_on_record
 def _unlike(table: FileTable) -> tuple[Column, ...]:
     """The columns without those that differ from an earlier one by a number alone."""
-    found: dict[object, Column] = {}
-    for one in table.columns:
-        found.setdefault((vocabulary.replace_channel_number(one.name), one.unit, one.content), one)
-    return tuple(found.values())
+    columns: dict[object, Column] = {}
+    for column in table.columns:
+        columns.setdefault(
+            (vocabulary.replace_channel_number(column.name), column.unit, column.content), column
+        )
+    return tuple(columns.values())
 
 
 @cache_on_record

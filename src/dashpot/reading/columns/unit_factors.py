@@ -59,11 +59,11 @@ def parse_unit_multiple(word: str, dimension: Dimension) -> Unit | None:
     >>> parse_unit_multiple("10mN", "force").factor
     0.01
     """
-    found = split_factor(word)
-    unit = units.find_unit(found[1], dimension) if found else None
-    if found is None or unit is None or unit.offset:
+    factor = split_factor(word)
+    unit = units.find_unit(factor[1], dimension) if factor else None
+    if factor is None or unit is None or unit.offset:
         return None
-    return Unit(word, dimension, float(f"{found[0] * unit.factor:.12g}"))
+    return Unit(word, dimension, float(f"{factor[0] * unit.factor:.12g}"))
 
 
 def times(unit: Unit, factor: float) -> str:
@@ -73,9 +73,13 @@ def times(unit: Unit, factor: float) -> str:
     ('kN', '20mN')
     """
     size = factor * unit.factor
-    for one in units.TABLE.values():
-        if one.dimension == unit.dimension and abs(one.factor / size - 1) < 1e-9 and not one.offset:
-            return one.word
+    for item in units.TABLE.values():
+        if (
+            item.dimension == unit.dimension
+            and abs(item.factor / size - 1) < 1e-9
+            and not item.offset
+        ):
+            return item.word
     return f"{factor:g}{unit.word}"
 
 
@@ -170,7 +174,7 @@ def changes_numbers(name: str, value: object) -> bool:
     # an offset of the scale is a summand, too
     neutral = 0.0 if set(words_of_name(name)) & _SHIFTS else 1.0
     stated = stated_numbers(value)
-    return bool(stated) and any(one != neutral for one in stated)
+    return bool(stated) and any(number != neutral for number in stated)
 
 
 def stated_numbers(value: object) -> tuple[float, ...]:
@@ -187,7 +191,7 @@ def stated_numbers(value: object) -> tuple[float, ...]:
     if hasattr(value, "tolist"):
         return stated_numbers(value.tolist())
     if isinstance(value, list | tuple) and len(value) <= 64:
-        return tuple(number for one in value for number in stated_numbers(one))
+        return tuple(number for item in value for number in stated_numbers(item))
     return ()
 
 
@@ -197,12 +201,12 @@ def factors_among(attributes: Mapping[str, object]) -> str:
     >>> factors_among({"gain": 10.0, "offset": 0.0, "serial": 17})
     'gain = 10'
     """
-    found = [
+    names = [
         f"{name} = {_format_factor_value(value)}"
         for name, value in attributes.items()
         if changes_numbers(name, value)
     ]
-    return " and ".join(found[:4])
+    return " and ".join(names[:4])
 
 
 def _format_factor_value(value: object) -> str:
@@ -210,5 +214,5 @@ def _format_factor_value(value: object) -> str:
         value = value.decode("utf-8", "replace")
     if isinstance(value, str):
         return value.strip()[:40]
-    numbers = [f"{one:g}" for one in stated_numbers(value)]
+    numbers = [f"{number:g}" for number in stated_numbers(value)]
     return numbers[0] if len(numbers) == 1 else f"[{', '.join(numbers[:8])}]"

@@ -244,15 +244,15 @@ def tokens(name: str) -> list[str]:
 def has_word(name: str, words: tuple[str, ...]) -> bool:
     """Whether one of the words stands in the name, alone or (CJK) as a part."""
     name = replace_channel_number(name)
-    alone, inside = _split_search_words(words)
-    return not alone.isdisjoint(_split_name_words(name)) or any(word in name for word in inside)
+    single, inside = _split_search_words(words)
+    return not single.isdisjoint(_split_name_words(name)) or any(word in name for word in inside)
 
 
 @lru_cache(maxsize=1 << 16)
 def _split_name_words(name: str) -> frozenset[str]:
     """The words of a name, with their numbers and without."""
-    found = tokens(name)
-    return frozenset((*found, *(word.rstrip("0123456789") for word in found)))
+    names = tokens(name)
+    return frozenset((*names, *(word.rstrip("0123456789") for word in names)))
 
 
 @lru_cache(maxsize=64)
@@ -263,8 +263,8 @@ def _split_search_words(words: tuple[str, ...]) -> tuple[frozenset[str], tuple[s
 
 def _may_mean(spelling: str) -> bool:
     """Whether a word is worth a look at its roles: of thousands of names most are not."""
-    known = spelling in FIRST or spelling in SECOND
-    return known or spelling[-2:] in _ENDS or not spelling.isascii()
+    certain = spelling in FIRST or spelling in SECOND
+    return certain or spelling[-2:] in _ENDS or not spelling.isascii()
 
 
 def _roles(spelling: str) -> Iterator[tuple[Role, float]]:
@@ -338,21 +338,21 @@ def matches(name: str) -> MappingProxyType[Role, float]:
 def _matches(name: str) -> MappingProxyType[Role, float]:
     scores: dict[Role, float] = {}
     whole = unicodedata.normalize("NFKC", name).casefold().strip().replace(" ", "_")
-    found = tokens(name)
-    stems = {word.rstrip("0123456789") for word in found} - {*found, ""}
-    for word in {whole, *found, *stems}:
+    names = tokens(name)
+    stems = {word.rstrip("0123456789") for word in names} - {*names, ""}
+    for word in {whole, *names, *stems}:
         less = 0.3 if word in stems else 0.0  # T beats T2, Force beats Force 1
         for spelling in filter(_may_mean, {word, remove_accents(word)}):
             for role, value in _roles(spelling):
                 scores[role] = max(value - less, scores.get(role, 0.0))
-    for phrase in map("_".join, pairwise(found)):  # "tan delta 2"
+    for phrase in map("_".join, pairwise(names)):  # "tan delta 2"
         for role in FIRST.get(remove_accents(phrase), ()):
             scores[role] = 3.0
     if "force" in scores:
         scores["hammer"] = scores["force"]
     if says_size(name):
         scores["complex_modulus"] = 3.0
-    if found[:1] == ["tan"]:  # of delta, or of d, which alone may be a displacement
+    if names[:1] == ["tan"]:  # of delta, or of d, which alone may be a displacement
         scores.pop("loss_angle", None)
         scores.pop("displacement", None)
     if {"loss_angle", "loss_factor"} & scores.keys() and scores.get("loss", 0.0) < 2.0:

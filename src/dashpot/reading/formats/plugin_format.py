@@ -51,25 +51,25 @@ def table_of(plugin: Plugin, module: Any, content: bytes, name: str) -> FileTabl
             f"{plugin.package}"
         )
     try:
-        found = module.read(content, name=name)
+        entries = module.read(content, name=name)
     except Exception as error:  # noqa: BLE001  others' code may raise anything
         plugin.failed(error)
-    if not isinstance(found, dict):
-        plugin.wrong(f"a {type(found).__name__}", _EXPECTED)
-    columns = plugins.items(plugin, found, "columns")
+    if not isinstance(entries, dict):
+        plugin.wrong(f"a {type(entries).__name__}", _EXPECTED)
+    columns = plugins.items(plugin, entries, "columns")
     if not columns:
         plugin.wrong("no columns", _EXPECTED)
-    values = [_values(plugin, one) for one in columns]
-    lengths = sorted({len(one) for one in values})
+    values = [_values(plugin, column) for column in columns]
+    lengths = sorted({len(value) for value in values})
     if len(lengths) > 1 or lengths[0] < 2:
         plugin.wrong(f"columns of {', '.join(map(str, lengths))} values", _EXPECTED)
     check_value_count(len(values) * lengths[0], "the file holds")
     return FileTable(
         format=plugin.full_label,
-        columns=tuple(_column(plugin, one) for one in columns),
+        columns=tuple(_column(plugin, column) for column in columns),
         load=make_loader(np.column_stack(values)),
-        header=plugins.texts(plugin, found, "header"),
-        notes=(f"read by {plugin.says}", *plugins.texts(plugin, found, "notes")),
+        header=plugins.texts(plugin, entries, "header"),
+        notes=(f"read by {plugin.says}", *plugins.texts(plugin, entries, "notes")),
     )
 
 
@@ -83,9 +83,9 @@ def _values(plugin: Plugin, item: Mapping[str, Any]) -> FloatArray:
     """The numbers of a column; None and nan are blank cells."""
     name = plugins.word(plugin, item, "name")
     try:
-        found = np.asarray(item.get("values"), dtype=float)
+        values = np.asarray(item.get("values"), dtype=float)
     except (TypeError, ValueError):
         plugin.wrong(f"column '{name}' whose values are not numbers", _EXPECTED)
-    if found.ndim != 1:
-        plugin.wrong(f"column '{name}' of {found.ndim} dimensions", _EXPECTED)
-    return found
+    if values.ndim != 1:
+        plugin.wrong(f"column '{name}' of {values.ndim} dimensions", _EXPECTED)
+    return values

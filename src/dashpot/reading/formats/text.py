@@ -66,7 +66,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     encoding = options.encoding or find_encoding(raw.head(_HEADS[0]))
     raw, encoding = _without_complex(raw, encoding)
     for size in _HEADS:
-        lines, whole = _lines(raw, encoding, size, found=options.encoding is None)
+        lines, whole = _lines(raw, encoding, size, detected=options.encoding is None)
         if not whole and len(lines) < _STEADY and size < _HEADS[-1]:
             continue  # too few to break here, whatever they are
         lines = [*[""] * min(options.skip_rows, len(lines)), *lines[options.skip_rows :]]
@@ -99,7 +99,7 @@ def _without_complex(raw: RawFile, encoding: str) -> tuple[RawFile, str]:
     return (raw, encoding) if text is None else (RawFile(raw.name, None, text.encode()), "utf-8")
 
 
-def _lines(raw: RawFile, encoding: str, size: int, *, found: bool) -> tuple[list[str], bool]:
+def _lines(raw: RawFile, encoding: str, size: int, *, detected: bool) -> tuple[list[str], bool]:
     """The lines of the first bytes, and whether that is the whole file."""
     head = raw.head(size)
     whole = len(head) == raw.size
@@ -111,16 +111,16 @@ def _lines(raw: RawFile, encoding: str, size: int, *, found: bool) -> tuple[list
             "content; export it as text (csv, txt)"
         )
     if not whole:  # an incremental decoder waits for the rest of a character cut in two
-        text = "".join(_partial(head, encoding, found=found))
+        text = "".join(_partial(head, encoding, detected=detected))
         return text.split("\n")[:-2], False  # the last line is cut
-    text = "".join(decode_blocks([head], encoding, found=found))
+    text = "".join(decode_blocks([head], encoding, detected=detected))
     return text.removesuffix("\n").split("\n"), True
 
 
-def _partial(head: bytes, encoding: str, *, found: bool) -> list[str]:
+def _partial(head: bytes, encoding: str, *, detected: bool) -> list[str]:
     out = []
     try:
-        for text in decode_blocks([head], encoding, found=found):
+        for text in decode_blocks([head], encoding, detected=detected):
             out.append(text)
     except ReadError:
         # the last character is cut in two; anything else fails again when the rows are read
@@ -134,8 +134,8 @@ def _table(
 ) -> FileTable:
     above = lines[: dialect.first]
     header = [line for line in above if line.strip()]
-    found = read_header(above, dialect)
-    notes = list(filter(None, (found.misfit, found.uneven)))
+    new_header = read_header(above, dialect)
+    notes = list(filter(None, (new_header.misfit, new_header.uneven)))
     remarks, doubts = _rows_above(above, dialect)
     notes += [
         *remarks,
@@ -154,17 +154,17 @@ def _table(
 
     def load(indexes: Sequence[int]) -> LoadedColumns:
         return load_rows(
-            lambda: decode_blocks(raw.blocks(), encoding, found=options.encoding is None),
+            lambda: decode_blocks(raw.blocks(), encoding, detected=options.encoding is None),
             dialect,
             indexes,
-            Heading(found.columns, _clock_orders(found, options), title(header)),
+            Heading(new_header.columns, _clock_orders(new_header, options), title(header)),
             sure=options.decimal is not None,
             patience=raw.patience,
         )
 
     return FileTable(
         format="text",
-        columns=found.columns,
+        columns=new_header.columns,
         load=load,
         encoding=encoding,
         delimiter=_NAMES.get(dialect.delimiter, dialect.delimiter),
@@ -175,7 +175,7 @@ def _table(
             "simulated" in line.casefold() for line in header if re.match(r"\A\s*+[#%$!/*;]", line)
         ),
         doubts=tuple(doubts),
-        hints=(*filter(None, [found.misfit]), *_hints(header)),
+        hints=(*filter(None, [new_header.misfit]), *_hints(header)),
     )
 
 
@@ -192,8 +192,8 @@ def _factors(header: Sequence[str]) -> list[Caution]:
         stated = _FACTOR.search(line[:500])
         numbers = _NUMBER.findall(stated.string[stated.end() : 500]) if stated else []
         if any(float(number.replace(",", ".")) != 1.0 for number in numbers):
-            told = line.strip().replace("\t", " ")[:60]
-            says = f"the header says '{told}'; no factor is applied to the numbers"
+            text = line.strip().replace("\t", " ")[:60]
+            says = f"the header says '{text}'; no factor is applied to the numbers"
             return [Caution(says)]
     return []
 
@@ -231,7 +231,7 @@ def _significant(cell: str) -> int:
 def _rows_above(above: Sequence[str], dialect: Dialect) -> tuple[list[str], list[Question]]:
     """Note a row of numbers right above the table that is not like its rows; ask about several."""
     filled = [(number, line) for number, line in enumerate(above, start=1) if line.strip()]
-    odd = list(takewhile(lambda one: dialect.resembles_row(one[1]), reversed(filled)))
+    odd = list(takewhile(lambda pair: dialect.resembles_row(pair[1]), reversed(filled)))
     if not odd:
         return [], []
     number, line = odd[-1]
@@ -249,19 +249,19 @@ def _rows_above(above: Sequence[str], dialect: Dialect) -> tuple[list[str], list
 
 def _multiplies(line: str, dialect: Dialect) -> bool:
     """Whether a row has a number for each column that counts neither columns nor rows."""
-    found = [cells.number(one, dialect.mark) for one in cells.split(line, dialect.delimiter)]
-    values = [one for one in found if one is not None]
+    numbers = [cells.number(part, dialect.mark) for part in cells.split(line, dialect.delimiter)]
+    values = [number for number in numbers if number is not None]
     if len(values) < len(dialect.numbers) or not all(values):
         return False
     steps = {round(after - before, 9) for before, after in pairwise(values)}
     return steps != {1.0} and set(values) != {1.0}
 
 
-def _clock_orders(found: Header, options: ReadOptions) -> tuple[str, ...]:
+def _clock_orders(header: Header, options: ReadOptions) -> tuple[str, ...]:
     """How the clock times of each column are written: as the user says, else as the header."""
     return tuple(
-        (column.content == "clock" and clock_order(options.unit_of("time", column.name))) or said
-        for column, said in zip(found.columns, found.clocks, strict=True)
+        (column.content == "clock" and clock_order(options.unit_of("time", column.name))) or clock
+        for column, clock in zip(header.columns, header.clocks, strict=True)
     )
 
 
@@ -305,22 +305,22 @@ def _interval_hints(header: Sequence[str]) -> list[str]:
 
 def _hints(header: Sequence[str]) -> list[str]:
     """What the header says about the sampling rate, for a table without time."""
-    found = []
+    names = []
     for line in header:
         match = _RATE.search(line[:500])
         if match:
             rate = float(match[1].replace(",", ".")) * (1e3 if match[2][:1] in "kK" else 1.0)
-            found.append(
+            names.append(
                 f"the header says '{line.strip()[:60]}'; if that is the rate, add "
                 f"--rate {rate:.10g}Hz"
             )
-    return found[:1] or _interval_hints(header)
+    return names[:1] or _interval_hints(header)
 
 
 def _with_units(line: str) -> bool:
     """Whether each of several cells holds a number and its unit."""
-    found = [_MEASURED.match(one.strip()) for one in re.split(r"[;\t|]|,\s", line)]
-    return len(found) > 1 and all(one and units.find_unit(one[1]) for one in found)
+    matches = [_MEASURED.match(part.strip()) for part in re.split(r"[;\t|]|,\s", line)]
+    return len(matches) > 1 and all(match and units.find_unit(match[1]) for match in matches)
 
 
 def _no_table(lines: Sequence[str], options: ReadOptions) -> str:

@@ -41,7 +41,7 @@ def as_a_ratio(file: OpenedFile) -> OpenedFile:
     lines = file.find_unambiguous_column("frequency")
     if lines is None:
         return file
-    radian = [file.unit(one.phase, "phase").factor for one in (over, under)]
+    radian = [file.unit(phase_columns.phase, "phase").factor for phase_columns in (over, under)]
     unit = f"({columns[over.size].unit})/({columns[under.size].unit})"
     name = f"{columns[over.size].name} over {columns[under.size].name}"
     wanted = [lines.index, over.size, over.phase, under.size, under.phase]
@@ -54,8 +54,8 @@ def as_a_ratio(file: OpenedFile) -> OpenedFile:
             refuse_angle(file, index, angle, factor)
         turned = radian[0] * phase - radian[1] * phase_under
         share = np.divide(size, size_under, out=np.full(len(size), np.nan), where=size_under > 0)
-        each = np.column_stack([frequency, share * np.cos(turned), share * np.sin(turned)])
-        return replace(loaded, values=each[:, list(indexes)])
+        matrix = np.column_stack([frequency, share * np.cos(turned), share * np.sin(turned)])
+        return replace(loaded, values=matrix[:, list(indexes)])
 
     table = replace(
         file.table,
@@ -80,9 +80,12 @@ def _sort_signal_pair(
     columns, named = file.table.columns, file.options.base_acceleration
     if named is not None:
         index = find_column(columns, named, flag("base_acceleration"))
-        below = [one.size == index for one in pair]
+        below = [phase_columns.size == index for phase_columns in pair]
     else:
-        below = [vocabulary.has_word(columns[one.size].name, vocabulary.OF_BASE) for one in pair]
+        below = [
+            vocabulary.has_word(columns[phase_columns.size].name, vocabulary.OF_BASE)
+            for phase_columns in pair
+        ]
     if sum(below) == 1:
         return (second, first) if below[0] else (first, second)
     raise ReadError(

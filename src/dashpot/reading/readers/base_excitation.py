@@ -85,14 +85,16 @@ def _channels(file: OpenedFile) -> list[Channel]:
     columns, base_flag = file.table.columns, flag("base_acceleration")
     base = find_column(columns, str(file.options.base_acceleration), base_flag)
     ticks = channels.chosen(file, channels.add_time_role(file))
-    taken = [base, *(one.index for one in ticks)]
-    found = find_mass_motions(file, taken)
-    if len(found) != 1:
+    taken = [base, *(tick.index for tick in ticks)]
+    assignments = find_mass_motions(file, taken)
+    if len(assignments) != 1:
         listed = (
-            f": {', '.join(format_column(columns, one.index) for one in found)}" if found else ""
+            f": {', '.join(format_column(columns, assignment.index) for assignment in assignments)}"
+            if assignments
+            else ""
         )
         raise ReadError(
-            f"{len(found)} motions beside that of the base, "
+            f"{len(assignments)} motions beside that of the base, "
             f"{format_column(columns, base)}{listed}; "
             f"expected one, of the mass: name it with {flag('acceleration')}=NAME, "
             f"{flag('velocity')}=NAME or {flag('displacement')}=NAME"
@@ -102,7 +104,7 @@ def _channels(file: OpenedFile) -> list[Channel]:
         [
             *ticks,
             RoleAssignment("acceleration", base, f"of the base, named by {base_flag}"),
-            *found,
+            *assignments,
         ],
     )
 
@@ -111,11 +113,13 @@ def find_mass_motions(file: OpenedFile, taken: Sequence[int]) -> list[RoleAssign
     """Return the motions beside the base's: those named, else accelerations, else the others."""
     options = file.options
     named = [role for role in _SLOWER if getattr(options, role)]
-    found: list[RoleAssignment] = []
+    assignments: list[RoleAssignment] = []
     if options.acceleration or not named:
-        found = [
+        assignments = [
             RoleAssignment("acceleration", i, "of the mass")
             for i in accelerations(file.table, taken, options)
         ]
-    found += filter(None, map(file.find_unambiguous_column, named if named or found else _SLOWER))
-    return [one for one in found if one.index not in taken]
+    assignments += filter(
+        None, map(file.find_unambiguous_column, named if named or assignments else _SLOWER)
+    )
+    return [assignment for assignment in assignments if assignment.index not in taken]

@@ -124,8 +124,10 @@ def open_table(raw: RawFile, options: ReadOptions) -> OpenedFile:
     """Return a file with the table found in it, without the questions that options answer."""
     table = read_table(raw, options)
     if options.window_decay is not None and table.doubts:
-        left = [one for one in table.doubts if not one.option.startswith(flag("window_decay"))]
-        table = replace(table, doubts=tuple(left))
+        questions = [
+            doubt for doubt in table.doubts if not doubt.option.startswith(flag("window_decay"))
+        ]
+        table = replace(table, doubts=tuple(questions))
     return OpenedFile(raw, table, options)
 
 
@@ -152,25 +154,25 @@ def pop_cached_file(path: str | Path, options: ReadOptions) -> OpenedFile | None
 def _key(path: str | Path, options: ReadOptions) -> object:
     """What one file with one set of options is known by, as long as it is not written to."""
     try:
-        found = Path(path).stat()
+        stat = Path(path).stat()
     except (OSError, ValueError):  # stdin, or no such file
         return None
-    return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns, options
+    return stat.st_dev, stat.st_ino, stat.st_size, stat.st_mtime_ns, options
 
 
 def read_once(file: OpenedFile) -> OpenedFile:
     """Return the file as one whose numbers are not read again where the same columns are."""
     if file.once:
         return file
-    known: dict[tuple[int, ...], LoadedColumns] = {}
+    columns: dict[tuple[int, ...], LoadedColumns] = {}
 
     def load(indexes: Sequence[int]) -> LoadedColumns:
-        asked = tuple(indexes)
-        if asked not in known:
-            known.clear()
-            known[asked] = file.table.load(indexes)
+        requested = tuple(indexes)
+        if requested not in columns:
+            columns.clear()
+            columns[requested] = file.table.load(indexes)
         # who cleans them must not clean the next one's
-        return replace(known[asked], values=known[asked].values.copy(order="K"))
+        return replace(columns[requested], values=columns[requested].values.copy(order="K"))
 
     return replace(file, table=replace(file.table, load=load), once=True)
 
@@ -219,36 +221,38 @@ def chosen(
     ReadError
         With every question that the file leaves open, in one sentence each.
     """
-    found = [*(assign(file.table, role, file.options) for role in roles), *besides]
-    if any(isinstance(answer, Question) for answer in found):
+    answers = [*(assign(file.table, role, file.options) for role in roles), *besides]
+    if any(isinstance(answer, Question) for answer in answers):
         kind, reason = kind_of(file.table, file.options)
         if kind == "not-a-test":
             raise ReadError(f"is not a test: {reason}")
-    columns = answered(file, found)
+    columns = answered(file, answers)
     roles_of: dict[int, Role] = {}
-    for one in columns:
-        other = roles_of.setdefault(one.index, one.role)
-        if other != one.role:
-            raise ReadError(format_role_conflict(file.table.columns, one.index, other, one.role))
+    for column in columns:
+        other = roles_of.setdefault(column.index, column.role)
+        if other != column.role:
+            raise ReadError(
+                format_role_conflict(file.table.columns, column.index, other, column.role)
+            )
     return columns
 
 
-def format_role_conflict(columns: Sequence[Column], index: int, one: Role, other: Role) -> str:
+def format_role_conflict(columns: Sequence[Column], index: int, name: Role, other: Role) -> str:
     """Say that a column would play two roles, and what to do."""
     return (
-        f"{format_column(columns, index)} would be both {one} and {other}; name the columns with "
-        f"{flag(one)}=NAME and {flag(other)}=NAME; they are {list_columns(columns)}"
+        f"{format_column(columns, index)} would be both {name} and {other}; name the columns with "
+        f"{flag(name)}=NAME and {flag(other)}=NAME; they are {list_columns(columns)}"
     )
 
 
 def answered(
-    file: OpenedFile, found: Sequence[RoleAssignment | Question], hint: str = ""
+    file: OpenedFile, answers: Sequence[RoleAssignment | Question], hint: str = ""
 ) -> list[RoleAssignment]:
     """Return the columns found, or raise every question in one sentence with the hint."""
-    asked = [answer for answer in found if isinstance(answer, Question)]
-    if asked:
-        raise ReadError(ask(file.table, asked) + hint)
-    return [answer for answer in found if isinstance(answer, RoleAssignment)]
+    questions = [answer for answer in answers if isinstance(answer, Question)]
+    if questions:
+        raise ReadError(ask(file.table, questions) + hint)
+    return [answer for answer in answers if isinstance(answer, RoleAssignment)]
 
 
 def with_units(file: OpenedFile, chosen: Sequence[RoleAssignment]) -> list[Channel]:
@@ -259,24 +263,28 @@ def with_units(file: OpenedFile, chosen: Sequence[RoleAssignment]) -> list[Chann
     ReadError
         With every unit that is missing, unknown or wrong, and how to give it.
     """
-    lacking = [one for one in chosen if file.unit_word(one.index, one.role) is None]
+    lacking = [
+        assignment
+        for assignment in chosen
+        if file.unit_word(assignment.index, assignment.role) is None
+    ]
     several = lacking if len(lacking) > 1 else []
-    found, asked = [], [no_units(file.table, several)] if several else []
-    for one in chosen:
-        if one in several:
+    channels, requested = [], [no_units(file.table, several)] if several else []
+    for item in chosen:
+        if item in several:
             continue
         try:
-            unit = file.unit(one.index, one.role)
+            unit = file.unit(item.index, item.role)
         except ReadError as error:
-            asked.append(str(error))
+            requested.append(str(error))
             continue
-        why = f" ({one.reason})" if one.reason else ""
-        label = file.table.columns[one.index].label(one.index + 1)
-        says = f"{one.role}: {label} [{unit.word}]{why}"
-        found.append(Channel(one.role, one.index, unit, says))
-    if asked:
-        raise ReadError("; ".join(asked))
-    return found
+        why = f" ({item.reason})" if item.reason else ""
+        label = file.table.columns[item.index].label(item.index + 1)
+        says = f"{item.role}: {label} [{unit.word}]{why}"
+        channels.append(Channel(item.role, item.index, unit, says))
+    if requested:
+        raise ReadError("; ".join(requested))
+    return channels
 
 
 def refuse_sizes(file: OpenedFile, answers: Sequence[tuple[Channel, Sequence[Check]]]) -> list[str]:
@@ -289,15 +297,15 @@ def refuse_sizes(file: OpenedFile, answers: Sequence[tuple[Channel, Sequence[Che
     ReadError
     """
     notes: list[str] = []
-    for one, checks in answers:
-        failed = [check for check in checks if check.failed and not is_stated(file, one)]
-        if asked := [check.typed for check in failed if check.grade == "stop"]:
-            raise ReadError(asked[0])
+    for channel, checks in answers:
+        failed = [check for check in checks if check.failed and not is_stated(file, channel)]
+        if requested := [check.typed for check in failed if check.grade == "stop"]:
+            raise ReadError(requested[0])
         notes += [Caution(check.typed, check.told) for check in failed]
     return notes
 
 
-def refuse_all_sizes(file: OpenedFile, chosen: Sequence[Channel], judged: Judged) -> list[str]:
+def refuse_all_sizes(file: OpenedFile, chosen: Sequence[Channel], function: Judged) -> list[str]:
     """Ask at once for every unit that is to be answered; return notes on unusual sizes.
 
     Who obeys the first question may well have to be asked the next: each is taken to be obeyed
@@ -305,7 +313,7 @@ def refuse_all_sizes(file: OpenedFile, chosen: Sequence[Channel], judged: Judged
 
     Parameters
     ----------
-    judged : callable
+    function : callable
         From what every role is to be multiplied by, what its unit then is, and the roles whose
         units are said, to the checks of each.
 
@@ -313,25 +321,27 @@ def refuse_all_sizes(file: OpenedFile, chosen: Sequence[Channel], judged: Judged
     ------
     ReadError
     """
-    meant = {one.role: one.unit for one in chosen}
-    said = {one.role for one in chosen if is_stated(file, one)}
+    meant = {channel.role: channel.unit for channel in chosen}
+    stated = {channel.role for channel in chosen if is_stated(file, channel)}
     questions: list[str] = []
     while True:
-        times = {one.role: meant[one.role].factor / one.unit.factor for one in chosen}
+        times = {
+            channel.role: meant[channel.role].factor / channel.unit.factor for channel in chosen
+        }
         words = {role: unit.word for role, unit in meant.items()}
         failed = [
             (role, check)
-            for role, checks in judged(times, words, said)
-            if role not in said
+            for role, checks in function(times, words, stated)
+            if role not in stated
             for check in checks
             if check.failed
         ]
-        stops = [one for one in failed if one[1].grade == "stop"]
+        stops = [item for item in failed if item[1].grade == "stop"]
         if not stops:
             break
         role, check = stops[0]
         questions.append(check.typed)
-        said.add(role)
+        stated.add(role)
         likelier = check.remedy.value.partition("=")[2] if check.remedy else ""
         meant[role] = units.find_unit(likelier, meant[role].dimension) or meant[role]
     if questions:
@@ -339,11 +349,11 @@ def refuse_all_sizes(file: OpenedFile, chosen: Sequence[Channel], judged: Judged
     return [Caution(check.typed, check.told) for _, check in failed]
 
 
-def is_stated(file: OpenedFile, one: Channel) -> bool:
+def is_stated(file: OpenedFile, channel: Channel) -> bool:
     """Whether the user said the unit of a channel, or each of its cells does, as clock times."""
-    column = file.table.columns[one.index]
+    column = file.table.columns[channel.index]
     clocked = column.content == "clock"
-    return clocked or file.options.unit_of(one.role, column.name) is not None
+    return clocked or file.options.unit_of(channel.role, column.name) is not None
 
 
 def refuse_other_rate(file: OpenedFile) -> None:
@@ -384,19 +394,19 @@ def format_role_options(file: OpenedFile, columns: Sequence[tuple[Role, int]]) -
 
 def rivals(file: OpenedFile, chosen: Sequence[Channel]) -> list[str]:
     """Say which other columns could have played a role, where one was clearly better."""
-    taken = {one.index for one in chosen}
+    taken = {channel.index for channel in chosen}
     columns = file.table.columns
     notes = []
-    for one in chosen:
-        if one.role == "acceleration":  # there may be several
+    for item in chosen:
+        if item.role == "acceleration":  # there may be several
             continue
-        answer = file.column(one.role)
+        answer = file.column(item.role)
         others = [i for i in answer.rivals if i not in taken] if answer else []
         if others:
             listed = ", ".join(format_column(columns, i) for i in others[:3])
             notes.append(
-                f"{one.role} is {format_column(columns, one.index)}; {listed} could be too: "
-                f"{flag(one.role)}=NAME chooses"
+                f"{item.role} is {format_column(columns, item.index)}; {listed} could be too: "
+                f"{flag(item.role)}=NAME chooses"
             )
     return notes
 
@@ -435,8 +445,8 @@ def si(values: FloatArray, unit: Unit) -> FloatArray:
 
 def convert_signals_to_si(values: FloatArray, chosen: Sequence[Channel]) -> dict[Role, FloatArray]:
     """Return the columns of loaded values, in the order chosen, in SI units by their role."""
-    columns = ((one, np.ascontiguousarray(values[:, j])) for j, one in enumerate(chosen))
-    return {one.role: si(column, one.unit) for one, column in columns}
+    columns = ((channel, np.ascontiguousarray(values[:, j])) for j, channel in enumerate(chosen))
+    return {channel.role: si(column, channel.unit) for channel, column in columns}
 
 
 def add_time_role(file: OpenedFile, *roles: Role) -> list[Role]:
@@ -494,7 +504,7 @@ def load_test(file: OpenedFile, chosen: Sequence[Channel], least: int = 8) -> Lo
     ReadError
         If there are fewer than `least` rows.
     """
-    loaded = load(file.table, [one.index for one in chosen], file.options.segment)
+    loaded = load(file.table, [channel.index for channel in chosen], file.options.segment)
     count = len(loaded.values)
     if count < least:
         plural = "s" * (count != 1)
@@ -512,14 +522,16 @@ def filled_down(loaded: LoadedColumns, roles: Sequence[Role]) -> LoadedColumns:
     place = roles.index("temperature")
     column = loaded.values[:, place]
     whole: BoolArray = np.all(np.isfinite(np.delete(loaded.values, place, axis=1)), axis=1)
-    known = np.isfinite(column)
-    first = int(np.argmax(known))
-    stands = int(np.count_nonzero(known & whole))
-    late = not known.any() or whole[:first].any()
+    finite = np.isfinite(column)
+    first = int(np.argmax(finite))
+    stands = int(np.count_nonzero(finite & whole))
+    late = not finite.any() or whole[:first].any()
     if late or 2 * stands >= np.count_nonzero(whole):
         return loaded
     values = loaded.values.copy()
-    values[:, place] = column[np.maximum.accumulate(np.where(known, np.arange(len(column)), first))]
+    values[:, place] = column[
+        np.maximum.accumulate(np.where(finite, np.arange(len(column)), first))
+    ]
     note = (
         f"the temperature stands in {stands} of {np.count_nonzero(whole)} rows, from "
         f"{loaded.format_row_position(first)} on; each holds for the rows below it"
@@ -562,13 +574,15 @@ def rows(loaded: LoadedColumns, keep: BoolArray) -> LoadedColumns:
     """Return some of the rows as one segment; each still knows its line."""
     if keep.all() and len(loaded.starts) == 1:
         return loaded
-    kept = np.flatnonzero(keep)
+    indices = np.flatnonzero(keep)
     lines: tuple[tuple[int, int], ...] = ()
     if loaded.lines:
         firsts = {first for first, _ in loaded.lines}
         # a new run wherever a row is left out or the file itself breaks
         runs = [
-            i for i, row in enumerate(kept) if i == 0 or kept[i - 1] != row - 1 or row in firsts
+            i
+            for i, row in enumerate(indices)
+            if i == 0 or indices[i - 1] != row - 1 or row in firsts
         ]
-        lines = tuple((i, loaded.line(int(kept[i]))) for i in runs)
-    return LoadedColumns(loaded.values[kept], (0,), ("",), lines, loaded.notes)
+        lines = tuple((i, loaded.line(int(indices[i]))) for i in runs)
+    return LoadedColumns(loaded.values[indices], (0,), ("",), lines, loaded.notes)

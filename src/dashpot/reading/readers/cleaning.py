@@ -90,7 +90,7 @@ def without_padding(loaded: LoadedColumns) -> LoadedColumns:
         first += 1  # the last sample, and its copies
     elif len(values) - first == 1 and len(set(np.nan_to_num(values[-1]).tolist())) > 1:
         return loaded  # one odd row is a fault of the clock
-    kept = [start < first for start in loaded.starts]
+    retained = [start < first for start in loaded.starts]
     numbers = ", ".join(f"{value:.6g}" for value in values[-1])
     count = len(values) - first
     note = (
@@ -100,8 +100,8 @@ def without_padding(loaded: LoadedColumns) -> LoadedColumns:
     return replace(
         loaded,
         values=values[:first],
-        starts=loaded.starts[: sum(kept)],
-        segments=loaded.segments[: sum(kept)],
+        starts=loaded.starts[: sum(retained)],
+        segments=loaded.segments[: sum(retained)],
         notes=(*loaded.notes, note),
     )
 
@@ -112,28 +112,28 @@ def ramp_window(time: FloatArray, displacement: FloatArray) -> BoolArray:
     The fastest relaxation that a ramp shows has about the time of the ramp, so ten ramp times
     of hold are where the arms are told apart.
     """
-    known = np.isfinite(time) & np.isfinite(displacement)
+    certain = np.isfinite(time) & np.isfinite(displacement)
     window = np.zeros(len(time), dtype=bool)
-    if known.sum() < 8:
+    if certain.sum() < 8:
         return window
-    t, x = time[known], displacement[known]
+    t, x = time[certain], displacement[certain]
     low, high = float(np.min(x)), float(np.max(x))
     if high <= low:
         return window
-    moved = np.abs(x - x[0])
-    beyond = np.flatnonzero(moved > 0.02 * moved.max())
-    full = np.flatnonzero(moved > 0.98 * moved.max())
-    onset, end = t[max(int(beyond[0]) - 1, 0)], t[int(full[0])]
-    filled = np.interp(np.arange(len(time)), np.flatnonzero(known), t)
+    magnitude = np.abs(x - x[0])
+    indices = np.flatnonzero(magnitude > 0.02 * magnitude.max())
+    full = np.flatnonzero(magnitude > 0.98 * magnitude.max())
+    onset, end = t[max(int(indices[0]) - 1, 0)], t[int(full[0])]
+    filled = np.interp(np.arange(len(time)), np.flatnonzero(certain), t)
     return np.asarray((filled >= onset) & (filled <= end + 10 * max(end - onset, 0.0)))
 
 
 def ramp_samples(displacement: FloatArray) -> tuple[int, int]:
     """Return the first and the last sample of the first travel; equal where nothing moves."""
-    moved = np.abs(displacement - displacement[0])
-    far = float(moved.max())
-    full = int(np.argmax(moved > _FULL * far))
-    return full - int(np.argmax(moved[full::-1] <= (1 - _FULL) * far)), full
+    magnitude = np.abs(displacement - displacement[0])
+    far = float(magnitude.max())
+    full = int(np.argmax(magnitude > _FULL * far))
+    return full - int(np.argmax(magnitude[full::-1] <= (1 - _FULL) * far)), full
 
 
 def drop_repeats(time: FloatArray, loaded: LoadedColumns) -> tuple[BoolArray, list[str]]:
@@ -192,10 +192,10 @@ def _begins_anew(time: FloatArray, values: FloatArray, starts: IndexArray) -> bo
     if np.any(np.abs(firsts - time[0]) > _ANEW * (lasts[0] - time[0])):
         return False
     back, on = (np.abs(values[starts] - values[other]) for other in (0, starts - 1))
-    moved = np.nanmax(values, axis=0) - np.nanmin(values, axis=0)
-    leaps_back = (on > _ANEW * moved) & (back < on)
+    change = np.nanmax(values, axis=0) - np.nanmin(values, axis=0)
+    leaps_back = (on > _ANEW * change) & (back < on)
     # the column of the clock is one of them
-    return bool(np.all(leaps_back | (on <= _ANEW * moved)) and np.all(leaps_back.sum(axis=1) > 1))
+    return bool(np.all(leaps_back | (on <= _ANEW * change)) and np.all(leaps_back.sum(axis=1) > 1))
 
 
 def _mean_rate(time: FloatArray) -> str:
@@ -225,9 +225,9 @@ def clock_notes(time: FloatArray, *, stated: bool = False) -> list[str]:
     if leaps or 1 <= rate <= 1e6:
         return leaps
     read = "milliseconds or minutes read as seconds" if rate > 1e6 else "these milliseconds"
-    told = f"sampled at {rate:.3g} Hz, if the unit of time is right: are {read}?"
-    says = f'{told} Say it with --units "time=ms"'
-    return [says if stated else Caution(says, told)]
+    text = f"sampled at {rate:.3g} Hz, if the unit of time is right: are {read}?"
+    says = f'{text} Say it with --units "time=ms"'
+    return [says if stated else Caution(says, text)]
 
 
 def round_steps(time: FloatArray, unit: Unit) -> list[str]:
@@ -243,12 +243,12 @@ def round_steps(time: FloatArray, unit: Unit) -> list[str]:
     step = median(np.diff(time)) if len(time) > 1 else 0.0
     if unit.factor < _MINUTE or not 0 < step <= 1:
         return []
-    own = step / unit.factor
-    digits = own / 10.0 ** np.floor(np.log10(own) + 1e-9)
-    if min(abs(digits - one) for one in _ROUND) > _NEARLY:
+    ratio = step / unit.factor
+    digits = ratio / 10.0 ** np.floor(np.log10(ratio) + 1e-9)
+    if min(abs(digits - value) for value in _ROUND) > _NEARLY:
         return []
     says = (
-        f"the clock's steps are {own:.3g} {unit.word}, round in {unit.word} and not in seconds "
+        f"the clock's steps are {ratio:.3g} {unit.word}, round in {unit.word} and not in seconds "
         f"({step:.3g} s): are these seconds?"
     )
     return [Caution(f'{says} Say it with --units "time=s"', says)]
@@ -269,13 +269,13 @@ def _late_start(steps: FloatArray) -> list[str]:
 def _leaps(time: FloatArray) -> list[str]:
     """Say where the clock goes on by far more than on either side: a jump, or an interruption."""
     # of the first and the last row others tell
-    found = [one for one in clock_jumps(time) if 0 < one.at < len(time) - 2]
+    leaps = [jump for jump in clock_jumps(time) if 0 < jump.at < len(time) - 2]
     notes = [
-        f"the clock goes on by {one.step:.6g} s at t = {time[one.at]:.6g} s, where its steps "
-        f"are {one.beside:.3g} s: it jumped, or the record was interrupted"
-        for one in found[:_TOLD]
+        f"the clock goes on by {leap.step:.6g} s at t = {time[leap.at]:.6g} s, where its steps "
+        f"are {leap.beside:.3g} s: it jumped, or the record was interrupted"
+        for leap in leaps[:_TOLD]
     ]
-    more = len(found) - len(notes)
+    more = len(leaps) - len(notes)
     return [*notes, f"the clock does so at {more} more places"] if more else notes
 
 

@@ -99,17 +99,17 @@ def get_kind_label(kind: str) -> str:
     >>> get_kind_label("cyclic"), get_kind_label("fit"), get_kind_label("comparison")
     ('a cyclic run without a hold', 'a fit', 'a stored comparison')
     """
-    known = RECOGNISED if kind in RECOGNISED else OWN
-    if kind in known:
-        return known[kind].what
+    kinds = RECOGNISED if kind in RECOGNISED else OWN
+    if kind in kinds:
+        return kinds[kind].what
     test = {"unclear": "no test that is known", "not-a-test": "no test"}
     return test.get(kind, f"a stored {kind.replace('-', ' ')}")
 
 
 def get_kind_command(kind: str) -> str:
     """Return which command wants a file of a kind, or why none does; empty if that is not known."""
-    known = RECOGNISED if kind in RECOGNISED else OWN
-    return known[kind].use if kind in known else ""
+    kinds = RECOGNISED if kind in RECOGNISED else OWN
+    return kinds[kind].use if kind in kinds else ""
 
 
 def recognise(
@@ -143,9 +143,9 @@ def recognise(
     with add_name_to_errors(file.raw.name):
         kind, reason = recognise_opened(file)
         shaken = kind == "impact" and file.options.base_acceleration is not None
-        found = Recognised(kind, reason, simulated=file.table.simulated, on_a_base=shaken)
+        detection = Recognised(kind, reason, simulated=file.table.simulated, on_a_base=shaken)
     channels.cache_open_file(path, file)
-    return found
+    return detection
 
 
 def as_a_ramp(path: str | Path, options: ReadOptions | None = None) -> str:
@@ -157,7 +157,9 @@ def as_a_ramp(path: str | Path, options: ReadOptions | None = None) -> str:
     file = open_or_identify(path, options)
     if isinstance(file, Recognised):
         return ""
-    free = [i for i, one in enumerate(file.table.columns) if one.content in {"number", "clock"}]
+    free = [
+        i for i, column in enumerate(file.table.columns) if column.content in {"number", "clock"}
+    ]
     if len(free) < len(RAMP):
         return ""
     columns, names, lacking = file.table.columns, [], []
@@ -214,8 +216,8 @@ def _load_signals_by_row(file: OpenedFile) -> tuple[FloatArray, FloatArray, Floa
     except ReadError:
         return None
     signals = channels.convert_signals_to_si(values, chosen)
-    moved, force = (signals[role] for role in _PART)
-    return np.arange(len(moved), dtype=float), moved, force
+    displacement, force = (signals[role] for role in _PART)
+    return np.arange(len(displacement), dtype=float), displacement, force
 
 
 def _record(file: OpenedFile, pair: tuple[Role, ...]) -> tuple[FloatArray, ...]:
@@ -247,8 +249,8 @@ def open_or_identify(path: str | Path, options: ReadOptions | None) -> OpenedFil
     if Path(path).is_dir():
         return _folder(Path(path))
     raw = open_raw(path)
-    own = _document(raw) if like_json(raw.head(64)) else _toml(path)
-    return channels.open_table(raw, options) if own is None else own
+    detection = _document(raw) if like_json(raw.head(64)) else _toml(path)
+    return channels.open_table(raw, options) if detection is None else detection
 
 
 def _toml(path: str | Path) -> Recognised | None:
@@ -267,10 +269,10 @@ def _toml(path: str | Path) -> Recognised | None:
 
 def _document(raw: RawFile) -> Recognised | None:
     """The word of a document's schema; None of JSON that is not dashpot's own."""
-    found = _SCHEMA.search(raw.head(_HEAD))
-    if found is None:
+    match = _SCHEMA.search(raw.head(_HEAD))
+    if match is None:
         return None
-    word = found[1].decode()
+    word = match[1].decode()
     return Recognised(word, f"its schema is dashpot/{word}", stored=True)
 
 

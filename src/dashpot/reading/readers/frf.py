@@ -50,7 +50,7 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
         return build_frf(whole, determine_frf_columns(whole))
 
 
-def build_frf(file: OpenedFile, known: FRFColumns) -> FRF:
+def build_frf(file: OpenedFile, columns: FRFColumns) -> FRF:
     """Return the FRF that stands in the columns that were settled.
 
     Raises
@@ -58,7 +58,7 @@ def build_frf(file: OpenedFile, known: FRFColumns) -> FRF:
     ReadError
         If its numbers cannot be those of an FRF.
     """
-    index, (kind, factor, order), hertz, radian = known
+    index, (kind, factor, order), hertz, radian = columns
     loaded = channels.load(file.table, range(len(file.table.columns)), None)
     column = {role: loaded.values[:, i] for role, i in index.items()}
     value: ComplexArray = np.asarray(
@@ -120,10 +120,10 @@ def _lags(table: FileTable, index: Mapping[Role, int]) -> list[str]:
 
 def _deviation(table: FileTable) -> tuple[int | None, list[str]]:
     """The column of standard deviations, if there is one; of several none is taken, with a note."""
-    found = [i for i, c in enumerate(table.columns) if c.name.casefold() == "sd"]
-    if len(found) < 2:
-        return next(iter(found), None), []
-    listed = " and ".join(str(i + 1) for i in found)
+    indices = [i for i, c in enumerate(table.columns) if c.name.casefold() == "sd"]
+    if len(indices) < 2:
+        return next(iter(indices), None), []
+    listed = " and ".join(str(i + 1) for i in indices)
     return None, [f"columns {listed} are called sd; none is taken"]
 
 
@@ -146,38 +146,38 @@ def determine_frf_columns(file: OpenedFile) -> FRFColumns:
     """
     index = _columns(file)
     main: Role = "real" if "real" in index else "magnitude"
-    asked, factors = [], {"phase": 1.0}
-    found = None
+    requested, factors = [], {"phase": 1.0}
+    ratio = None
     try:
-        found = _kind(file, main, index[main])
+        ratio = _kind(file, main, index[main])
     except ReadError as error:
-        asked.append(str(error))
-    asked += _unlike_parts(file, index)
+        requested.append(str(error))
+    requested += _unlike_parts(file, index)
     roles: tuple[Role, ...] = ("frequency", "phase")
     for role in roles if main == "magnitude" else roles[:1]:
         try:
             factors[role] = file.unit(index[role], role).factor
         except ReadError as error:
-            asked.append(str(error))
-    if found is None or asked:
-        raise ReadError("; ".join(asked))
-    return FRFColumns(index, found, factors["frequency"], factors["phase"])
+            requested.append(str(error))
+    if ratio is None or requested:
+        raise ReadError("; ".join(requested))
+    return FRFColumns(index, ratio, factors["frequency"], factors["phase"])
 
 
 def _columns(file: OpenedFile) -> dict[Role, int]:
     """The columns of frequency and of one complex value, Cartesian or else polar, and coherence."""
     index: dict[Role, int] = {}
-    asked: dict[Role, str] = {}
+    options: dict[Role, str] = {}
     for role in ("frequency", *chain(*PAIRS), "coherence"):
         answer = assign(file.table, role, file.options)
         if isinstance(answer, RoleAssignment):
             index[role] = answer.index
         elif answer.choices:
-            asked[role] = answer.says
+            options[role] = answer.says
     for pair in PAIRS:
-        if {"frequency", *pair} <= index.keys() and "coherence" not in asked:
+        if {"frequency", *pair} <= index.keys() and "coherence" not in options:
             return {r: i for r, i in index.items() if r in {"frequency", "coherence", *pair}}
-    raise ReadError("; ".join(asked.values()) or _lacking(file, index))
+    raise ReadError("; ".join(options.values()) or _lacking(file, index))
 
 
 def _lacking(file: OpenedFile, index: Mapping[Role, int]) -> str:
@@ -200,7 +200,7 @@ def _lacking(file: OpenedFile, index: Mapping[Role, int]) -> str:
 
 def _comments(header: tuple[str, ...]) -> dict[str, float]:
     """Numbers such as ``# shift [1/s]: 0.5`` by their name."""
-    found = {}
+    entries = {}
     for line in header:
         match = re.match(
             r"\A\W*+(shift sd|shift|record|averages)\s*+(?:\[[^\]]*+\])?\s*+:"
@@ -209,19 +209,19 @@ def _comments(header: tuple[str, ...]) -> dict[str, float]:
         )
         if match:
             try:
-                found[match[1]] = float(match[2])
+                entries[match[1]] = float(match[2])
             except ValueError:
                 continue
-    return found
+    return entries
 
 
 def _kind(file: OpenedFile, role: Role, index: int) -> Ratio:
     """What the FRF relates, from the unit, held against a ``kind:`` comment."""
     column, word = file.table.columns[index], file.unit_word(index, role) or ""
-    found = ratio(word)
-    if found is None and is_motion_ratio(file.table):
-        found = bare_ratio(word)
-    if found is None:
+    new_ratio = ratio(word)
+    if new_ratio is None and is_motion_ratio(file.table):
+        new_ratio = bare_ratio(word)
+    if new_ratio is None:
         unit = f"the unit '{word}', which" if word else "no unit, and so"
         raise ReadError(
             f"'{column.name}' has {unit} makes no FRF; "
@@ -229,23 +229,23 @@ def _kind(file: OpenedFile, role: Role, index: int) -> Ratio:
             "or motion per motion such as g/g or mm/g (of a mass over a base that moves); add "
             f'--units "{role}=(m/s^2)/N" or --units "{role}=g/g", or write it into the header'
         )
-    stated = _get_stated_kind(file.table, over_base=found.kind.over_base)
-    if stated is None or stated is found.kind:
-        return found
-    if stated.over_base and found.kind.over_base:
-        return found._replace(kind=stated)
+    stated = _get_stated_kind(file.table, over_base=new_ratio.kind.over_base)
+    if stated is None or stated is new_ratio.kind:
+        return new_ratio
+    if stated.over_base and new_ratio.kind.over_base:
+        return new_ratio._replace(kind=stated)
     raise ReadError(
         f"the comment says {stated.value}, but the unit '{column.unit}' is that of "
-        f"{found.kind.value}; correct one of them"
+        f"{new_ratio.kind.value}; correct one of them"
     )
 
 
 def _get_stated_kind(table: FileTable, *, over_base: bool) -> Kind | None:
     """The kind that a comment says; of a motion over a base a name may say that it is relative."""
     words = [match[1] for line in table.header if (match := _STATED.match(line))]
-    said = next((Kind(word) for word in words if word in set(Kind)), None)
-    relative = said is None and over_base and is_relative_transmissibility(table)
-    return Kind.RELATIVE_TRANSMISSIBILITY if relative else said
+    kind = next((Kind(word) for word in words if word in set(Kind)), None)
+    relative = kind is None and over_base and is_relative_transmissibility(table)
+    return Kind.RELATIVE_TRANSMISSIBILITY if relative else kind
 
 
 def _compute_derivative_factor(

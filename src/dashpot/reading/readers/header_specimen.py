@@ -56,18 +56,18 @@ def stated_rest(file: OpenedFile, specimen: Specimen) -> tuple[Specimen, list[st
     A line such as ``# rest before test: 10 min`` or ``Ruhezeit vor Versuch [s]; 600``; two that
     differ say nothing.
     """
-    found = {
+    entries = {
         value: text
         for value, text in _quantities(file.table.header, "time", _rest_before)
         if value >= 0
     }
-    if not found:
+    if not entries:
         return specimen, []
-    said = f"the header says {' and '.join(repr(line) for line in list(found.values())[:2])}"
-    if len(found) > 1:
-        return specimen, [f"{said}; no rest before the record is taken from it"]
-    rest = next(iter(found))
-    return replace(specimen, rested=rest), [f"rest of {rest:g} s before the record: {said}"]
+    stated = f"the header says {' and '.join(repr(line) for line in list(entries.values())[:2])}"
+    if len(entries) > 1:
+        return specimen, [f"{stated}; no rest before the record is taken from it"]
+    rest = next(iter(entries))
+    return replace(specimen, rested=rest), [f"rest of {rest:g} s before the record: {stated}"]
 
 
 def _rest_before(name: str) -> bool:
@@ -80,32 +80,34 @@ def _merge_stated_temperature(
 ) -> tuple[Specimen, list[str]]:
     """The specimen with the temperature of a column, K, or else of the header, and notes."""
     where = "the header"
-    found = {kelvin: f"'{line}'" for kelvin, line in _temperatures(file.table.header)}
+    entries = {kelvin: f"'{line}'" for kelvin, line in _temperatures(file.table.header)}
     if recorded is not None:
         where = "the file"
         middle = round(median(recorded), 2)
-        found = {middle: f"{format_quantity(middle, 'degC')} in its column of temperature"}
+        entries = {middle: f"{format_quantity(middle, 'degC')} in its column of temperature"}
         specimen = replace(specimen, warmed=_rise(recorded))
-    if not found:
+    if not entries:
         return specimen, []
-    said = f"{where} says {' and '.join(list(found.values())[:2])}"
+    text = f"{where} says {' and '.join(list(entries.values())[:2])}"
     if specimen.temperature is not None:
-        others = [one for one in found if abs(one - specimen.temperature) >= SAME_TEMPERATURE]
+        others = [
+            entry for entry in entries if abs(entry - specimen.temperature) >= SAME_TEMPERATURE
+        ]
         if not others:
             return specimen, []
-        given = format_quantity(specimen.temperature, "degC")
+        quantity = format_quantity(specimen.temperature, "degC")
         return (
             replace(specimen, stated_temperature=others[0]),
-            [f"{said}; the temperature is {given}, as given"],
+            [f"{text}; the temperature is {quantity}, as given"],
         )
-    if len(found) > 1:
-        return specimen, [f"{said}; no temperature is taken from it"]
-    kelvin = next(iter(found))
+    if len(entries) > 1:
+        return specimen, [f"{text}; no temperature is taken from it"]
+    kelvin = next(iter(entries))
     try:
-        known = replace(specimen, temperature=kelvin)
+        resolved_specimen = replace(specimen, temperature=kelvin)
     except DataError as error:
-        return replace(specimen, warmed=None), [f"{said}, which is not taken: {error}"]
-    return known, [f"temperature {format_quantity(kelvin, 'degC')}: {said}"]
+        return replace(specimen, warmed=None), [f"{text}, which is not taken: {error}"]
+    return resolved_specimen, [f"temperature {format_quantity(kelvin, 'degC')}: {text}"]
 
 
 def _load_temperature_column(
@@ -120,11 +122,11 @@ def _load_temperature_column(
     ReadError
         If the column was named and has no unit.
     """
-    found, notes = channels.find_optional_column(file, "temperature")
-    if found is None or found.index in {one.index for one in taken}:
+    assignment, notes = channels.find_optional_column(file, "temperature")
+    if assignment is None or assignment.index in {channel.index for channel in taken}:
         return None, notes
     try:
-        (channel,) = channels.with_units(file, [found])
+        (channel,) = channels.with_units(file, [assignment])
     except ReadError:
         if file.options.temperature is not None:
             raise
@@ -155,8 +157,8 @@ def temperatures_of_segments(file: OpenedFile, loaded: LoadedColumns) -> FloatAr
     if not several or not stated[0] or any(len(kelvin) > 1 for kelvin in stated):
         return None
     lengths = np.diff((*loaded.starts, len(loaded.values)))
-    each = accumulate((max(k, default=np.nan) for k in stated), _or_before)
-    return np.repeat(list(each), lengths)
+    sums = accumulate((max(k, default=np.nan) for k in stated), _or_before)
+    return np.repeat(list(sums), lengths)
 
 
 def _or_before(before: float, stated: float) -> float:

@@ -131,13 +131,13 @@ def _joined_rate(tests: Sequence[ImpactTest]) -> float | None:
         If their files state different ones.
     """
     rates = [test.window_rate for test in tests if test.window_rate is not None]
-    known = [rate for rate in rates if not math.isnan(rate)]
-    if known and max(known) > 1.01 * min(known):
+    values = [rate for rate in rates if not math.isnan(rate)]
+    if values and max(values) > 1.01 * min(values):
         raise ReadError(
-            f"the files state exponential windows of different decay, {min(known):.4g} and "
-            f"{max(known):.4g} 1/s; average them apart"
+            f"the files state exponential windows of different decay, {min(values):.4g} and "
+            f"{max(values):.4g} 1/s; average them apart"
         )
-    return known[0] if known else rates[0] if rates else None
+    return values[0] if values else rates[0] if rates else None
 
 
 def _longest_record(time: FloatArray, starts: Sequence[int]) -> float:
@@ -149,8 +149,8 @@ def _longest_record(time: FloatArray, starts: Sequence[int]) -> float:
 def joined_starts(tests: Sequence[tuple[int, tuple[int, ...]]]) -> tuple[int, ...]:
     """Return the first samples of the records of joined tests, of the length and starts of each."""
     begins = np.cumsum([0, *(length for length, _ in tests[:-1])]).tolist()
-    each = zip(begins, tests, strict=True)
-    return tuple(begin + start for begin, (_, starts) in each for start in starts)
+    pairs = zip(begins, tests, strict=True)
+    return tuple(begin + start for begin, (_, starts) in pairs for start in starts)
 
 
 def _read_test(path: str | Path, options: ReadOptions, want: str) -> ImpactTest:
@@ -170,10 +170,10 @@ def _read_test(path: str | Path, options: ReadOptions, want: str) -> ImpactTest:
                 [f"time counted from the rows at {rate:g} Hz, as given"],
             )
         notes += remarks
-        decay, windowed, said = window_rate(
+        decay, windowed, sentences = window_rate(
             file.table.header, file.options, _longest_record(time, starts)
         )
-        notes += said
+        notes += sentences
         source = channels.source(file, [c.says for c in chosen], notes)
         try:
             test = ImpactTest(
@@ -200,13 +200,13 @@ def _names(file: OpenedFile, chosen: Sequence[Channel]) -> tuple[str, ...]:
 def _channels(file: OpenedFile) -> list[Channel]:
     """Time unless a rate is given, the hammer, and every acceleration."""
     shown = accelerations(file.table, (), file.options)
-    asked = [] if shown else [acceleration_question(file.table)]
-    chosen = channels.chosen(file, channels.add_time_role(file, "hammer"), besides=asked)
-    found = accelerations(file.table, [c.index for c in chosen], file.options)
-    if not found:
+    questions = [] if shown else [acceleration_question(file.table)]
+    chosen = channels.chosen(file, channels.add_time_role(file, "hammer"), besides=questions)
+    indices = accelerations(file.table, [c.index for c in chosen], file.options)
+    if not indices:
         raise ReadError(acceleration_question(file.table).says)
     says = "named by --column acceleration" if file.options.acceleration else ""
-    responses = [RoleAssignment("acceleration", i, says) for i in found]
+    responses = [RoleAssignment("acceleration", i, says) for i in indices]
     return channels.with_units(file, [*chosen, *responses])
 
 
@@ -218,20 +218,22 @@ def _refuse_sizes(
 ) -> None:
     """Ask for the units again that make a size no hammer test has."""
     of_signals = chosen[-len(signals) :]
-    asked: list[tuple[Channel, list[Check]]] = []
-    for one in chosen[: -len(signals)]:
+    requested: list[tuple[Channel, list[Check]]] = []
+    for channel in chosen[: -len(signals)]:
         step = median(np.diff(time))
         rates = (size_checks.hammer_sampled, size_checks.hammer_not_oversampled) if step > 0 else ()
-        asked.append((one, [ask(1 / step, one.unit.word) for ask in rates]))
-    for one, signal in zip(of_signals, signals, strict=True):
+        requested.append((channel, [ask(1 / step, channel.unit.word) for ask in rates]))
+    for item, signal in zip(of_signals, signals, strict=True):
         peak = float(np.abs(signal - median(signal)).max())
-        asked.append((one, [ask(peak, one.unit.word) for ask in _PEAKS[one.role] if peak]))
-    channels.refuse_sizes(file, asked)
+        requested.append((item, [ask(peak, item.unit.word) for ask in _PEAKS[item.role] if peak]))
+    channels.refuse_sizes(file, requested)
 
 
 def refuse_same(file: OpenedFile, chosen: Sequence[Channel], signals: Sequence[FloatArray]) -> None:
     """Refuse one channel exported twice: two do not measure the same to the last digit."""
-    named = [format_column(file.table.columns, one.index) for one in chosen[-len(signals) :]]
+    named = [
+        format_column(file.table.columns, channel.index) for channel in chosen[-len(signals) :]
+    ]
     for j, signal in enumerate(signals):
         for i in range(j):
             if np.ptp(signal) > 0 and np.array_equal(signals[i], signal):
@@ -251,7 +253,7 @@ def _refuse_swapped(
     of_hammer, *others = zip(
         chosen[-len(signals) :], map(cleaning.compute_active_fraction, signals), strict=True
     )
-    pulses = [one for one in others if one[1] * _RINGS_ON < of_hammer[1] and one[1] > 0]
+    pulses = [other for other in others if other[1] * _RINGS_ON < of_hammer[1] and other[1] > 0]
     if of_hammer[1] < _PULSES or len(pulses) != 1:
         return
     hammer = pulses[0][0].index
@@ -264,7 +266,10 @@ def _refuse_swapped(
             file,
             [
                 ("hammer", hammer),
-                *(("acceleration", swapped.get(one.index, one.index)) for one, _ in others),
+                *(
+                    ("acceleration", swapped.get(channel.index, channel.index))
+                    for channel, _ in others
+                ),
             ],
         )
     )

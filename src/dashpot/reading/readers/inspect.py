@@ -137,11 +137,11 @@ class Inspection(Plottable):
         """A row for each column of the file."""
         columns = self.columns
         return {
-            "number": ([one.number for one in columns], ""),
-            "name": ([one.name for one in columns], ""),
-            "unit": ([one.unit or "" for one in columns], ""),
-            "role": ([one.role or "" for one in columns], ""),
-            "because": ([one.reason for one in columns], ""),
+            "number": ([column.number for column in columns], ""),
+            "name": ([column.name for column in columns], ""),
+            "unit": ([column.unit or "" for column in columns], ""),
+            "role": ([column.role or "" for column in columns], ""),
+            "because": ([column.reason for column in columns], ""),
         }
 
     @property
@@ -163,8 +163,8 @@ class Inspection(Plottable):
         Shape (rows, columns), NaN where there is no number. For a picture: it is no part of the
         inspection's value, nor of its document.
         """
-        kept: FloatArray | None = vars(self).get(_COURSE)
-        return kept
+        retained: FloatArray | None = vars(self).get(_COURSE)
+        return retained
 
     @property
     def use(self) -> str:
@@ -187,14 +187,14 @@ def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Ins
         return inspect_opened(file)
 
 
-def inspect_other_path(path: str | Path, own: Recognised) -> Inspection:
+def inspect_other_path(path: str | Path, detection: Recognised) -> Inspection:
     """Return what is told of what is no table."""
     place = Path(path)
     if place.is_dir():
-        return Inspection(place.name, "", "folder", own.kind, own.reason)
+        return Inspection(place.name, "", "folder", detection.kind, detection.reason)
     raw = open_raw(path)
-    form = _DOCUMENT if own.stored else "toml"
-    return Inspection(raw.name, raw.sha256, form, own.kind, own.reason)
+    form = _DOCUMENT if detection.stored else "toml"
+    return Inspection(raw.name, raw.sha256, form, detection.kind, detection.reason)
 
 
 def inspect_opened(file: OpenedFile) -> Inspection:
@@ -230,12 +230,12 @@ def inspect_opened(file: OpenedFile) -> Inspection:
 
 
 def _look_swapped(by_index: dict[int, FloatArray], roles: dict[int, tuple[Role, str]]) -> bool:
-    found = {role: by_index.get(i) for i, (role, _) in roles.items()}
-    moved, pushed = found["displacement"], found["force"]
-    if moved is None or pushed is None:
+    entries = {role: by_index.get(i) for i, (role, _) in roles.items()}
+    change, pushed = entries["displacement"], entries["force"]
+    if change is None or pushed is None:
         return False
-    whole = np.isfinite(moved) & np.isfinite(pushed)
-    return bool(whole.any()) and cleaning.has_swapped_signals(moved[whole], pushed[whole])
+    whole = np.isfinite(change) & np.isfinite(pushed)
+    return bool(whole.any()) and cleaning.has_swapped_signals(change[whole], pushed[whole])
 
 
 def _as_of_rubber(
@@ -247,7 +247,9 @@ def _as_of_rubber(
     if not {elongated, "stress"} <= played:
         return
     stretched, stressed = channels.choose(file, [elongated, "stress"])
-    strain, stress = (one.unit.factor * by_index[one.index] for one in (stretched, stressed))
+    strain, stress = (
+        channel.unit.factor * by_index[channel.index] for channel in (stretched, stressed)
+    )
     whole = np.isfinite(strain) & np.isfinite(stress)
     strain, stress = strain[whole] - (elongated == "stretch"), stress[whole]
     if len(stress):
@@ -294,9 +296,9 @@ def _proposal(file: OpenedFile, kind: str) -> tuple[dict[int, tuple[Role, str]],
     if kind == "modulus":
         questions += _asks(lambda: file.find_unambiguous_column("temperature"), "temperature")
     if kind in RECOGNISED and RECOGNISED[kind].accelerated:
-        for found in _find_accelerations(file, list(roles)):
-            roles[found.index] = (found.role, found.reason)
-            questions += _make_role_questions(file, found.role, found)
+        for acceleration in _find_accelerations(file, list(roles)):
+            roles[acceleration.index] = (acceleration.role, acceleration.reason)
+            questions += _make_role_questions(file, acceleration.role, acceleration)
     return roles, questions
 
 
@@ -359,7 +361,7 @@ def _roles_of(file: OpenedFile, kind: str, *, clocked: bool) -> list[Role]:
     wanted = find_roles(file) if find_roles else _get_usual_roles(kind)
     if kind in SWEEPS:
         with suppress(ReadError):  # what is lacking is asked of the caller
-            wanted = tuple(one.role for one in sweep_columns(file)[0])
+            wanted = tuple(assignment.role for assignment in sweep_columns(file)[0])
     options = file.options
     needless = {"time": clocked or options.rate, "hammer": options.base_acceleration}
     return [role for role in wanted if not needless.get(role)]

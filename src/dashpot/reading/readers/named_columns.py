@@ -15,7 +15,7 @@ from dashpot.reading.table import Column, LoadedColumns
 
 
 def read_named_columns(
-    file: OpenedFile, known: Sequence[str], *, needed: Sequence[Sequence[str]], hint: str
+    file: OpenedFile, available: Sequence[str], *, needed: Sequence[Sequence[str]], hint: str
 ) -> tuple[dict[str, Column], LoadedColumns]:
     """Return each column of a known name, and their numbers in that order.
 
@@ -25,13 +25,13 @@ def read_named_columns(
         If of some of the `needed` there is not one; the `hint` says what is expected.
     """
     names = [normalise_name(column.name) for column in file.table.columns]
-    missing = [each for each in needed if not set(each) & set(names)]
+    missing = [words for words in needed if not set(words) & set(names)]
     if missing:
         raise ReadError(
             f"no column is named {join_words(missing[0], 'or')}; the columns are "
             f"{list_columns(file.table.columns)}; {hint}"
         )
-    index = {name: names.index(name) for name in known if name in names}
+    index = {name: names.index(name) for name in available if name in names}
     columns = {name: file.table.columns[i] for name, i in index.items()}
     return columns, channels.load(file.table, list(index.values()), None)
 

@@ -38,7 +38,7 @@ class BasePSD:
     source: tuple[Source, ...] = ()
 
 
-def read_psd(said: str | Path, *, options: ReadOptions | None = None) -> BasePSD:
+def read_psd(text: str | Path, *, options: ReadOptions | None = None) -> BasePSD:
     """Return the density in a file of frequency and density, or that of a word as ``0.01g^2/Hz``.
 
     Raises
@@ -47,10 +47,10 @@ def read_psd(said: str | Path, *, options: ReadOptions | None = None) -> BasePSD
         If neither a file nor a density is meant, a column is not found, or its unit is none of a
         squared acceleration per Hz.
     """
-    typed = _TYPED.match(str(said))
-    if typed and not Path(said).is_file():
-        return BasePSD(float(typed[1]) * _factor(typed[2], f"'{said}'"))
-    with channels.open_file(said, options) as file:
+    typed = _TYPED.match(str(text))
+    if typed and not Path(text).is_file():
+        return BasePSD(float(typed[1]) * _factor(typed[2], f"'{text}'"))
+    with channels.open_file(text, options) as file:
         (lines,) = channels.answered(file, [assign(file.table, "frequency", file.options)])
         others = [
             i
@@ -84,12 +84,12 @@ def _factor(word: str, what: str) -> float:
     if plain in _CUBED:
         return _CUBED[plain]
     squared, _, per = plain.rpartition("/")
-    power = next((one for one in _POWERS if squared.rstrip().endswith(one)), None)
-    known = None
+    power = next((power for power in _POWERS if squared.rstrip().endswith(power)), None)
+    unit = None
     if power and per.strip().lower() == "hz":
         root = squared.rstrip().removesuffix(power).rstrip()
-        known = units.find_unit(root.removeprefix("(").removesuffix(")"), "acceleration")
-    if known is None:
-        given = f"the unit '{plain}'" if plain else "no unit"
-        raise DataError(f"{what} has {given}; expected a density in {_WORDS}")
-    return known.factor**2
+        unit = units.find_unit(root.removeprefix("(").removesuffix(")"), "acceleration")
+    if unit is None:
+        text = f"the unit '{plain}'" if plain else "no unit"
+        raise DataError(f"{what} has {text}; expected a density in {_WORDS}")
+    return unit.factor**2

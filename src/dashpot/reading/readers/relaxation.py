@@ -64,13 +64,13 @@ def relaxation_in(file: OpenedFile, specimen: Specimen) -> RelaxationTest:
         _require_relaxation_kind(file)
         raise
     values, notes = load_signals(file, chosen, clocks)
-    time, moved, force = (values[role] for role in ("time", "displacement", "force"))
-    _refuse_swapped(file, chosen, moved, force)
-    notes += _refuse_sizes(file, chosen, time, moved, force)
-    specimen, said = add_specimen_temperature(file, specimen, chosen)
+    time, displacement, force = (values[role] for role in ("time", "displacement", "force"))
+    _refuse_swapped(file, chosen, displacement, force)
+    notes += _refuse_sizes(file, chosen, time, displacement, force)
+    specimen, sentences = add_specimen_temperature(file, specimen, chosen)
     specimen, rested = stated_rest(file, specimen)
-    source = channels.source(file, [c.says for c in chosen], [*notes, *said, *rested])
-    return RelaxationTest(time, moved, force, specimen, source, units="SI")
+    source = channels.source(file, [c.says for c in chosen], [*notes, *sentences, *rested])
+    return RelaxationTest(time, displacement, force, specimen, source, units="SI")
 
 
 def load_signals(
@@ -159,12 +159,12 @@ def _refuse_sizes(
     file: OpenedFile,
     chosen: Sequence[Channel],
     time: FloatArray,
-    moved: FloatArray,
+    displacement: FloatArray,
     force: FloatArray,
 ) -> list[str]:
     """Ask for the units again that make a size no test of a seal has; notes on unusual ones."""
-    travel, rise = float(np.ptp(moved)), float(np.ptp(force))
-    begun, full = cleaning.ramp_samples(moved)
+    travel, rise = float(np.ptp(displacement)), float(np.ptp(force))
+    begun, full = cleaning.ramp_samples(displacement)
     away = np.abs(force - force[begun])
     # a record that begins in its hold shows neither
     pressed = bool(away[full] > 0.5 * rise and away[full] >= away[-1])
@@ -177,11 +177,11 @@ def _refuse_sizes(
         return size_checks.steps_of_one_unit(steps.beside, steps.step, float(time[steps.at]), ticks)
 
     def evaluate_sizes(
-        times: Mapping[Role, float], unit: Mapping[Role, str], said: AbstractSet[Role]
+        times: Mapping[Role, float], unit: Mapping[Role, str], stated: AbstractSet[Role]
     ) -> list[tuple[Role, list[Check]]]:
         far, push = travel * times["displacement"], rise * times["force"]
         clock = times.get("time", 1.0)
-        ramp = 0.0 if "displacement" in said else took * clock
+        ramp = 0.0 if "displacement" in stated else took * clock
         # a speed is made of both: of an unusual travel that is too fast the travel is asked first
         fast = bool(ramp) and size_checks.ramp_not_fast(far / ramp, "s").failed
         moves, pushes, ticks = unit["displacement"], unit["force"], unit.get("time", "s")
@@ -215,16 +215,16 @@ def _refuse_sizes(
 
 
 def _refuse_swapped(
-    file: OpenedFile, chosen: Sequence[Channel], moved: FloatArray, force: FloatArray
+    file: OpenedFile, chosen: Sequence[Channel], displacement: FloatArray, force: FloatArray
 ) -> None:
     """Propose the swap where the 'displacement' relaxes, unless the user named the columns."""
     if (
         file.options.force
         or file.options.displacement
-        or not cleaning.has_swapped_signals(moved, force)
+        or not cleaning.has_swapped_signals(displacement, force)
     ):
         return
-    index = {one.role: one.index for one in chosen}
+    index = {channel.role: channel.index for channel in chosen}
     raise ReadError(
         "displacement and force look swapped: the column read as force is held while the one read "
         "as displacement relaxes; if so, add "

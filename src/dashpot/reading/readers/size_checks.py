@@ -57,8 +57,8 @@ def _make_size_criterion(
         grade=grade, name=name, question=question,
     )  # fmt: skip
     def judge(size: float, unit: str) -> Finding:
-        told = f"{says} {format_quantity_short(size, symbol)}"
-        return Finding(told, size, **_make_unit_advice(told, role, unit, likely))
+        text = f"{says} {format_quantity_short(size, symbol)}"
+        return Finding(text, size, **_make_unit_advice(text, role, unit, likely))
 
     return judge
 
@@ -82,11 +82,11 @@ def travel_of_a_bench(travel: float, unit: str, *, force: float) -> Finding:
     """The displacement goes as far as a force of that size presses rubber."""
     says = f"The displacement goes over {format_quantity_short(travel, 'm')}"
     probe = force < 10 * LEAST_FORCE and unit not in _COARSE
-    beside = f"{says} under {format_quantity_short(force, 'N')}"
+    text = f"{says} under {format_quantity_short(force, 'N')}"
     return Finding(
         says,
         travel,
-        **_make_unit_advice(beside, "displacement", unit, _LARGER),
+        **_make_unit_advice(text, "displacement", unit, _LARGER),
         excused=probe,
     )
 
@@ -109,11 +109,11 @@ force_of_a_seal = _make_size_criterion(
 def force_of_a_bench(force: float, unit: str, *, travel: float) -> Finding:
     """The force is as great as rubber answers such a travel with."""
     says = f"The force goes over {format_quantity_short(force, 'N')}"
-    beside = f"{says} while the displacement goes over {format_quantity_short(travel, 'm')}"
+    text = f"{says} while the displacement goes over {format_quantity_short(travel, 'm')}"
     return Finding(
         says,
         force,
-        **_make_unit_advice(beside, "force", unit, _LARGER),
+        **_make_unit_advice(text, "force", unit, _LARGER),
         excused=travel < 5e-4,
     )
 

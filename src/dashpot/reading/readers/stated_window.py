@@ -83,13 +83,13 @@ def window_rate(
     if options.window_decay is not None:
         rate = 1 / options.window_decay if options.window_decay > 0 else 0.0
         return rate, rate > 0, ()
-    found = stated_window(header, record)
-    if found is None:
+    window = stated_window(header, record)
+    if window is None:
         return None, False, ()
-    if found.rate is None:
-        return None, True, (f"the header states an exponential window: {found.says}",)
-    note = f"exponential window of {1 / found.rate:.4g} s: {found.says} in the header"
-    return found.rate, True, (note,)
+    if window.rate is None:
+        return None, True, (f"the header states an exponential window: {window.says}",)
+    note = f"exponential window of {1 / window.rate:.4g} s: {window.says} in the header"
+    return window.rate, True, (note,)
 
 
 def refuse_unknown_rate(says: str) -> None:

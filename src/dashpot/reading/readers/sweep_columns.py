@@ -49,11 +49,11 @@ def sweep_columns(file: OpenedFile) -> tuple[list[RoleAssignment], int | None]:
     ReadError
         If a column is not found, or one could be storage or the size.
     """
-    found = _parts(file)
-    columns = channels.answered(file, list(found.values()), _hint(file, found))
+    answers = _parts(file)
+    columns = channels.answered(file, list(answers.values()), _hint(file, answers))
     _told_apart(file, columns)
-    ratio = next((one.index for one in columns if one.role == "loss_factor"), None)
-    columns = [one for one in columns if one.role != "loss_factor"]
+    ratio = next((column.index for column in columns if column.role == "loss_factor"), None)
+    columns = [column for column in columns if column.role != "loss_factor"]
     temperature = file.find_unambiguous_column("temperature")
     return [*columns, temperature] if temperature else columns, ratio
 
@@ -67,10 +67,10 @@ def swept(file: OpenedFile) -> tuple[LoadedColumns, dict[Role, FloatArray], str,
         With what the file leaves open.
     """
     wanted, ratio = sweep_columns(file)
-    found = parts_of(file, channels.with_units(file, wanted), ratio)
-    if "temperature" not in found[1] and temperatures_of_segments(file, found[0]) is None:
-        refuse_unlike_blocks(*found[:2])
-    return found
+    parts = parts_of(file, channels.with_units(file, wanted), ratio)
+    if "temperature" not in parts[1] and temperatures_of_segments(file, parts[0]) is None:
+        refuse_unlike_blocks(*parts[:2])
+    return parts
 
 
 def refuse_unlike_blocks(loaded: LoadedColumns, values: Mapping[Role, FloatArray]) -> None:
@@ -91,11 +91,11 @@ def refuse_unlike_blocks(loaded: LoadedColumns, values: Mapping[Role, FloatArray
     ]
     for f, storage in sweeps[1:]:
         order = np.argsort(sweeps[0][0])
-        first, known = sweeps[0][0][order], sweeps[0][1][order]
+        first, reference = sweeps[0][0][order], sweeps[0][1][order]
         within = (f >= first[0]) & (f <= first[-1])
         if not within.any() or len(set(f.tolist())) < _A_SWEEP:
             continue
-        times = math.exp(median(np.abs(storage - np.interp(f, first, known))[within]))
+        times = math.exp(median(np.abs(storage - np.interp(f, first, reference))[within]))
         if times >= _FAR:
             raise ReadError(
                 f"its blocks sweep the same frequencies, and their moduli differ {times:.3g} "
@@ -120,11 +120,11 @@ def amplitude_column(file: OpenedFile) -> RoleAssignment:
     """
     named = amplitude_named(file.table, file.options)
     for role in _AMPLITUDES:
-        found = assign(file.table, role, named)
-        if isinstance(found, RoleAssignment):
-            return found
-        if found.choices:
-            raise ReadError(found.says)
+        answer = assign(file.table, role, named)
+        if isinstance(answer, RoleAssignment):
+            return answer
+        if answer.choices:
+            raise ReadError(answer.says)
     raise ReadError(
         "no column of strain or displacement amplitude was found; name it with "
         "--column strain=NAME or displacement=NAME; the columns are "
@@ -135,27 +135,27 @@ def amplitude_column(file: OpenedFile) -> RoleAssignment:
 def _parts(file: OpenedFile) -> dict[Role, RoleAssignment | Question]:
     """The columns of frequency and of the modulus: with loss, loss factor or loss angle."""
     table, options = file.table, file.options
-    found = {role: assign(table, role, options) for role in _ROLES}
+    answers = {role: assign(table, role, options) for role in _ROLES}
     other = _find_loss_substitute(file)
     size = file.column("complex_modulus")
     size = None if options.storage else size
-    apart = _both(found) and not options.loss_factor
-    if options.loss or apart or other is None:
-        if size and not apart:
+    separate = _both(answers) and not options.loss_factor
+    if options.loss or separate or other is None:
+        if size and not separate:
             _require_loss_angle(file, table.columns[size.index].name)
-        return found
+        return answers
     if isinstance(other, Question):
-        return {**found, "loss": other, "storage": size or found["storage"]}
-    del found["loss"]
-    found[other.role] = other
-    if size and _is_size(file, size, found):
-        found["storage"] = size
-    return found
+        return {**answers, "loss": other, "storage": size or answers["storage"]}
+    del answers["loss"]
+    answers[other.role] = other
+    if size and _is_size(file, size, answers):
+        answers["storage"] = size
+    return answers
 
 
-def _hint(file: OpenedFile, found: Mapping[Role, RoleAssignment | Question]) -> str:
+def _hint(file: OpenedFile, answers: Mapping[Role, RoleAssignment | Question]) -> str:
     """What the file is instead, where a column is not found."""
-    if not any(isinstance(answer, Question) for answer in found.values()):
+    if not any(isinstance(answer, Question) for answer in answers.values()):
         return ""
     kind, reason = kind_of(file.table, file.options)
     return "" if kind in {"dma", "unclear"} else f" (it is not a DMA test: {reason})"
@@ -163,7 +163,7 @@ def _hint(file: OpenedFile, found: Mapping[Role, RoleAssignment | Question]) -> 
 
 def _told_apart(file: OpenedFile, columns: Sequence[RoleAssignment]) -> None:
     """Refuse one column for storage and loss."""
-    both = [one.index for one in columns if one.role in {"storage", "loss"}]
+    both = [column.index for column in columns if column.role in {"storage", "loss"}]
     if len(both) == len(set(both)):
         return
     raise ReadError(
@@ -173,10 +173,10 @@ def _told_apart(file: OpenedFile, columns: Sequence[RoleAssignment]) -> None:
     )
 
 
-def _both(found: Mapping[Role, RoleAssignment | Question]) -> bool:
+def _both(answers: Mapping[Role, RoleAssignment | Question]) -> bool:
     """Whether storage and loss are columns of their own."""
-    pair = [found["storage"], found["loss"]]
-    at = {one.index for one in pair if isinstance(one, RoleAssignment)}
+    pair = [answers["storage"], answers["loss"]]
+    at = {answer.index for answer in pair if isinstance(answer, RoleAssignment)}
     return len(at) == len(pair)
 
 
@@ -189,9 +189,9 @@ def _find_loss_substitute(file: OpenedFile) -> RoleAssignment | Question | None:
     if file.options.phase and not file.options.loss_factor:
         roles.reverse()
     for role in roles:
-        found = assign(file.table, role, file.options)
-        if isinstance(found, RoleAssignment) or found.choices:
-            return found
+        answer = assign(file.table, role, file.options)
+        if isinstance(answer, RoleAssignment) or answer.choices:
+            return answer
     return None
 
 
@@ -206,7 +206,7 @@ def _require_loss_angle(file: OpenedFile, name: str) -> None:
 
 
 def _is_size(
-    file: OpenedFile, size: RoleAssignment, found: Mapping[Role, RoleAssignment | Question]
+    file: OpenedFile, size: RoleAssignment, answers: Mapping[Role, RoleAssignment | Question]
 ) -> bool:
     """Whether a column is the size of the complex modulus: its name, or the user, says so.
 
@@ -215,7 +215,7 @@ def _is_size(
     ReadError
         If the name says neither that nor storage.
     """
-    columns, storage = file.table.columns, found["storage"]
+    columns, storage = file.table.columns, answers["storage"]
     if file.options.magnitude or vocabulary.says_size(columns[size.index].name):
         named = isinstance(storage, RoleAssignment) and storage.index != size.index
         return bool(file.options.magnitude) or not named
@@ -247,10 +247,10 @@ def parts_of(
     of = {c.role: c for c in chosen}
     base = of["storage" if "storage" in of else "complex_modulus"]
     indexes = [c.index for c in chosen] + ([] if ratio is None else [ratio])
-    beside = file.column("loss_factor") if "loss" in of else None
-    columns = [*indexes, *([beside.index] if beside else [])]
+    assignment = file.column("loss_factor") if "loss" in of else None
+    columns = [*indexes, *([assignment.index] if assignment else [])]
     loaded = channels.load(file.table, columns, file.options.segment)
-    told = loaded.values[:, -1]
+    reported = loaded.values[:, -1]
     loaded = replace(loaded, values=loaded.values[:, : len(indexes)])
     loaded = channels.filled_down(loaded, [c.role for c in chosen])
     rows, gaps = channels.select_complete_rows(loaded)
@@ -263,9 +263,9 @@ def parts_of(
                 f"storage is a {base.unit.dimension} and loss a {of['loss'].unit.dimension}; "
                 "expected both in one kind of unit, such as MPa or N/mm"
             )
-        if beside is not None:
-            told = told[np.isfinite(loaded.values).all(axis=1)]
-            notes += _check_loss_factor(file, of["loss"].index, beside.index, told, values)
+        if assignment is not None:
+            reported = reported[np.isfinite(loaded.values).all(axis=1)]
+            notes += _check_loss_factor(file, of["loss"].index, assignment.index, reported, values)
         return loaded, values, si_unit(base.unit.dimension).word, notes
     if ratio is None:
         angle = of["loss_angle"]
@@ -288,15 +288,19 @@ def parts_of(
 
 
 def _check_loss_factor(
-    file: OpenedFile, loss: int, factor: int, told: FloatArray, values: Mapping[Role, FloatArray]
+    file: OpenedFile,
+    loss: int,
+    factor: int,
+    reported: FloatArray,
+    values: Mapping[Role, FloatArray],
 ) -> list[str]:
     """Say if a column of loss factors is not loss over storage; ask which is right if by far."""
     columns = file.table.columns
-    told = told / (100 if columns[factor].unit == "%" else 1)
-    sound = np.isfinite(told) & (told > 0) & (values["storage"] > 0) & (values["loss"] > 0)
-    if not sound.any():
+    reported = reported / (100 if columns[factor].unit == "%" else 1)
+    valid = np.isfinite(reported) & (reported > 0) & (values["storage"] > 0) & (values["loss"] > 0)
+    if not valid.any():
         return []
-    times = median((told * values["storage"] / np.where(sound, values["loss"], 1.0))[sound])
+    times = median((reported * values["storage"] / np.where(valid, values["loss"], 1.0))[valid])
     if max(times, 1 / times) <= _ROUNDED:
         return []
     says = (
@@ -311,23 +315,27 @@ def _check_loss_factor(
     )
 
 
-def _solid_angle(file: OpenedFile, one: Channel, angle: FloatArray) -> FloatArray:
+def _solid_angle(file: OpenedFile, channel: Channel, angle: FloatArray) -> FloatArray:
     """Refuse what is no loss angle of a solid, and ask for a unit that is likely the other one."""
-    name, degree = format_column(file.table.columns, one.index), math.pi / 180
+    name, degree = format_column(file.table.columns, channel.index), math.pi / 180
     low, high = float(angle.min(initial=0.0)), float(angle.max(initial=0.0))
-    raw = high / one.unit.factor
+    raw = high / channel.unit.factor
     if low < 0:
         raise ReadError(
             f"{name} falls to {low / degree:.3g} deg; expected the loss angle, by which the force "
             "leads the motion, of 0 to 90 deg: if it is the angle of the motion to the force, "
             "write it into the file with its sign turned"
         )
-    if one.unit.word == "rad" and raw >= math.pi / 2:
+    if channel.unit.word == "rad" and raw >= math.pi / 2:
         raise ReadError(
             f"{name} goes to {raw:.3g} rad, where a loss angle stays below 1.57: is the unit deg? "
             'Then add --units "phase=deg"'
         )
-    if one.unit.word != "rad" and 0 < raw < math.pi / 2 and not channels.is_stated(file, one):
+    if (
+        channel.unit.word != "rad"
+        and 0 < raw < math.pi / 2
+        and not channels.is_stated(file, channel)
+    ):
         raise ReadError(
             f"{name} goes to no more than {raw:.3g} deg: is the unit rad? Then add "
             '--units "phase=rad"; if it is meant so, say it: --units "phase=deg"'

@@ -27,7 +27,7 @@ def read_text_column(
         If the file is none of text, and the column holds words.
     """
     columns, count = file.table.columns, len(loaded.values)
-    index = next((i for i, one in enumerate(columns) if names & set(tokens(one.name))), None)
+    index = next((i for i, column in enumerate(columns) if names & set(tokens(column.name))), None)
     if index is None:
         return np.full(count, "")
     if columns[index].content == "number":

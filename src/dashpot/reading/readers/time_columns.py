@@ -37,16 +37,20 @@ def since_the_step(table: FileTable, options: ReadOptions) -> RoleAssignment | Q
 
     A rheometer writes both, and the whole one began before the step.
     """
-    found = assign(table, "time", options)
-    if options.time or isinstance(found, Question):
-        return found
-    own = [
+    answer = assign(table, "time", options)
+    if options.time or isinstance(answer, Question):
+        return answer
+    indices = [
         i
-        for i in found.rivals
+        for i in answer.rivals
         if score(table.columns[i], "time", options) >= 1.5
         and has_word(table.columns[i].name, STEP_TIME)
     ]
-    return RoleAssignment("time", own[0], "it runs since the step") if len(own) == 1 else found
+    return (
+        RoleAssignment("time", indices[0], "it runs since the step")
+        if len(indices) == 1
+        else answer
+    )
 
 
 def interpolate_to_force_clock(loaded: LoadedColumns, ratio: float = 1.0) -> LoadedColumns:
@@ -64,20 +68,20 @@ def interpolate_to_force_clock(loaded: LoadedColumns, ratio: float = 1.0) -> Loa
     ReadError
         If the displacement's clock falls, or the two share no time.
     """
-    time, moved, force, ticks = loaded.values.T
+    time, change, force, ticks = loaded.values.T
     ticks = ratio * ticks
-    known = np.isfinite(ticks) & np.isfinite(moved)
-    falls = np.flatnonzero(np.diff(ticks[known]) <= 0)
+    value = np.isfinite(ticks) & np.isfinite(change)
+    falls = np.flatnonzero(np.diff(ticks[value]) <= 0)
     if falls.size:
-        row = int(np.flatnonzero(known)[falls[0] + 1])
+        row = int(np.flatnonzero(value)[falls[0] + 1])
         raise ReadError(
             f"the clock of the displacement does not rise at {loaded.format_row_position(row)}; "
             "name one clock "
             "for both with --column time=NAME"
         )
     begin, end = (
-        np.min(ticks, where=known, initial=np.inf),
-        np.max(ticks, where=known, initial=-np.inf),
+        np.min(ticks, where=value, initial=np.inf),
+        np.max(ticks, where=value, initial=-np.inf),
     )
     both = np.isfinite(time) & np.isfinite(force) & (time >= begin) & (time <= end)
     if not both.any():
@@ -86,7 +90,7 @@ def interpolate_to_force_clock(loaded: LoadedColumns, ratio: float = 1.0) -> Loa
             "with --column time=NAME"
         )
     shared = channels.rows(loaded, both)
-    at_forces = np.interp(time[both], ticks[known], moved[known])
+    at_forces = np.interp(time[both], ticks[value], change[value])
     note = (
         f"displacement and force have clocks of their own: {both.sum()} of {len(time)} rows of "
         "force lie within both, and the displacement was interpolated to their instants"

@@ -25,9 +25,9 @@ def read_trajectory(path: str | Path, *, options: ReadOptions | None = None) -> 
         channels.refuse_other_rate(file)
         rate = file.options.rate
         chosen = channels.choose(file, channels.add_time_role(file, "displacement"))
-        rows, said = channels.select_complete_rows(channels.load_test(file, chosen, 2))
+        rows, sentences = channels.select_complete_rows(channels.load_test(file, chosen, 2))
         values = channels.convert_signals_to_si(rows, chosen)
         time = np.arange(len(rows)) / rate if rate else values["time"]
-        notes = [*file.table.notes, *said]
+        notes = [*file.table.notes, *sentences]
         source = channels.source(file, [c.says for c in chosen], notes)
         return Trajectory(time, values["displacement"], source=source)

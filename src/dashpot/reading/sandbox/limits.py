@@ -47,7 +47,7 @@ def confine(seconds: float) -> None:
         (resource.RLIMIT_CPU, whole + 5),  # both ends, should the parent be gone
         (resource.RLIMIT_CORE, 0),
     ):
-        held = (one for one in resource.getrlimit(which) if one != resource.RLIM_INFINITY)
+        held = (index for index in resource.getrlimit(which) if index != resource.RLIM_INFINITY)
         least = min([most, *held])
         try:
             resource.setrlimit(which, (least, least))

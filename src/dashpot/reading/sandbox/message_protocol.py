@@ -59,10 +59,10 @@ def receive(stream: BinaryIO) -> dict[str, Any]:
 
 def exactly(stream: BinaryIO, size: int) -> bytes:
     """Read so many bytes, or raise `ProtocolError`."""
-    found = stream.read(size)
-    if len(found) < size:
+    content = stream.read(size)
+    if len(content) < size:
         raise ProtocolError
-    return found
+    return content
 
 
 def send_answer(stream: BinaryIO, answer: Answer) -> None:
@@ -91,7 +91,7 @@ def send_answer(stream: BinaryIO, answer: Answer) -> None:
         "cautions": [i for i, note in enumerate(answer.notes) if isinstance(note, Caution)],
     }  # fmt: skip
     blocks = (answer.load(range(*of)).values.T for of in _blocks(rows, width))
-    send(stream, head, (np.ascontiguousarray(each, float).data.cast("B") for each in blocks))
+    send(stream, head, (np.ascontiguousarray(block, float).data.cast("B") for block in blocks))
 
 
 def receive_answer(stream: BinaryIO, head: dict[str, Any]) -> Answer:

@@ -18,8 +18,10 @@ _WRITTEN: dict[Mark, str] = {
     ".,": r"[+-]?(?:\d++[.,]?\d*+|[.,]\d++)",
 }
 _EXPONENT = r"(?:[eEdD][+-]?\d{1,4})?"
-_PLAIN = {mark: re.compile(rf"\A{one}{_EXPONENT}\Z") for mark, one in _WRITTEN.items()}
-_ALL_PLAIN = {mark: re.compile(rf"\A(?:{one}{_EXPONENT}\n)++\Z") for mark, one in _WRITTEN.items()}
+_PLAIN = {mark: re.compile(rf"\A{name}{_EXPONENT}\Z") for mark, name in _WRITTEN.items()}
+_ALL_PLAIN = {
+    mark: re.compile(rf"\A(?:{name}{_EXPONENT}\n)++\Z") for mark, name in _WRITTEN.items()
+}
 # a group that gives nothing back (`)++`) is lost in Python 3.11.2 from the second match on
 GROUPS: dict[Mark, str] = {
     ".": r"(?:[,'\u2019 \u00a0\u2009\u202f]\d{3})+",

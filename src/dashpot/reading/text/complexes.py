@@ -54,7 +54,7 @@ def parted_cells(text: str) -> str | None:
         if len(rows) < _SHARE * len(filled):
             continue
         bare = pattern.sub(_HOLE, lines[rows[0]]).strip()
-        sign = next((one for one in _DELIMITERS if one in bare), " ")
+        sign = next((delimiter for delimiter in _DELIMITERS if delimiter in bare), " ")
         places = _split(bare, sign)
         for i in rows:
             lines[i] = _with_parts(lines[i], pattern, sign)
@@ -64,7 +64,7 @@ def parted_cells(text: str) -> str | None:
 
 
 def _split(line: str, sign: str) -> list[str]:
-    return line.split() if sign == " " else [one.strip() for one in line.split(sign)]
+    return line.split() if sign == " " else [part.strip() for part in line.split(sign)]
 
 
 def _with_parts(line: str, pattern: re.Pattern[str], delimiter: str) -> str:

@@ -33,11 +33,11 @@ def open_columns(values: FloatArray) -> set[int]:
     while stop < len(values) and left.size:
         start, stop = stop, stop + min(most, max(_FIRST, stop))
         part = np.abs(values[start:stop, left])
-        said = np.isfinite(part) & (part > 0)
-        odd = said & ((part < 1) | (part >= 1e3))
-        digits = np.where(said & ~odd, part, 1.0) * 1e3
+        stated = np.isfinite(part) & (part > 0)
+        odd = stated & ((part < 1) | (part >= 1e3))
+        digits = np.where(stated & ~odd, part, 1.0) * 1e3
         odd |= np.abs(digits - np.round(digits)) > 0.01
-        whole[left] |= (said & (part == np.floor(part))).any(axis=0)
+        whole[left] |= (stated & (part == np.floor(part))).any(axis=0)
         left = left[~odd.any(axis=0)]
     return set(left[whole[left]].tolist())
 
@@ -121,8 +121,8 @@ def _add_rows(
 ) -> None:
     wanted = {place: indexes[place] for place in columns}
     for line in lines:
-        found = cell.split(line, dialect.delimiter)
-        if all(i < len(found) and columns[p].is_redundant(found[i]) for p, i in wanted.items()):
+        parts = cell.split(line, dialect.delimiter)
+        if all(i < len(parts) and columns[p].is_redundant(parts[i]) for p, i in wanted.items()):
             continue
         row = dialect.row(line)
         if row is None:

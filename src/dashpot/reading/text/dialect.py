@@ -71,43 +71,43 @@ class Dialect:
         """
         if len(line) > LONGEST:
             return None
-        found = cell.split(line, self.delimiter, trim=False)
-        if self.delimiter == " " and len(found) < self.cells:
-            found = cell.split_by_alignment(line, like)
-        whole, width = len(found) == self.cells, len(self.contents)
-        if not cell.drop_trailing_blanks(found) or not (whole or self._ends_well(found)):
+        parts = cell.split(line, self.delimiter, trim=False)
+        if self.delimiter == " " and len(parts) < self.cells:
+            parts = cell.split_by_alignment(line, like)
+        whole, width = len(parts) == self.cells, len(self.contents)
+        if not cell.drop_trailing_blanks(parts) or not (whole or self._ends_well(parts)):
             return None
-        if self.contents[0] == "blank" and found[0] and not cell.is_number(found[0], self.mark):
+        if self.contents[0] == "blank" and parts[0] and not cell.is_number(parts[0], self.mark):
             return None  # a word where every row is blank: a key of the header
-        found = found[:width] + [""] * (width - len(found))
-        return found if self._is_plain(found) or self._has_numbers(found) else None
+        parts = parts[:width] + [""] * (width - len(parts))
+        return parts if self._is_plain(parts) or self._has_numbers(parts) else None
 
-    def _ends_well(self, found: Sequence[str]) -> bool:
+    def _ends_well(self, names: Sequence[str]) -> bool:
         """Whether a row of another width has all its numbers, and no number behind them."""
-        behind = found[len(self.contents) :]
-        reaches = not self.numbers or len(found) > self.numbers[-1]
+        behind = names[len(self.contents) :]
+        reaches = not self.numbers or len(names) > self.numbers[-1]
         return reaches and not any(cell.is_number(c, self.mark) for c in behind)
 
-    def _is_plain(self, found: Sequence[str]) -> bool:
+    def _is_plain(self, names: Sequence[str]) -> bool:
         """Whether there is a plain number wherever one is expected."""
-        return not self._has_clock and cell.are_plain([found[i] for i in self.numbers], self.mark)
+        return not self._has_clock and cell.are_plain([names[i] for i in self.numbers], self.mark)
 
-    def _has_numbers(self, found: Sequence[str]) -> bool:
+    def _has_numbers(self, names: Sequence[str]) -> bool:
         """Whether there are numbers enough, and more than words, where numbers are expected."""
-        filled = blank = words = said = 0
+        filled = blank = words = stated = 0
         for i in self.numbers:
-            if self._is_value(found[i], i):
+            if self._is_value(names[i], i):
                 filled += 1
                 if 2 * filled > len(self.numbers):  # whatever the others hold
                     return True
-            elif cell.is_missing(found[i]):
+            elif cell.is_missing(names[i]):
                 blank += 1
-                said += any(map(str.isalpha, found[i]))
+                stated += any(map(str.isalpha, names[i]))
             elif i == self.numbers[0]:
                 return False  # "Mean;1.2;3.4"
             else:
                 words += 1
-        if said and said == len(self.numbers):  # NaN in every place
+        if stated and stated == len(self.numbers):  # NaN in every place
             return True
         # a heading that holds a number or two has more words than numbers
         return filled > words and 2 * (filled + blank) > len(self.numbers)
@@ -150,8 +150,8 @@ class Dialect:
     def value(self, text: str, column: int) -> float | None:
         """The number in a cell of a column, or None."""
         if self.contents[column] == "clock":
-            found = instant(text)
-            return None if found is None else found.seconds
+            timestamp = instant(text)
+            return None if timestamp is None else timestamp.seconds
         return cell.number(text, self.mark)
 
 
@@ -168,21 +168,22 @@ def find_dialect(
     signs = _delimiters(windows, delimiter)
     plain = [_plainly(window, signs, marks) for window in windows]
     full = [
-        len(window) * one.cells if one else 0 for one, window in zip(plain, windows, strict=True)
+        len(window) * dialect.cells if dialect else 0
+        for dialect, window in zip(plain, windows, strict=True)
     ]
     best = plain[full.index(max(full))] if full else None
     highest: float = max(full, default=0)
-    rest = [window for one, window in zip(plain, windows, strict=True) if one is None]
+    rest = [window for dialect, window in zip(plain, windows, strict=True) if dialect is None]
     most = {sign: [_most_numbers(sign, window) for window in rest] for sign in signs}
     for sign, mark, (i, window) in product(signs, marks, enumerate(rest)):
         if most[sign][i] > highest:
-            score, found = _best_run(window, sign, mark, above=highest)
-            if found is not None:
-                highest, best = score, found
-    found = None if best is None else _from_the_top(lines, best)
-    if found is not None and (found.mark, decimal) == (".", None) and found.delimiter != ",":
-        found = _determine_decimal_mark(lines, found)
-    return None if found is None else _fill_blank_columns(lines, found)
+            score, dialect = _best_run(window, sign, mark, above=highest)
+            if dialect is not None:
+                highest, best = score, dialect
+    dialect = None if best is None else _from_the_top(lines, best)
+    if dialect is not None and (dialect.mark, decimal) == (".", None) and dialect.delimiter != ",":
+        dialect = _determine_decimal_mark(lines, dialect)
+    return None if dialect is None else _fill_blank_columns(lines, dialect)
 
 
 def is_overlong(line: str) -> bool:
@@ -195,46 +196,46 @@ def most_cells(line: str) -> int:
     return 1 + max(map(line.count, _DELIMITERS))
 
 
-def _fill_blank_columns(lines: Sequence[str], found: Dialect) -> Dialect:
+def _fill_blank_columns(lines: Sequence[str], dialect: Dialect) -> Dialect:
     """The dialect, with the columns that were blank where it was found and hold numbers elsewhere.
 
     Such is a temperature that is written once for each block.
     """
     none: tuple[Content, ...] = ("blank",)
-    contents = (*found.contents, *none * (found.cells - len(found.contents)))
+    contents = (*dialect.contents, *none * (dialect.cells - len(dialect.contents)))
     blank = [i for i, held in enumerate(contents) if held == "blank"]
-    if not blank or found.delimiter == " ":
-        return found
+    if not blank or dialect.delimiter == " ":
+        return dialect
     texts: dict[int, list[str]] = {i: [] for i in blank}
-    for line in lines[found.first :]:
-        row = cell.split(line, found.delimiter, trim=False)
+    for line in lines[dialect.first :]:
+        row = cell.split(line, dialect.delimiter, trim=False)
         if len(row) == len(contents):
             for i in blank:
                 texts[i] += filter(None, [row[i]])
-    held = {i: _content(texts[i], found.mark) for i in blank if texts[i]}
-    filled = {i: one for i, one in held.items() if one in {"number", "clock"}}
+    held = {i: _content(texts[i], dialect.mark) for i in blank if texts[i]}
+    filled = {i: name for i, name in held.items() if name in {"number", "clock"}}
     if not filled:
-        return found
-    width = max(len(found.contents), max(filled) + 1)
-    whole = tuple(filled.get(i, one) for i, one in enumerate(contents[:width]))
-    return replace(found, contents=whole)
+        return dialect
+    width = max(len(dialect.contents), max(filled) + 1)
+    whole = tuple(filled.get(i, content) for i, content in enumerate(contents[:width]))
+    return replace(dialect, contents=whole)
 
 
-def _determine_decimal_mark(lines: Sequence[str], found: Dialect) -> Dialect:
+def _determine_decimal_mark(lines: Sequence[str], dialect: Dialect) -> Dialect:
     """The dialect with a decimal comma, if more rows have it: 0,000 above 1,234 shows which."""
-    other = replace(found, mark=",")
-    if not any(other.row(line) for line in lines[: found.first]):
-        return found
-    other = _from_the_top(lines, other) or found
-    return other if other.first < found.first else found
+    other = replace(dialect, mark=",")
+    if not any(other.row(line) for line in lines[: dialect.first]):
+        return dialect
+    other = _from_the_top(lines, other) or dialect
+    return other if other.first < dialect.first else dialect
 
 
-def _delimiters(windows: Sequence[Sequence[str]], given: str | None) -> tuple[str, ...]:
+def _delimiters(windows: Sequence[Sequence[str]], text: str | None) -> tuple[str, ...]:
     """What to try: the one given, else all, and a fixed width for cells that may be blank."""
-    if given == "fixed":
+    if text == "fixed":
         return tuple(dict.fromkeys(map(_find_column_breaks, windows)))
-    if given is not None:
-        return (given,)
+    if text is not None:
+        return (text,)
     if any(map(_has_groups, windows)):
         return tuple(sign for sign in _DELIMITERS if sign != " ")
     aligned = [window for window in windows if any(" " in line for line in window)]
@@ -317,9 +318,9 @@ def _best_run(
     rows = [cell.split(line, sign, trim=False) for line in lines]
     best: tuple[float, Dialect | None] = (above, None)
     for run in _runs(rows, mark):
-        score, found = _score_run(run, sign, mark, above=best[0])
-        if found.numbers and score > best[0]:
-            best = score, found
+        score, dialect = _score_run(run, sign, mark, above=best[0])
+        if dialect.numbers and score > best[0]:
+            best = score, dialect
     return best
 
 
@@ -332,14 +333,14 @@ def _score_run(
     contents = [_content(column, mark) for column in columns]
     while contents and contents[-1] == "blank":
         contents.pop()
-    found = Dialect(sign, mark, tuple(contents), cells=cells)
-    if len(run) * len(found.numbers) <= above:  # even without a word
-        return above, found
+    dialect = Dialect(sign, mark, tuple(contents), cells=cells)
+    if len(run) * len(dialect.numbers) <= above:  # even without a word
+        return above, dialect
     texts = (columns[i] for i, held in enumerate(contents) if held == "text")
     words = sum(2.0 if _hides_numbers(column) else 0.5 for column in texts)
     # a lone number on each of a few lines is a header more often than a table
-    lone = 0.5 if len(found.numbers) == 1 else 0.0
-    return len(run) * (len(found.numbers) - words - lone), found
+    lone = 0.5 if len(dialect.numbers) == 1 else 0.0
+    return len(run) * (len(dialect.numbers) - words - lone), dialect
 
 
 def decimals(text: str, mark: Mark) -> int | None:

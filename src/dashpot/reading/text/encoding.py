@@ -82,10 +82,12 @@ _UNITS = re.compile(r"(?:°[CF]?|[µμ][mNsV]|[ms][²³])(?![^\W\d_])")
 _DEBRIS = re.compile(r"(?<=[^\W\d_])[³¹¿œŸž¡£¥]|[¤¦¨¸¯](?=\w)|[\x80-\x9f\ufffd\ue000-\uf8ff]")
 
 
-def decode_blocks(blocks: Iterable[bytes], encoding: str, *, found: bool = False) -> Iterator[str]:
+def decode_blocks(
+    blocks: Iterable[bytes], encoding: str, *, detected: bool = False
+) -> Iterator[str]:
     """Decode blocks of bytes to text with one kind of line end, each ending with a line end.
 
-    Where the encoding was `found`, not given, a stray byte becomes a question mark: it stands in
+    Where the encoding was `detected`, not given, a stray byte becomes a question mark: it stands in
     a word, never in a number.
 
     Raises
@@ -93,7 +95,7 @@ def decode_blocks(blocks: Iterable[bytes], encoding: str, *, found: bool = False
     ReadError
         If the bytes are not in it.
     """
-    decoder = codecs.getincrementaldecoder(encoding)("replace" if found else "strict")
+    decoder = codecs.getincrementaldecoder(encoding)("replace" if detected else "strict")
     rest = ""
     try:
         for block in blocks:

@@ -31,7 +31,7 @@ _TOGETHER = (
 def _make_byte_masks(stop: int) -> IndexArray:
     """The bits of a word that are a cell's, by its length; it begins `stop` before the end."""
     others = (min(max(stop - length, 0), _WORD) for length in range(_SEEN + 1))
-    return np.array([2**64 - 2 ** (8 * each) for each in others], np.uint64)
+    return np.array([2**64 - 2 ** (8 * other) for other in others], np.uint64)
 
 
 _KEPT = _make_byte_masks(_WORD), _make_byte_masks(_SEEN)
@@ -83,9 +83,9 @@ class PartedLines:
         ending = np.ndarray(len(self.text) - _SEEN + 1, f"V{_SEEN}", self.text, strides=(1,))
         words = ending[end - _SEEN].view("<u8").reshape(-1, 2).T
         number = np.zeros(1, np.uint64)
-        for stop, word, kept in zip((_WORD, _SEEN), words[::-1], _KEPT, strict=True):
+        for stop, word, values in zip((_WORD, _SEEN), words[::-1], _KEPT, strict=True):
             if longest > stop - _WORD:
-                digits = (word ^ _ZEROS) & kept.take(length)
+                digits = (word ^ _ZEROS) & values.take(length)
                 if not _merge_digits(digits, stop - behind, point):
                     return None
                 number = digits * 10 ** (stop - _WORD) + number
@@ -103,10 +103,10 @@ def _merge_digits(word: IndexArray, place: int, point: int) -> bool:
         word ^= stands
     if int(np.bitwise_or.reduce((word + _TO_HIGH) | word)) & _HIGH:
         return False
-    for by, bits, left in _TOGETHER:
+    for by, bits, index in _TOGETHER:
         word *= by
         word >>= bits
-        word &= left
+        word &= index
     return True
 
 

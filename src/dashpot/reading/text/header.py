@@ -62,8 +62,8 @@ def read_header(lines: Sequence[str], dialect: Dialect) -> Header:
     uneven = ""
     if odd and names and not words:
         words, uneven = _assign_uneven_units(odd, names, dialect)
-    each = zip_longest(names[:width], words[:width], dialect.contents)
-    padded = [(name or "", word, content) for name, word, content in each]
+    pairs = zip_longest(names[:width], words[:width], dialect.contents)
+    padded = [(name or "", word, content) for name, word, content in pairs]
     return Header(
         tuple(_column(name, word, content) for name, word, content in padded),
         tuple(_clock(name, word) if content == "clock" else "" for name, word, content in padded),
@@ -95,14 +95,14 @@ def _denies(name: str, word: str) -> bool:
     """Whether a unit is one of something else than what a name surely says."""
     if units.find_unit(word) is None:
         return False
-    said = [role for role, value in vocabulary.matches(name).items() if value >= 2.0]
+    sentences = [role for role, value in vocabulary.matches(name).items() if value >= 2.0]
     measured = [
         of[role]
-        for role in said
+        for role in sentences
         for of in (vocabulary.DIMENSION, vocabulary.OF_A_PART)
         if role in of
     ]
-    return bool(measured) and not any(units.find_unit(word, one) for one in measured)
+    return bool(measured) and not any(units.find_unit(word, text) for text in measured)
 
 
 def _clock(name: str, word: str | None) -> str:
@@ -185,16 +185,16 @@ def _cells(line: str, dialect: Dialect) -> list[str]:
     text, width = uncomment(line, dialect.delimiter), len(dialect.contents)
     if dialect.delimiter in _MARKS and line.partition(dialect.delimiter)[0].strip() == "%":
         text = line  # the unit of the first column
-    found = cell.split(text, dialect.delimiter)
-    if len(found) == width + 1 and (found[0] in {"", "%"} or found[0].endswith(":")):
-        return found[1:]  # a label stands before the row: "Interval data:"
-    if len(found) == width - 1 and text.rstrip(" \r\n").endswith(dialect.delimiter):
-        found.append("")  # the last has no unit
+    parts = cell.split(text, dialect.delimiter)
+    if len(parts) == width + 1 and (parts[0] in {"", "%"} or parts[0].endswith(":")):
+        return parts[1:]  # a label stands before the row: "Interval data:"
+    if len(parts) == width - 1 and text.rstrip(" \r\n").endswith(dialect.delimiter):
+        parts.append("")  # the last has no unit
     fixed = dialect.delimiter.startswith("fixed")  # headings need not keep to the columns
-    if len(found) > 1 and not fixed and _fits(found, dialect):
-        return found
+    if len(parts) > 1 and not fixed and _fits(parts, dialect):
+        return parts
     cuts = _other_cuts(text, dialect.delimiter)
-    return next((again for again in cuts if len(again) == width), found)
+    return next((again for again in cuts if len(again) == width), parts)
 
 
 def _other_cuts(text: str, delimiter: str) -> Iterator[list[str]]:
@@ -227,9 +227,9 @@ def _find_labelled_cells(lines: Sequence[str], dialect: Dialect, what: str) -> l
         text = uncomment(line, dialect.delimiter)
         match = _LABELS[what].match(text)
         if match:
-            found = _cells(text[match.end() :], dialect)
-            if len(found) == len(dialect.contents):
-                return found
+            names = _cells(text[match.end() :], dialect)
+            if len(names) == len(dialect.contents):
+                return names
     return []
 
 
@@ -247,25 +247,25 @@ def _parse_column_lines(lines: Sequence[str], width: int) -> tuple[list[str], li
     for line in [line for line in lines if line.strip()][-width - 1 :]:
         text = _COMMENT.sub("", line, count=1).strip()
         number = _NUMBERED.match(text)
-        told = (
+        unit = (
             _parse_name_unit(text[number.end() :] if number else text)
             if text != line.strip()
             else None
         )
-        if not told or (number and int(number[1]) != len(run) + 1):
+        if not unit or (number and int(number[1]) != len(run) + 1):
             run = []
         else:
-            run.append(told)
+            run.append(unit)
     return ([name for name, _ in run], [word for _, word in run]) if len(run) == width else None
 
 
 def _signals(lines: Sequence[str], width: int) -> tuple[list[str], list[str]] | None:
     """The names and units of ``Sig1  Time (min)``, if there is one for each column, in order."""
-    found = list(filter(None, map(_SIGNAL.match, lines)))
-    if [int(one[1]) for one in found] != list(range(1, width + 1)):
+    matches = list(filter(None, map(_SIGNAL.match, lines)))
+    if [int(match[1]) for match in matches] != list(range(1, width + 1)):
         return None
-    told = [split_unit(one[2].strip()) for one in found]
-    return [name for name, _ in told], [unit or "" for _, unit in told]
+    items = [split_unit(match[2].strip()) for match in matches]
+    return [name for name, _ in items], [unit or "" for _, unit in items]
 
 
 def _parse_name_unit(text: str) -> tuple[str, str] | None:
@@ -290,8 +290,8 @@ def _pick(rows: Sequence[list[str]], dialect: Dialect) -> tuple[list[str], list[
         if _is_units(row, dialect):
             words = _merge_unit_rows(row, words) if words else row
         elif _is_names(row, dialect):
-            beside = not words and len(above) == len(row) and _is_units(above, dialect)
-            words, upper = (above, rows[i - 2] if i > 1 else []) if beside else (words, above)
+            parallel = not words and len(above) == len(row) and _is_units(above, dialect)
+            words, upper = (above, rows[i - 2] if i > 1 else []) if parallel else (words, above)
             return _fill_blank_names(row, upper, words), words, odd
         elif not words and not odd and len(row) > 1 and _holds_units(row):
             odd = row
@@ -305,15 +305,15 @@ def _fill_blank_names(row: Sequence[str], above: Sequence[str], words: Sequence[
 
     So stands a cell that runs over both rows of names of a sheet: its text is in the upper one.
     """
-    found = list(row)
+    names = list(row)
     for i, (name, upper) in enumerate(zip(row, above, strict=False)):
         word = words[i] if i < len(words) else split_unit(upper)[1]
-        known = (
+        certain = (
             word is not None and units.find_unit(_strip(word) if word.strip() else "") is not None
         )
-        if not name and known and vocabulary.matches(split_unit(upper)[0]):
-            found[i] = upper
-    return found
+        if not name and certain and vocabulary.matches(split_unit(upper)[0]):
+            names[i] = upper
+    return names
 
 
 def _merge_unit_rows(above: Sequence[str], below: Sequence[str]) -> list[str]:
@@ -353,19 +353,19 @@ def _holds_units(row: Sequence[str]) -> bool:
 
 def _most_are_units(words: Counter[str]) -> bool:
     """Whether most words are units, or built like one: no more are judged than decide it."""
-    left = 0.4 * words.total()
+    remainder = 0.4 * words.total()
     for word, count in words.items():
-        left -= count * (not _says_unit(word))
-        if left < -_TINY:
+        remainder -= count * (not _says_unit(word))
+        if remainder < -_TINY:
             return False
     return True
 
 
 def _says_unit(word: str) -> bool:
-    known = (
+    certain = (
         units.find_unit(word) is not None or vocabulary.normalise_name(word) in vocabulary.COUNTED
     )
-    return known or _unit_shape(word)
+    return certain or _unit_shape(word)
 
 
 def _is_name_over_unit(word: str) -> bool:
@@ -423,8 +423,8 @@ def find_header_change(
 
 def _says_columns(columns: Sequence[Column]) -> bool:
     """Whether at least half of what stands there is a name or a unit that is known."""
-    known = sum(bool(vocabulary.matches(c.name) or units.find_unit(c.unit or "")) for c in columns)
-    return known > 0 and 2 * known >= sum(bool(c.name or c.unit) for c in columns)
+    total = sum(bool(vocabulary.matches(c.name) or units.find_unit(c.unit or "")) for c in columns)
+    return total > 0 and 2 * total >= sum(bool(c.name or c.unit) for c in columns)
 
 
 def _contradicts(old: Column, new: Column) -> bool:

@@ -73,12 +73,12 @@ class PlainRows:
         if unquoted is None or not self.clocks:
             return None if unquoted is None else self._numbers_even_grouped(unquoted)
         bare, cells = self._without_clocks(unquoted)
-        found = {place: self.clocks[place].many(texts) for place, texts in cells.items()}
-        if not found or None in found.values():
+        timestamps = {place: self.clocks[place].many(texts) for place, texts in cells.items()}
+        if not timestamps or None in timestamps.values():
             return None
         values = self._numbers_even_grouped(bare)
         if values is not None:
-            for place, moments in found.items():
+            for place, moments in timestamps.items():
                 values[:, place] = self.clocks[place].add(moments or ())
         return values
 
@@ -101,13 +101,13 @@ class PlainRows:
         values = self._numbers(unquoted)
         if values is not None or self.blanks or self.groups is None:
             return values
-        found = list(self.groups.finditer(unquoted))
-        values = self._numbers(self.groups.sub(_join_digit_groups, unquoted)) if found else None
+        matches = list(self.groups.finditer(unquoted))
+        values = self._numbers(self.groups.sub(_join_digit_groups, unquoted)) if matches else None
         if values is not None and self.dialect.mark == ".":
             codes = _codes(unquoted)
             ends = np.flatnonzero((codes == ord(self.dialect.delimiter)) | (codes == 10))
             # a comma in quotes that parts no cells is a blank by now
-            at = [one.end() for one in found if "," in one[2] or " " in one[2]]
+            at = [match.end() for match in matches if "," in match[2] or " " in match[2]]
             width = int(np.searchsorted(ends, unquoted.find("\n"))) + 1
             columns = set((np.searchsorted(ends, at) % width).tolist())
             self.commas |= {place for place, i in enumerate(self.indexes) if i in columns}
@@ -118,23 +118,23 @@ class PlainRows:
         if self.dialect.mark == "," and "." in unquoted:
             return None
         raw = _latin(unquoted)
-        found, width = None, len(self.dialect.contents)
+        lines, width = None, len(self.dialect.contents)
         if self.even or not self.blanks:
-            found = split_line_cells(raw, ord(self.dialect.delimiter))
-        if found is not None and (len(found.ends) < width or found.lengths[width:].any()):
-            found = None
-        if found is not None and self.even:
+            lines = split_line_cells(raw, ord(self.dialect.delimiter))
+        if lines is not None and (len(lines.ends) < width or lines.lengths[width:].any()):
+            lines = None
+        if lines is not None and self.even:
             # between blanks a line with a word is no row, whatever column is wanted
             read = range(width) if self.blanks else self.indexes
-            values = found.numbers(read, self.dialect.mark.encode())
+            values = lines.numbers(read, self.dialect.mark.encode())
             if values is not None:
                 return values[:, self.indexes] if self.blanks else values
             self.even = False
         if self.blanks:
             return self._parse(unquoted)
-        if found is None:
+        if lines is None:
             return None
-        values = self._from_json(raw, len(found.ends) - width)
+        values = self._from_json(raw, len(lines.ends) - width)
         if values is None:
             values = self._parse(unquoted)
         if values is None and self._has_blanks(unquoted):
@@ -143,7 +143,7 @@ class PlainRows:
 
     def _has_blanks(self, text: str) -> bool:
         """Whether a cell is blank; first by its neighbours, for the pattern tries every place."""
-        near = any(one in text for one in self.beside_blank)
+        near = any(name in text for name in self.beside_blank)
         return (near or text[:1] in {self.dialect.delimiter, "\n"}) and bool(
             self.blank.search(text)
         )
@@ -190,12 +190,12 @@ class PlainRows:
         import msgspec  # not before it pays
 
         try:
-            found = _decode()(b"[%b]" % text[:-1])
+            numbers = _decode()(b"[%b]" % text[:-1])
         except (ValueError, msgspec.MsgspecError):
             return None
-        if not found:  # blank lines
+        if not numbers:  # blank lines
             return None
-        values = np.frombuffer(struct.pack(f"{len(found)}d", *found))
+        values = np.frombuffer(struct.pack(f"{len(numbers)}d", *numbers))
         return values.reshape(-1, len(self.dialect.contents))[:, self.indexes]
 
     def _parse(self, text: str) -> FloatArray | None:
@@ -228,8 +228,8 @@ def _grouped_between(sign: str, mark: cell.Mark) -> re.Pattern[str] | None:
     return re.compile(rf"((?:(?<=[{sign}\n])|\A){digits})({cell.GROUPS[mark]})(?={rest}[{sign}\n])")
 
 
-def _join_digit_groups(found: re.Match[str]) -> str:
-    return found[1] + "".join(filter(str.isdigit, found[2]))
+def _join_digit_groups(match: re.Match[str]) -> str:
+    return match[1] + "".join(filter(str.isdigit, match[2]))
 
 
 @cache

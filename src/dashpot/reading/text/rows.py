@@ -65,8 +65,8 @@ class _Gathered:
 
     def add(self, values: FloatArray, line: int) -> None:
         """Add rows that stand on one line after the other, from this line on."""
-        known = self.lines[-1] if self.lines else (0, line)
-        if not self.lines or known[1] + self.rows - known[0] != line:
+        items = self.lines[-1] if self.lines else (0, line)
+        if not self.lines or items[1] + self.rows - items[0] != line:
             self.lines.append((self.rows, line))
         self.parts.append(values)
         self.rows += len(values)
@@ -168,8 +168,8 @@ def _load_columns(
         points = decimal_marks.open_columns(values)
         below = _patient(_drop_first_lines(blocks(), dialect.first), patience, dialect.first + 1)
         commas = reader.grouped | reader.plain.commas
-        asked = decimal_marks.ambiguous(below, dialect, indexes, commas, points)
-        got.doubts += [(None, question) for question in asked]
+        questions = decimal_marks.ambiguous(below, dialect, indexes, commas, points)
+        got.doubts += [(None, question) for question in questions]
     starts, names = tuple(got.starts), tuple(got.segments)
     return LoadedColumns(
         values, starts, names, tuple(got.lines), tuple(notes), tuple(got.doubts), tuple(got.above)
@@ -308,14 +308,14 @@ class _Reader:
         between = self.got.between
         if self.got.rows and between and self._is_malformed_row(between[0]):
             number, text = between[0]
-            found = cell.split(text, self.dialect.delimiter)
-            cut_off = len(between) == 1 and len(found) < len(self.dialect.contents)
-            if not found[0][:1].isalpha() and not cut_off:  # else a summary, or a cut-off row
+            parts = cell.split(text, self.dialect.delimiter)
+            cut_off = len(between) == 1 and len(parts) < len(self.dialect.contents)
+            if not parts[0][:1].isalpha() and not cut_off:  # else a summary, or a cut-off row
                 self._refuse(number, text)
         notes = []
         for place, clock in self.clocks.items():
-            nights, asked = clock.apply_day_changes(values[:, place])
-            self.got.doubts += [(None, question) for question in asked]
+            nights, questions = clock.apply_day_changes(values[:, place])
+            self.got.doubts += [(None, question) for question in questions]
             notes += [f"the clock passes midnight at row {row + 1}" for row in nights[:3]]
         return notes
 
@@ -323,14 +323,14 @@ class _Reader:
         """Add rows, once what stands before them is judged."""
         got = self.got
         if got.rows and got.between:
-            alone = len(got.between) == 1
-            for one in (got.between[0], got.between[-1]):
-                if self._is_malformed_row(one) or (alone and like_number(one[1].strip())):
-                    self._refuse(*one)
-            found = self._find_header_change()
-            self.changed = self.changed if found is None else found  # it holds until the next
+            single = len(got.between) == 1
+            for item in (got.between[0], got.between[-1]):
+                if self._is_malformed_row(item) or (single and like_number(item[1].strip())):
+                    self._refuse(*item)
+            change = self._find_header_change()
+            self.changed = self.changed if change is None else change  # it holds until the next
             before = len(got.starts)
-            got.part(found)
+            got.part(change)
             if self.changed and len(got.starts) > before:
                 advice = f"read what stands before it with --part segment={before}"
                 says = f"{self.changed}; split the file there, or {advice}"
@@ -396,9 +396,9 @@ class _Reader:
             for i in self.dialect.numbers
         )
 
-    def _is_malformed_row(self, one: tuple[int, str]) -> bool:
+    def _is_malformed_row(self, pair: tuple[int, str]) -> bool:
         """Whether a line beside rows holds numbers as they do, and is none."""
-        text = one[1]
+        text = pair[1]
         if text not in self.odd:
             comment = re.match(r"\A\s*+[#%$!]", text) is not None
             odd = not comment and self.dialect.resembles_row(text)
@@ -408,29 +408,29 @@ class _Reader:
         return self.odd[text]
 
     def _refuse(self, number: int, line: str) -> None:
-        found = cell.split(line, self.dialect.delimiter)
+        parts = cell.split(line, self.dialect.delimiter)
         width = self.dialect.cells or len(self.dialect.contents)
         shown = f"'{line.strip()[:60]}'"
-        if len(found) in {width, len(self.dialect.contents)}:
-            odd = self._odd_cell(found)
+        if len(parts) in {width, len(self.dialect.contents)}:
+            odd = self._odd_cell(parts)
             raise ReadError(
-                f"line {number} has the {len(found)} cells of the table, but {odd}: {shown}; "
+                f"line {number} has the {len(parts)} cells of the table, but {odd}: {shown}; "
                 "correct that line or take it out, or split the file there"
             )
         raise ReadError(
-            f"line {number} has {len(found)} cell{'s' * (len(found) != 1)} where the table has "
+            f"line {number} has {len(parts)} cell{'s' * (len(parts) != 1)} where the table has "
             f"{width}: {shown}; which one is missing, added or not parted cannot be known: "
             "correct that line or take it out, or split the file there"
         )
 
-    def _odd_cell(self, found: Sequence[str]) -> str:
+    def _odd_cell(self, names: Sequence[str]) -> str:
         """What is odd of a line that has the cells of a row and is none."""
         contents = self.dialect.contents
         for i in self.dialect.numbers:
-            text = found[i] if i < len(found) else ""
+            text = names[i] if i < len(names) else ""
             if not cell.is_missing(text) and self.dialect.value(text, i) is None:
                 held = "a time" if contents[i] == "clock" else "a number"
                 return f"'{text[:20]}' in column {i + 1}, where {held} is expected"
-        if contents[0] == "blank" and found and found[0]:
-            return f"'{found[0][:20]}' in column 1, which is blank in every row"
+        if contents[0] == "blank" and names and names[0]:
+            return f"'{names[0][:20]}' in column 1, which is blank in every row"
         return "too few of them are numbers"

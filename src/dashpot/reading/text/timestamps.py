@@ -85,40 +85,40 @@ class ClockColumn:
         """
         if self.order == "ms":
             return None
-        known, found = self._minutes, []
+        timestamps, moments = self._minutes, []
         for cell in cells:
             head, _, tail = cell.rpartition(":")
-            if head not in known:
-                known[head] = moment(f"{head}:00") if ":" in head else None
-            minute = known[head]
+            if head not in timestamps:
+                timestamps[head] = moment(f"{head}:00") if ":" in head else None
+            minute = timestamps[head]
             if minute is None or not _SECONDS.match(tail):
                 return None
             seconds = minute.seconds + float(tail.replace(",", "."))
-            found.append(Timestamp(minute.date, seconds, "hms"))
-        return found
+            moments.append(Timestamp(minute.date, seconds, "hms"))
+        return moments
 
-    def add(self, found: Sequence[Timestamp]) -> FloatArray:
+    def add(self, timestamps: Sequence[Timestamp]) -> FloatArray:
         """Return the seconds of the next cells, of which :meth:`many` said this."""
         date = self.dates[-1][1] if self.dates else None
-        for row, one in enumerate(found, start=self.rows):
-            if one.date != date:
-                date = one.date
+        for row, timestamp in enumerate(timestamps, start=self.rows):
+            if timestamp.date != date:
+                date = timestamp.date
                 self.dates.append((row, date))
-        self.rows += len(found)
-        return np.array([one.seconds for one in found])
+        self.rows += len(timestamps)
+        return np.array([timestamp.seconds for timestamp in timestamps])
 
     def seconds(self, cell: str) -> float | None:
         """Return the seconds of the day that the next cell says, or None."""
         self.rows += 1
-        found = instant(cell)
-        if found is None:
+        timestamp = instant(cell)
+        if timestamp is None:
             return None
-        if not self.dates or self.dates[-1][1] != found.date:
-            self.dates.append((self.rows - 1, found.date))
+        if not self.dates or self.dates[-1][1] != timestamp.date:
+            self.dates.append((self.rows - 1, timestamp.date))
         minutes = self.order == "ms"
-        if found.parts == ("hms" if minutes else "") and self.order != "hm":
+        if timestamp.parts == ("hms" if minutes else "") and self.order != "hm":
             self.doubtful = self.doubtful or cell
-        return found.seconds / 60.0 if minutes and not found.parts else found.seconds
+        return timestamp.seconds / 60.0 if minutes and not timestamp.parts else timestamp.seconds
 
     def apply_day_changes(self, values: FloatArray) -> tuple[list[int], list[Question]]:
         """Add the days to the seconds; return the rows where midnight passes, and what to ask."""
@@ -165,8 +165,8 @@ def _days(words: list[str], order: str) -> list[int]:
 
 def _which_date(words: list[str], *, possible: bool) -> Question:
     if not possible:
-        known = (word for word in words if any(_day(word, order) for order in _ORDERS))
-        wrong = next((word for word in words if word not in set(known)), words[-1]) or "no date"
+        names = (word for word in words if any(_day(word, order) for order in _ORDERS))
+        wrong = next((word for word in words if word not in set(names)), words[-1]) or "no date"
         says = (
             f"the dates of the clock, such as '{wrong}', are not all days of one calendar; "
             "correct them, or give --rate 1000Hz (the true one) if the rows are evenly sampled"

@@ -58,41 +58,41 @@ _CURVE = frozenset({
 })  # fmt: skip
 
 
-def page(found: Fit) -> KindPage:
+def page(fit: Fit) -> KindPage:
     """What the page of a fitted solid holds."""
-    return _solid(found, found)
+    return _solid(fit, fit)
 
 
-def identified_page(found: Identified) -> KindPage:
+def identified_page(result: Identified) -> KindPage:
     """And of one that was fitted to both tests."""
-    page = _solid(found, found.fit)
-    both = "relaxation" in found.fit.method or len(page.sources) > 1
+    page = _solid(result, result.fit)
+    both = "relaxation" in result.fit.method or len(page.sources) > 1
     modes = Group(
-        "Measured", tuple(r for one in found.vibration.modes for r in mode_rows(one.mode))
-    ) if found.vibration else None  # fmt: skip
+        "Measured", tuple(r for mode in result.vibration.modes for r in mode_rows(mode.mode))
+    ) if result.vibration else None  # fmt: skip
     return replace(
         page,
         about="one solid of both tests" if both else "the solid under a hammer",
         groups=(*page.groups, *((modes,) if modes else ())),
-        sources=tuple(dict.fromkeys((*page.sources, *found.direct.of.source)))
-        if hasattr(found.direct.of, "source") else page.sources,
+        sources=tuple(dict.fromkeys((*page.sources, *result.direct.of.source)))
+        if hasattr(result.direct.of, "source") else page.sources,
         name="joint" if both else "fit",
     )  # fmt: skip
 
 
-def _solid(found: Fit | Identified, fit: Fit) -> KindPage:
+def _solid(result: Fit | Identified, fit: Fit) -> KindPage:
     """A page of a solid: stiffness and loss over frequency, its arms one by one."""
-    material, moved = fit.unit == "Pa", fit.temperatures
+    material, shifts = fit.unit == "Pa", fit.temperatures
     name = "The material" if material else "One seal"
     high = round_to_error(fit.band[1], digits=2)
     at_end = fit.end_of_hold
-    known = at_end.fact(fit.model, fit.unit) if at_end else next(iter(fit.facts), None)
-    stiff = "" if known is None else f"{known.cells.value} {known.word}"
-    if moved is None:
-        asked = [Topic("Stiffness", OF_REST, stiff),
+    fact = at_end.fact(fit.model, fit.unit) if at_end else next(iter(fit.facts), None)
+    stiff = "" if fact is None else f"{fact.cells.value} {fact.word}"
+    if shifts is None:
+        topics = [Topic("Stiffness", OF_REST, stiff),
                  Topic("Damping", OF_LOSS, f"known to {high}{NBSP}Hz")]  # fmt: skip
     else:
-        asked = [Topic("Superposition", _CURVE, "one curve"),
+        topics = [Topic("Superposition", _CURVE, "one curve"),
                  Topic("Shifts", _SHIFTS, _law_of(fit)),
                  Topic("Arms", OF_LOSS | OF_REST, format_count(fit.model.arms, "arm"))]  # fmt: skip
     strip = [
@@ -102,9 +102,9 @@ def _solid(found: Fit | Identified, fit: Fit) -> KindPage:
         ("Fit", fit.identity[:8]),
     ]
     return KindPage(
-        about="master curve" if moved is not None and material else _format_test_name(fit),
+        about="master curve" if shifts is not None and material else _format_test_name(fit),
         strip=tuple(strip),
-        lights=lights(found.checks, Topic("Test"), *asked),
+        lights=lights(result.checks, Topic("Test"), *topics),
         answers=f"What {name.lower()} does at each frequency",
         picture=over_frequency(fit),
         told=f"{name}, {_format_model_name(fit)}",
@@ -130,12 +130,12 @@ def over_frequency(fit: Fit, records: Sequence[Any] = ()) -> plot.Picture:
     """
     low, high = fit.band
     lines = np.geomspace(max(low, 1e-9) / _BEYOND, high * (_BEYOND * 10), _LINES)
-    held = [one for one in records if isinstance(one, RampHold)]
-    unseen = None
+    held = [record for record in records if isinstance(record, RampHold)]
+    bounds = None
     if held and len(held) == len(records) <= _BOUNDED:
-        unseen = unseen_arm_band(fit, held, lines)
-    known = parameter_band(fit, lines) if fit.parameters else None
-    drawn = plot.stiffness(fit, parameters=known, unseen=unseen)
+        bounds = unseen_arm_band(fit, held, lines)
+    stiffness_bounds = parameter_band(fit, lines) if fit.parameters else None
+    drawn = plot.stiffness(fit, parameters=stiffness_bounds, unseen=bounds)
     (storage,), _, (loss,) = drawn.strips
     low_end = (float(lines[0]), float(lines[-1]))
     stacked = tuple(
@@ -166,9 +166,10 @@ def _make_condition_cells(fit: Fit) -> Iterator[tuple[str, str]]:
     if fit.end_of_hold is not None and not fit.end_of_hold.in_frequency:
         yield "Held", duration(fit.end_of_hold.time)
     if fit.temperatures is not None:
-        every = [one.temperature for one in fit.temperatures.shifts]
+        every = [shift.temperature for shift in fit.temperatures.shifts]
         ends = " to ".join(
-            round_to_error(convert_to_unit(one, "°C"), digits=3) for one in (min(every), max(every))
+            round_to_error(convert_to_unit(value, "°C"), digits=3)
+            for value in (min(every), max(every))
         )
         yield "Reference", format_quantity(fit.temperatures.reference, "°C", ".4g")
         yield "Temperatures", f"{len(every)}, {ends} °C"
@@ -176,19 +177,19 @@ def _make_condition_cells(fit: Fit) -> Iterator[tuple[str, str]]:
 
 def make_solid_groups(fit: Fit) -> Iterator[Group]:
     """Stiffness at the end and at rest, stiffness and loss within the band, arms, shifts."""
-    known = {one.name: one for one in fit.known}
+    facts = {reported_value.name: reported_value for reported_value in fit.known}
     first: list[Row] = []
     if fit.end_of_hold is not None:
         fact = fit.end_of_hold.fact(fit.model, fit.unit)
         seconds = duration(fit.end_of_hold.time).replace(".0 ", NBSP)
         first.append(row(fact, f"After {seconds}") if fit.residual.unit == "N" else row(fact))
-        known.pop(fact.name, None)
-    if "k_inf" in known:
-        rest = known.pop("k_inf")
+        facts.pop(fact.name, None)
+    if "k_inf" in facts:
+        rest = facts.pop("k_inf")
         first.append(row(rest, "Below the band" if rest.words else "At rest, k∞"))
     yield Group("Stiffness" if fit.unit != "Pa" else "Modulus", tuple(first))
     yield Group("Inside the valid band", tuple(_make_band_rows(fit)))
-    others = [one for name, one in known.items() if not name.startswith("b_")]
+    others = [reported_value for name, reported_value in facts.items() if not name.startswith("b_")]
     if fit.model.arms <= _FEW_ARMS or fit.family == "fractional":
         yield group("Arms: k, τ", others) if others else Group("", ())
     elif not fit.parameters:
@@ -215,32 +216,32 @@ def _make_band_rows(fit: Fit) -> Iterator[Row]:
 
 
 def _make_temperature_groups(fit: Fit) -> Iterator[Group]:
-    moved = fit.temperatures
-    assert moved is not None  # noqa: S101
+    shifts = fit.temperatures
+    assert shifts is not None  # noqa: S101
     # an error of the noise alone is no interval, and says so
-    alone = "" if fit.estimate.of_noise is None else f" ({fit.error_beside})"
-    if moved.constants:
-        law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(moved.law.kind, "law")
+    single = "" if fit.estimate.of_noise is None else f" ({fit.error_beside})"
+    if shifts.constants:
+        law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(shifts.law.kind, "law")
         yield Group(
-            f"{law} about {format_quantity(moved.reference, '°C', '.4g')}{alone}",
-            tuple(_make_error_row(one, alone=bool(alone)) for one in moved.constants),
+            f"{law} about {format_quantity(shifts.reference, '°C', '.4g')}{single}",
+            tuple(_make_error_row(constant, single=bool(single)) for constant in shifts.constants),
         )
-    every = moved.shifts
+    every = shifts.shifts
     ends = every if len(every) <= _FEW_ARMS // 2 else (every[0], every[len(every) // 2], every[-1])
     yield Group(
-        f"Shift, log₁₀ a_T{alone}",
+        f"Shift, log₁₀ a_T{single}",
         tuple(
-            _make_error_row(one.facts[0], f"At {format_quantity(one.temperature, '°C', '.4g')}",
-                      alone=bool(alone))
-            for one in ends
+            _make_error_row(end.facts[0], f"At {format_quantity(end.temperature, '°C', '.4g')}",
+                      single=bool(single))
+            for end in ends
         ),
     )  # fmt: skip
 
 
-def _make_error_row(fact: ReportedValue, name: str = "", *, alone: bool) -> Row:
+def _make_error_row(fact: ReportedValue, name: str = "", *, single: bool) -> Row:
     """A number with its standard error: as its 95 % interval, or beside it where that is more."""
     error = fact.error or 0.0
-    if alone or not 0 < error < math.inf:
+    if single or not 0 < error < math.inf:
         return row(fact, name)._replace(value=fact.cells.with_error)
     half = NORMAL * error
     return row(replace(fact, low=fact.value - half, high=fact.value + half), name)
@@ -267,13 +268,13 @@ def _make_solid_sections(fit: Fit) -> Iterator[CollapsibleSection]:
     if fit.temperatures is not None:
         shifts = tuple(
             (
-                format_quantity(one.temperature, "°C", ".4g"),
+                format_quantity(shift.temperature, "°C", ".4g"),
                 along.cells.value,
                 along.cells.error,
                 across.cells.value,
             )
-            for one in fit.temperatures.shifts
-            for along, across in (one.facts,)
+            for shift in fit.temperatures.shifts
+            for along, across in (shift.facts,)
         )
         names = ("temperature", "log₁₀ a_T", fit.error_beside, "b_T")
         yield CollapsibleSection(
@@ -282,5 +283,5 @@ def _make_solid_sections(fit: Fit) -> Iterator[CollapsibleSection]:
 
 
 def _fact_table(facts: Sequence[ReportedValue]) -> TextTable:
-    rows = tuple((one.symbol, *one.cells[1:]) for one in facts)
+    rows = tuple((fact.symbol, *fact.cells[1:]) for fact in facts)
     return TextTable(("", "value", "± SE", "95 % interval", "unit"), rows)

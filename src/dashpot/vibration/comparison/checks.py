@@ -50,14 +50,20 @@ def checks(
     """Every question that can be put to this comparison, answered."""
     stiffness, peak = stiffness_agrees(c), peak_agrees(c)
     damping = damping_agrees(c, measured)
-    found = [stiffness, peak, damping, no_unit_slip(c), lines_resolve_the_peak(measured, predicted)]
+    checks = [
+        stiffness,
+        peak,
+        damping,
+        no_unit_slip(c),
+        lines_resolve_the_peak(measured, predicted),
+    ]
     stiff, damped = not stiffness.failed, not (peak.failed or damping.failed)
     if fit is not None:
-        found.append(inside_identified_band(c, fit, borne_out=stiff and damped))
-        found.append(damping_tested(c, fit, borne_out=damped))
+        checks.append(inside_identified_band(c, fit, borne_out=stiff and damped))
+        checks.append(damping_tested(c, fit, borne_out=damped))
     if point is not None and np.isfinite(point.compression):
-        found.append(operating_point(point, borne_out=stiff))
-    return tuple(found)
+        checks.append(operating_point(point, borne_out=stiff))
+    return tuple(checks)
 
 
 def _no_peak(c: Comparison) -> bool:
@@ -290,24 +296,24 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
 
 def format_conclusion(c: Comparison) -> str:
     """What agrees, what does not, why, and what to do, as a verdict says it."""
-    found = {check.name: check for check in c.checks}
-    slip, tested = found["no_unit_slip"], found.get("damping_tested")
+    checks = {check.name: check for check in c.checks}
+    slip, tested = checks["no_unit_slip"], checks.get("damping_tested")
     if slip.failed:
         return format_short_message(slip)
-    stiff = not found["stiffness_agrees"].failed
-    damped = not (found["peak_agrees"].failed or found["damping_agrees"].failed)
+    stiff = not checks["stiffness_agrees"].failed
+    damped = not (checks["peak_agrees"].failed or checks["damping_agrees"].failed)
     if stiff and damped and (tested is None or not tested.failed):
         return f"The prediction matches the measurement: {c.matched}."
     first = _format_frequency_error(c, agrees=stiff)
     if damped:
         return f"{first} {_ASTRAY}"
     second = _format_damping_error(c)
-    said = [second, first] if stiff else [first, second]
+    sentences = [second, first] if stiff else [first, second]
     if tested is not None and tested.failed:
-        unseen = _time(tested.value or 0.0)
-        said.append(f"The relaxation test cannot see the {unseen} that matter.")
-        return clip_sentences(VERDICT_WORDS, said, [TOGETHER])
-    return clip_sentences(VERDICT_WORDS, said, [TOGETHER if stiff else _ASTRAY])
+        unmeasured = _time(tested.value or 0.0)
+        sentences.append(f"The relaxation test cannot see the {unmeasured} that matter.")
+        return clip_sentences(VERDICT_WORDS, sentences, [TOGETHER])
+    return clip_sentences(VERDICT_WORDS, sentences, [TOGETHER if stiff else _ASTRAY])
 
 
 def _format_frequency_error(c: Comparison, *, agrees: bool) -> str:

@@ -85,27 +85,27 @@ def compare(
     compression = convert_to_si(compression, "length")
     measured = measured.to(Kind.ACCELERANCE, mass=mass)
     measured = measured if band is None else measured.band(*band)
-    given = _on_lines(predicted.to(Kind.ACCELERANCE, mass=mass), measured)
+    frf = _on_lines(predicted.to(Kind.ACCELERANCE, mass=mass), measured)
     model, mass, point = _assemble_mass_on_seals(
-        given, model, fit, mass=mass, seals=seals, compression=compression
+        frf, model, fit, mass=mass, seals=seals, compression=compression
     )
-    given = _as_tested(given, measured, model, mass)
+    frf = _as_tested(frf, measured, model, mass)
     keep = _select_compared_lines(measured, find_peak(measured), explicit=band is not None)
     modes = _modes(measured.only(keep)) if band is not None else _modes_compared(measured)
-    measured, given = measured.only(keep), given.only(keep)
-    measured_peak, predicted_peak = find_peak(measured), find_peak(given)
+    measured, frf = measured.only(keep), frf.only(keep)
+    measured_peak, predicted_peak = find_peak(measured), find_peak(frf)
     mode = _drop_uncertain_mode(_find_nearest_mode(modes, measured_peak.frequency))
     comparison = Comparison(
-        predicted=given,
+        predicted=frf,
         measured=measured,
         predicted_hz=predicted_peak.frequency,
         measured_hz=measured_peak.frequency,
         predicted_peak=predicted_peak.height,
         measured_peak=measured_peak.height,
-        predicted_damping=_predicted_damping(model, mass, given, predicted_peak),
+        predicted_damping=_predicted_damping(model, mass, frf, predicted_peak),
         measured_damping=None if mode is None else mode.damping_ratio,
-        frac=_frac(given.value, measured.value),
-        rms_db=_rms_db(given.value, measured.value),
+        frac=_frac(frf.value, measured.value),
+        rms_db=_rms_db(frf.value, measured.value),
         z_rms=None,
         legend=_legend(fit, measured),
         arms=_evidence(model, fit, measured_peak.frequency),
@@ -118,14 +118,14 @@ def compare(
     z = comparison.z
     if z is not None:
         comparison = replace(comparison, z_rms=float(np.sqrt(np.mean(z**2))))
-    found = checks(
+    new_checks = checks(
         comparison,
         measured=measured_peak,
         predicted=predicted_peak,
         fit=fit,
         point=point,
     )
-    comparison = replace(comparison, checks=found)
+    comparison = replace(comparison, checks=new_checks)
     return replace(comparison, says=format_conclusion(comparison))
 
 
@@ -169,10 +169,12 @@ def _legend(fit: Fit | None, measured: FRF) -> str:
     """How a figure calls the prediction of a fit."""
     if fit is None:
         return "predicted"
-    if {one.sha256 for one in fit.source} & {one.sha256 for one in measured.source} - {""}:
+    if {source.sha256 for source in fit.source} & {source.sha256 for source in measured.source} - {
+        ""
+    }:
         return "fitted to these hits"
-    alone = fit.method in get_choice_values(Method)
-    return "predicted from relaxation" if alone else "predicted by the joint fit"
+    single = fit.method in get_choice_values(Method)
+    return "predicted from relaxation" if single else "predicted by the joint fit"
 
 
 def _on_lines(predicted: FRF, measured: FRF) -> FRF:
@@ -223,8 +225,8 @@ def _assemble_mass_on_seals(
                 "--compression"
             )
         # with a straight law, or at a compression that is given, the stiffness needs no mass
-        known = operating_point(fit, mass=1.0, seals=seals, compression=compression)
-        mass = _mass_within(predicted, seals * known.solid(fit))
+        resolved_point = operating_point(fit, mass=1.0, seals=seals, compression=compression)
+        mass = _mass_within(predicted, seals * resolved_point.solid(fit))
     point = operating_point(fit, mass=mass, seals=seals, compression=compression)
     return seals * point.solid(fit), mass, point
 
@@ -340,13 +342,13 @@ def _is_arm_identified(fit: Fit | None, arm: int) -> bool:
     """
     if fit is None or arm > fit.model.arms or fit.method == "frf":
         return False
-    if any(moved.name == f"k_{arm}" and moved.before is None for moved in fit.moved):
+    if any(change.name == f"k_{arm}" and change.before is None for change in fit.moved):
         return False
-    known = fit.estimate.noise_alone.covariance
-    rows = dict(zip(fit.parameters, np.diag(known), strict=True))
+    covariance = fit.estimate.noise_alone.covariance
+    rows = dict(zip(fit.parameters, np.diag(covariance), strict=True))
     k_var, tau_var = rows.get(f"k_{arm}"), rows.get(f"ln_tau_{arm}")
     if k_var is None or tau_var is None:
-        own = 1 / (2 * np.pi * fit.model.tau[arm - 1])
-        return fit.band[0] <= own <= fit.band[1]
+        ratio = 1 / (2 * np.pi * fit.model.tau[arm - 1])
+        return fit.band[0] <= ratio <= fit.band[1]
     k = np.array([fit.model.k[arm - 1]])
     return significant(k, np.sqrt([k_var]), np.sqrt([tau_var]))

@@ -130,7 +130,7 @@ def with_resonances(frf: FRF, spectra: Spectra, main: Mode) -> tuple[Hit, ...]:
     at = int(np.argmin(np.abs(frf.frequency - main.frequency)))
     modes: list[Mode | None] = []
     for value in (spectra.response / spectra.force)[:, near]:
-        own = FRF(
+        local_frf = FRF(
             frf.frequency[near],
             value,
             frf.quantity,
@@ -139,9 +139,9 @@ def with_resonances(frf: FRF, spectra: Spectra, main: Mode) -> tuple[Hit, ...]:
             pulse=frf.pulse,
             units="SI",
         )
-        found = own.modes(band=ends, count=1)
-        modes.append(found[0] if found and found[0].damping_ratio > 0 else None)
-    masses = [_modal_mass(one) for one in modes if one is not None]
+        new_modes = local_frf.modes(band=ends, count=1)
+        modes.append(new_modes[0] if new_modes and new_modes[0].damping_ratio > 0 else None)
+    masses = [_modal_mass(mode) for mode in modes if mode is not None]
     if not masses:
         return frf.hits
     rows = iter(zip(modes, np.abs(spectra.force[:, at]).tolist(), strict=True))
@@ -177,9 +177,9 @@ def trend_of_hits(hits: Sequence[Hit]) -> Trend | None:
     """
     rows = np.array(
         [
-            (one.amplitude, one.frequency, one.damping_ratio, one.modal_mass)
-            for one in hits
-            if one.amplitude is not None
+            (hit.amplitude, hit.frequency, hit.damping_ratio, hit.modal_mass)
+            for hit in hits
+            if hit.amplitude is not None
         ],
         dtype=float,
     )
@@ -206,5 +206,5 @@ def _line(x: FloatArray, y: FloatArray) -> RegressionLine:
     slope = float(x @ y) / spread**2
     rest, dof = y - slope * x, len(x) - 2
     se = float(np.sqrt(rest @ rest / dof)) / spread
-    found = (t_quantile(KNOWN, dof) + t_quantile(POWER, dof)) * se
-    return RegressionLine(slope, t_quantile(SURE, dof) * se, found, middle, value, se, spread, dof)
+    number = (t_quantile(KNOWN, dof) + t_quantile(POWER, dof)) * se
+    return RegressionLine(slope, t_quantile(SURE, dof) * se, number, middle, value, se, spread, dof)

@@ -70,8 +70,8 @@ class Window:
         """
         if not self.exponential:
             return 0.0
-        left = max(map(compute_undecayed_fraction, hits))
-        end = min(1.0, LEFT / max(left, LEFT)) if self.end is None else self.end
+        remainder = max(map(compute_undecayed_fraction, hits))
+        end = min(1.0, LEFT / max(remainder, LEFT)) if self.end is None else self.end
         return float(-np.log(end) / hits[0].length)
 
 
@@ -205,13 +205,13 @@ def _signs(transforms: ChannelSpectra, polarity: Sequence[int] | None) -> FloatA
     """Sign of each accelerometer: a hit sets a block moving in its own direction."""
     count = len(transforms.channels)
     if polarity is not None:
-        given = np.array(polarity, dtype=float)
-        if len(given) != count or (np.abs(given) != 1).any():
+        values = np.array(polarity, dtype=float)
+        if len(values) != count or (np.abs(values) != 1).any():
             raise DataError(
                 f"polarity = {tuple(polarity)}; expected +1 or -1 for each of the {count} "
                 f"accelerometers ({', '.join(transforms.channels)})"
             )
-        return given
+        return values
     near = transforms.band(*_mounts(transforms))
     h = np.array([estimate(spectra) for spectra in near.split_channels()])
     # the real part of the mobility, summed, is the velocity just after the hit
@@ -245,7 +245,7 @@ def _combine(
         random_error(spectra, value)
         for spectra, value in zip(near.split_channels(), values, strict=True)
     ]
-    found = null_rocking(
+    combination = null_rocking(
         FRFLines.measured(
             near.s,
             values,
@@ -256,13 +256,13 @@ def _combine(
         near.response / near.force[None],
         choices.reach,
     )
-    if choices.combine == "mean" or found is None:
-        return mean, found
-    return np.array(found.weights), found
+    if choices.combine == "mean" or combination is None:
+        return mean, combination
+    return np.array(combination.weights), combination
 
 
 def _mounts(transforms: ChannelSpectra) -> tuple[float, float]:
     """The band in which the block moves on its mounts, from the accelerometer that moves most."""
-    found = [(estimate(spectra), spectra) for spectra in transforms.split_channels()]
-    value, spectra = max(found, key=lambda pair: float((np.abs(pair[0]) ** 2).sum()))
+    pairs = [(estimate(spectra), spectra) for spectra in transforms.split_channels()]
+    value, spectra = max(pairs, key=lambda pair: float((np.abs(pair[0]) ** 2).sum()))
     return mount_band(transforms.frequency, value, random_error(spectra, value))

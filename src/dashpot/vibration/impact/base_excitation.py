@@ -58,7 +58,7 @@ def estimate_transmissibility(
     estimator = Estimator(estimator)
     if estimator is Estimator.HS:
         raise DataError("Hs needs the quiet before a hit; over a base take H1, H2 or Hv")
-    longest = max(each.stop - each.start for each in test.records())
+    longest = max(record.stop - record.start for record in test.records())
     seconds = convert_to_si(segment, "time")
     wanted = longest / USUAL if seconds is None else seconds * test.rate
     length = max(int(wanted) // 2 * 2, 8)
@@ -116,9 +116,9 @@ def _transforms(test: ShakenTest, signal: FloatArray, length: int) -> ComplexArr
     t = np.linspace(-1.0, 1.0, length)
     window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(length) / length)
     rows = []
-    for each in test.records():
-        for first in range(each.start, each.stop - length + 1, length // 2):
-            one = signal[first : first + length]
-            one = one - one.mean() - t * (t @ one) / (t @ t)
-            rows.append(np.fft.rfft(window * one))
+    for record in test.records():
+        for first in range(record.start, record.stop - length + 1, length // 2):
+            difference = signal[first : first + length]
+            difference = difference - difference.mean() - t * (t @ difference) / (t @ t)
+            rows.append(np.fft.rfft(window * difference))
     return np.array(rows).reshape(len(rows), length // 2 + 1)

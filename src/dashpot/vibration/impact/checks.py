@@ -48,11 +48,11 @@ def agreement(
     With fewer than four hits nobody can say who is wrong, so none is left out.
     """
     qualities, taken = list(qualities), taken.copy()
-    apart = disagreement(spectra.only(taken))
-    if apart is None:
+    differences = disagreement(spectra.only(taken))
+    if differences is None:
         return qualities, taken
-    usual = float(np.median(apart))
-    for i, value in zip(np.flatnonzero(taken), apart, strict=True):
+    usual = float(np.median(differences))
+    for i, value in zip(np.flatnonzero(taken), differences, strict=True):
         if value < max(OUTLIER * usual, DISAGREES):
             continue
         says = (
@@ -75,13 +75,13 @@ def disagreement(spectra: Spectra) -> FloatArray | None:
     if spectra.averages < ENOUGH:
         return None
     force, response = spectra.force, spectra.response
-    each = response / force
+    ratio = response / force
     size = np.linalg.norm(response, axis=1)
-    apart = [
-        np.linalg.norm(response[i] - np.delete(each, i, axis=0) * force[i], axis=1) / size[i]
+    separate = [
+        np.linalg.norm(response[i] - np.delete(ratio, i, axis=0) * force[i], axis=1) / size[i]
         for i in range(spectra.averages)
     ]
-    return np.asarray(np.median(apart, axis=1))
+    return np.asarray(np.median(separate, axis=1))
 
 
 def checks_of(
@@ -396,11 +396,11 @@ def channels_not_clipped(test: ShakenTest) -> Finding:
 
 def _stays(signal: FloatArray) -> int:
     """How often three samples in a row are the highest of all, or the lowest."""
-    found = 0
+    count = 0
     for end in (signal.max(), signal.min()):
         held = np.convolve(signal == end, np.ones(3), "valid") == 3
-        found += int(np.count_nonzero(held & ~np.append(False, held[:-1])))
-    return found
+        count += int(np.count_nonzero(held & ~np.append(False, held[:-1])))
+    return count
 
 
 @criterion(
@@ -502,15 +502,15 @@ def softening_detectable(trend: Trend | None) -> Finding:
 
 
 @criterion("rocking / bounce peak", "<=", 0.05)
-def rocking_cancelled(frf: FRF, found: Combination) -> Finding:
+def rocking_cancelled(frf: FRF, combination: Combination) -> Finding:
     """The accelerometers together hardly feel the block rock."""
     weighted = any(
         step.name == "combine" and len({value for _, value in step.parameters}) > 1
         for step in frf.steps
     )
-    value = found.ratio if weighted else found.mean_ratio
-    rocking, bounce = abs(found.rocking) / (2 * np.pi), abs(found.bounce) / (2 * np.pi)
-    better = "" if weighted else f". A weighted mean would leave {found.ratio:.3f}"
+    value = combination.ratio if weighted else combination.mean_ratio
+    rocking, bounce = abs(combination.rocking) / (2 * np.pi), abs(combination.bounce) / (2 * np.pi)
+    better = "" if weighted else f". A weighted mean would leave {combination.ratio:.3f}"
     return Finding(
         f"Rocking at {rocking:.5g} Hz remains with {value:.3f} of the bounce peak at "
         f"{bounce:.5g} Hz{better}",
@@ -524,18 +524,18 @@ def rocking_cancelled(frf: FRF, found: Combination) -> Finding:
 
 
 @criterion("largest rocking / bounce of a hit", "<=", 0.25)
-def hits_centred(frf: FRF, found: Combination) -> Finding:
+def hits_centred(frf: FRF, combination: Combination) -> Finding:
     """The hits meet the block near its centre."""
     names = [hit.name for hit in frf.hits if hit.accepted]
-    worst = int(np.argmax(np.abs(found.eccentricity)))
-    value = float(abs(found.eccentricity[worst]))
-    scatter = float(np.std(found.eccentricity))
+    worst = int(np.argmax(np.abs(combination.eccentricity)))
+    value = float(abs(combination.eccentricity[worst]))
+    scatter = float(np.std(combination.eccentricity))
     says = (
         f"Hit {names[worst]} rocks the block by {100 * value:.0f} % of its bounce at the "
         f"accelerometers, the most of all ({100 * scatter:.0f} % scatter)"
     )
-    if found.reach is not None:
-        reach = found.reach
+    if combination.reach is not None:
+        reach = combination.reach
         # a slender block as long as the accelerometers are apart: rho^2 = x^2 / 3
         says += (
             f". On a slender block {format_quantity(2 * reach, 'mm', '.0f')} long this is a hit "
@@ -571,8 +571,8 @@ def apparent_mass(
     w = 1 / (relative * np.abs(inverse))
     rows = np.column_stack((np.ones_like(x), x / np.abs(x).max())) * w[:, None]
     best = solve_ordinary(inverse.real * w, rows)
-    known = knowledge(best, noises=[white_noise(best)])
-    return float(best.beta[0]), float(known.standard_error[0])
+    uncertainty = knowledge(best, noises=[white_noise(best)])
+    return float(best.beta[0]), float(uncertainty.standard_error[0])
 
 
 @criterion(
@@ -590,7 +590,7 @@ def mass_line(apparent: tuple[float, float] | None, mass: float) -> Finding:
             "check the calibration"
         )
     # a part, not a mass: that is the fit's to say
-    factor, se = (one / mass for one in apparent)
+    factor, se = (value / mass for value in apparent)
     more = "above" if factor > 1 else "below"
     says = (
         f"Above the resonance the FRF shows a mass {with_error(100 * abs(factor - 1), 100 * se)} % "

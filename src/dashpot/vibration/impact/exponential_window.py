@@ -157,8 +157,8 @@ class ScatterDecay:
         model = self.variance
         for _ in range(12):
             weights = np.sqrt(self.freedom) / model
-            found = _nonnegative_pair(shape * weights[:, None], self.variance * weights)
-            model = np.maximum(shape @ found, 1e-12 * self.variance.max())
+            pair = _nonnegative_pair(shape * weights[:, None], self.variance * weights)
+            model = np.maximum(shape @ pair, 1e-12 * self.variance.max())
         return float(self.freedom @ (np.log(model) + self.variance / model))
 
 
@@ -167,10 +167,10 @@ def _nonnegative_pair(columns: FloatArray, target: FloatArray) -> FloatArray:
     best, *_ = np.linalg.lstsq(columns, target, rcond=None)
     if (best >= 0).all():
         return np.asarray(best)
-    alone = np.maximum(columns.T @ target / np.maximum((columns**2).sum(axis=0), 1e-300), 0.0)
-    left = [float(np.sum((target - columns[:, i] * alone[i]) ** 2)) for i in (0, 1)]
-    first = int(np.argmin(left))
-    return np.where(np.arange(2) == first, alone, 0.0)
+    single = np.maximum(columns.T @ target / np.maximum((columns**2).sum(axis=0), 1e-300), 0.0)
+    residuals = [float(np.sum((target - columns[:, i] * single[i]) ** 2)) for i in (0, 1)]
+    first = int(np.argmin(residuals))
+    return np.where(np.arange(2) == first, single, 0.0)
 
 
 def find_window(tests: Sequence[ImpactTest], hits: Sequence[HitBlock]) -> ExponentialWindow:
@@ -188,7 +188,7 @@ def find_window(tests: Sequence[ImpactTest], hits: Sequence[HitBlock]) -> Expone
     every = _scatter_of_responses(hits)
     # a window is one of all responses: a channel alone may have heard something before the pulse
     seen = every if every and all(map(_is_windowed, every)) else []
-    ratio = max((one.ratio for one in every), default=float("nan"))
+    ratio = max((decay.ratio for decay in every), default=float("nan"))
     if stated is None and not seen:
         # one is stated, and neither its decay nor a trace of it
         return ExponentialWindow(stated=bool(rates), ratio=ratio, known=not rates)
@@ -199,14 +199,14 @@ def find_window(tests: Sequence[ImpactTest], hits: Sequence[HitBlock]) -> Expone
         return ExponentialWindow(
             stated or 0.0, 0.0, bool(rates), True, True, ratio, rate, bool(stated)
         )
-    found = ExponentialWindow(
+    window = ExponentialWindow(
         rate, sd, bool(rates), True, _on_force(hits, rate), ratio, rate,
         from_start=_begins_with_record(seen, rate),
     )  # fmt: skip
     if stated is None:
-        return found
-    apart = abs(stated - rate) > _CONTRADICTED * sd + 0.1 * rate
-    return found._replace(rate=stated, sd=0.0, stated=True, known=not apart)
+        return window
+    separate = abs(stated - rate) > _CONTRADICTED * sd + 0.1 * rate
+    return window._replace(rate=stated, sd=0.0, stated=True, known=not separate)
 
 
 def without_offset(hit: HitBlock, window: ExponentialWindow) -> HitBlock:
@@ -234,8 +234,8 @@ def without_offset(hit: HitBlock, window: ExponentialWindow) -> HitBlock:
 def _scatter_of_responses(hits: Sequence[HitBlock]) -> list[ScatterDecay]:
     """The scatter of every response whose noise can be seen before the pulse."""
     channels = range(len(hits[0].acceleration))
-    found = [scatter_decay([hit.acceleration[i] for hit in hits], hits) for i in channels]
-    return [one for one in found if one is not None]
+    decays = [scatter_decay([hit.acceleration[i] for hit in hits], hits) for i in channels]
+    return [decay for decay in decays if decay is not None]
 
 
 def scatter_decay(rows: Sequence[FloatArray], hits: Sequence[HitBlock]) -> ScatterDecay | None:
@@ -268,11 +268,11 @@ def scatter_decay(rows: Sequence[FloatArray], hits: Sequence[HitBlock]) -> Scatt
     variance = [float(squares[:, part].mean()) for part in parts]
     spread = 2 * (0.5 - _PASSED) * len(rows)
     time = np.array([(quiet / 2 - onset) / rate, *middle])
-    each = np.array([before, *variance])
+    values = np.array([before, *variance])
     freedom = spread * np.array([quiet, *map(len, parts)], dtype=float)
     width = np.array([quiet, *map(len, parts)]) / rate
-    found = ScatterDecay(time, np.maximum(each, 1e-300), freedom, width, rounding)
-    return _clip_at_noise_rise(found)
+    decay = ScatterDecay(time, np.maximum(values, 1e-300), freedom, width, rounding)
+    return _clip_at_noise_rise(decay)
 
 
 def _estimate_noise_power(squares: FloatArray) -> float:
@@ -283,8 +283,8 @@ def _estimate_noise_power(squares: FloatArray) -> float:
     parts = [part for part in np.array_split(squares, 4, axis=1) if part.shape[1] >= _FEWEST_QUIET]
     means = np.array([part.mean(axis=1) for part in parts]).ravel()
     usual = float(np.median(means)) if len(means) else 0.0
-    kept = means[means <= _HEARD * usual]
-    return float(kept.mean()) if len(kept) else float(squares.mean())
+    retained = means[means <= _HEARD * usual]
+    return float(retained.mean()) if len(retained) else float(squares.mean())
 
 
 def _high_pass(taps: int) -> FloatArray:
@@ -299,34 +299,34 @@ def _number_step(rows: Sequence[FloatArray]) -> float:
     """Step of the number format of a channel: the least distance of two values of a block."""
     steps = []
     for row in rows:  # each is less an offset of its own
-        apart = np.diff(np.unique(np.round(row[: len(row) // 8], 12)))
-        steps.append(float(np.quantile(apart, 0.05)) if len(apart) > 1 else np.inf)
+        differences = np.diff(np.unique(np.round(row[: len(row) // 8], 12)))
+        steps.append(float(np.quantile(differences, 0.05)) if len(differences) > 1 else np.inf)
     return float(np.median(steps))
 
 
-def _clip_at_noise_rise(found: ScatterDecay) -> ScatterDecay:
+def _clip_at_noise_rise(decay: ScatterDecay) -> ScatterDecay:
     """The stretches up to where the noise starts anew, as at the block of the next hit."""
-    quietest = int(np.argmin(found.variance))
-    rises = found.variance[quietest:] > 4 * found.variance[quietest] * (
-        1 + 4 * np.sqrt(2 / found.freedom[quietest:])
+    quietest = int(np.argmin(decay.variance))
+    rises = decay.variance[quietest:] > 4 * decay.variance[quietest] * (
+        1 + 4 * np.sqrt(2 / decay.freedom[quietest:])
     )
     # the last stretches alone: the quiet before the next hit
     late = np.flatnonzero(rises)
     end = quietest + int(late[0]) if late.size and late[-1] == len(rises) - 1 else len(rises)
-    end = end if late.size else len(found.variance)
-    keep = np.arange(len(found.variance)) < max(end, 8)
-    return found.only(keep)
+    end = end if late.size else len(decay.variance)
+    keep = np.arange(len(decay.variance)) < max(end, 8)
+    return decay.only(keep)
 
 
 def _fitted_rate(seen: Sequence[ScatterDecay]) -> tuple[float, float]:
     """The decay that all channels share, 1/s, and its standard error."""
-    used = [_select_noise_segments(one) for one in seen]
-    if not used or max(len(one.time) for one in used) < _FEWEST_STRETCHES:
+    used = [_select_noise_segments(decay) for decay in seen]
+    if not used or max(len(decay.time) for decay in used) < _FEWEST_STRETCHES:
         return float("nan"), np.inf
-    length = max(one.time[-1] for one in used)
+    length = max(decay.time[-1] for decay in used)
 
     def total(rate: float) -> float:
-        return sum(one.deviance(rate) for one in used)
+        return sum(decay.deviance(rate) for decay in used)
 
     grid = np.geomspace(*_SPAN, 60) / length
     values = [total(rate) for rate in grid]
@@ -343,31 +343,31 @@ def _fitted_rate(seen: Sequence[ScatterDecay]) -> tuple[float, float]:
     least, step = total(rate), 0.01 * rate
     bend = (total(rate + step) - 2 * least + total(rate - step)) / step**2
     # chi-square of what the model leaves, against what chance would
-    freedom = sum(len(one.time) for one in used) - 3 * len(used)
-    chance = sum(float(one.freedom @ (np.log(one.variance) + 1)) for one in used)
+    freedom = sum(len(decay.time) for decay in used) - 3 * len(used)
+    chance = sum(float(decay.freedom @ (np.log(decay.variance) + 1)) for decay in used)
     excess = max((least - chance) / max(freedom, 1), 1.0)
     sd = float(np.sqrt(2 * excess / bend)) if bend > 0 else np.inf
     return rate, sd
 
 
-def _select_noise_segments(found: ScatterDecay) -> ScatterDecay:
+def _select_noise_segments(decay: ScatterDecay) -> ScatterDecay:
     """The stretches that neither a high mode nor rounding drowns."""
-    low = max(_LINEAR * found.rounding, _DEEPEST * found.variance[0])
-    above = np.flatnonzero(found.variance[1:] > found.variance[0])
-    below = np.flatnonzero(found.variance[1:] < low)
+    low = max(_LINEAR * decay.rounding, _DEEPEST * decay.variance[0])
+    above = np.flatnonzero(decay.variance[1:] > decay.variance[0])
+    below = np.flatnonzero(decay.variance[1:] < low)
     first = 1 + (int(above[-1]) + 1 if above.size else 0)
-    end = 1 + int(below[0]) if below.size else len(found.variance)
-    at = np.arange(len(found.variance))
-    return found.only((at == 0) | ((at >= first) & (at < end)))
+    end = 1 + int(below[0]) if below.size else len(decay.variance)
+    at = np.arange(len(decay.variance))
+    return decay.only((at == 0) | ((at >= first) & (at < end)))
 
 
-def _is_windowed(found: ScatterDecay) -> bool:
+def _is_windowed(decay: ScatterDecay) -> bool:
     """Whether the noise of a channel decays: by half, or by less beyond any chance."""
-    if found.ratio < EVIDENT:
+    if decay.ratio < EVIDENT:
         return True
-    if found.ratio > _SLOW:
+    if decay.ratio > _SLOW:
         return False
-    used = _select_noise_segments(found)
+    used = _select_noise_segments(decay)
     if len(used.time) < _FEWEST_STRETCHES:
         return False
     rates = np.geomspace(0.1, 3.0, 12) / used.time[-1]
@@ -377,15 +377,15 @@ def _is_windowed(found: ScatterDecay) -> bool:
 
 def _begins_with_record(seen: Sequence[ScatterDecay], rate: float) -> bool:
     """Whether the noise before the pulse decays, too, unless it clearly does not."""
-    used = [_select_noise_segments(one) for one in seen]
-    flat = sum(one.deviance(rate, from_start=False) for one in used)
-    return flat > sum(one.deviance(rate) for one in used) - _CLEAR
+    used = [_select_noise_segments(decay) for decay in seen]
+    flat = sum(decay.deviance(rate, from_start=False) for decay in used)
+    return flat > sum(decay.deviance(rate) for decay in used) - _CLEAR
 
 
 def _on_force(hits: Sequence[HitBlock], rate: float) -> bool:
     """Whether the noise of the hammer decays with the window; True where it is not seen."""
-    found = scatter_decay([hit.force for hit in hits], hits)
-    if found is None:
+    decay = scatter_decay([hit.force for hit in hits], hits)
+    if decay is None:
         return True
-    at = int(np.argmin(np.abs(found.time - 1 / rate)))
-    return bool(np.sqrt(found.variance[at] / found.variance[0]) < (1 + np.exp(-1)) / 2)
+    at = int(np.argmin(np.abs(decay.time - 1 / rate)))
+    return bool(np.sqrt(decay.variance[at] / decay.variance[0]) < (1 + np.exp(-1)) / 2)

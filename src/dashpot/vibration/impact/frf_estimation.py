@@ -106,14 +106,14 @@ def estimate_frf(
     band, resonance_band = si_range(band, "frequency"), si_range(resonance_band, "frequency")
     tests = (tests,) if isinstance(tests, ImpactTest) else tuple(tests)
     require_positive(mass=mass, unit=" kg", optional=True)
-    asked = Window.parse(window)
+    requested_window = Window.parse(window)
     hits = cut_hits(tests, record=record, pretrigger=pretrigger)
     taken = _select_accepted_hits(hits, accept, reject)
     recorded = find_window(tests, [hit for hit, t in zip(hits, taken, strict=True) if t])
     hits = tuple(without_offset(hit, recorded) for hit in hits)
     choices = AveragingOptions(
         estimator=_estimator(estimator),
-        window=asked,
+        window=requested_window,
         combine=_validate_combination(combine, tests[0].channels),
         polarity=polarity,
         band=band,
@@ -141,8 +141,8 @@ def estimate_frf(
         mass=mass,
         band=resonance_band,
     )
-    unseen = not np.isfinite(recorded.ratio) and not recorded.stated
-    if recorded.rate > 0 or not recorded.known or recorded.evident or unseen:
+    unmeasured = not np.isfinite(recorded.ratio) and not recorded.stated
+    if recorded.rate > 0 or not recorded.known or recorded.evident or unmeasured:
         checks = (*checks, window_known(recorded, main))
     return replace(frf, checks=(*checks, *caution_checks(frf.source)))
 

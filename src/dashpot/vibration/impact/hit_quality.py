@@ -47,14 +47,14 @@ def judge(hit: HitBlock, *, windowed: bool = False) -> HitQuality:
 def compute_undecayed_fraction(hit: HitBlock) -> float:
     """Part of the response that is left at the end of the block, noise taken off; 0 to 1."""
     length = max(len(hit.force) // 16, 4)
-    left = []
+    remaining = []
     for row, noise in zip(hit.acceleration, hit.noise[1:], strict=True):
         start = row[hit.onset : hit.onset + (len(row) - hit.onset) // length * length]
         power = start.reshape(-1, length).var(axis=1)
         # the decay of what rings longest: the loudest sixteenth may hold what dies at once
         last = max(power[-1] - noise**2, 0.0)
-        left.append(np.sqrt(last / max(power.max(), 1e-300)))
-    return float(min(max(left), 1.0))
+        remaining.append(np.sqrt(last / max(power.max(), 1e-300)))
+    return float(min(max(remaining), 1.0))
 
 
 def compute_pre_hit_motion(hit: HitBlock) -> float:
@@ -120,9 +120,9 @@ def _standing(hit: HitBlock) -> Iterator[tuple[str, bool]]:
     measured = len(hit.force) - hit.missing
     length = max(measured // 16, 4)
     for number, row in enumerate(hit.acceleration[:, :measured], 1):
-        found = frozen_runs(row, leaps=False)
-        if len(found):
-            first, last = found[np.argmax(np.diff(found)[:, 0])]
+        runs = frozen_runs(row, leaps=False)
+        if len(runs):
+            first, last = runs[np.argmax(np.diff(runs)[:, 0])]
             before = row[max(first - length, 0) : first + 1]
             loudest = float(row[hit.onset :][:length].std())
             says = (
@@ -180,10 +180,10 @@ def _doubts(hit: HitBlock, windowed: bool) -> Iterator[str]:
 
 
 def _ringing(hit: HitBlock, windowed: bool) -> Iterator[str]:
-    left, limit = compute_undecayed_fraction(hit), DECAYED_WITH_WINDOW if windowed else DECAYED
-    if left > limit and not hit.missing:
+    remainder, limit = compute_undecayed_fraction(hit), DECAYED_WITH_WINDOW if windowed else DECAYED
+    if remainder > limit and not hit.missing:
         yield (
-            f"{100 * left:.2g} % of the response is left at the end of the record (expected "
+            f"{100 * remainder:.2g} % of the response is left at the end of the record (expected "
             f"{100 * limit:.0f} % {'with' if windowed else 'without'} a window); record longer"
             + ("" if windowed else ", or use the exponential window")
         )

@@ -162,10 +162,10 @@ def cut_hits(
                 "column out, or look at its cable and range and hit again"
             )
     rate = tests[0].rate
-    found = [hit for test in tests for hit in _find(test)]
-    before = _pretrigger(found, rate, pretrigger)
-    length = _length(found, rate, before, record)
-    return tuple(_cut(hit, str(i), before, length) for i, hit in enumerate(found, start=1))
+    onsets = [hit for test in tests for hit in _find(test)]
+    before = _pretrigger(onsets, rate, pretrigger)
+    length = _length(onsets, rate, before, record)
+    return tuple(_cut(hit, str(i), before, length) for i, hit in enumerate(onsets, start=1))
 
 
 def _belong_together(tests: Sequence[ImpactTest]) -> None:
@@ -192,7 +192,7 @@ def _find(test: ImpactTest) -> list[_PulseOnset]:
     loudest = max(quiet, key=lambda f: float(np.abs(f).max()))
     sign = 1.0 if loudest.max() >= -loudest.min() else -1.0
     peak = float((sign * loudest).max())
-    found: list[_PulseOnset] = []
+    pulse_onsets: list[_PulseOnset] = []
     for record, force in zip(records, quiet, strict=True):
         noise = 1.4826 * float(np.median(np.abs(force)))
         hot = np.flatnonzero(sign * force > max(TRIGGER * peak, 8 * noise))
@@ -201,15 +201,15 @@ def _find(test: ImpactTest) -> list[_PulseOnset]:
         firsts = hot[np.concatenate(([True], np.diff(hot) > APART * test.rate))]
         onsets = [_onset(sign * force, int(i), noise) for i in firsts]
         neighbours = zip([None, *onsets], onsets, [*onsets[1:], None], strict=False)
-        found += [
+        pulse_onsets += [
             _PulseOnset(test, sign, record, at, last, after) for last, at, after in neighbours
         ]
-    if not found:
+    if not pulse_onsets:
         raise DataError(
             f"no hammer hit found: the force stays within {float(np.ptp(loudest)):.3g} N, without "
             "a pulse that stands out of its noise; check that the hammer column is the right one"
         )
-    return found
+    return pulse_onsets
 
 
 def _onset(force: FloatArray, crossing: int, noise: float) -> int:
@@ -220,16 +220,16 @@ def _onset(force: FloatArray, crossing: int, noise: float) -> int:
     return int(below[-1]) + 1 if below.size else 0
 
 
-def _pretrigger(found: Sequence[_PulseOnset], rate: float, pretrigger: float | None) -> int:
+def _pretrigger(onsets: Sequence[_PulseOnset], rate: float, pretrigger: float | None) -> int:
     if pretrigger is not None:
         require_nonnegative(pretrigger=pretrigger, unit=" s", expected="a time >= 0")
         return round(pretrigger * rate)
     most = round(PRETRIGGER * rate)
     # a hit without anything before it is judged later; it must not shorten the others
-    return min([most, *(hit.onset for hit in found if hit.onset >= min(8, most))])
+    return min([most, *(hit.onset for hit in onsets if hit.onset >= min(8, most))])
 
 
-def _length(found: Sequence[_PulseOnset], rate: float, before: int, record: float | None) -> int:
+def _length(onsets: Sequence[_PulseOnset], rate: float, before: int, record: float | None) -> int:
     if record is not None:
         length = sample_count(record, rate) if np.isfinite(record) else 0
         if length < before + 8:
@@ -238,12 +238,12 @@ def _length(found: Sequence[_PulseOnset], rate: float, before: int, record: floa
                 "holds before the hit"
             )
         return length
-    room = []
-    for hit in found:
+    space = []
+    for hit in onsets:
         end = hit.record.stop - hit.record.start if hit.next is None else hit.next - before
-        room.append(end - hit.onset + min(before, hit.onset))
-    usual = float(np.median(room))
-    return max(before + 8, min(r for r in room if r >= 0.5 * usual))
+        space.append(end - hit.onset + min(before, hit.onset))
+    usual = float(np.median(space))
+    return max(before + 8, min(r for r in space if r >= 0.5 * usual))
 
 
 def _cut(hit: _PulseOnset, name: str, before: int, length: int) -> HitBlock:
@@ -304,8 +304,8 @@ def remove_ringing(hit: HitBlock, poles: Sequence[complex]) -> HitBlock:
     before = (np.arange(past.shape[1]) - past.shape[1] - GUARD) / hit.rate
     basis = _decays(before, np.array(poles))
     c, *_ = np.linalg.lstsq(basis, past.T, rcond=1e-10)
-    left = past.T - basis @ c
-    if left.var() > (1 - EXPLAINED) * past.var():
+    residual = past.T - basis @ c
+    if residual.var() > (1 - EXPLAINED) * past.var():
         return hit
     after = (np.arange(len(hit.force)) - hit.onset) / hit.rate
     return replace(

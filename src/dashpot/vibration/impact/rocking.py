@@ -109,9 +109,9 @@ def _poles(lines: FRFLines, hits: ComplexArray) -> ComplexArray | None:
     """
     n = hits.shape[2]
     together = lines.value.mean(axis=0)
-    apart = (hits - hits.mean(axis=0)).reshape(-1, n)
-    size, patterns = np.linalg.svd(apart, full_matrices=False)[1:]
-    strongest = size[0] * patterns[0] / np.sqrt(len(apart))
+    difference = (hits - hits.mean(axis=0)).reshape(-1, n)
+    size, patterns = np.linalg.svd(difference, full_matrices=False)[1:]
+    strongest = size[0] * patterns[0] / np.sqrt(len(difference))
     rows = np.array([together, strongest])
     top = np.abs(rows).max(axis=1)
     if top[1] < 1e-9 * top[0]:

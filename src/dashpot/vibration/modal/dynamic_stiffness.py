@@ -199,7 +199,7 @@ def dynamic_stiffness(
         "by_mass": by_mass,
         "by_phase": by_phase,
     }
-    found = DynamicStiffness(
+    stiffness = DynamicStiffness(
         **{name: frozen(values) for name, values in arrays.items()},
         over_base=over_base,
         mass=float(mass),
@@ -209,15 +209,15 @@ def dynamic_stiffness(
         loss_band=(np.nan, np.nan),
         checks=(),
     )
-    f, storage, loss = found.frequency, found.storage, found.loss
+    f, storage, loss = stiffness.frequency, stiffness.storage, stiffness.loss
     peak = find_peak(measured).frequency
     return replace(
-        found,
+        stiffness,
         storage_band=_find_band_around_peak(
-            f, peak, found.storage_sd <= STORAGE_LIMIT * np.abs(storage)
+            f, peak, stiffness.storage_sd <= STORAGE_LIMIT * np.abs(storage)
         ),
-        loss_band=_find_band_around_peak(f, peak, found.loss_sd <= LOSS_LIMIT * np.abs(loss)),
-        checks=_causal(f, storage, loss, peak=peak, random=random, mass=found.storage_mass),
+        loss_band=_find_band_around_peak(f, peak, stiffness.loss_sd <= LOSS_LIMIT * np.abs(loss)),
+        checks=_causal(f, storage, loss, peak=peak, random=random, mass=stiffness.storage_mass),
     )
 
 

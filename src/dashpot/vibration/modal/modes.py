@@ -54,7 +54,7 @@ def find_modes(
         ) from None
     near = select_mode_band(FRFSet((frf,)), band)
     if method is Method.RATIONAL:
-        return tuple(one.mode for one in shapes_of(near, count))
+        return tuple(shape.mode for shape in shapes_of(near, count))
     if count not in (None, 1):
         raise DataError(f"method {method.value!r} reads one mode, not {count}; use 'rational'")
     return (_read(method, near.frfs[0]),)
@@ -277,9 +277,9 @@ def _reading(
     sums = np.zeros(3)
     for i in np.arange(len(s))[near]:
         for direction in (1.0, 1j):
-            moved = value.copy()
-            moved[i] += 1e-3 * sd[i] * direction
-            q, r = poles(moved)
+            shift = value.copy()
+            shift[i] += 1e-3 * sd[i] * direction
+            q, r = poles(shift)
             change = np.array([q.real - p.real, q.imag - p.imag, abs(r - residue)]) / 1e-3
             sums += change**2
     sigma_se, omega_se, residue_se = np.sqrt(sums)

@@ -25,10 +25,10 @@ def compute_rms_accelerance(points: FRFSet) -> FRF:
     """
     value = points.accelerance
     size = np.abs(value) ** 2
-    own = size.mean(axis=1, keepdims=True)
-    whole = np.sqrt((size / own).mean(axis=0) * own.mean())
+    base = size.mean(axis=1, keepdims=True)
+    whole = np.sqrt((size / base).mean(axis=0) * base.mean())
     first, scatter = points.frfs[0].to(Kind.ACCELERANCE), points.sd
-    sd = None if scatter is None else np.sqrt((scatter**2 / own).mean(axis=0) * own.mean())
+    sd = None if scatter is None else np.sqrt((scatter**2 / base).mean(axis=0) * base.mean())
     return FRF(first.frequency, whole.astype(complex), sd=sd, units="SI")
 
 
@@ -58,7 +58,7 @@ def select_mode_band(points: FRFSet, band: tuple[float, float] | None) -> FRFSet
             f"{FEWEST_LINES}, and the FRF has lines from {f[0]:.3g} to {f[-1]:.4g} Hz: give a band "
             "within, or record longer"
         )
-    accelerances = tuple(one.to(Kind.ACCELERANCE).only(keep) for one in points.frfs)
+    accelerances = tuple(frf.to(Kind.ACCELERANCE).only(keep) for frf in points.frfs)
     return replace(points, frfs=accelerances)
 
 
@@ -80,14 +80,14 @@ def shapes_of(near: FRFSet, count: int | None = None) -> tuple[ModeShape, ...]:
     fall = 0.5 * first.shift * (first.record or 0.0)
     spread = float(np.sqrt(fall / np.tanh(fall))) if fall > 0 else 1.0
     se = spread * np.sqrt(np.diag(fit.covariance))
-    found = []
+    shapes = []
     for i, p in enumerate(fit.poles):
         residues, errors = fit.residues[:, i], spread * fit.residue_se[:, i]
         top = int(np.argmax(np.abs(residues)))
-        known = (float(se[2 * i]), float(se[2 * i + 1]), float(errors[top]))
-        mode = mode_at(complex(p), complex(residues[top]), known, "rational")
-        found.append(ModeShape(mode, residues / p**2, errors / abs(p) ** 2, float(fit.misfit[i])))
-    return tuple(sorted(found, key=lambda one: -float(np.linalg.norm(one.residues))))
+        values = (float(se[2 * i]), float(se[2 * i + 1]), float(errors[top]))
+        mode = mode_at(complex(p), complex(residues[top]), values, "rational")
+        shapes.append(ModeShape(mode, residues / p**2, errors / abs(p) ** 2, float(fit.misfit[i])))
+    return tuple(sorted(shapes, key=lambda shape: -float(np.linalg.norm(shape.residues))))
 
 
 def mode_at(p: complex, residue: complex, errors: tuple[float, float, float], method: str) -> Mode:

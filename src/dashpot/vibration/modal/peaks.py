@@ -171,8 +171,8 @@ def _wander(
     u = rows @ c
     first, bend = (u[2] - u[0]) / (2 * step), (u[2] - 2 * u[1] + u[0]) / step**2
     curvature = abs(first) ** 2 + (np.conj(u[1]) * bend).real
-    moved = np.conj(first) * rows[1] + np.conj(u[1]) * (rows[2] - rows[0]) / (2 * step)
-    size = float(np.sqrt(max((moved @ spread @ moved.conj()).real, 0.0)))
+    change = np.conj(first) * rows[1] + np.conj(u[1]) * (rows[2] - rows[0]) / (2 * step)
+    size = float(np.sqrt(max((change @ spread @ change.conj()).real, 0.0)))
     return size / max(abs(float(curvature)), np.finfo(float).tiny)
 
 

@@ -62,8 +62,8 @@ class BackgroundProjection:
     def parts(self, columns: int) -> list[slice]:
         """Channels that are solved for at once: as many as a cache of so many columns holds."""
         channels, rows = self.rest.shape
-        each = max(1, ROOM // (rows * max(columns, 1)))
-        return [slice(at, at + each) for at in range(0, channels, each)]
+        value = max(1, ROOM // (rows * max(columns, 1)))
+        return [slice(at, at + value) for at in range(0, channels, value)]
 
     def remove_background(self, part: slice, columns: ComplexArray) -> FloatArray:
         """Weighted columns of shape (k, n) or (channels, k, n), the background taken off."""
@@ -121,8 +121,8 @@ class PoleTrial:
     @cached_property
     def solution(self) -> _Residues:
         """The linear problem at these poles."""
-        found = [self._solve_residues(part) for part in self.ground.parts(len(self.theta))]
-        return _Residues(*(np.concatenate(each) for each in zip(*found, strict=True)))
+        residues = [self._solve_residues(part) for part in self.ground.parts(len(self.theta))]
+        return _Residues(*(np.concatenate(group) for group in zip(*residues, strict=True)))
 
     def _solve_residues(self, part: slice) -> _Residues:
         rows, q, inverse = self.basis(part)
@@ -131,8 +131,8 @@ class PoleTrial:
         residual = y - _times(rows, c)
         residues = c[:, 0::2] + 1j * c[:, 1::2]
         up, down = (
-            by[None] * one
-            for by, one in zip(
+            by[None] * slope
+            for by, slope in zip(
                 (residues[..., None], residues[..., None].conj()), self.slopes, strict=True
             )
         )
@@ -171,8 +171,8 @@ class PoleTrial:
     @cached_property
     def misfit(self) -> FloatArray:
         """Squared residual of each line over its variance, shape (channels, n)."""
-        each = self.solution.residuals
-        return np.asarray((each.reshape(len(each), -1, 2) ** 2).sum(axis=2))
+        residuals = self.solution.residuals
+        return np.asarray((residuals.reshape(len(residuals), -1, 2) ** 2).sum(axis=2))
 
     @property
     def residues(self) -> ComplexArray:
@@ -200,15 +200,15 @@ class Scan(NamedTuple):
 def scans(lines: FRFLines, starts: list[tuple[float, float]]) -> list[Scan]:
     """Several (sigma, omega), as many in each as there is room for."""
     weights = 1 / np.repeat(lines.sd, 2, axis=1) ** 2
-    each = max(1, ROOM // weights.shape[1])
-    found = []
-    for at in range(0, len(starts), each):
-        poles = np.array([complex(-sigma, omega) for sigma, omega in starts[at : at + each]])
+    value = max(1, ROOM // weights.shape[1])
+    scans = []
+    for at in range(0, len(starts), value):
+        poles = np.array([complex(-sigma, omega) for sigma, omega in starts[at : at + value]])
         rows = _pairs(lines, poles).view(float)
-        one, other = rows[0::2], rows[1::2]
-        pairs = ((one, one), (one, other), (other, other))
-        found.append(Scan(poles, rows, np.array([weights @ (u * v).T for u, v in pairs])))
-    return found
+        values, other = rows[0::2], rows[1::2]
+        pairs = ((values, values), (values, other), (other, other))
+        scans.append(Scan(poles, rows, np.array([weights @ (u * v).T for u, v in pairs])))
+    return scans
 
 
 def _pairs(lines: FRFLines, poles: ComplexArray) -> ComplexArray:

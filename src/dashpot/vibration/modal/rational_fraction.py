@@ -81,21 +81,21 @@ def find_poles(lines: FRFLines, *, most: int, count: int | None = None) -> PoleF
     PoleFit or None
         None if there is no mode in the lines.
     """
-    trial = kept = PoleTrial(BackgroundProjection.from_lines(lines), np.empty(0))
+    trial = pole_trial = PoleTrial(BackgroundProjection.from_lines(lines), np.empty(0))
     failures = 0
     for _ in range(count or most):
         last, trial = trial, _refine(_with_next_pole(trial), ENOUGH)
         if count is not None or _matters(trial, last):
-            kept, failures = trial, 0
+            pole_trial, failures = trial, 0
         else:
             failures += 1  # one of two like modes does not matter before the other is there
         if failures == 2:
             break
-    kept = _refine(kept)
+    pole_trial = _refine(pole_trial)
     if count is None:
-        kept = _prune(kept)
-    modes = len(kept.poles)
-    return _finish(_with_outer_poles(kept), modes) if modes else None
+        pole_trial = _prune(pole_trial)
+    modes = len(pole_trial.poles)
+    return _finish(_with_outer_poles(pole_trial), modes) if modes else None
 
 
 def residues_at(lines: FRFLines, poles: ComplexArray) -> ComplexArray:
@@ -159,14 +159,14 @@ def _gains(trial: PoleTrial, scan: Scan) -> FloatArray:
     gains = np.zeros(count)
     for i, (sd, r) in enumerate(zip(ground.lines.sd, trial.solution.residuals, strict=True)):
         weight = 1 / np.repeat(sd, 2)
-        known = np.hstack((ground.basis[i], trial.basis(slice(i, i + 1))[1][0])) * weight[:, None]
+        values = np.hstack((ground.basis[i], trial.basis(slice(i, i + 1))[1][0])) * weight[:, None]
         # what the rest cannot say as well: the rest is orthonormal, and the residual without it
-        said = (scan.rows @ known).reshape(count, 2, -1)
+        stated = (scan.rows @ values).reshape(count, 2, -1)
         x, y = (scan.rows @ (r * weight)).reshape(-1, 2).T
         a, b, c = scan.squares[:, i]
         least = NOTHING_NEW * (a + c)
-        a, c = (each - (said[:, k] ** 2).sum(axis=1) + least for k, each in enumerate((a, c)))
-        b = b - (said[:, 0] * said[:, 1]).sum(axis=1)
+        a, c = (value - (stated[:, k] ** 2).sum(axis=1) + least for k, value in enumerate((a, c)))
+        b = b - (stated[:, 0] * stated[:, 1]).sum(axis=1)
         gains += (c * x**2 - 2 * b * x * y + a * y**2) / (a * c - b**2)
     return gains
 
@@ -185,8 +185,8 @@ def _with_outer_poles(trial: PoleTrial) -> PoleTrial:
             break
         more = _refine(more)
         at = more.poles[-1].imag
-        beyond = low / FARTHEST < at <= low or high <= at < high * FARTHEST
-        if not beyond or trial.sse - more.sse < more.sse * _worth(trial) / size:
+        excess = low / FARTHEST < at <= low or high <= at < high * FARTHEST
+        if not excess or trial.sse - more.sse < more.sse * _worth(trial) / size:
             break
         trial = more
     return trial
@@ -206,8 +206,8 @@ def _finish(trial: PoleTrial, modes: int) -> PoleFit:
     whole = np.linalg.pinv(normal / np.outer(scale, scale)) / np.outer(scale, scale)
     covariance = whole[: 2 * modes, : 2 * modes]
     inverse = solved.inverse[:, : 2 * modes]
-    moved = inverse @ (solved.crossing * by)
-    variance = (inverse**2).sum(axis=2) + ((moved @ whole) * moved).sum(axis=2)
+    change = inverse @ (solved.crossing * by)
+    variance = (inverse**2).sum(axis=2) + ((change @ whole) * change).sum(axis=2)
     # what the model misses about a mode widens that mode's error
     misfit = np.array([_chi2(trial, p) for p in trial.poles[:modes]])
     worse = np.sqrt(np.maximum(misfit, 1.0))
@@ -254,9 +254,9 @@ def _is_mode(trial: PoleTrial, i: int) -> bool:
     residue = np.abs(trial.residues)
     taller = residue.max(axis=0) > residue[:, i].max()
     # closer than this no record of such length tells two modes apart, unless their shapes do
-    apart = max(-0.5 * p.real, 0.0 if record is None else 3 * np.pi / record)
+    difference = max(-0.5 * p.real, 0.0 if record is None else 3 * np.pi / record)
     alike = mac(trial.residues, trial.residues[:, [i]])[:, 0] > ALIKE
-    if (np.abs(trial.poles - p)[taller & alike] < apart).any():
+    if (np.abs(trial.poles - p)[taller & alike] < difference).any():
         return False
     height = residue[:, i] * float(np.abs(kernel(lines, p)).max())
     return bool((height >= SMALLEST_MODE * np.abs(lines.value).max(axis=1)).any())

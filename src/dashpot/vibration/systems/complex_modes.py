@@ -71,14 +71,14 @@ def complex_modes(system: System) -> tuple[ComplexMode, ...]:
     hair = 1e-9 * np.abs(poles) + 1e-13 * np.abs(poles).max()
     poles = np.where(np.abs(poles.imag) <= hair, poles.real, poles)
     rigid = _rigid_below(system)
-    kept = np.flatnonzero((poles.imag >= 0) & (np.abs(poles) > rigid))
+    indices = np.flatnonzero((poles.imag >= 0) & (np.abs(poles) > rigid))
     with np.errstate(all="ignore"):  # the slope of an arm at its own rate
-        slopes = system.spring_slope(poles[kept])
+        slopes = system.spring_slope(poles[indices])
     modes = [
         ComplexMode(
             complex(poles[i]), _normalise_shape(system, complex(poles[i]), vectors[:n, i], slope)
         )
-        for i, slope in zip(kept.tolist(), slopes, strict=True)
+        for i, slope in zip(indices.tolist(), slopes, strict=True)
     ]
     return tuple(sorted(modes, key=lambda m: (not m.oscillates, abs(m.pole) * _sign(m))))
 
@@ -92,13 +92,13 @@ def newton_modes(system: System, *, iterations: int = 100) -> tuple[ComplexMode,
     one. No state of an arm appears: agreement with :func:`complex_modes` checks both. A mode so
     heavily damped that it does not oscillate may come out as one of its real poles.
     """
-    found: list[complex] = []
+    results: list[complex] = []
     modes = []
     for start in _starts(system):
-        s, near = _newton(system, start, found, iterations, 1e-6)
-        s, there = _newton(system, s, found, iterations, 1e-14)
+        s, near = _newton(system, start, results, iterations, 1e-6)
+        s, there = _newton(system, s, results, iterations, 1e-14)
         s = s if s.imag >= 0 else s.conjugate()
-        found.append(s)
+        results.append(s)
         vector = np.linalg.svd(system.dynamic_stiffness(s))[2][-1].conj()
         shape = _normalise_shape(system, s, vector, system.spring_slope(s))
         modes.append(ComplexMode(s, shape, converged=near and there))
@@ -125,18 +125,18 @@ def _starts(system: System) -> list[complex]:
 
 
 def _newton(
-    system: System, s: complex, found: list[complex], iterations: int, tolerance: float
+    system: System, s: complex, results: list[complex], iterations: int, tolerance: float
 ) -> tuple[complex, bool]:
     best = np.inf
     for _ in range(iterations):
-        if any(min(abs(s - p), abs(s - p.conjugate())) < _THERE * abs(s) for p in found):
+        if any(min(abs(s - p), abs(s - p.conjugate())) < _THERE * abs(s) for p in results):
             s += _ASIDE * abs(s)
         try:
             derivative = _derivative(system, s, system.spring_slope(s))
             change = np.linalg.solve(system.dynamic_stiffness(s), derivative)
         except np.linalg.LinAlgError:  # singular to the last digit: this is the pole
             return s, True
-        slope = np.trace(change) - sum(1 / (s - p) + 1 / (s - p.conjugate()) for p in found)
+        slope = np.trace(change) - sum(1 / (s - p) + 1 / (s - p.conjugate()) for p in results)
         step = complex(1 / slope)
         s -= step
         size = abs(step) / abs(s)

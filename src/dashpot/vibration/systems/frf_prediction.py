@@ -247,12 +247,14 @@ def _refine_poles(model: Solid, mass: float, p: ComplexArray) -> ComplexArray:
         away = np.abs(off(p)) > _THERE * np.abs(mass * p**2)
         if not away.any():
             break
-        moved = p - off(p) / (2 * mass * p + model.slope_at(p))
-        p = np.where(away & np.isfinite(moved), moved, p)
+        change = p - off(p) / (2 * mass * p + model.slope_at(p))
+        p = np.where(away & np.isfinite(change), change, p)
     still = np.abs(off(p)) <= _CLOSE * np.abs(mass * p**2)
-    found = p[still & (p.real <= 0) & (p.imag > _REAL * np.abs(p))]
-    first = [i for i, one in enumerate(found) if not (np.abs(found[:i] / one - 1) < _CLOSE).any()]
-    return np.asarray(found[first])
+    values = p[still & (p.real <= 0) & (p.imag > _REAL * np.abs(p))]
+    first = [
+        i for i, value in enumerate(values) if not (np.abs(values[:i] / value - 1) < _CLOSE).any()
+    ]
+    return np.asarray(values[first])
 
 
 def poles(model: Solid, mass: float) -> ComplexArray:
@@ -276,18 +278,18 @@ def poles(model: Solid, mass: float) -> ComplexArray:
 
 def ringing_pole(model: Solid, mass: float) -> complex:
     """The pole that oscillates fastest, 1/s."""
-    found = poles(model, mass)
-    return complex(found[np.argmax(found.imag)])
+    values = poles(model, mass)
+    return complex(values[np.argmax(values.imag)])
 
 
 def residues(model: Solid, mass: float, at: ComplexArray) -> ComplexArray:
     r"""Residues of the receptance at its simple poles: :math:`1 / (2 m p + K'(p))`, m/(N s)."""
     slope = model.slope_at(at)
     # an arm too weak to shift its own pole has an infinite slope there, and no residue
-    own = np.isfinite(slope)
-    found = np.zeros(len(at), dtype=complex)
-    found[own] = 1 / (2 * mass * at[own] + slope[own])
-    return found
+    finite = np.isfinite(slope)
+    values = np.zeros(len(at), dtype=complex)
+    values[finite] = 1 / (2 * mass * at[finite] + slope[finite])
+    return values
 
 
 def accelerance(
@@ -379,12 +381,12 @@ class Response:
             return whole
         change, slope_change = at_poles(lost)
         p, residue = lost.p[:, None], lost.residue[:, None]
-        moved = -residue * change
+        shift = -residue * change
         # of the residue, of p^2, and of the decay until the end
-        grown = -residue * (slope_change + lost.bend[:, None] * moved)
-        grown += (2 / p + (self.record or 0.0) + self.pulse**2 * p) * moved
+        grown = -residue * (slope_change + lost.bend[:, None] * shift)
+        grown += (2 / p + (self.record or 0.0) + self.pulse**2 * p) * shift
         part = lost.size / (self.s[:, None] - lost.p)
-        taken = part @ grown + part / (self.s[:, None] - lost.p) @ moved
+        taken = part @ grown + part / (self.s[:, None] - lost.p) @ shift
         return np.asarray(whole - taken * self._end[:, None])
 
     @cached_property
@@ -422,11 +424,11 @@ def _simplify_distant_arms(
     if not arms.arms or (arms.tau[0] >= fast and arms.tau[-1] <= slow):
         return arms
     k, tau = np.asarray(arms.k), np.asarray(arms.tau)
-    kept = (tau >= fast) & (tau <= slow)
+    retained = (tau >= fast) & (tau <= slow)
     return GeneralizedMaxwell(
         arms.k_inf + float(k[tau > slow].sum()),
-        tuple(k[kept]),
-        tuple(tau[kept]),
+        tuple(k[retained]),
+        tuple(tau[retained]),
         arms.b + float((k * tau)[tau < fast].sum()),
     )
 

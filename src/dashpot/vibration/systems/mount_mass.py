@@ -42,8 +42,8 @@ def on_light_mounts(frf: FRF, *, mass: float, coupled: float) -> FRF:
     if coupled == 0:
         return frf
     step = Step("on_light_mounts", (("mass", f"{mass!r} kg"), ("coupled", f"{coupled!r} kg")))
-    found = _scale_relative_motion(frf, 1 / (1 + coupled / mass))
-    return replace(found, steps=(*frf.steps, step))
+    motion = _scale_relative_motion(frf, 1 / (1 + coupled / mass))
+    return replace(motion, steps=(*frf.steps, step))
 
 
 def _scale_relative_motion(frf: FRF, factor: float) -> FRF:

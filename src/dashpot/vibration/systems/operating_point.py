@@ -83,7 +83,7 @@ def operating_point(
             f"the fit is of a material's modulus, in {fit.unit}; a mass rests on a part. Give its "
             'shape: --shape disc:20mm,20mm (Python: fit.part("disc:20mm,20mm"))'
         )
-    law, given = fit.elastic_law, compression is not None
+    law, provided = fit.elastic_law, compression is not None
     bent = law is not None and law.kind != "linear"
     if compression is None:
         k_inf = fit.model.k_inf
@@ -91,10 +91,12 @@ def operating_point(
         if law is not None and bent:
             compression = law.compression(mass * GRAVITY / seals)
     require_plausible_compression(
-        compression, law, fit.specimen.height, carried=None if given else mass / seals
+        compression, law, fit.specimen.height, carried=None if provided else mass / seals
     )
     if law is None or not bent:
         depth = None if law is None else law.depth
-        return OperatingPoint(float(compression), depth, given=given)
+        return OperatingPoint(float(compression), depth, given=provided)
     factor, error = float(law.factor(compression)), float(law.factor_se(compression))
-    return OperatingPoint(float(compression), law.depth, factor, error, linear=False, given=given)
+    return OperatingPoint(
+        float(compression), law.depth, factor, error, linear=False, given=provided
+    )

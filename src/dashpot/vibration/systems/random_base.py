@@ -173,7 +173,7 @@ def random_limits(
         # beside a line that nothing limits, the straight line to it is no number
         high = np.nan_to_num(np.maximum(high, np.abs(own)), nan=np.inf, posinf=np.inf)
         powers = [np.minimum(low, np.abs(own)), np.where(S > 0, high, 0.0)]
-        small, large = (float(np.sqrt(np.trapezoid(each**2 * S, at))) for each in powers)
+        small, large = (float(np.sqrt(np.trapezoid(power**2 * S, at))) for power in powers)
         return small, large
 
     return RandomLimits(
@@ -236,14 +236,14 @@ def random_response(
     lines = _lines(f, [m for m in modes if m.oscillates])
     S = _density(lines, f, table)
     s, push = 2j * np.pi * lines, system.mass_matrix @ follow
-    moved = np.zeros(len(lines), dtype=complex)
+    values = np.zeros(len(lines), dtype=complex)
     for mode in modes:
         gain = complex((place @ mode.shape) * (mode.shape @ push))
-        moved -= gain / (s - mode.pole)
+        values -= gain / (s - mode.pole)
         if mode.oscillates:
-            moved -= gain.conjugate() / (s - mode.pole.conjugate())
-    carried = place @ follow + s**2 * moved
-    return _integrate_response(lines, S, carried, moved)
+            values -= gain.conjugate() / (s - mode.pole.conjugate())
+    carried = place @ follow + s**2 * values
+    return _integrate_response(lines, S, carried, values)
 
 
 def _spread(solids: Iterable[Solid]) -> bool:
@@ -259,8 +259,8 @@ def _following(system: System, base: str, along: Vector) -> FloatArray:
     direction = dict(zip(MOTIONS, unit_vector(along), strict=False))
     R = np.array([direction.get(dof.rpartition(".")[2], 0.0) for dof in system.dofs])
     G = np.array([direction.get(dof.removeprefix(f"{base}."), 0.0) for dof in system.base_dofs])
-    left = system.stretch @ R + system.base_stretch @ G
-    if np.abs(left).max(initial=0.0) > _FOLLOWS:
+    remainder = system.stretch @ R + system.base_stretch @ G
+    if np.abs(remainder).max(initial=0.0) > _FOLLOWS:
         raise DataError(
             f"a body is held in a motion in which '{base}' shakes, along {along}, or hangs on "
             "another ground; let it move there"
@@ -289,10 +289,10 @@ def _white(system: System, follow: FloatArray, place: FloatArray, density: float
 
     triangle, basis, count = schur(even, sort=dies_away)
     if np.abs(basis[:, count:].T @ pushed).max(initial=0.0) > _FOLLOWS * np.linalg.norm(pushed):
-        left = np.abs(np.linalg.eigvals(triangle[count:, count:])).min() / (2 * np.pi)
+        ratio = np.abs(np.linalg.eigvals(triangle[count:, count:])).min() / (2 * np.pi)
         raise DataError(
             "white noise of the base has no finite answer: a solid without k_inf drifts away, or "
-            f"nothing damps a motion that it shakes, at {left:.4g} Hz; give that part a damping, "
+            f"nothing damps a motion that it shakes, at {ratio:.4g} Hz; give that part a damping, "
             "or a psd over frequencies"
         )
     stable, driven = basis[:, :count], basis[:, :count].T @ pushed
@@ -300,8 +300,8 @@ def _white(system: System, follow: FloatArray, place: FloatArray, density: float
     variance = solve_continuous_lyapunov(inner, -density / 2 * np.outer(driven, driven))
     P = np.outer(size, size) * (stable @ variance @ stable.T)
     pull = place @ A[n : 2 * n]
-    moved, speed = (place @ P[i : i + n, i : i + n] @ place for i in (0, n))
-    return _response(float(pull @ P @ pull), float(moved), float(speed))
+    change, speed = (place @ P[i : i + n, i : i + n] @ place for i in (0, n))
+    return _response(float(pull @ P @ pull), float(change), float(speed))
 
 
 def _table(frequency: npt.ArrayLike, psd: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -327,8 +327,8 @@ def _over_base(
 ) -> tuple[ComplexArray, ComplexArray]:
     """Transmissibility, and stretch per acceleration of the base, s^2."""
     K = model.complex_stiffness(omega=w)
-    felt = 1 / (K - mass * w**2)
-    return (K + coupled * w**2) * felt, (mass + coupled) * felt
+    ratio = 1 / (K - mass * w**2)
+    return (K + coupled * w**2) * ratio, (mass + coupled) * ratio
 
 
 def _lines(f: FloatArray, modes: Sequence[Mode | ComplexMode], count: int = _LINES) -> FloatArray:
@@ -351,11 +351,11 @@ def _integrate_response(
     f: FloatArray, S: FloatArray, carried: ComplexArray, relative: ComplexArray
 ) -> RandomResponse:
     """From transmissibility, and relative motion per acceleration of the base."""
-    moved = np.abs(relative) ** 2
+    change = np.abs(relative) ** 2
     return _response(
         float(np.trapezoid(np.abs(carried) ** 2 * S, f)),
-        float(np.trapezoid(moved * S, f)),
-        float(np.trapezoid((2 * np.pi * f) ** 2 * moved * S, f)),
+        float(np.trapezoid(change * S, f)),
+        float(np.trapezoid((2 * np.pi * f) ** 2 * change * S, f)),
     )
 
 

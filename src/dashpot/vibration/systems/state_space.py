@@ -72,8 +72,8 @@ def state_space(system: System, *, moving: Sequence[int] = ()) -> StateSpace:
     glass = np.array([solid.k_0 for solid in solids])
     viscous = np.array([solid.b for solid in solids])
     arm_mount = np.array([i for i, solid in enumerate(solids) for _ in solid.k], dtype=np.intp)
-    k = np.array([each for solid in solids for each in solid.k])
-    tau = np.array([each for solid in solids for each in solid.tau])
+    k = np.array([value for solid in solids for value in solid.k])
+    tau = np.array([value for solid in solids for value in solid.tau])
     rate, basis, arm_state = _merge_arm_states(np.concatenate((E, G), axis=1)[arm_mount], tau)
     inverse = np.linalg.inv(system.mass_matrix)
     push = -inverse @ E.T  # acceleration per mount force

@@ -86,11 +86,11 @@ class System:
             Its elastic modes, as it moves when nothing holds it; rigid ones are left out, since the
             body's mass and inertia are there for them.
         """
-        if body not in [each.name for each in self.bodies]:
-            listed = ", ".join(each.name for each in self.bodies)
+        if body not in [body.name for body in self.bodies]:
+            listed = ", ".join(body.name for body in self.bodies)
             raise DataError(f"no body '{body}'; the system has {listed}")
         bent = modes.only(~modes.rigid)
-        bodies = [replace(each, modes=bent) if each.name == body else each for each in self.bodies]
+        bodies = [replace(item, modes=bent) if item.name == body else item for item in self.bodies]
         return replace(self, bodies=tuple(bodies))
 
     @cached_property
@@ -215,15 +215,15 @@ class System:
     # -- private --------------------------------------------------------------------------------
 
     def _evaluate_springs(
-        self, s: npt.ArrayLike, asked: Callable[[Solid, ComplexArray], ComplexArray]
+        self, s: npt.ArrayLike, function: Callable[[Solid, ComplexArray], ComplexArray]
     ) -> ComplexArray:
         s = np.asarray(s, dtype=complex)
-        known: dict[Solid, ComplexArray] = {}  # a line of seal is one solid many times
-        felt = [spring.felt for spring in self.springs]
-        for solid in felt:
-            if solid not in known:
-                known[solid] = asked(solid, s)
-        rows = [known[solid] for solid in felt]
+        entries: dict[Solid, ComplexArray] = {}  # a line of seal is one solid many times
+        solids = [spring.felt for spring in self.springs]
+        for solid in solids:
+            if solid not in entries:
+                entries[solid] = function(solid, s)
+        rows = [entries[solid] for solid in solids]
         return np.stack(rows, axis=-1) if rows else np.zeros((*s.shape, 0), dtype=complex)
 
     @cached_property
@@ -251,11 +251,11 @@ class System:
                 raise DataError(f"'{place}' is no degree of freedom; known: {', '.join(names)}")
             row[names[place]] = 1.0
             return row
-        known: dict[str, Body | None] = {body.name: body for body in self.bodies}
-        known |= dict.fromkeys(self.grounds)
-        if place.body not in known:
-            raise DataError(f"no body '{place.body}'; the system has {', '.join(known)}")
-        body = known[place.body]
+        bodies: dict[str, Body | None] = {body.name: body for body in self.bodies}
+        bodies |= dict.fromkeys(self.grounds)
+        if place.body not in bodies:
+            raise DataError(f"no body '{place.body}'; the system has {', '.join(bodies)}")
+        body = bodies[place.body]
         at = (0.0, 0.0, 0.0) if body is None else body.at
         motion = dict(zip(MOTIONS, motion_of(place, at), strict=True))
         if body is not None and body.modes:

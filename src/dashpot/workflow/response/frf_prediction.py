@@ -270,7 +270,7 @@ class LevelPredictor(Protocol):
 
 
 def predict_files(
-    found: Fit,
+    fit: Fit,
     records: Sequence[str | Path] = (),
     *,
     mass: float,
@@ -284,7 +284,7 @@ def predict_files(
 
     Parameters
     ----------
-    found : Fit
+    fit : Fit
         Of one seal.
     records : sequence of path
         The relaxation tests behind it: they bound the unresolved arms.
@@ -304,13 +304,13 @@ def predict_files(
     swept = None
     if at_level is not None and at_level != LevelChoices():
         read_sweep = find_handler("read sweep", at_level)
-        swept = read_sweep(at_level, unit=found.unit, part=part, options=options)
+        swept = read_sweep(at_level, unit=fit.unit, part=part, options=options)
     tests = prepared_files(records, machine=machine, options=options)
-    return prediction(found, tests, mass=mass, part=part, at_level=at_level, swept=swept, **asked)
+    return prediction(fit, tests, mass=mass, part=part, at_level=at_level, swept=swept, **asked)
 
 
 def prediction(
-    found: Fit,
+    fit: Fit,
     tests: Sequence[RampHold] = (),
     *,
     mass: float,
@@ -332,7 +332,7 @@ def prediction(
 
     Parameters
     ----------
-    found : Fit
+    fit : Fit
         Of one seal.
     tests : sequence of RampHold
         The relaxation tests behind it: they bound the unresolved arms.
@@ -365,27 +365,27 @@ def prediction(
         If the choices exclude each other, or a record is not what was fitted.
     """
     SIZES["mass"].refuse(mass)
-    asked = _select_frf_kind(kind, base=base or base_psd is not None, relative=relative)
+    frf_kind = _select_frf_kind(kind, base=base or base_psd is not None, relative=relative)
     band, predictor = band or BAND, _level_predictor(at_level, swept)
     moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
-    here = found if temperature is None else found.at_temperature(temperature)
+    here = fit if temperature is None else fit.at_temperature(temperature)
     stiffer, of_part = 1.0, part is not None and part != PartChoices()
     if part is not None and of_part:
         _refuse_records(tests)
         material = here.solid
-        measured = None if predictor is None else predictor.measured_peak(asked)
-        here = found = apply_part_factor(
-            part, here, seals=seals, base=asked.over_base, peak=measured
+        measured = None if predictor is None else predictor.measured_peak(frf_kind)
+        here = fit = apply_part_factor(
+            part, here, seals=seals, base=frf_kind.over_base, peak=measured
         )
         stiffer = float(
             abs(here.solid.complex_stiffness(omega=1.0) / material.complex_stiffness(omega=1.0))
         )
     rests = find_static_equilibrium(here, mass=moving, seals=seals, compression=compression)
     # over a base, mounts that weigh something couple the mass to it
-    coupled = entrained(seal_mass, seals) if asked.over_base else 0.0
-    on = MassOnSeals(here, rests, moving, seals, coupled, asked)
+    coupled = entrained(seal_mass, seals) if frf_kind.over_base else 0.0
+    on = MassOnSeals(here, rests, moving, seals, coupled, frf_kind)
     frf = on.frf(np.linspace(*band, lines))
-    bounded = _bounds(on, found, tests, temperature=temperature)
+    bounded = _bounds(on, fit, tests, temperature=temperature)
     limited = on.limited(frf, bounded)
     peak, at_edge = on.peak(frf)
     about = on.modes[0].frequency if on.modes else peak[0]
@@ -397,10 +397,10 @@ def prediction(
         )  # fmt: skip
     checks = (
         # what the test must inform is the resonance, inside the band or not
-        *_led_by(on, mass=mass, band=band, felt=about if at_edge else peak[0]),
+        *_led_by(on, mass=mass, band=band, response=about if at_edge else peak[0]),
         *(() if levels is None else levels.checks),
-        *found.checks,
-        *_check_temperature_tested(found, temperature),
+        *fit.checks,
+        *_check_temperature_tested(fit, temperature),
         noted,
         *family_checks(here, rests.point, mass=moving, seals=seals),
     )
@@ -415,7 +415,7 @@ def prediction(
         at_edge,
         limited,
         checks,
-        verdict(checks, sound=_format_headline(frf, peak, found, at_edge=at_edge)),
+        verdict(checks, headline=_format_headline(frf, peak, fit, at_edge=at_edge)),
         rests,
         on.rival,
         of_part,
@@ -429,8 +429,8 @@ def _level_predictor(choices: LevelChoices | None, swept: object) -> LevelPredic
     """What a level does to the parts; None where none is asked for."""
     if choices is None or not choices.levels:
         return None
-    found: LevelPredictor = find_handler("predict at levels", choices)(choices, swept)
-    return found
+    predictor: LevelPredictor = find_handler("predict at levels", choices)(choices, swept)
+    return predictor
 
 
 def _select_frf_kind(kind: str | None, *, base: bool, relative: bool) -> Kind:
@@ -446,13 +446,13 @@ def _select_frf_kind(kind: str | None, *, base: bool, relative: bool) -> Kind:
     return Kind.RELATIVE_TRANSMISSIBILITY if relative else Kind.TRANSMISSIBILITY
 
 
-def _format_headline(frf: FRF, peak: tuple[float, float], found: Fit, *, at_edge: bool) -> str:
+def _format_headline(frf: FRF, peak: tuple[float, float], fit: Fit, *, at_edge: bool) -> str:
     """Return where the predicted peak lies, how high it is, and where the model is valid."""
     hz, height = peak
     name, unit = frf.quantity.replace("_", " "), frf.read
     size = f"{height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz"
     top = f"the {name} is {size}, the end of the band" if at_edge else f"peak of the {name} {size}"
-    return f"{top}. The model is valid {format_band(found.band)}"
+    return f"{top}. The model is valid {format_band(fit.band)}"
 
 
 def _refuse_records(tests: Sequence[RampHold]) -> None:
@@ -560,7 +560,7 @@ class MassOnSeals:
 
 def _bounds(
     on: MassOnSeals,
-    found: Fit,
+    fit: Fit,
     tests: Sequence[RampHold],
     *,
     temperature: float | None,
@@ -568,11 +568,11 @@ def _bounds(
     """What bounds the FRF by the relaxation tests; None without them."""
     if not tests:
         return None
-    refuse_others(tests, found)
+    refuse_others(tests, fit)
     return partial(
         frf_limits,
-        found,
-        fill_missing_temperatures(tests, found),
+        fit,
+        fill_missing_temperatures(tests, fit),
         on.rests.point,
         mass=on.mass,
         seals=on.seals,
@@ -582,17 +582,17 @@ def _bounds(
 
 
 def _led_by(
-    on: MassOnSeals, *, mass: float, band: tuple[float, float], felt: float
+    on: MassOnSeals, *, mass: float, band: tuple[float, float], response: float
 ) -> tuple[Check, ...]:
     """A mass in a wrong unit first; then a solid that is not known at the peak."""
-    informed = [prediction_informed(felt, on.fit.band)]
+    informed = [prediction_informed(response, on.fit.band)]
     if on.kind.over_base:
-        informed.append(base_band_informed(band, felt, on.fit.band))
+        informed.append(base_band_informed(band, response, on.fit.band))
     return (*rest_checks(on.rests.point, mass), *informed)
 
 
-def _check_temperature_tested(found: Fit, temperature: float | None) -> tuple[Check, ...]:
+def _check_temperature_tested(fit: Fit, temperature: float | None) -> tuple[Check, ...]:
     """Whether a temperature that is asked for was tested."""
-    if temperature is None or found.temperatures is None:
+    if temperature is None or fit.temperatures is None:
         return ()
-    return (temperature_tested(found.temperatures, temperature),)
+    return (temperature_tested(fit.temperatures, temperature),)

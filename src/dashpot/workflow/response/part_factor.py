@@ -38,23 +38,25 @@ def apply_part_factor(
     DataError
         If more than one geometry is given, or one that cannot be.
     """
-    given = [flag for flag in (*_SHAPES, "resonance") if getattr(part, flag) is not None]
-    if not given:
+    provided = [flag for flag in (*_SHAPES, "resonance") if getattr(part, flag) is not None]
+    if not provided:
         if part != PartChoices():
             raise DataError(
                 "--loading, --lubricated and --resonance-mass belong to a --shape or to a "
                 "--resonance; add one, or leave them out"
             )
         return fit
-    if len(given) > 1:
+    if len(provided) > 1:
         raise DataError(
-            f"--{given[0]} and --{given[1]} both give the geometry; leave one of them out"
+            f"--{provided[0]} and --{provided[1]} both give the geometry; leave one of them out"
         )
     if part.resonance is None:
         if part.resonance_mass is not None:
             raise DataError("--resonance-mass belongs to a --resonance; add that, or leave it")
         return fit.part(
-            pad(given[0], getattr(part, given[0])), _mode(part.mode), bonded=not part.lubricated
+            pad(provided[0], getattr(part, provided[0])),
+            _mode(part.mode),
+            bonded=not part.lubricated,
         )
     factor = _factor(part, part.resonance, fit.solid, base=base, peak=peak)
     return fit.part(factor / seals)
@@ -80,8 +82,8 @@ def _factor(
     factor = geometry_factor(solid, mass=part.resonance_mass, peak=resonance, kind=kind)
     if peak is not None:
         for _ in range(_ROUNDS):
-            found = peak(factor * solid, factor, part.resonance_mass)
-            factor *= (resonance / found) ** 2
+            value = peak(factor * solid, factor, part.resonance_mass)
+            factor *= (resonance / value) ** 2
     return factor
 
 
@@ -110,4 +112,4 @@ def pad(flag: str, lengths: str | None) -> Geometry:
 
 
 def _mode(word: str | None) -> PartMode | None:
-    return next((one for one in get_args(PartMode) if one == word), None)
+    return next((arg for arg in get_args(PartMode) if arg == word), None)

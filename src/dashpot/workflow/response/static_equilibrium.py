@@ -89,18 +89,20 @@ class StaticEquilibrium:
             return ""
         where = "as given" if point.given else "under its weight"
         here, depth = (
-            format_quantity(one or 0.0, "mm", ".3g") for one in (point.compression, point.depth)
+            format_quantity(value or 0.0, "mm", ".3g") for value in (point.compression, point.depth)
         )
         lines = [f"The seals are compressed by {here} {where}; they were tested to {depth}."]
-        for name, one in ((f"secant at {depth}", secant), (f"tangent at {here}", tangent)):
-            peak = "no resonance" if one.frequency is None else f"{one.frequency:.5g} Hz"
+        for name, stiffness in ((f"secant at {depth}", secant), (f"tangent at {here}", tangent)):
+            peak = (
+                "no resonance" if stiffness.frequency is None else f"{stiffness.frequency:.5g} Hz"
+            )
             error = (
-                f" ± {convert_to_unit(one.stiffness_se, 'N/mm'):.2g}"
-                if one.stiffness_se > 0
+                f" ± {convert_to_unit(stiffness.stiffness_se, 'N/mm'):.2g}"
+                if stiffness.stiffness_se > 0
                 else ""
             )
             lines.append(
-                f"  {name}  {convert_to_unit(one.stiffness, 'N/mm'):.4g}{error} N/mm, {peak}"
+                f"  {name}  {convert_to_unit(stiffness.stiffness, 'N/mm'):.4g}{error} N/mm, {peak}"
             )
         if point.beyond:
             lines.append("  ! deeper than tested: the last tangent is used")
@@ -108,21 +110,21 @@ class StaticEquilibrium:
 
 
 def find_static_equilibrium(
-    found: Fit, *, mass: float, seals: float = 1.0, compression: float | None = None
+    fit: Fit, *, mass: float, seals: float = 1.0, compression: float | None = None
 ) -> StaticEquilibrium:
     """Return where a mass, kg, rests on seals, with the secant and the tangent solid."""
-    point = operating_point(found, mass=mass, seals=seals, compression=compression)
-    k = found.solid.k_inf
+    point = operating_point(fit, mass=mass, seals=seals, compression=compression)
+    k = fit.solid.k_inf
 
     def evaluate_stiffness(solid: Solid, error: float) -> StiffnessAt:
         mode = next(iter(model_modes(seals * solid, mass)), None)
-        known = (None, None) if mode is None else (mode.frequency, mode.damping_ratio)
-        return StiffnessAt(solid.k_inf, error, *known)
+        items = (None, None) if mode is None else (mode.frequency, mode.damping_ratio)
+        return StiffnessAt(solid.k_inf, error, *items)
 
     return StaticEquilibrium(
         point,
-        evaluate_stiffness(found.solid, 0.0),
-        evaluate_stiffness(point.solid(found), k * point.factor_se),
+        evaluate_stiffness(fit.solid, 0.0),
+        evaluate_stiffness(point.solid(fit), k * point.factor_se),
     )
 
 
@@ -132,7 +134,7 @@ def rest_checks(point: OperatingPoint, mass: float) -> tuple[Check, ...]:
 
 
 def frf_limits(
-    found: Fit,
+    fit: Fit,
     tests: RampHold | Sequence[RampHold],
     point: OperatingPoint,
     *,
@@ -152,7 +154,7 @@ def frf_limits(
 
     Parameters
     ----------
-    found : Fit
+    fit : Fit
         Of one seal.
     tests : RampHold or sequence of RampHold
         What it was fitted to.
@@ -171,19 +173,19 @@ def frf_limits(
         As in :func:`~dashpot.fitting.uncertainty.prediction_bounds.frf_band`, kg.
     """
     forced = kind is Kind.ACCELERANCE
-    moved, f = found.temperatures, np.asarray(frequency, dtype=float)
-    b_t, ends, here, doubt_b = 1.0, [1.0], found, 0.0
-    if temperature is not None and moved is not None and temperature != moved.reference:
-        here, b_t = found.at_temperature(temperature), moved.b_t(temperature)
-        doubt_a, doubt_b = moved.error(temperature)
+    shifts, f = fit.temperatures, np.asarray(frequency, dtype=float)
+    b_t, ends, here, doubt_b = 1.0, [1.0], fit, 0.0
+    if temperature is not None and shifts is not None and temperature != shifts.reference:
+        here, b_t = fit.at_temperature(temperature), shifts.b_t(temperature)
+        doubt_a, doubt_b = shifts.error(temperature)
         reach = NORMAL * doubt_a
-        ends = list(float(moved.law.a_t(temperature)) * np.exp([-reach, reach]))
+        ends = list(float(shifts.law.a_t(temperature)) * np.exp([-reach, reach]))
     s = point.factor * b_t
-    each = []
+    bounds = []
     for a in ends:
         scale = a**2 * s
         of = frf_band(
-            found,
+            fit,
             tests,
             mass=mass / scale,
             frequency=a * f,
@@ -191,13 +193,13 @@ def frf_limits(
             kind=kind,
             coupled=coupled / scale,
         )
-        each.append(_scale_bounds(of, 1 / a, 1 / scale if forced else 1.0))
-    if here is found:
-        joined = each[0]
+        bounds.append(_scale_bounds(of, 1 / a, 1 / scale if forced else 1.0))
+    if here is fit:
+        joined = bounds[0]
     else:
         omega = 2 * np.pi * f
         K = point.solid(here).complex_stiffness(omega=omega)
-        own = PredictedFRF(mass, seals, kind, coupled).magnitude(K, omega)
+        values = PredictedFRF(mass, seals, kind, coupled).magnitude(K, omega)
         formal = formal_frf_band(
             here,
             mass=mass / point.factor,
@@ -206,7 +208,7 @@ def frf_limits(
             kind=kind,
             coupled=coupled / point.factor,
         )
-        joined = _merge_bounds(each, own, formal / point.factor if forced else formal)
+        joined = _merge_bounds(bounds, values, formal / point.factor if forced else formal)
     doubt = "; with the doubt of the tangent at the compression of the mass"
     slid = replace(point, factor_se=float(np.hypot(point.factor_se, point.factor * doubt_b)))
     return replace(
@@ -234,54 +236,52 @@ def _scale_bounds(of: FRFBounds, frequency: float, height: float) -> FRFBounds:
     )
 
 
-def _merge_bounds(each: Sequence[FRFBounds], own: FloatArray, formal: FloatArray) -> FRFBounds:
+def _merge_bounds(bounds: Sequence[FRFBounds], values: FloatArray, formal: FloatArray) -> FRFBounds:
     """What holds every one of some limits, and the solid's own magnitude."""
-    low = np.min([own, *(one.unseen[0] for one in each)], axis=0)
-    high = np.max([own, *(one.unseen[1] for one in each)], axis=0)
+    low = np.min([values, *(bound.unseen[0] for bound in bounds)], axis=0)
+    high = np.max([values, *(bound.unseen[1] for bound in bounds)], axis=0)
 
     def ends(pairs: Sequence[tuple[float, float] | None]) -> tuple[float, float] | None:
-        known = [pair for pair in pairs if pair is not None]
-        if len(known) < len(pairs):
+        items = [pair for pair in pairs if pair is not None]
+        if len(items) < len(pairs):
             return None
-        return min(pair[0] for pair in known), max(pair[1] for pair in known)
+        return min(pair[0] for pair in items), max(pair[1] for pair in items)
 
     return replace(
-        each[0],
-        magnitude=own,
+        bounds[0],
+        magnitude=values,
         parameter=formal,
         unseen=np.array([low, high]),
-        peak_frequency=ends([one.peak_frequency for one in each]),
-        peak_height=ends([one.peak_height for one in each]),
+        peak_frequency=ends([bound.peak_frequency for bound in bounds]),
+        peak_height=ends([bound.peak_height for bound in bounds]),
     )
 
 
-def rival_of(found: Fit) -> Fit | None:
+def rival_of(fit: Fit) -> Fit | None:
     """A fit with the other family's solid in place of its own, if that explains the tests too."""
-    other = found.alternative
-    return None if other is None or not other.explains else replace(found, solid=other.solid)
+    other = fit.alternative
+    return None if other is None or not other.explains else replace(fit, solid=other.solid)
 
 
-def rival_modes(
-    found: Fit, point: OperatingPoint, *, mass: float, seals: float
-) -> tuple[Mode, ...]:
+def rival_modes(fit: Fit, point: OperatingPoint, *, mass: float, seals: float) -> tuple[Mode, ...]:
     """Modes of a mass on the other family of solids, if one explains the tests as well."""
-    rival = rival_of(found)
+    rival = rival_of(fit)
     return () if rival is None else model_modes(seals * point.solid(rival), mass)
 
 
 def family_checks(
-    found: Fit, point: OperatingPoint, *, mass: float, seals: float
+    fit: Fit, point: OperatingPoint, *, mass: float, seals: float
 ) -> tuple[Check, ...]:
     """Whether another family of solids, where one was fitted, foretells the same resonance."""
-    if found.alternative is None:
+    if fit.alternative is None:
         return ()
-    own = model_modes(seals * point.solid(found), mass)
-    rival = rival_modes(found, point, mass=mass, seals=seals)
-    return (families_predict_alike(next(iter(own), None), next(iter(rival), None)),)
+    modes = model_modes(seals * point.solid(fit), mass)
+    rival = rival_modes(fit, point, mass=mass, seals=seals)
+    return (families_predict_alike(next(iter(modes), None), next(iter(rival), None)),)
 
 
 def formal_limits(
-    found: Fit,
+    fit: Fit,
     point: OperatingPoint,
     *,
     mass: float,
@@ -293,7 +293,7 @@ def formal_limits(
     """Return the limits by the standard errors alone, shape (2, n), so too."""
     s = point.factor
     limits = formal_frf_band(
-        found, mass=mass / s, frequency=frequency, seals=seals, kind=kind, coupled=coupled / s
+        fit, mass=mass / s, frequency=frequency, seals=seals, kind=kind, coupled=coupled / s
     )
     limits = limits / s if kind is Kind.ACCELERANCE else limits
     return _slid(frequency, limits, point)

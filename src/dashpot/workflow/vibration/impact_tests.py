@@ -129,8 +129,8 @@ def impact_files(
     options = options or ReadOptions()
     driven = options.of(files[0]).base_acceleration is not None
     test = read_shaken(files, options) if driven else read_impact(list(files), options=options)
-    found, reason = modes_of_hits(test, hammer=hammer, mass=mass, band=band)
-    return replace(found, file=file), reason
+    result, reason = modes_of_hits(test, hammer=hammer, mass=mass, band=band)
+    return replace(result, file=file), reason
 
 
 def modes_of_hits(
@@ -178,7 +178,7 @@ def _vibration(frf: FRF, modes: Sequence[Mode], hammer: HammerChoices) -> Impact
 
 
 def weighed(
-    found: Fit,
+    fit: Fit,
     frf: FRF,
     *,
     mass: float | None,
@@ -193,10 +193,10 @@ def weighed(
     if mass is not None:
         return mass
     near = frf if band is None else frf.band(*band)
-    mass = infer_mass(seals * found.model, near)[0]
+    mass = infer_mass(seals * fit.model, near)[0]
     for _ in range(WEIGHINGS):
-        point = operating_point(found, mass=mass, seals=seals, compression=compression)
-        last, mass = mass, infer_mass(seals * point.solid(found), near)[0]
+        point = operating_point(fit, mass=mass, seals=seals, compression=compression)
+        last, mass = mass, infer_mass(seals * point.solid(fit), near)[0]
         if abs(mass - last) <= 1e-9 * mass:
             return mass
     raise DataError(
@@ -206,7 +206,7 @@ def weighed(
 
 
 def compare_with_measured(
-    found: Fit,
+    fit: Fit,
     measured: FRF,
     *,
     mass: float,
@@ -216,7 +216,7 @@ def compare_with_measured(
 ) -> tuple[FRF, Comparison]:
     """Return what a fit predicts on the measured lines, and how well that agrees."""
     predicted = predict_frf(
-        found,
+        fit,
         mass=mass,
         frequency=measured.frequency,
         kind=measured.quantity,
@@ -225,7 +225,7 @@ def compare_with_measured(
         compression=compression,
     )
     return predicted, compare(
-        predicted, measured, fit=found, mass=mass, seals=seals, band=band, compression=compression
+        predicted, measured, fit=fit, mass=mass, seals=seals, band=band, compression=compression
     )
 
 
@@ -321,15 +321,15 @@ class Agreement(HasVerdict, Serialisable):
     @property
     def verdict(self) -> Verdict:
         """What to make of the prediction; it says how near it came, where the FRF is one."""
-        found = verdict(self.checks)
+        new_verdict = verdict(self.checks)
         if _useless(self.comparison.measured):
-            return found
+            return new_verdict
         if self.in_sample:
-            return replace(found, says=self._circular())
+            return replace(new_verdict, says=self._circular())
         if not self.mass_inferred:
-            return replace(found, says=self.comparison.says)
+            return replace(new_verdict, says=self.comparison.says)
         return replace(
-            found,
+            new_verdict,
             says=f"The mass, {format_quantity(self.mass, 'g')}, was found from the measured peak, "
             "so the "
             "stiffness is not tested. Weigh the block, and give its mass.",
@@ -342,7 +342,7 @@ class Agreement(HasVerdict, Serialisable):
         first = f"{says}, because the fit was made from these hits."
         if self.unseen is None:
             return f"{first} Compare it with other hits, or give the fitted relaxation record too."
-        low, high = (100 * one for one in self.unseen.height)
+        low, high = (100 * value for value in self.unseen.height)
         return (
             f"{first} Each hit left out in turn is predicted within "
             f"{100 * self.unseen.error:.2g} % rms, its peak {low:+.2g} to {high:+.2g} % high."
@@ -350,7 +350,7 @@ class Agreement(HasVerdict, Serialisable):
 
 
 def compare_files(
-    found: Fit,
+    fit: Fit,
     measured: Sequence[str | Path],
     *,
     hammer: HammerChoices,
@@ -365,7 +365,7 @@ def compare_files(
 
     Parameters
     ----------
-    found : Fit
+    fit : Fit
         Of one seal.
     measured : sequence of path
     hammer, options
@@ -379,21 +379,21 @@ def compare_files(
     """
     impact, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
     tests = prepared_files(records, options=options_with)
-    held = agreement(found, frf, tests=tests, mass=mass, band=band, **asked)
+    held = agreement(fit, frf, tests=tests, mass=mass, band=band, **asked)
     if not (held.in_sample and tests):
         return held
     leave_out = find_handler("leave one out", impact)
     if leave_out is None:
         return held
-    unseen = leave_out(
-        impact, tests, found, mass=held.mass, seals=held.seals, choices=hammer, band=band,
+    unmeasured = leave_out(
+        impact, tests, fit, mass=held.mass, seals=held.seals, choices=hammer, band=band,
         compression=asked.get("compression"),
     )  # fmt: skip
-    return replace(held, unseen=unseen)
+    return replace(held, unseen=unmeasured)
 
 
 def agreement(
-    found: Fit,
+    fit: Fit,
     frf: FRF,
     *,
     tests: Sequence[RampHold] = (),
@@ -407,7 +407,7 @@ def agreement(
 
     Parameters
     ----------
-    found : Fit
+    fit : Fit
         Of one seal.
     frf : FRF
     tests : sequence of RampHold
@@ -423,29 +423,31 @@ def agreement(
     """
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
     frf = remove_seal_mass(frf, total, seal_mass, seals)
-    known = weighed(found, frf, mass=total, seals=seals, band=band, compression=compression)
+    value = weighed(fit, frf, mass=total, seals=seals, band=band, compression=compression)
     _, comparison = compare_with_measured(
-        found, frf, mass=known, seals=seals, band=band, compression=compression
+        fit, frf, mass=value, seals=seals, band=band, compression=compression
     )
-    rests = find_static_equilibrium(found, mass=known, seals=seals, compression=compression)
+    rests = find_static_equilibrium(fit, mass=value, seals=seals, compression=compression)
     lines = comparison.measured.frequency[comparison.measured.frequency > 0]
-    formal = formal_limits(found, rests.point, mass=known, frequency=lines, seals=seals)
+    formal = formal_limits(fit, rests.point, mass=value, frequency=lines, seals=seals)
     limits = None
-    circular = find_fitted_files(found, frf)
+    circular = find_fitted_files(fit, frf)
     if tests and not circular:  # the unseen arms of a joint fit have no bound
-        refuse_others(tests, found)
+        refuse_others(tests, fit)
         about = np.linspace(lines[0], lines[-1], min(len(lines), LIMIT_LINES))
-        limits = frf_limits(found, tests, rests.point, mass=known, frequency=about, seals=seals)
+        limits = frf_limits(fit, tests, rests.point, mass=value, frequency=about, seals=seals)
     noted = (*frf.checks, *noted, fit_is_tested(len(circular)))
     return Agreement(
-        comparison, known, mass is None, noted, rests, (lines, formal), limits, seals,
+        comparison, value, mass is None, noted, rests, (lines, formal), limits, seals,
         in_sample=bool(circular),
     )  # fmt: skip
 
 
-def find_fitted_files(found: Fit, frf: FRF) -> frozenset[str]:
+def find_fitted_files(fit: Fit, frf: FRF) -> frozenset[str]:
     """The files of an FRF, by what they hold, that a fit was made from."""
-    return frozenset(one.sha256 for one in found.source) & {one.sha256 for one in frf.source} - {""}
+    return frozenset(source.sha256 for source in fit.source) & {
+        source.sha256 for source in frf.source
+    } - {""}
 
 
 class Changes(NamedTuple):
@@ -487,7 +489,7 @@ class DirectStiffness(Serialisable):
         columns = (
             of.frequency, of.storage, of.storage_sd, of.damping, of.loss_factor, of.loss_factor_sd,
         )  # fmt: skip
-        rows = zip(*(one.tolist() for one in columns), strict=True)
+        rows = zip(*(column.tolist() for column in columns), strict=True)
         return head + "".join(",".join(map(repr, row)) + "\n" for row in rows)
 
 
@@ -536,7 +538,7 @@ class Identified(HasVerdict, Serialisable):
     @property
     def verdict(self) -> Verdict:
         """What to make of the fit."""
-        return verdict(self.checks, sound=self.fit.sound)
+        return verdict(self.checks, headline=self.fit.sound)
 
 
 def identify_files(
@@ -680,7 +682,7 @@ def identify_solid(
     frf = remove_seal_mass(frf, total, seal_mass, seals)
     mass = total or mass
     straight = dynamic_stiffness(frf, mass, seals=seals, band=band)
-    found = identify(
+    fit = identify(
         frf,
         band=band,
         tests=tests,
@@ -692,15 +694,15 @@ def identify_solid(
         **choices,
     )
     if specimen is not None:
-        known = replace(found.provenance, specimen=specimen.over(found.specimen))
-        found = replace(found, provenance=known)
+        provenance = replace(fit.provenance, specimen=specimen.over(fit.specimen))
+        fit = replace(fit, provenance=provenance)
     useless = _useless(frf)
     # an FRF that is none comes before what a solid makes of it
-    evidence = replace(found.evidence, checks=(*useless, *found.checks))
+    evidence = replace(fit.evidence, checks=(*useless, *fit.checks))
     others = tuple(check for check in frf.checks if check not in useless)
-    found = replace(found, evidence=evidence)
-    rests = find_static_equilibrium(found, mass=mass, seals=seals, compression=compression)
-    return Identified(found, DirectStiffness(straight), (*others, *noted), rests, vibration)
+    fit = replace(fit, evidence=evidence)
+    rests = find_static_equilibrium(fit, mass=mass, seals=seals, compression=compression)
+    return Identified(fit, DirectStiffness(straight), (*others, *noted), rests, vibration)
 
 
 def _refuse_both(fits: Sequence[Fit], tests: Sequence[Any]) -> None:

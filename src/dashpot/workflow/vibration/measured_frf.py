@@ -128,8 +128,8 @@ def with_polarity(frfs: Sequence[FRF], polarity: Sequence[int] | None) -> tuple[
         )
     step = Step("polarity", (("turned", "FRF"),), "the sign of the FRF was turned, as given")
     return tuple(
-        replace(one, value=-one.value, steps=(*one.steps, step)) if sign < 0 else one
-        for one, sign in zip(frfs, polarity, strict=True)
+        replace(frf, value=-frf.value, steps=(*frf.steps, step)) if sign < 0 else frf
+        for frf, sign in zip(frfs, polarity, strict=True)
     )
 
 
@@ -159,10 +159,10 @@ def estimate_base_transmissibility(
     except (DataError, FitError) as error:
         reason = str(error)
     main = next(iter(modes), None)
-    found = [] if main is not None else [resonance(frf, None)]
+    checks = [] if main is not None else [resonance(frf, None)]
     resolved = segments_resolve(frf, main)
     frf = add_frf_checks(frf, band, mass=mass)
-    return replace(frf, checks=(*frf.checks, whole, *found, resolved)), modes, reason
+    return replace(frf, checks=(*frf.checks, whole, *checks, resolved)), modes, reason
 
 
 def as_measured(frf: FRF, motion: str) -> FRF:
@@ -183,9 +183,9 @@ def refuse_choices_of_hits(choices: HammerChoices, why: str, *, but: Sequence[st
     """
     default = HammerChoices()
     odd = [
-        flag_of(one)
-        for one in iterate_option_fields(choices)
-        if one.name not in but and getattr(choices, one.name) != getattr(default, one.name)
+        flag_of(field)
+        for field in iterate_option_fields(choices)
+        if field.name not in but and getattr(choices, field.name) != getattr(default, field.name)
     ]
     if odd:
         raise ReadError(f"{', '.join(odd)}: of hits, and {why}; leave out")
@@ -208,15 +208,15 @@ def add_frf_checks(
     near = near if band is None else near.band(*band)
     peak = find_peak(near) if main is None else main
     at = int(np.argmin(np.abs(near.frequency - peak.frequency)))
-    judged = [frf_dissipates(complex(near.value[at]), float(near.frequency[at]))] * driven
+    checks = [frf_dissipates(complex(near.value[at]), float(near.frequency[at]))] * driven
     if frf.quantity.over_base:
-        judged.insert(0, mass_over_base(frf))
+        checks.insert(0, mass_over_base(frf))
     if frf.coherence is not None:
-        judged.append(coherence(near, at))
+        checks.append(coherence(near, at))
     elif frf.sd is None:
-        judged.append(scatter_known())
-    judged += caution_checks(frf.source)
-    return replace(frf, checks=(*frf.checks, *judged))
+        checks.append(scatter_known())
+    checks += caution_checks(frf.source)
+    return replace(frf, checks=(*frf.checks, *checks))
 
 
 def average(
@@ -227,10 +227,10 @@ def average(
     band: tuple[float, float] | None = None,
 ) -> FRF:
     """Return the FRF of an impact test under these choices."""
-    asked = asdict(choices)
-    if asked.pop("motion") != "absolute":
+    options = asdict(choices)
+    if options.pop("motion") != "absolute":
         raise ReadError(_NO_BASE)
-    return estimate_frf(impact, **asked, mass=mass, resonance_band=band)
+    return estimate_frf(impact, **options, mass=mass, resonance_band=band)
 
 
 def total_mass(

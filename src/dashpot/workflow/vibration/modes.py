@@ -29,8 +29,8 @@ class ImpactMode:
     @property
     def mode(self) -> Mode:
         """The pole with its errors: nan where a method cannot tell."""
-        known = (self.frequency_se_hz, self.damping_ratio_se)
-        frequency, ratio = (np.nan if se is None else se for se in known)
+        values = (self.frequency_se_hz, self.damping_ratio_se)
+        frequency, ratio = (np.nan if se is None else se for se in values)
         return Mode(self.frequency_hz, self.damping_ratio, 0j, frequency, ratio, 0.0, self.method)
 
 
@@ -64,7 +64,7 @@ class Modes(Plottable, Serialisable, Sequence[Mode]):
     def __getitem__(self, index: slice) -> tuple[Mode, ...]: ...
     def __getitem__(self, index: int | slice) -> Mode | tuple[Mode, ...]:
         """The mode at a place, or several."""
-        return tuple(one.mode for one in self.modes)[index]
+        return tuple(mode.mode for mode in self.modes)[index]
 
     def __len__(self) -> int:
         """Number of modes."""
@@ -78,7 +78,7 @@ class Modes(Plottable, Serialisable, Sequence[Mode]):
     @property
     def verdict(self) -> Verdict:
         """What to make of the FRF and its modes."""
-        return verdict(self.frf.checks, sound=self.sound)
+        return verdict(self.frf.checks, headline=self.sound)
 
     @property
     def sound(self) -> str:
@@ -93,10 +93,10 @@ class Modes(Plottable, Serialisable, Sequence[Mode]):
     @property
     def series(self) -> Series:
         """The modes as a table."""
-        each = collect_columns(
+        columns = collect_columns(
             self, frequency="Hz", frequency_se="Hz", damping_ratio="", damping_ratio_se=""
         )
-        return {"mode": (np.arange(1, len(self) + 1), ""), **each}
+        return {"mode": (np.arange(1, len(self) + 1), ""), **columns}
 
     @property
     def described(self) -> tuple[str, ...]:

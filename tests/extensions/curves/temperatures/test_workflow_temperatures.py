@@ -150,7 +150,7 @@ def test_a_hammer_joins_tests_at_several_temperatures():
     tests = cold.records("hidden", (23.0, 0.0), 0)
     model = dp.GeneralizedMaxwell(*cold.HIDDEN)
     hits = simulate_impact(model, mass=MASS, seals=2, seed=1).test
-    study = characterise(tests[0], estimate_frf(hits), further=tests[1:], mass=MASS, seals=2.0)
+    study = characterise(tests[0], estimate_frf(hits), tests=tests[1:], mass=MASS, seals=2.0)
     assert abs(study.comparison.predicted_hz / study.comparison.measured_hz - 1) < 2e-3
     assert study.joint is not None
     assert study.joint.verdict.use == "use"
@@ -168,7 +168,7 @@ def test_a_hammer_of_another_temperature_has_its_own_shift():
     study = characterise(
         tests[0],
         estimate_frf(hits),
-        further=tests[1:],
+        tests=tests[1:],
         mass=MASS,
         seals=2.0,
         impact_temperature="10degC",

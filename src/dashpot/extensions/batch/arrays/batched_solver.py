@@ -139,17 +139,17 @@ def _solve_record(
 ) -> None:
     """One record by the single solver; a record that it refuses stays without a solution."""
     try:
-        found: Solution = solve([make(values)], arms)
+        solution: Solution = solve([make(values)], arms)
     except (FitError, np.linalg.LinAlgError):
         return
-    n = found.order
-    out.log_tau[row, :n] = found.log_tau
-    out.arms[row, :n] = found.arms[0]
-    out.fixed[row] = found.fixed
-    out.sse[row] = found.sse
+    n = solution.order
+    out.log_tau[row, :n] = solution.log_tau
+    out.arms[row, :n] = solution.arms[0]
+    out.fixed[row] = solution.fixed
+    out.sse[row] = solution.sse
     out.order[row] = n
-    out.converged[row] = found.converged
-    out.at_bound[row] = found.at_bound.any()
+    out.converged[row] = solution.converged
+    out.at_bound[row] = solution.at_bound.any()
 
 
 def _solve_chunk(
@@ -211,22 +211,22 @@ def _is_well_determined(
     unit = curvature / np.sqrt(scale[:, :, None] * scale[:, None, :]) + 1e-14 * np.eye(arms)
     variance = np.diagonal(np.linalg.inv(unit), axis1=1, axis2=2) / scale
     noise = (reduced.floor + point.sse) / spare
-    known = (variance > 0) & (variance * noise[:, None] < DOUBT**2)
-    return np.asarray(known.all(axis=1))
+    value = (variance > 0) & (variance * noise[:, None] < DOUBT**2)
+    return np.asarray(value.all(axis=1))
 
 
 def _compare_peak_descents(
     family: SharedSampling,
     search: GridSearch,
     gain: FloatArray,
-    found: StackTrial,
+    trial: StackTrial,
     reduced: ReducedRecords,
 ) -> tuple[StackTrial, BoolArray]:
     """The best of what was found and of descents from other peaks, and where it is proper."""
-    proper = np.ones(len(found.sse), dtype=bool)
+    proper = np.ones(len(trial.sse), dtype=bool)
     for start, started in search.peaks(gain, RIVALS):
         other, done = descend_together(family, start, started, reduced)
-        better = np.flatnonzero(other.sse < found.sse * (1 - 1e-10))
+        better = np.flatnonzero(other.sse < trial.sse * (1 - 1e-10))
         proper[better] = (done & _is_interior_positive(family, other, reduced))[better]
-        found.put(better, other.take(better))
-    return found, proper
+        trial.put(better, other.take(better))
+    return trial, proper

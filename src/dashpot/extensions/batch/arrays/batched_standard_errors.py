@@ -18,7 +18,7 @@ _SINGULAR = 1e-13
 
 
 def many_errors(
-    time: FloatArray, x: FloatArray, records: FloatArray, first: int, found: ManySolutions
+    time: FloatArray, x: FloatArray, records: FloatArray, first: int, solutions: ManySolutions
 ) -> FloatArray:
     r"""Standard errors of k_inf, every k and every ln tau, shape (R, 1 + 2 N).
 
@@ -35,34 +35,34 @@ def many_errors(
         N.
     first : int
         The first sample that was fitted.
-    found : ManySolutions
+    solutions : ManySolutions
     """
-    count, arms = found.arms.shape
+    count, arms = solutions.arms.shape
     few = max(1, len(time) // MEANS)
     used = slice(-(-first // few), None)
-    clock, motion, forces = (block_means(one, few) for one in (time, x, records))
+    clock, motion, forces = (block_means(values, few) for values in (time, x, records))
     out = np.full((count, 1 + 2 * arms), np.nan)
     for order in range(arms + 1):
-        rows = np.flatnonzero(found.order == order)
+        rows = np.flatnonzero(solutions.order == order)
         columns = np.concatenate(([0], 1 + np.arange(order), 1 + arms + np.arange(order)))
         for start in range(0, len(rows), _AT_ONCE):
             part = rows[start : start + _AT_ONCE]
-            jacobian, model = _model(clock, motion, found, part, order)
-            left = (forces[part] - model)[:, used]
-            out[np.ix_(part, columns)] = _standard_errors(jacobian[:, :, used], left)
+            jacobian, model = _model(clock, motion, solutions, part, order)
+            residual = (forces[part] - model)[:, used]
+            out[np.ix_(part, columns)] = _standard_errors(jacobian[:, :, used], residual)
     return out
 
 
 def _model(
-    time: FloatArray, x: FloatArray, found: ManySolutions, rows: IndexArray, order: int
+    time: FloatArray, x: FloatArray, solutions: ManySolutions, rows: IndexArray, order: int
 ) -> tuple[FloatArray, FloatArray]:
     """Jacobians (R, 1 + 2 N, n) by k_inf, k and ln tau, and the forces of the solids (R, n)."""
-    k, k_inf = found.arms[rows, :order], found.fixed[rows, :1]
+    k, k_inf = solutions.arms[rows, :order], solutions.fixed[rows, :1]
     jacobian = np.empty((len(rows), 1 + 2 * order, len(x)))
     jacobian[:, 0] = x
     if not order:
         return jacobian, k_inf * x
-    both = arm_columns(time, x, np.exp(found.log_tau[rows, :order].ravel()))
+    both = arm_columns(time, x, np.exp(solutions.log_tau[rows, :order].ravel()))
     q, slope = (part.T.reshape(len(rows), order, -1) for part in both)
     jacobian[:, 1 : 1 + order] = q
     np.multiply(k[:, :, None], slope, out=jacobian[:, 1 + order :])
@@ -73,14 +73,14 @@ def _standard_errors(jacobian: FloatArray, residual: FloatArray) -> FloatArray:
     """Standard errors (R, p) by the power of the residuals (R, n)."""
     _, parameters, n = jacobian.shape
     gamma = autocovariance(residual)
-    kept = np.arange(n) < geyer_cuts(gamma)[:, None]
-    power = np.maximum(gamma[:, 0], 2 * (gamma * kept).sum(axis=1) - gamma[:, 0])
+    mask = np.arange(n) < geyer_cuts(gamma)[:, None]
+    power = np.maximum(gamma[:, 0], 2 * (gamma * mask).sum(axis=1) - gamma[:, 0])
     information = jacobian @ jacobian.swapaxes(1, 2)
     length = np.sqrt(np.maximum(np.diagonal(information, axis1=1, axis2=2), 1e-300))
     values, vectors = np.linalg.eigh(information / (length[:, :, None] * length[:, None, :]))
-    known = values > _SINGULAR * values[:, -1:]
+    certain = values > _SINGULAR * values[:, -1:]
     with np.errstate(divide="ignore"):
-        inverse = np.where(known, 1 / np.maximum(values, 1e-300), np.inf)
+        inverse = np.where(certain, 1 / np.maximum(values, 1e-300), np.inf)
     # a direction without information leaves unknown what it touches, and no more
     shares = np.where(vectors**2 > _SINGULAR, vectors**2, 0.0)
     with np.errstate(invalid="ignore"):

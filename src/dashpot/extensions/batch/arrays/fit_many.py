@@ -162,14 +162,14 @@ def fit_many(
     else:
         x = samples("displacement", displacement if displacement is not None else ())
         history = _recorded(clock, x, method=method)
-    found = history.solved(records, arms)
+    solutions = history.solved(records, arms)
     return BatchFit(
-        k_inf=found.fixed[:, 0],
-        k=found.arms,
-        tau=np.exp(found.log_tau),
-        sse=found.sse,
-        status=tuple(_status(found, row, arms) for row in range(len(records))),
-        errors=_errors(clock, records, history, found) if errors else None,
+        k_inf=solutions.fixed[:, 0],
+        k=solutions.arms,
+        tau=np.exp(solutions.log_tau),
+        sse=solutions.sse,
+        status=tuple(_status(solutions, row, arms) for row in range(len(records))),
+        errors=_errors(clock, records, history, solutions) if errors else None,
     )
 
 
@@ -198,10 +198,10 @@ class _SharedMotion(NamedTuple):
 
     def solved(self, records: FloatArray, arms: int) -> ManySolutions:
         """Fit every record, side by side where there are enough of them."""
-        given = records[:, self.given]
-        if self.family is None or len(given) < _STACK:
-            return solve_separately(self.block, given, arms, fixed_count=1)
-        return solve_many(self.family(), given, arms)
+        provided = records[:, self.given]
+        if self.family is None or len(provided) < _STACK:
+            return solve_separately(self.block, provided, arms, fixed_count=1)
+        return solve_many(self.family(), provided, arms)
 
 
 def _ideal(clock: FloatArray, ramp: tuple[float, float], *, method: str) -> _SharedMotion:
@@ -246,24 +246,25 @@ def _recorded(clock: FloatArray, x: FloatArray, *, method: str) -> _SharedMotion
     )
 
 
-def _status(found: ManySolutions, row: int, arms: int) -> Status:
-    at_bound = found.at_bound[row]
+def _status(solutions: ManySolutions, row: int, arms: int) -> Status:
+    at_bound = solutions.at_bound[row]
     return status_of(
         (),
         {
-            Status.NO_DATA: not found.finite[row],
-            Status.NOT_CONVERGED: found.order[row] < 0 or not (found.converged[row] or at_bound),
-            Status.FEWER_ARMS: found.order[row] < arms,
+            Status.NO_DATA: not solutions.finite[row],
+            Status.NOT_CONVERGED: solutions.order[row] < 0
+            or not (solutions.converged[row] or at_bound),
+            Status.FEWER_ARMS: solutions.order[row] < arms,
             Status.TAU_AT_BOUND: at_bound,
         },
     )
 
 
 def _errors(
-    clock: FloatArray, records: FloatArray, history: _SharedMotion, found: ManySolutions
+    clock: FloatArray, records: FloatArray, history: _SharedMotion, solutions: ManySolutions
 ) -> BatchErrors:
-    error = many_errors(clock, history.x, records, history.first, found)
-    arms = found.arms.shape[1]
+    error = many_errors(clock, history.x, records, history.first, solutions)
+    arms = solutions.arms.shape[1]
     return BatchErrors(
-        error[:, 0], error[:, 1 : 1 + arms], error[:, 1 + arms :] * np.exp(found.log_tau)
+        error[:, 0], error[:, 1 : 1 + arms], error[:, 1 + arms :] * np.exp(solutions.log_tau)
     )

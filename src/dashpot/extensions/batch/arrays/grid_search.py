@@ -55,13 +55,13 @@ class GridSearch:
 
     def peaks(self, gain: FloatArray, count: int) -> Iterator[tuple[FloatArray, BoolArray]]:
         """Yield what `best` says of the second, third, ... highest local maximum of each record."""
-        left = gain * (
-            gain >= np.maximum.reduce([gain[beside] for beside in self.neighbour_sets.T])
+        residual = gain * (
+            gain >= np.maximum.reduce([gain[item] for item in self.neighbour_sets.T])
         )
         records = np.arange(gain.shape[1])
         for _ in range(count):
-            left[np.argmax(left, axis=0), records] = 0.0
-            yield self.best(left)
+            residual[np.argmax(residual, axis=0), records] = 0.0
+            yield self.best(residual)
 
     @cached_property
     def neighbour_sets(self) -> IndexArray:
@@ -71,5 +71,5 @@ class GridSearch:
         row = np.full(size ** len(shape), -1)
         row[np.ravel_multi_index((self.sets + 1).T, shape)] = np.arange(len(self.sets))
         around = np.indices((3,) * len(shape)).reshape(len(shape), -1)
-        found = row[np.ravel_multi_index(self.sets.T[:, :, None] + around[:, None], shape)]
-        return np.where(found < 0, np.arange(len(self.sets))[:, None], found)
+        value = row[np.ravel_multi_index(self.sets.T[:, :, None] + around[:, None], shape)]
+        return np.where(value < 0, np.arange(len(self.sets))[:, None], value)

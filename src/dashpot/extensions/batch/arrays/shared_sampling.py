@@ -169,13 +169,13 @@ def column_space(template: DataBlock, at_nodes: Callable[[IndexArray], DataBlock
     """Return the space of a block's columns; `at_nodes` makes the block at some of its rows."""
     low, high = template.bounds
     log_tau = np.linspace(low, high, round(TIMES_PER_FOLD * (high - low)))
-    _, given, columns, _ = template.evaluate(log_tau, False)
-    fixed = np.linalg.qr(given)[0]
+    _, provided, columns, _ = template.evaluate(log_tau, False)
+    fixed = np.linalg.qr(provided)[0]
     swept = columns - fixed @ (fixed.T @ columns)
     u, s, _ = np.linalg.svd(swept / np.linalg.norm(columns, axis=0), full_matrices=False)
     # the last directions hold rounding along the fixed columns
-    basis, r = np.linalg.qr(np.concatenate((given, u[:, s > RANK * s[0]]), axis=1))
-    nodes, q = _independent(basis), given.shape[1]
+    basis, r = np.linalg.qr(np.concatenate((provided, u[:, s > RANK * s[0]]), axis=1))
+    nodes, q = _independent(basis), provided.shape[1]
     return ColumnSpace(basis, r[:q, :q], np.linalg.inv(basis[nodes]), at_nodes(nodes))
 
 
@@ -225,21 +225,21 @@ class CompressedFamily(SharedSampling):
         z, floor = project_values(self.plans, values)
         at = z @ self.space.basis
         rest = z - at @ self.space.basis.T
-        along, beside = at[:, : self.fixed_count], at[:, self.fixed_count :]
+        along, extra = at[:, : self.fixed_count], at[:, self.fixed_count :]
         return ReducedRecords(
-            (along, beside), floor + np.vecdot(rest, rest), np.vecdot(beside, beside)
+            (along, extra), floor + np.vecdot(rest, rest), np.vecdot(extra, extra)
         )
 
     def factor(self, log_tau: FloatArray, reduced: ReducedRecords, *, exact: bool) -> FloatArray:
         """Triangular factors, by a Gram matrix or `exact` by QR."""
-        along, beside = reduced.data
+        along, extra = reduced.data
         count, arms = log_tau.shape
         q, size = self.fixed_count, 2 * arms + 1
-        both = np.empty((count, size, q + beside.shape[1]))
+        both = np.empty((count, size, q + extra.shape[1]))
         _, _, columns, slopes = self.space.chosen.evaluate(log_tau.ravel())
         both[:, :arms] = (columns.T @ self.space.inverse.T).reshape(count, arms, -1)
         both[:, arms:-1] = (slopes.T @ self.space.inverse.T).reshape(count, arms, -1)
-        both[:, -1, :q], both[:, -1, q:] = along, beside
+        both[:, -1, :q], both[:, -1, q:] = along, extra
         swept = both[:, :, q:]
         out = np.zeros((count, q + size, q + size))
         out[:, :q, :q] = self.space.triangle

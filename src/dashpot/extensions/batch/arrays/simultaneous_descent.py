@@ -60,21 +60,21 @@ def descend_together(
         now = here.take(active)
         trial = np.clip(now.log_tau + _steps(now, damping[active]), low, high)
         step = trial - now.log_tau
-        moved, fall = np.abs(step).max(axis=1), np.abs(np.vecdot(now.gradient, step))
+        change, fall = np.abs(step).max(axis=1), np.abs(np.vecdot(now.gradient, step))
         sse = reduced.floor[active] + now.sse
-        over = (damping[active] < LINEAR) & has_converged(moved, last[active], fall, sse)
-        over |= moved <= FINISHED
+        over = (damping[active] < LINEAR) & has_converged(change, last[active], fall, sse)
+        over |= change <= FINISHED
         before = now.sse
         if over.any():
             here.put(active[over], now.take(over).ahead(step[over]))
             done[active[over]] = True
-            active, trial, moved, before = (x[~over] for x in (active, trial, moved, before))
+            active, trial, change, before = (x[~over] for x in (active, trial, change, before))
         if not len(active):
             break
         new = points_at(family, trial, reduced.take(active))
-        tail, better = moved < TAIL, is_step_acceptable(new.sse, before, moved, rounding[active])
+        tail, better = change < TAIL, is_step_acceptable(new.sse, before, change, rounding[active])
         taken = active[better]
-        last[taken] = moved[better]
+        last[taken] = change[better]
         here.put(taken, new.take(better))
         damping[taken] = np.where(tail[better], 0.0, 0.1 * damping[taken])
         stuck = ~better & tail & (damping[active] == 0.0)

@@ -62,18 +62,18 @@ class Chart(Serialisable):
     @property
     def signalled(self) -> tuple[int, ...]:
         """The points that break a rule, each once."""
-        return tuple(sorted({one.point for one in self.signals}))
+        return tuple(sorted({signal.point for signal in self.signals}))
 
     @property
     def causes(self) -> tuple[tuple[int, int], ...]:
         """First and last point of each run of points that break a rule: a cause each."""
-        found: list[tuple[int, int]] = []
+        results: list[tuple[int, int]] = []
         for at in self.signalled:
-            if found and at - found[-1][1] == 1:
-                found[-1] = (found[-1][0], at)
+            if results and at - results[-1][1] == 1:
+                results[-1] = (results[-1][0], at)
             else:
-                found.append((at, at))
-        return tuple(found)
+                results.append((at, at))
+        return tuple(results)
 
 
 def compute_chance_limit(points: int) -> float:
@@ -126,13 +126,13 @@ def means_and_deviations(groups: Sequence[FloatArray]) -> tuple[Chart, Chart]:
     DataError
         If there are fewer than two groups, or none has two values.
     """
-    sizes = np.array([len(one) for one in groups])
+    sizes = np.array([len(group) for group in groups])
     if len(groups) < 2 or sizes.max(initial=0) < 2:
         raise DataError("a chart of means wants two groups, of which one has two values or more")
-    means = np.array([np.mean(one) for one in groups])
+    means = np.array([np.mean(group) for group in groups])
     several = sizes > 1
     c4 = np.array([_c4(int(n)) if n > 1 else np.nan for n in sizes])
-    deviations = np.array([np.std(one, ddof=1) if len(one) > 1 else np.nan for one in groups])
+    deviations = np.array([np.std(group, ddof=1) if len(group) > 1 else np.nan for group in groups])
     spread = np.sqrt(1 - c4**2)
     weights = (c4 / spread)[several] ** 2
     sigma = float(np.sum(weights * (deviations / c4)[several]) / weights.sum())
@@ -184,8 +184,8 @@ def run_signals(z: FloatArray) -> Iterator[Signal]:
     Rules 1, 2, 3, 5 and 6 of Nelson, Journal of Quality Technology 16 (1984); a rule speaks at the
     last point of its run. Where the order means nothing, the rules of runs do not either.
     """
-    for i, one in enumerate(z):
-        if abs(one) > 3:
+    for i, value in enumerate(z):
+        if abs(value) > 3:
             yield Signal(i, BEYOND)
         # a run that begins before the first point is too short
         if abs(np.sign(z[max(i - 8, 0) : i + 1]).sum()) == 9:
@@ -193,6 +193,6 @@ def run_signals(z: FloatArray) -> Iterator[Signal]:
         if abs(np.sign(np.diff(z[max(i - 5, 0) : i + 1])).sum()) == 5:
             yield Signal(i, TREND)
         for rule, window, count, reach in ((TWO_OF_THREE, 3, 2, 2.0), (FOUR_OF_FIVE, 5, 4, 1.0)):
-            last = z[i - window + 1 : i + 1] * np.sign(one)
-            if i >= window - 1 and abs(one) > reach and np.count_nonzero(last > reach) >= count:
+            last = z[i - window + 1 : i + 1] * np.sign(value)
+            if i >= window - 1 and abs(value) > reach and np.count_nonzero(last > reach) >= count:
                 yield Signal(i, rule)

@@ -80,16 +80,16 @@ class Gauge:
 
     def __getitem__(self, name: str) -> Variation:
         """The source of a name."""
-        return next(one for one in self.variations if one.name == name)
+        return next(variation for variation in self.variations if variation.name == name)
 
     @property
     def says(self) -> str:
         """The share of the gauge, and ndc with its interval: whole categories, the rest cut off."""
-        told, low, high = (
-            f"{math.floor(one)}" if math.isfinite(one) else "∞"
-            for one in (self.categories, *self.categories_interval)
+        text, low, high = (
+            f"{math.floor(value)}" if math.isfinite(value) else "∞"
+            for value in (self.categories, *self.categories_interval)
         )
-        return f"{100 * self['gauge'].share:.1f} % of all, ndc {told} ({low} to {high})"
+        return f"{100 * self['gauge'].share:.1f} % of all, ndc {text} ({low} to {high})"
 
     @property
     def pooled(self) -> bool:
@@ -150,7 +150,7 @@ def gauge(
         count, used = table.shape[0], table.size
     else:
         squares, count, used = _compute_repeat_squares(x, part)
-    found, ends = squares.solved(squares.square), _draw_variances(squares)
+    entries, ends = squares.solved(squares.square), _draw_variances(squares)
     tails = [(1 - level) / 2, (1 + level) / 2]
 
     def compute_interval(draws: FloatArray) -> tuple[float, float]:
@@ -160,14 +160,14 @@ def gauge(
     variations = tuple(
         Variation(
             name,
-            float(found[name]) ** 0.5,
+            float(entries[name]) ** 0.5,
             compute_interval(np.sqrt(ends[name])),
-            _ratio(found[name], found["total"]),
+            _ratio(entries[name], entries["total"]),
             compute_interval(_ratios(ends[name], ends["total"])),
         )
-        for name in found
+        for name in entries
     )
-    categories = DISTINCT * _ratio(found["part"], found["gauge"])
+    categories = DISTINCT * _ratio(entries["part"], entries["gauge"])
     return Gauge(
         count,
         len(names),
@@ -180,14 +180,14 @@ def gauge(
     )
 
 
-def _ratio(one: FloatArray, other: FloatArray) -> float:
-    return float(_ratios(np.asarray(one), np.asarray(other)))
+def _ratio(first: FloatArray, second: FloatArray) -> float:
+    return float(_ratios(np.asarray(first), np.asarray(second)))
 
 
-def _ratios(one: FloatArray, other: FloatArray) -> FloatArray:
+def _ratios(first: FloatArray, second: FloatArray) -> FloatArray:
     """Of deviations, from variances; 0 over 0 is 0."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(one == 0, 0.0, np.sqrt(one / other))
+        return np.where(first == 0, 0.0, np.sqrt(first / second))
 
 
 def _extract_balanced_table(
@@ -223,15 +223,15 @@ def _compute_repeat_squares(x: FloatArray, part: Labels) -> tuple[_Squares, int,
         )
     means = np.bincount(part, x) / size
     within = float(np.sum((x - means[part]) ** 2)) / (len(x) - len(size))
-    each = float(1 / np.mean(1 / size))
+    ratio = float(1 / np.mean(1 / size))
 
     def solve_variances(square: FloatArray) -> _Variances:
         error = square[0]
-        return _add_variance_totals({"repeatability": error}, (square[1] - error) / each)
+        return _add_variance_totals({"repeatability": error}, (square[1] - error) / ratio)
 
     return (
         _Squares(
-            np.array([within, each * np.var(means, ddof=1)]),
+            np.array([within, ratio * np.var(means, ddof=1)]),
             np.array([len(x) - len(size), len(size) - 1]),
             solve_variances,
         ),
@@ -264,9 +264,9 @@ def _compute_crossed_squares(table: FloatArray) -> tuple[_Squares, float]:
             inside = {"repeatability": error, "operator": (operators - error) / (p * r)}
             return _add_variance_totals(inside, (parts - error) / (o * r))
 
-        kept = np.array([both, *square[2:]])
+        values = np.array([both, *square[2:]])
         return _Squares(
-            kept, np.array([freedom[:2].sum(), *freedom[2:]]), solve_pooled_variances
+            values, np.array([freedom[:2].sum(), *freedom[2:]]), solve_pooled_variances
         ), p_value
 
     def solve_variances(square: FloatArray) -> _Variances:
@@ -283,9 +283,9 @@ def _compute_crossed_squares(table: FloatArray) -> tuple[_Squares, float]:
 
 def _add_variance_totals(inside: _Variances, part: FloatArray) -> _Variances:
     """The variances none of which is below 0, with those of the gauge and of all."""
-    found = {name: np.maximum(one, 0.0) for name, one in inside.items()}
-    of_parts, of_gauge = np.maximum(part, 0.0), np.asarray(sum(found.values()))
-    return found | {"gauge": of_gauge, "part": of_parts, "total": of_gauge + of_parts}
+    entries = {name: np.maximum(values, 0.0) for name, values in inside.items()}
+    of_parts, of_gauge = np.maximum(part, 0.0), np.asarray(sum(entries.values()))
+    return entries | {"gauge": of_gauge, "part": of_parts, "total": of_gauge + of_parts}
 
 
 def _draw_variances(squares: _Squares) -> _Variances:

@@ -127,11 +127,11 @@ def _indices(
 
     tail = (1 - level) / 2
     halves = [side / (3 * deviation) for side in (mean - lower, upper - mean)]
-    known = [one for one in halves if math.isfinite(one)]
-    low = min(_true_index(one, n, 1 - tail) for one in known)
-    high = min(_true_index(one, n, tail / len(known)) for one in known)
-    of_cpk = min(known), (low, high)
-    if len(known) < len(halves):
+    values = [half for half in halves if math.isfinite(half)]
+    low = min(_true_index(value, n, 1 - tail) for value in values)
+    high = min(_true_index(value, n, tail / len(values)) for value in values)
+    of_cpk = min(values), (low, high)
+    if len(values) < len(halves):
         return (None, None), of_cpk
     cp = (upper - lower) / (6 * deviation)
     near, far = (cp * math.sqrt(float(chi2.ppf(p, n - 1)) / (n - 1)) for p in (tail, 1 - tail))

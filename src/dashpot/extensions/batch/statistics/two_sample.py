@@ -69,7 +69,7 @@ def difference(first: FloatArray, second: FloatArray, *, level: float = 0.95) ->
     DataError
         If a group has fewer than two values.
     """
-    groups = [np.asarray(one, dtype=float) for one in (first, second)]
+    groups = [np.asarray(values, dtype=float) for values in (first, second)]
     if min(map(len, groups)) < 2:
         raise DataError(
             f"lots of {len(groups[0])} and {len(groups[1])} seals cannot be compared: two seals of "
@@ -78,7 +78,7 @@ def difference(first: FloatArray, second: FloatArray, *, level: float = 0.95) ->
     from scipy.stats import t as student
 
     (m1, m2), (s1, s2) = ([float(f) for f in stat] for stat in zip(
-        *((one.mean(), one.std(ddof=1)) for one in groups), strict=True
+        *((group.mean(), group.std(ddof=1)) for group in groups), strict=True
     ))  # fmt: skip
     n1, n2 = map(len, groups)
     parts = s1**2 / n1, s2**2 / n2
@@ -114,6 +114,6 @@ def holm(p_values: Sequence[float]) -> tuple[float, ...]:
     """
     order = np.argsort(p_values)
     scaled = np.asarray(p_values)[order] * np.arange(len(p_values), 0, -1)
-    found = np.empty(len(p_values))
-    found[order] = np.minimum(np.maximum.accumulate(scaled), 1.0)
-    return tuple(float(one) for one in found)
+    values = np.empty(len(p_values))
+    values[order] = np.minimum(np.maximum.accumulate(scaled), 1.0)
+    return tuple(float(value) for value in values)

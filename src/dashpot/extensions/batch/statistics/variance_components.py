@@ -82,8 +82,8 @@ class _Stratum:
         from scipy.stats import shapiro  # few need it, and it costs time to import
 
         # what is left of pairs is symmetric, whatever they are
-        alone = self.freedom < _OF_THREE * len(self.away)
-        if alone or len(self.away) < _FEWEST or not np.ptp(self.away) > 0:
+        single = self.freedom < _OF_THREE * len(self.away)
+        if single or len(self.away) < _FEWEST or not np.ptp(self.away) > 0:
             return None
         return float(shapiro(self.away).pvalue)
 
@@ -148,26 +148,29 @@ def components(
     DataError
         If there are no repeats, or only one of a level.
     """
-    labels = [np.asarray(one) for _, one in levels]
+    labels = [np.asarray(words) for _, words in levels]
     groups: list[Groups] = []
     for depth in range(1, len(labels) + 1):
         keys = list(zip(*labels[:depth], strict=True))
         groups.append(np.unique(keys, axis=0, return_inverse=True)[1].reshape(-1))
     names = [name for name, _ in levels]
     strata = _strata(np.asarray(values, dtype=float), groups, [*names, within])
-    found = _estimates(strata, level)
+    components = _estimates(strata, level)
     if errors is not None:
-        found = [*found[:-1], *_split(found[-1], float(np.mean(np.square(errors))))]
-    whole = sum(one.variance for one in found)
-    return tuple(replace(one, share=one.variance / whole if whole > 0 else 0.0) for one in found)
+        components = [*components[:-1], *_split(components[-1], float(np.mean(np.square(errors))))]
+    whole = sum(component.variance for component in components)
+    return tuple(
+        replace(component, share=component.variance / whole if whole > 0 else 0.0)
+        for component in components
+    )
 
 
 def _strata(values: FloatArray, groups: list[Groups], names: list[str]) -> list[_Stratum]:
     """Mean squares of unweighted means: worked out from the innermost, outermost given first."""
     nested = [np.zeros(len(values), dtype=np.int64), *groups, np.arange(len(values))]
-    counts = [int(one.max()) + 1 for one in nested]
+    counts = [int(row.max()) + 1 for row in nested]
     means, inside = values, np.ones((1, len(values)))  # each row: what a variance adds to a mean
-    found: list[_Stratum] = []
+    stratums: list[_Stratum] = []
     for depth in range(len(nested) - 1, 0, -1):
         freedom = counts[depth] - counts[depth - 1]
         if freedom < 1:
@@ -183,43 +186,43 @@ def _strata(values: FloatArray, groups: list[Groups], names: list[str]) -> list[
         away = means - above[parent]
         square = float(np.sum(away**2)) / freedom
         expects = inside @ (1 - 1 / size)[parent] / freedom
-        found.insert(0, _Stratum(names[depth - 1], square, freedom, tuple(expects), away))
+        stratums.insert(0, _Stratum(names[depth - 1], square, freedom, tuple(expects), away))
         means = above
         inside = np.array([np.bincount(parent, row) / size**2 for row in inside])
         inside = np.vstack([np.ones(len(above)), inside])
-    return found
+    return stratums
 
 
 def _estimates(strata: list[_Stratum], level: float) -> list[Component]:
     """Solve the expectations from the innermost out."""
-    found: list[Component] = []
+    components: list[Component] = []
     estimates: list[float] = []  # of the levels inside, as they came out
     for place in range(len(strata) - 1, -1, -1):
         stratum = strata[place]
-        own, *inside = stratum.expects
+        value, *inside = stratum.expects
         below = sum(c * v for c, v in zip(inside, estimates, strict=True))
-        variance = (stratum.square - below) / own
+        variance = (stratum.square - below) / value
         if place == len(strata) - 1:
             low, high = stratum.limits(level)
             ends = low * stratum.square, high * stratum.square
         else:
-            ends = _compute_difference_limits(stratum, strata[place + 1], below, own, level)
-        known = max(variance, 0.0), ends, stratum.freedom, 0.0, stratum.normal()
-        found.insert(0, Component(stratum.source, *known))
+            ends = _compute_difference_limits(stratum, strata[place + 1], below, value, level)
+        pair = max(variance, 0.0), ends, stratum.freedom, 0.0, stratum.normal()
+        components.insert(0, Component(stratum.source, *pair))
         estimates.insert(0, variance)
-    return found
+    return components
 
 
 def _compute_difference_limits(
-    outer: _Stratum, inner: _Stratum, below: float, own: float, level: float
+    outer: _Stratum, inner: _Stratum, below: float, value: float, level: float
 ) -> tuple[float, float]:
     """Modified large-sample limits of (outer mean square - below) / own."""
     from scipy.stats import f
 
     tail, n1, n2 = (1 - level) / 2, outer.freedom, inner.freedom
-    m2 = max(below, 0.0) / own
+    m2 = max(below, 0.0) / value
     # an estimate below 0 is known no better than one of 0
-    m1 = max(outer.square / own, m2)
+    m1 = max(outer.square / value, m2)
     (low1, high1), (low2, high2) = outer.limits(level), inner.limits(level)
     g1, h1, g2, h2 = 1 - low1, high1 - 1, 1 - low2, high2 - 1
     high, low = f.ppf(1 - tail, n1, n2), f.ppf(tail, n1, n2)
@@ -236,9 +239,9 @@ def _split(within: Component, fit: float) -> tuple[Component, Component]:
     """What repeats scatter beyond what their fits know, and that."""
     assert within.interval is not None  # noqa: S101
     low, high = (max(end - fit, 0.0) for end in within.interval)
-    left = max(within.variance - fit, 0.0)
+    remainder = max(within.variance - fit, 0.0)
     return (
-        Component(within.source, left, (low, high), within.freedom, 0.0, within.normal),
+        Component(within.source, remainder, (low, high), within.freedom, 0.0, within.normal),
         Component("fit", fit, None, None),
     )
 

@@ -52,14 +52,14 @@ def load_begins_at_rest(test: LoadHold) -> Finding:
     if before >= MIN_BASELINE and unloaded:
         first, last = test.displacement[:third], test.displacement[before - third : before]
         travel = float(np.ptp(test.displacement))
-        moved = abs(median(last) - median(first)) / travel
+        ratio = abs(median(last) - median(first)) / travel
         chance = 4 * test.displacement_noise * np.sqrt(2 / third)
         return Finding(
-            f"{zero}, and move by {100 * moved:.2g} % of the travel",
+            f"{zero}, and move by {100 * ratio:.2g} % of the travel",
             float(before),
             "The part still moves under an earlier load",
             "Let it rest, or record that load too.",
-            faulted=moved > max(MAX_STIR, chance / travel),
+            faulted=ratio > max(MAX_STIR, chance / travel),
         )
     return Finding(
         zero,
@@ -80,11 +80,11 @@ def travel_renewed(test: LoadHold, displacement: FloatArray) -> Finding:
     x, time = displacement[test.hold], test.time[test.hold]
     turn = 1.0 if (x - x.mean()) @ test.displacement[test.hold] >= 0 else -1.0
     # what creeps rises; it is turned, for what relaxes falls
-    found = frozen_runs(-turn * x, since=time - test.ramp_end)
-    if not len(found):
+    runs = frozen_runs(-turn * x, since=time - test.ramp_end)
+    if not len(runs):
         return Finding("The displacement stands at no value while it should scatter or change", 0.0)
-    first, last = found[np.argmax(np.diff(found)[:, 0])]
-    share = float(np.sum(np.diff(found) + 1)) / len(x)
+    first, last = runs[np.argmax(np.diff(runs)[:, 0])]
+    share = float(np.sum(np.diff(runs) + 1)) / len(x)
     return Finding(
         f"The displacement has one and the same value for {last - first + 1} samples, from "
         f"{time[first]:.4g} to {time[last]:.4g} s",
@@ -133,12 +133,12 @@ def creep_finished(creep: CreepSpectrum, hold: float) -> Finding:
         return Finding(
             "The part flows, so the displacement never comes to rest and k_inf = 0", excused=True
         )
-    left = 1 - float(creep.compliance(hold)) / creep.equilibrium
+    remainder = 1 - float(creep.compliance(hold)) / creep.equilibrium
     return Finding(
-        f"When the hold ended, after {round_to_error(hold)} s, {100 * left:.2g} % of the "
+        f"When the hold ended, after {round_to_error(hold)} s, {100 * remainder:.2g} % of the "
         "displacement at "
         "rest was still to come",
-        left,
+        remainder,
         "So k_inf is extrapolated, with no lower limit",
         "Hold longer.",
     )
@@ -179,10 +179,10 @@ def flow_prevails(creep: CreepSpectrum, hold: float) -> Finding:
 
 
 @criterion("drift / what a channel drifts", "<=", DRIFTS, "our choice; two standard deviations")
-def drift_is_no_flow(drift: float, usual: float, *, told: bool) -> Finding:
+def drift_is_no_flow(drift: float, usual: float, *, reported: bool) -> Finding:
     """What was taken for a drift of the displacement is no flow of the part.
 
-    Both in m/s; `told` if the samples before the load show the drift.
+    Both in m/s; `reported` if the samples before the load show the drift.
     """
     return Finding(
         f"The displacement drifts {drift / usual:.2g} times as far as load cell and encoder "
@@ -190,7 +190,7 @@ def drift_is_no_flow(drift: float, usual: float, *, told: bool) -> Finding:
         abs(drift) / usual,
         "A part that flows slowly, or is not at rest yet, looks the same; k_inf is then too high",
         "Record longer before the load.",
-        excused=told,
+        excused=reported,
     )
 
 

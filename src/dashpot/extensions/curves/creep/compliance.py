@@ -33,8 +33,10 @@ def fitted_displacement(fit: Fit, data: LoadHold) -> FloatArray:
         "drift": time,
         "delay": np.gradient(answer, time),
     }
-    told = [one.value * terms[one.name] for one in fit.nuisance if one.name in terms]
-    return np.asarray(answer + np.sum(told, axis=0))
+    items = [
+        nuisance.value * terms[nuisance.name] for nuisance in fit.nuisance if nuisance.name in terms
+    ]
+    return np.asarray(answer + np.sum(items, axis=0))
 
 
 def measured_compliance(test: CreepTest | LoadHold) -> CreepCompliance:
@@ -62,11 +64,11 @@ def measured_compliance(test: CreepTest | LoadHold) -> CreepCompliance:
     """
     record = load_hold(test) if isinstance(test, CreepTest) else test
     fit = fit_creep(record)
-    left = record.displacement - fitted_displacement(fit, record)
+    ratio = record.displacement - fitted_displacement(fit, record)
     if not pre_load_baseline(record).told:
-        drift = sum(one.value for one in fit.nuisance if one.name == "drift")
-        left = left + drift * (record.time - record.time[0])
-    left = left[record.hold] / record.level
+        drift = sum(nuisance.value for nuisance in fit.nuisance if nuisance.name == "drift")
+        ratio = ratio + drift * (record.time - record.time[0])
+    ratio = ratio[record.hold] / record.level
     since = record.time[record.hold] - (record.onset + record.ramp_end) / 2
     shortest = max(_OF_THE_RAMP * record.ramp_time, _LEAST * float(np.median(np.diff(since))))
     ends = np.arange(np.log10(shortest), np.log10(since[-1]) + 1e-9, 1 / _PER_DECADE)
@@ -80,7 +82,8 @@ def measured_compliance(test: CreepTest | LoadHold) -> CreepCompliance:
             f"{len(full)} values of a compliance; expected at least {_FEWEST}: hold longer"
         )
     time, mean = (
-        np.bincount(which, one, minlength=len(counts))[full] / counts[full] for one in (since, left)
+        np.bincount(which, values, minlength=len(counts))[full] / counts[full]
+        for values in (since, ratio)
     )
     return CreepCompliance(
         time,

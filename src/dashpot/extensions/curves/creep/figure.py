@@ -49,7 +49,7 @@ def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
     since = data.time - data.onset
     first = max(float(np.diff(data.time).min()), 1e-3 * data.hold_time)
     shown = since >= first
-    t, measured, said = (
+    t, measured, stated = (
         since[shown],
         data.displacement[shown],
         fitted_displacement(fit, data)[shown],
@@ -66,12 +66,12 @@ def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
 
     upper = Panel(
         across, Scale(label, compute_padded_limits(scale * measured)),
-        (Line(*line(said), BENEATH, "fit"), Line(*line(measured), UPON, "measured")),
+        (Line(*line(stated), BENEATH, "fit"), Line(*line(measured), UPON, "measured")),
         height=240,
     )  # fmt: skip
-    left = measured - said
-    word, small = unit_of(left, "m") if data.unit == "N/m" else ("%", 100.0)
-    x, y = downsample_to_extremes(t, small * left, bins=350, log=True)
+    residual = measured - stated
+    word, small = unit_of(residual, "m") if data.unit == "N/m" else ("%", 100.0)
+    x, y = downsample_to_extremes(t, small * residual, bins=350, log=True)
     rms = round_to_error(small * fit.residual.rms)
     lower = Panel(
         across, Scale(f"residual, {word}", compute_padded_limits(y, np.zeros(1), margin=0.1)),

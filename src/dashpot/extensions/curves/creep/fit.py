@@ -144,8 +144,8 @@ def fit_creep(
         origin = UnshiftedCurve(sources_of([test]))
         return _of_curve(test, origin, arms, thorough=thorough, max_arms=max_arms)
     record = load_hold(test) if isinstance(test, CreepTest) else test
-    record, found = _in_step(record, arms, max_arms=max_arms, thorough=thorough)
-    return _fit_of_test(record, found, arms)
+    record, retardation = _in_step(record, arms, max_arms=max_arms, thorough=thorough)
+    return _fit_of_test(record, retardation, arms)
 
 
 def _in_step(
@@ -158,28 +158,28 @@ def _in_step(
     was found, until hardly any delay is left, by Gauss-Newton.
     """
     most = _FARTHEST * delay_prior(record).sd
-    found = _found_as_recorded(record, arms, max_arms=max_arms, thorough=thorough)
+    retardation = _found_as_recorded(record, arms, max_arms=max_arms, thorough=thorough)
     for _ in range(_MOVES):
-        delay = found.solution.coefficient("delay")
+        delay = retardation.solution.coefficient("delay")
         if abs(delay) <= _IN_STEP * record.step or abs(record.lead + delay) > most:
             break
         earlier = record.with_load_earlier(delay)
         if earlier is record:
             break
         record = earlier
-        found = _found_as_recorded(record, arms, max_arms=max_arms, thorough=thorough)
-    return record, found
+        retardation = _found_as_recorded(record, arms, max_arms=max_arms, thorough=thorough)
+    return record, retardation
 
 
 def _found_as_recorded(
     record: LoadHold, arms: int | Literal["auto"], *, max_arms: int, thorough: bool
 ) -> Retarded:
     """The kind of part, and its retardations, with the load where the record has it."""
-    each = [
-        select_order(_data(record, flows=flows), one, max_arms=max_arms, thorough=thorough)
-        for flows, one in _candidates(arms)
+    selections = [
+        select_order(_data(record, flows=flows), item, max_arms=max_arms, thorough=thorough)
+        for flows, item in _candidates(arms)
     ]
-    return _better([_beyond_load_error(record, one) for one in each])
+    return _better([_beyond_load_error(record, selection) for selection in selections])
 
 
 def _candidates(arms: int | Literal["auto"]) -> list[tuple[bool, int | Literal["auto"]]]:
@@ -194,9 +194,9 @@ def _candidates(arms: int | Literal["auto"]) -> list[tuple[bool, int | Literal["
 
 def _data(record: LoadHold, *, flows: bool) -> FitData:
     """The displacement as an answer to the load, with what is known of its zero before it."""
-    known = pre_load_baseline(record)
+    baseline = pre_load_baseline(record)
     time = regular_clock(record.time - record.time[0])
-    window = slice(known.first, None)
+    window = slice(baseline.first, None)
     block = retarding(
         recorded_block(
             time, record.load, record.displacement, window=window,
@@ -206,14 +206,14 @@ def _data(record: LoadHold, *, flows: bool) -> FitData:
     )  # fmt: skip
     if flows:
         block = block.with_column(FLOW, _impulse(time, record.load)[window])
-    rough = solve([block, *_bound(block, known)], min(_ROUGH, max_determinable_arms([block])))
+    rough = solve([block, *_bound(block, baseline)], min(_ROUGH, max_determinable_arms([block])))
     block = block.with_column("delay", _velocity(block, rough, time[window]))
     # what is faster than the load is known answers its noise
     fast, slow = block.window
     block = replace(block, window=(max(fast, _RESOLVED * record.resolution), slow))
     return FitData(
         [block], [block.exact], in_time=True,
-        bind=partial(_bound, block, known),
+        bind=partial(_bound, block, baseline),
     )  # fmt: skip
 
 
@@ -233,8 +233,8 @@ class _PreloadBaseline(NamedTuple):
     @property
     def terms(self) -> NuisanceTerms:
         """Of the columns, which count from the first sample."""
-        each = {"offset": self.offset, "drift": self.drift, "delay": self.delay}
-        return NuisanceTerms(each, -self.at, self.least)
+        priors = {"offset": self.offset, "drift": self.drift, "delay": self.delay}
+        return NuisanceTerms(priors, -self.at, self.least)
 
 
 def pre_load_baseline(record: LoadHold, *, claimed: bool = False) -> _PreloadBaseline:
@@ -251,8 +251,8 @@ def pre_load_baseline(record: LoadHold, *, claimed: bool = False) -> _PreloadBas
     noise = max(record.displacement_noise, OF_A_COUNT * count)
     # load cell and displacement both drift
     both, duration = float(np.sqrt(2)) * travel, float(record.time[-1] - record.onset)
-    unseen = noise if claimed else None
-    usual = Machine().drift_sd(both, duration, unseen)
+    unmeasured = noise if claimed else None
+    usual = Machine().drift_sd(both, duration, unmeasured)
     slope = Prior(0.0, np.inf)
     if first >= _FEWEST:
         offset, at, slope = baseline_of_channel(time[:first], x[:first], record.displacement_noise)
@@ -263,7 +263,7 @@ def pre_load_baseline(record: LoadHold, *, claimed: bool = False) -> _PreloadBas
         # under load from the first sample on, the channel's own zero is all there is
         loaded = abs(record.load[0]) > 0.5 * record.level
         offset, at, first = Prior(0.0 if loaded else float(x[0]), noise), 0.0, 0
-    *drift, told_drift = Machine().drift_told(slope, both, duration, unseen)
+    *drift, told_drift = Machine().drift_told(slope, both, duration, unmeasured)
     # of the load that was moved already, what is left
     delay = Prior(-record.lead, late.sd)
     return _PreloadBaseline(
@@ -272,10 +272,10 @@ def pre_load_baseline(record: LoadHold, *, claimed: bool = False) -> _PreloadBas
 
 
 def _bound(
-    block: DataBlock, known: _PreloadBaseline, spreads: Sequence[float] | None = None
+    block: DataBlock, baseline: _PreloadBaseline, spreads: Sequence[float] | None = None
 ) -> tuple[DataBlock, ...]:
     """Rows that bind the nuisance terms of a block."""
-    return (known.terms.rows(block, known.noise if spreads is None else spreads[0]),)
+    return (baseline.terms.rows(block, baseline.noise if spreads is None else spreads[0]),)
 
 
 def _impulse(time: FloatArray, load: FloatArray) -> FloatArray:
@@ -299,74 +299,77 @@ def _velocity(block: DataBlock, rough: Solution, time: FloatArray) -> FloatArray
 # -- a kind of part ------------------------------------------------------------------------------
 
 
-def _better(found: Sequence[SelectedModel]) -> Retarded:
+def _better(selections: Sequence[SelectedModel]) -> Retarded:
     """The kind of part that BIC supports, and by how much."""
-    effective = min(one.estimate.effective for one in found)
+    effective = min(selection.estimate.effective for selection in selections)
     scores = []
-    for one in found:
-        floor = one.solution.samples * rounding(one.data.peak) ** 2
-        judged = bic(
-            one.solution.sse, effective=effective, parameters=len(one.estimate.names), floor=floor
+    for model in selections:
+        floor = model.solution.samples * rounding(model.data.peak) ** 2
+        checked = bic(
+            model.solution.sse,
+            effective=effective,
+            parameters=len(model.estimate.names),
+            floor=floor,
         )
-        scores.append(judged if _flow_stands_out(one) else np.inf)
+        scores.append(checked if _flow_stands_out(model) else np.inf)
     best = int(np.argmin(scores))
     others = [score for i, score in enumerate(scores) if i != best]
     alternative = others[0] - scores[best] if others else None
-    one = found[best]
-    choice = one.choice
-    if choice is not None and FLOW in one.solution.fixed_names:  # a flow makes one more arm
+    model = selections[best]
+    choice = model.choice
+    if choice is not None and FLOW in model.solution.fixed_names:  # a flow makes one more arm
         more = (choice.arms + 1, choice.by_bic + 1, choice.by_significance + 1)
         choice = choice._replace(arms=more[0], by_bic=more[1], by_significance=more[2])
-    return Retarded(one.data, one.estimate, one.scores, choice, one.asked, alternative)
+    return Retarded(model.data, model.estimate, model.scores, choice, model.asked, alternative)
 
 
-def _flow_stands_out(found: SelectedModel) -> bool:
+def _flow_stands_out(selection: SelectedModel) -> bool:
     """False if there is a flow and it is not significant, whatever BIC says."""
-    if FLOW not in found.solution.fixed_names:
+    if FLOW not in selection.solution.fixed_names:
         return True
-    error = found.estimate.standard_error(FLOW)
-    return found.solution.coefficient(FLOW) > MIN_K_OVER_SE * error
+    error = selection.estimate.standard_error(FLOW)
+    return selection.solution.coefficient(FLOW) > MIN_K_OVER_SE * error
 
 
-def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"]) -> Fit:
-    residual = found.estimate.residuals[0]
-    creep = found.spectrum
+def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["auto"]) -> Fit:
+    residual = retardation.estimate.residuals[0]
+    creep = retardation.spectrum
     at_rest_or_end = creep.compliance(record.hold_time).item()
     band = informed_band(
-        [record], found.data.rows, stiffness=at_rest_or_end,
-        noise=max(found.estimate.spread, 1e-6 * found.data.peak, 1e-300),
+        [record], retardation.data.rows, stiffness=at_rest_or_end,
+        noise=max(retardation.estimate.spread, 1e-6 * retardation.data.peak, 1e-300),
     )  # fmt: skip
     window = (2 * float(np.diff(record.time).min()), record.hold_time)
     # between samples a delay and a fast retardation are one: nothing tells the loss there
     resolved = SAMPLED / (2 * np.pi * float(np.median(np.diff(record.time))))
     band = (band[0], max(min(band[1], resolved), band[0]))
-    end, band, known = _end_of_test(record, found, band)
+    end, band, error = _end_of_test(record, retardation, band)
     word = "m" if record.unit == "N/m" else "1"
-    nuisance = _nuisances(record, found, word)
+    nuisance = _nuisances(record, retardation, word)
     answers = (
-        found.ended,
-        *_checks(found, record.unit, window, "the record", word),
+        retardation.ended,
+        *_checks(retardation, record.unit, window, "the record", word),
         *_flow_checks(creep, record.hold_time),
         checks.creep_finished(creep, record.hold_time),
         *_plateau_checks(creep, end, record.unit),
-        *_drift_checks(record, found),
+        *_drift_checks(record, retardation),
         checks.displacement_followed(record, residual),
-        checks.levels_agree(*_departure(record, found)),
-        residuals_steady([residual], rounding=ROUNDING * found.data.peak),
+        checks.levels_agree(*_departure(record, retardation)),
+        residuals_steady([residual], rounding=ROUNDING * retardation.data.peak),
         frequencies_informed(band),
-        loss_factor_known(known),
+        loss_factor_known(error),
         clocks_agree([_late(nuisance)]),
     )
     return build_fit(
-        found.outcome(replace(found.residual, unit=word), nuisance),
+        retardation.outcome(replace(retardation.residual, unit=word), nuisance),
         Evidence(
             band,
-            found.orders,
-            found.certificate,
+            retardation.orders,
+            retardation.certificate,
             checks=(*record.checks, *answers),
             end_of_hold=end,
-            creep=found.creep,
-            band_error=known,
+            creep=retardation.creep,
+            band_error=error,
         ),
         Provenance(
             "creep",
@@ -374,7 +377,7 @@ def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"])
             (
                 *record.steps,
                 *_moved(record),
-                _step(found, f"{len(residual)} samples of a creep test", arms),
+                _step(retardation, f"{len(residual)} samples of a creep test", arms),
             ),
             record.specimen,
         ),
@@ -382,11 +385,11 @@ def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"])
     )
 
 
-def _nuisances(record: LoadHold, found: Retarded, word: str) -> tuple[Nuisance, ...]:
+def _nuisances(record: LoadHold, retardation: Retarded, word: str) -> tuple[Nuisance, ...]:
     """Offset, drift and delay, which is what the load was moved by and what was found beside it."""
     lead = {"delay": record.lead}
-    return found.nuisances(
-        lambda name: found.solution.coefficient(name) + lead.get(name, 0.0),
+    return retardation.nuisances(
+        lambda name: retardation.solution.coefficient(name) + lead.get(name, 0.0),
         of=word,
         delays=[delay_prior(record).sd],
     )
@@ -394,8 +397,8 @@ def _nuisances(record: LoadHold, found: Retarded, word: str) -> tuple[Nuisance, 
 
 def _late(nuisance: Sequence[Nuisance]) -> tuple[float, float, float]:
     """The delay of the force, its standard error, and that before the fit, s."""
-    one = next(one for one in nuisance if one.name == "delay")
-    return one.value, one.standard_error, one.prior_sd or 0.0
+    term = next(term for term in nuisance if term.name == "delay")
+    return term.value, term.standard_error, term.prior_sd or 0.0
 
 
 def _moved(record: LoadHold) -> tuple[Step, ...]:
@@ -409,58 +412,62 @@ def _moved(record: LoadHold) -> tuple[Step, ...]:
     return (Step("lead", (("lead_s", f"{record.lead:.6g}"),), says),)
 
 
-def _beyond_load_error(record: LoadHold, found: SelectedModel) -> SelectedModel:
+def _beyond_load_error(record: LoadHold, selection: SelectedModel) -> SelectedModel:
     """The choice with what the noise of the load leaves unknown in its errors.
 
     Where the number was left to the rules, a retardation that is not significant beside that
     error, too, is not taken.
     """
-    data, choice, taken = found.data, found.choice, found.solution.order
+    data, choice, taken = selection.data, selection.choice, selection.solution.order
     while True:
-        solution = found.scores[taken].solution
+        solution = selection.scores[taken].solution
         rows = partial(load_rows, record=record, creep=spectrum_of(solution))
         estimate = estimated(
-            solution, data.samples, peak=data.peak, priors=data.priors, further=[rows]
+            solution, data.samples, peak=data.peak, priors=data.priors, others=[rows]
         )
-        if choice is None or taken == 0 or _stand_out(found, estimate):
+        if choice is None or taken == 0 or _stand_out(selection, estimate):
             break
         taken -= 1
     if choice is not None and taken < choice.arms:
         choice = choice._replace(arms=taken, by_significance=taken, capped=False)
-    return replace(found, estimate=estimate, choice=choice)
+    return replace(selection, estimate=estimate, choice=choice)
 
 
-def _stand_out(found: SelectedModel, estimate: SolutionEstimate) -> bool:
+def _stand_out(selection: SelectedModel, estimate: SolutionEstimate) -> bool:
     """True if every retardation is significant, and every arm that they make."""
-    numbers, known = range(1, estimate.solution.order + 1), estimate.standard_error
+    numbers, function = range(1, estimate.solution.order + 1), estimate.standard_error
     if not significant(
         estimate.solution.arms[0],
-        np.array([known(f"k_{i}") for i in numbers]),
-        np.array([known(f"ln_tau_{i}") for i in numbers]),
+        np.array([function(f"k_{i}") for i in numbers]),
+        np.array([function(f"ln_tau_{i}") for i in numbers]),
     ):
         return False
-    made = Retarded(found.data, estimate, found.scores, found.choice, found.asked)
+    made = Retarded(selection.data, estimate, selection.scores, selection.choice, selection.asked)
     arms, error = made.model.arms, made.every_error[1:]
     return significant(np.array(made.model.k), error[:arms], error[arms:])
 
 
 def _checks(
-    found: Retarded, unit: str, window: tuple[float, float], of: str, left_in: str
+    retardation: Retarded, unit: str, window: tuple[float, float], of: str, left_in: str
 ) -> tuple[Check, ...]:
     """The checks of the solid, whatever it was fitted to; its residual is `left_in` a unit."""
-    model, estimate = found.model, found.estimate
-    told = []
-    if found.alternative is not None:
-        known = found.creep.standard_error(FLOW) / found.spectrum.flow if found.flows else None
-        told.append(checks.flow_told(found.flows, found.alternative, known))
+    model, estimate = retardation.model, retardation.estimate
+    final_checks = []
+    if retardation.alternative is not None:
+        ratio = (
+            retardation.creep.standard_error(FLOW) / retardation.spectrum.flow
+            if retardation.flows
+            else None
+        )
+        final_checks.append(checks.flow_told(retardation.flows, retardation.alternative, ratio))
     return (
         arms_distinct(model),
-        arms_supported(model, found.every_error, unit=unit),
+        arms_supported(model, retardation.every_error, unit=unit),
         tau_inside_window(model, window, of),
-        *told,
+        *final_checks,
         residuals_random(estimate.kappa, estimate.rms),
-        *([] if found.choice is None else [order_agreed(found.choice)]),
-        *found.enough(left_in),
+        *([] if retardation.choice is None else [order_agreed(retardation.choice)]),
+        *retardation.enough(left_in),
     )
 
 
@@ -469,13 +476,13 @@ def _flow_checks(creep: CreepSpectrum, hold: float) -> list[Check]:
     return [checks.flow_prevails(creep, hold)] if creep.flow > 0 else []
 
 
-def _drift_checks(record: LoadHold, found: Retarded) -> list[Check]:
+def _drift_checks(record: LoadHold, retardation: Retarded) -> list[Check]:
     """Whether a drift may be a flow, where none was taken."""
-    if found.flows:
+    if retardation.flows:
         return []
-    known = pre_load_baseline(record)
-    drift = found.solution.coefficient("drift")
-    return [checks.drift_is_no_flow(drift, known.usual, told=known.told)]
+    baseline = pre_load_baseline(record)
+    drift = retardation.solution.coefficient("drift")
+    return [checks.drift_is_no_flow(drift, baseline.usual, reported=baseline.told)]
 
 
 def _plateau_checks(creep: CreepSpectrum, end: EndOfHold | None, unit: str) -> list[Check]:
@@ -484,17 +491,17 @@ def _plateau_checks(creep: CreepSpectrum, end: EndOfHold | None, unit: str) -> l
 
 
 def _end_of_test(
-    record: LoadHold, found: Retarded, band: tuple[float, float]
+    record: LoadHold, retardation: Retarded, band: tuple[float, float]
 ) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
     """What the record leaves open when its hold ends, and where in a band it knows the solid.
 
     Its rig drifts as one that is not described may, and gives under the load.
     """
-    block, residual = found.data.blocks[0], found.estimate.residuals[0]
+    block, residual = retardation.data.blocks[0], retardation.estimate.residuals[0]
     if FLOW not in block.fixed_names:
         time = regular_clock(record.time - record.time[0])
-        own = slice(len(time) - len(residual), None)
-        block = block.with_column(FLOW, _impulse(time, record.load)[own])
+        span = slice(len(time) - len(residual), None)
+        block = block.with_column(FLOW, _impulse(time, record.load)[span])
     terms = pre_load_baseline(record, claimed=True).terms
     if record.unit == "N/m":
         give = Machine().give_sd(float(np.ptp(record.displacement)), record.level)
@@ -505,8 +512,8 @@ def _end_of_test(
         block.scale_rows(1 / float(np.sqrt(power))), block.window, worth - len(block.fixed_names),
         terms=terms,
     )  # fmt: skip
-    lam = found.spectrum.lam
-    return _end_and_band(data, record.hold_time, found.model, lam, band)
+    lam = retardation.spectrum.lam
+    return _end_and_band(data, record.hold_time, retardation.model, lam, band)
 
 
 def _end_and_band(
@@ -517,35 +524,41 @@ def _end_and_band(
     band: tuple[float, float],
 ) -> tuple[EndOfHold, tuple[float, float], BandError | None]:
     """What retardations leave open at the end of some data, and where in a band they are known."""
-    spectra = spectra_of_curve(data, time=time, further=lam)
-    end = end_of_curve(data, "creep", time=time, own=model, further=lam, spectra=spectra)
+    spectra = spectra_of_curve(data, time=time, extra=lam)
+    end = end_of_curve(data, "creep", time=time, model=model, extra=lam, spectra=spectra)
     return end, *band_of_curve(spectra, model, band, creep=True)
 
 
-def _departure(record: LoadHold, found: Retarded) -> tuple[float | None, float | None]:
+def _departure(record: LoadHold, retardation: Retarded) -> tuple[float | None, float | None]:
     """How far the answer departs from proportion at its largest, and the standard error."""
-    holds = [one for one in find_segments(record.time, record.load) if one.kind == "hold"]
-    levels = np.array([one.level for one in holds if one.first > 0 or one.level > 0])
-    apart = levels[levels > _APART * record.level]
-    if not len(apart) or float(np.ptp(apart)) < _APART * float(apart.max()):
+    holds = [
+        segment for segment in find_segments(record.time, record.load) if segment.kind == "hold"
+    ]
+    levels = np.array([hold.level for hold in holds if hold.first > 0 or hold.level > 0])
+    differences = levels[levels > _APART * record.level]
+    if not len(differences) or float(np.ptp(differences)) < _APART * float(differences.max()):
         return None, None
-    block = found.data.blocks[0]
-    answer = _answer(block, found.solution)
+    block = retardation.data.blocks[0]
+    answer = _answer(block, retardation.solution)
     largest = float(np.abs(answer).max())
     bent = block.with_column("bend", answer**2 / largest)
     solution = solve(
-        [bent, *found.data.priors], found.solution.order, log_tau_start=found.solution.log_tau
+        [bent, *retardation.data.priors],
+        retardation.solution.order,
+        log_tau_start=retardation.solution.log_tau,
     )
-    estimate = estimated(solution, [bent.exact], peak=found.data.peak, priors=found.data.priors)
+    estimate = estimated(
+        solution, [bent.exact], peak=retardation.data.peak, priors=retardation.data.priors
+    )
     return solution.coefficient("bend"), estimate.standard_error("bend")
 
 
-def _step(found: Retarded, to: str, arms: int | Literal["auto"]) -> Step:
-    count = len(found.spectrum.d)
-    flow = " and a flow" if found.flows else ""
+def _step(result: Retarded, to: str, arms: int | Literal["auto"]) -> Step:
+    count = len(result.spectrum.d)
+    flow = " and a flow" if result.flows else ""
     says = (
         f"fitted {count} retardation{'s' * (count != 1)}{flow} to {to}; the solid, with "
-        f"{found.model.arms} arm{'s' * (found.model.arms != 1)}, is their exact interconversion"
+        f"{result.model.arms} arm{'s' * (result.model.arms != 1)}, is their exact interconversion"
     )
     return Step("fit_creep", (("arms", str(arms)),), says)
 
@@ -583,24 +596,24 @@ def _of_curve(
     expected = spectrum_of(first).compliance(t)
     # the size of noisy data is a biased weight: low values would count most
     weight = 1 / np.maximum(expected, DOUBTED * values)
-    found = []
+    selections = []
     for flows, count in _candidates(arms):
         block = _curve_block(t, values, weight, window, flows=flows)
         data = FitData([block], [block])
-        found.append(select_order(data, count, max_arms=max_arms, thorough=thorough))
-    best = _better(found)
+        selections.append(select_order(data, count, max_arms=max_arms, thorough=thorough))
+    best = _better(selections)
     creep, unit = best.spectrum, curve.stiffness_unit
     band = 1 / (2 * np.pi * float(t[-1])), 1 / (2 * np.pi * float(t[0]))
-    end, known = None, None
+    end, error = None, None
     if len(t) >= ENOUGH:
         flowing = _curve_block(t, values, weight, window, flows=True)
         seen = curve_data(flowing, t, window=(window[0], 10 * window[1]))
-        end, band, known = _end_and_band(seen, float(t[-1]), best.model, creep.lam, band)
-        if known is not None:
+        end, band, error = _end_and_band(seen, float(t[-1]), best.model, creep.lam, band)
+        if error is not None:
             line = 1 / (2 * np.pi * t)
             missed = np.abs(creep.compliance(t) / values - 1)
             inside = (line >= band[0]) & (line <= band[1])
-            known = replace(known, misfit=(float(np.max(missed[inside], initial=0.0)), 0.0))
+            error = replace(error, misfit=(float(np.max(missed[inside], initial=0.0)), 0.0))
     answers = (
         *origin.checks,
         best.ended,
@@ -610,7 +623,7 @@ def _of_curve(
         checks.creep_finished(creep, float(t[-1])),
         *_plateau_checks(creep, end, unit),
         checks.compliance_followed(best.estimate.rms, best.model.arms),
-        loss_factor_known(known),
+        loss_factor_known(error),
     )
     step = _step(best, f"{len(t)} values of a creep compliance", arms)
     return build_fit(
@@ -622,7 +635,7 @@ def _of_curve(
             checks=answers,
             end_of_hold=end,
             creep=best.creep,
-            band_error=known,
+            band_error=error,
         ),
         Provenance("creep", origin.sources, (*origin.steps, step), curve.specimen),
         unit=unit,
@@ -631,22 +644,22 @@ def _of_curve(
 
 
 def _of_master_curve(
-    moved: Superposition, arms: int | Literal["auto"], *, thorough: bool, max_arms: int
+    superposition: Superposition, arms: int | Literal["auto"], *, thorough: bool, max_arms: int
 ) -> Fit:
     """Return the fit of a compliance that was shifted together from several temperatures."""
-    curve = moved.curve
+    curve = superposition.curve
     if not isinstance(curve, CreepCompliance):
         raise FitError(
             "this master curve is no creep compliance: fit_dynamic or fit_modulus fits it"
         )
-    few = _of_curve(curve, moved, arms, thorough=thorough, max_arms=max_arms)
+    few = _of_curve(curve, superposition, arms, thorough=thorough, max_arms=max_arms)
     if arms != "auto" or few.creep is None:
         return few
     error = few.creep.spectrum.compliance(curve.time) / curve.compliance - 1
-    found = shared_spectrum_if_needed(few, error, moved, moved.checks)
-    if found is few:
+    fit = shared_spectrum_if_needed(few, error, superposition, superposition.checks)
+    if fit is few:
         return few
-    return replace(found, evidence=replace(found.evidence, creep=None))
+    return replace(fit, evidence=replace(fit.evidence, creep=None))
 
 
 def _curve_block(

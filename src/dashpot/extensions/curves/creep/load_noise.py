@@ -30,19 +30,19 @@ def load_rows(columns: FloatArray, record: LoadHold, creep: CreepSpectrum) -> Fl
 def load_sensitivity(columns: FloatArray, time: FloatArray, creep: CreepSpectrum) -> FloatArray:
     """S transposed, times columns: how each reading of the load moves them, shape (n, r)."""
     step = np.diff(time)[:, None]
-    felt = (creep.glass + sum(creep.d)) * columns
+    response = (creep.glass + sum(creep.d)) * columns
     if creep.flow > 0:
         later = np.cumsum(columns[::-1], axis=0)[::-1]
         halves = 0.5 * creep.flow * step * later[1:]
-        felt[:-1] += halves
-        felt[1:] += halves
+        response[:-1] += halves
+        response[1:] += halves
     for d, lam in zip(creep.d, creep.lam, strict=True):
         z = step / lam
         lost = np.expm1(-z)
         decay = np.broadcast_to(1 + lost, (len(z), columns.shape[1]))
         since = recursion(decay[::-1], columns[-2::-1], columns[-1])[::-1]
         mean = -lost / z
-        felt[0] -= d * (since[0] - mean[0] * since[1])
-        felt[1:] -= d * mean * since[1:]
-        felt[1:-1] += d * mean[1:] * since[2:]
-    return felt
+        response[0] -= d * (since[0] - mean[0] * since[1])
+        response[1:] -= d * mean * since[1:]
+        response[1:-1] += d * mean[1:] * since[2:]
+    return response

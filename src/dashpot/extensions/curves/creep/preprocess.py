@@ -108,10 +108,10 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
 
 def _held(time: FloatArray, force: FloatArray, where: str) -> _HeldLoad:
     """The load with the longest hold."""
-    found = [_cycle(time, turn * force, turn) for turn in (1, -1)]
-    loads = [one for one in found if one is not None]
+    holds = [_cycle(time, turn * force, turn) for turn in (1, -1)]
+    loads = [hold for hold in holds if hold is not None]
     if loads:
-        return max(loads, key=lambda one: (one.hold_end - one.ramp_end, one.turn))
+        return max(loads, key=lambda hold: (hold.hold_end - hold.ramp_end, hold.turn))
     level = median(force)
     turn = 1 if level > 0 else -1
     if not abs(level) > 4 * float(np.std(force)):
@@ -125,7 +125,9 @@ def _held(time: FloatArray, force: FloatArray, where: str) -> _HeldLoad:
 def _cycle(time: FloatArray, force: FloatArray, turn: int) -> _HeldLoad | None:
     """The longest hold of a force that rises, and when its load began."""
     cycles = cycles_of(find_segments(time, force))
-    holds = [(cycle, one) for cycle in cycles for one in cycle.segments if one.kind == "hold"]
+    holds = [
+        (cycle, segment) for cycle in cycles for segment in cycle.segments if segment.kind == "hold"
+    ]
     if not holds:
         return None
     cycle, hold = max(holds, key=lambda pair: pair[1].duration)
@@ -147,13 +149,13 @@ def _turn(test: CreepTest, held: _HeldLoad, where: str) -> int:
     time, x = test.time, test.displacement
     hold = (time >= held.ramp_end) & (time <= held.hold_end)
     begin = x[time <= held.onset]
-    moved = float(x[hold][-max(1, hold.sum() // 10) :].mean()) - median(begin)
-    if moved == 0:
+    change = float(x[hold][-max(1, hold.sum() // 10) :].mean()) - median(begin)
+    if change == 0:
         raise DataError(
             f"{where}: the displacement does not move under the load; check which column it is "
             "(--column displacement=NAME)"
         )
-    return 1 if moved > 0 else -1
+    return 1 if change > 0 else -1
 
 
 def _noise_held(time: FloatArray, force: FloatArray, held: _HeldLoad) -> float:
@@ -183,15 +185,15 @@ def errors_of_load(record: LoadHold) -> Callable[[FloatArray], FloatArray]:
         crossed = _onto(time, corners, leaning)
         gram = np.block([[gram, crossed], [crossed.T, leaning.T @ leaning]])
     value, turn = np.linalg.eigh(gram)
-    known = value > _SINGULAR * value[-1]
-    errors = record.force_noise * (turn[:, known] / np.sqrt(value[known])).T
+    reference = value > _SINGULAR * value[-1]
+    errors = record.force_noise * (turn[:, reference] / np.sqrt(value[reference])).T
     # all is measured from the first reading
     first = np.zeros(len(gram))
     first[0] = 1.0
 
     def products(columns: FloatArray) -> FloatArray:
-        felt = directions(columns) - np.outer(first, columns.sum(axis=0))
-        return np.asarray(errors @ felt)
+        response = directions(columns) - np.outer(first, columns.sum(axis=0))
+        return np.asarray(errors @ response)
 
     return products
 
@@ -219,24 +221,24 @@ def _freed(
 
 def _straightened(time: FloatArray, force: FloatArray) -> FloatArray:
     """Corners of a load, each at the time where least squares puts it: Gauss-Newton."""
-    corners = np.array([time[0], *(one.end for one in find_segments(time, force))])
+    corners = np.array([time[0], *(segment.end for segment in find_segments(time, force))])
     if not 3 <= len(corners) <= STRAIGHT:
         return corners
     for _ in range(_STEPS):
         tents = _tents(time, corners)
         heights = np.asarray(np.linalg.lstsq(tents, force, rcond=None)[0])
         both = np.column_stack((tents, _leaning(time, corners, heights)))
-        moved = np.linalg.lstsq(both, force - tents @ heights, rcond=None)[0][len(corners) :]
-        room = _PART * np.minimum(np.diff(corners)[:-1], np.diff(corners)[1:])
-        corners[1:-1] += np.clip(moved, -room, room)
-        if float(np.abs(moved).max()) < _SETTLED * (time[-1] - time[0]):
+        displacement = np.linalg.lstsq(both, force - tents @ heights, rcond=None)[0][len(corners) :]
+        margin = _PART * np.minimum(np.diff(corners)[:-1], np.diff(corners)[1:])
+        corners[1:-1] += np.clip(displacement, -margin, margin)
+        if float(np.abs(displacement).max()) < _SETTLED * (time[-1] - time[0]):
             break
     return corners
 
 
 def _divided(time: FloatArray, force: FloatArray, corners: FloatArray, noise: float) -> FloatArray:
     """Corners, and more between them wherever the load is not straight."""
-    found, stack = [corners], list(pairwise(corners.tolist()))[::-1]
+    arrays, stack = [corners], list(pairwise(corners.tolist()))[::-1]
     whole = set(stack)
     while stack:
         low, high = stack.pop()
@@ -245,16 +247,16 @@ def _divided(time: FloatArray, force: FloatArray, corners: FloatArray, noise: fl
         if len(t) < _LEAST:
             continue
         line = np.column_stack((np.ones(len(t)), t - t[0]))
-        left = f - line @ np.linalg.lstsq(line, f, rcond=None)[0]
-        if _is_noise(left, noise, _HARDLY):
+        remainder = f - line @ np.linalg.lstsq(line, f, rcond=None)[0]
+        if _is_noise(remainder, noise, _HARDLY):
             if (low, high) not in whole:
                 pieces = min(_QUARTERS, len(t) // _LEAST)
-                found.append(np.linspace(low, high, pieces + 1))
+                arrays.append(np.linspace(low, high, pieces + 1))
             continue
         middle = (low + high) / 2
         stack += [(middle, high), (low, middle)]
-        found.append(np.array([middle]))
-    return distinct(np.concatenate(found))
+        arrays.append(np.array([middle]))
+    return distinct(np.concatenate(arrays))
 
 
 def _laid(time: FloatArray, corners: FloatArray, force: FloatArray) -> FloatArray:
@@ -285,15 +287,15 @@ def _gram(time: FloatArray, corners: FloatArray) -> FloatArray:
     """Products of those shapes with one another."""
     at, part = _places(time, corners)
     gram = np.zeros((len(corners), len(corners)))
-    for i, one in ((0, 1 - part), (1, part)):
+    for i, values in ((0, 1 - part), (1, part)):
         for j, other in ((0, 1 - part), (1, part)):
-            np.add.at(gram, (at + i, at + j), one * other)
+            np.add.at(gram, (at + i, at + j), values * other)
     return gram
 
 
 def _tents(time: FloatArray, corners: FloatArray) -> FloatArray:
     """The shape that the height of each corner gives, shape (n, corners)."""
-    return np.stack([np.interp(time, corners, one) for one in np.eye(len(corners))], axis=1)
+    return np.stack([np.interp(time, corners, values) for values in np.eye(len(corners))], axis=1)
 
 
 def _leaning(time: FloatArray, corners: FloatArray, heights: FloatArray) -> FloatArray:

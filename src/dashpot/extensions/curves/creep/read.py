@@ -76,38 +76,38 @@ def creep_in(file: OpenedFile, specimen: Specimen) -> CreepTest | CreepComplianc
     if wanted is _CURVE:
         return _curve(file, *add_specimen_temperature(file, specimen))
     chosen = channels.choose(file, channels.add_time_role(file, *wanted[1:]))
-    specimen, said = add_specimen_temperature(file, specimen, chosen)
+    specimen, sentences = add_specimen_temperature(file, specimen, chosen)
 
     def source(notes: list[str]) -> Source:
-        return channels.source(file, [one.says for one in chosen], [*notes, *said])
+        return channels.source(file, [channel.says for channel in chosen], [*notes, *sentences])
 
     values, notes = load_signals(file, chosen)
-    time, moved, pushed = (values[role] for role in wanted)
+    time, displacement, pushed = (values[role] for role in wanted)
     if wanted is _PART:
         notes += _refuse_sizes(file, chosen, values)
     unit = "Pa" if wanted is _MATERIAL else "N/m"
-    return CreepTest(time, moved, pushed, unit, specimen, source(notes), units="SI")
+    return CreepTest(time, displacement, pushed, unit, specimen, source(notes), units="SI")
 
 
 def _refuse_sizes(
     file: OpenedFile, chosen: Sequence[Channel], values: Mapping[Role, FloatArray]
 ) -> list[str]:
     """Ask for the units again that make a size no test of a seal has; notes on unusual ones."""
-    asked: dict[str, tuple[str, Callable[[float, str], Check]]] = {
+    options: dict[str, tuple[str, Callable[[float, str], Check]]] = {
         "displacement": ("travel", size_checks.travel_of_a_seal),
         "force": ("force", size_checks.force_of_a_seal),
         "time": ("record", size_checks.time_of_a_test),
     }
     answers: list[tuple[Channel, list[Check]]] = []
-    for one in chosen:
-        span, unit = float(np.ptp(values[one.role])), one.unit.word
-        kind, unusual = asked[one.role]
-        possible = size_checks.size_possible(kind, span, unit, role=one.role)
-        answers.append((one, [possible, unusual(span, unit)]))
+    for channel in chosen:
+        span, unit = float(np.ptp(values[channel.role])), channel.unit.word
+        kind, unusual = options[channel.role]
+        possible = size_checks.size_possible(kind, span, unit, role=channel.role)
+        answers.append((channel, [possible, unusual(span, unit)]))
     return channels.refuse_sizes(file, answers)
 
 
-def _curve(file: OpenedFile, specimen: Specimen, said: list[str]) -> CreepCompliance:
+def _curve(file: OpenedFile, specimen: Specimen, sentences: list[str]) -> CreepCompliance:
     """A compliance over time, where a column of temperature says several, at each of them."""
     curve = assign(file.table, "creep_compliance", file.options)
     columns = channels.answered(file, [since_the_step(file.table, file.options), curve])
@@ -117,7 +117,9 @@ def _curve(file: OpenedFile, specimen: Specimen, said: list[str]) -> CreepCompli
         values["creep_compliance"],
         si_unit(chosen[1].unit.dimension).word,
         specimen,
-        channels.source(file, [one.says for one in chosen], [*file.table.notes, *notes, *said]),
+        channels.source(
+            file, [channel.says for channel in chosen], [*file.table.notes, *notes, *sentences]
+        ),
         warm,
         units="SI",
     )

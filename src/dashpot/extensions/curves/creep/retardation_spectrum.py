@@ -83,11 +83,11 @@ class Retarded(SelectedModel):
     def _gradient(self) -> dict[str, FloatArray]:
         """How each parameter of the solid moves with those of the creep."""
         model, size = self.model, len(self.creep.parameters)
-        moved = relaxation_sensitivity(self.spectrum, model.tau)[:, :size]
+        sensitivity = relaxation_sensitivity(self.spectrum, model.tau)[:, :size]
         arms = range(1, model.arms + 1)
         names = ("k_inf", *(f"k_{j}" for j in arms), *(f"ln_tau_{j}" for j in arms), "b")
         held = {name for name, value in (("k_inf", model.k_inf), ("b", model.b)) if value == 0}
-        return {name: row for name, row in zip(names, moved, strict=True) if name not in held}
+        return {name: row for name, row in zip(names, sensitivity, strict=True) if name not in held}
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -110,16 +110,16 @@ class Retarded(SelectedModel):
     def orders(self) -> tuple[OrderScore, ...]:
         """Every number of retardations tried, as the solids that they make."""
         return tuple(
-            OrderScore(solid.arms, one.solution.sse, one.bic, one.significant, solid)
-            for one in self.scores
-            for solid in (_solid(one.solution),)
+            OrderScore(solid.arms, score.solution.sse, score.bic, score.significant, solid)
+            for score in self.scores
+            for solid in (_solid(score.solution),)
         )
 
     def profiles(
         self,
         *,
         in_order_of_time: bool,  # noqa: ARG002
-        unseen: FloatArray | None = None,  # noqa: ARG002
+        unmeasured: FloatArray | None = None,  # noqa: ARG002
     ) -> tuple[Profile, ...]:
         """None: the intervals are those of the covariance."""
         return ()

@@ -80,12 +80,12 @@ class CreepTest(EqualByValue, HasSummary, Serialisable):
     units: str = make_units_field()
 
     def __post_init__(self) -> None:
-        said = convert_arrays_to_si(
+        arrays = convert_arrays_to_si(
             self, time="time", displacement=("length", "strain"), force=("force", "stress")
         )
-        if said:
+        if arrays:
             object.__setattr__(
-                self, "unit", _determine_stiffness_unit(said["displacement"], said["force"])
+                self, "unit", _determine_stiffness_unit(arrays["displacement"], arrays["force"])
             )
         hold_measured(self, "time", "displacement", "force", minimum=8)
         _require_unit(self.unit, COMPLIANCES)
@@ -95,16 +95,16 @@ class CreepTest(EqualByValue, HasSummary, Serialisable):
     @property
     def series(self) -> Series:
         """Displacement and force, or strain and stress, over time."""
-        moved, pushed = _ARE[self.unit]
-        return collect_arrays(self, time="s", displacement=moved, force=pushed)
+        text, pushed = _ARE[self.unit]
+        return collect_arrays(self, time="s", displacement=text, force=pushed)
 
     @property
     def described(self) -> tuple[str, ...]:
         """Which record it is, and how far it reaches."""
-        moved, pressed = float(np.ptp(self.displacement)), float(np.ptp(self.force))
+        change, pressed = float(np.ptp(self.displacement)), float(np.ptp(self.force))
         return (
             describe_record_source(self.source, len(self.time)),
-            f"{np.ptp(self.time):.5g} s; {_spans(moved, pressed, self.unit)}",
+            f"{np.ptp(self.time):.5g} s; {_spans(change, pressed, self.unit)}",
         )
 
 
@@ -152,8 +152,8 @@ class CreepCompliance(EqualByValue, HasSummary, Serialisable):
 
     def __post_init__(self) -> None:
         of: Dimensions = ("material compliance", "compliance")
-        said = convert_arrays_to_si(self, time="time", compliance=of, temperature="temperature")
-        resolve_unit(self, said, "compliance")
+        arrays = convert_arrays_to_si(self, time="time", compliance=of, temperature="temperature")
+        resolve_unit(self, arrays, "compliance")
         since_a_step(self, "compliance")
         _require_unit(self.unit, COMPLIANCES.values())
 
@@ -175,7 +175,9 @@ class CreepCompliance(EqualByValue, HasSummary, Serialisable):
     @property
     def stiffness_unit(self) -> str:
         """Unit of what the inverse gives: ``"Pa"`` or ``"N/m"``."""
-        return next(stiffness for stiffness, one in COMPLIANCES.items() if one == self.unit)
+        return next(
+            stiffness for stiffness, compliance in COMPLIANCES.items() if compliance == self.unit
+        )
 
     @property
     def series(self) -> Series:
@@ -263,8 +265,8 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
     @property
     def series(self) -> Series:
         """Displacement and force over time, and the load without noise."""
-        moved, pushed = _ARE[self.unit]
-        return collect_arrays(self, time="s", displacement=moved, force=pushed, load=pushed)
+        text, pushed = _ARE[self.unit]
+        return collect_arrays(self, time="s", displacement=text, force=pushed, load=pushed)
 
     @property
     def step(self) -> float:
@@ -279,7 +281,7 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
         if self.onset <= self.time[0]:
             return self
         first = float(self.time[0])
-        times = (max(one - by, first) for one in (self.onset, self.ramp_end, self.hold_end))
+        times = (max(value - by, first) for value in (self.onset, self.ramp_end, self.hold_end))
         onset, ramp_end, hold_end = times
         # what a straight line has between readings stands at its corners
         at, heights = np.array(self.corners), np.array(self.heights)
@@ -341,24 +343,24 @@ Creep: TypeAlias = CreepTest | LoadHold | CreepCompliance
 """What creep is fitted to."""
 
 
-def _determine_stiffness_unit(moved: Dimension, pushed: Dimension) -> str:
+def _determine_stiffness_unit(text: Dimension, pushed: Dimension) -> str:
     """The unit of a stiffness, by what moves and what pushes."""
     pairs = {("length", "force"): "N/m", ("strain", "stress"): "Pa"}
-    if (moved, pushed) not in pairs:
+    if (text, pushed) not in pairs:
         raise DataError(
-            f"CreepTest: a {moved} under a {pushed} is of neither a part nor a material. Give a "
+            f"CreepTest: a {text} under a {pushed} is of neither a part nor a material. Give a "
             "displacement and a force, or a strain and a stress"
         )
-    return pairs[moved, pushed]
+    return pairs[text, pushed]
 
 
-def _require_unit(unit: str, known: Iterable[str]) -> None:
-    words = tuple(known)
+def _require_unit(unit: str, names: Iterable[str]) -> None:
+    words = tuple(names)
     if unit not in words:
         raise DataError(f"unit = {unit!r}; expected {' or '.join(map(repr, words))}")
 
 
-def _spans(moved: float, pressed: float, unit: str) -> str:
+def _spans(change: float, pressed: float, unit: str) -> str:
     if unit == "Pa":
-        return f"strain spans {moved:.4g}, stress {pressed:.4g} Pa"
-    return f"displacement spans {format_quantity(moved, 'mm')}, force {pressed:.4g} N"
+        return f"strain spans {change:.4g}, stress {pressed:.4g} Pa"
+    return f"displacement spans {format_quantity(change, 'mm')}, force {pressed:.4g} N"

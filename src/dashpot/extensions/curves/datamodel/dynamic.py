@@ -82,10 +82,10 @@ class DynamicTest(EqualByValue, HasSummary, Serialisable):
 
     def __post_init__(self) -> None:
         of: Dimensions = ("stress", "stiffness")
-        said = convert_arrays_to_si(
+        arrays = convert_arrays_to_si(
             self, frequency="frequency", storage=of, loss=of, temperature="temperature"
         )
-        resolve_unit(self, said, "storage", "loss")
+        resolve_unit(self, arrays, "storage", "loss")
         hold_measured(self, "frequency", "storage", "loss", "temperature")
         if self.temperature is not None:
             tested_at("temperature", self.temperature.min(), self.temperature.max())

@@ -153,14 +153,14 @@ def fit_dynamic(
     weights = weights or _USUAL[shifted]
     most = requested_arms(arms, max_arms)
     sets = (_sweep(data, weights, dashpot=dashpot, most=most), *_relaxations(records, most))
-    found = select_order(_stacked(sets), arms, max_arms=max_arms, thorough=thorough)
-    both = chosen_family(found, family)
-    found = both.best
-    band, met = _band(data, records, sets[1:], found.model.k_0)
-    end, known = None, None
+    selection = select_order(_stacked(sets), arms, max_arms=max_arms, thorough=thorough)
+    both = chosen_family(selection, family)
+    selection = both.best
+    band, met = _band(data, records, sets[1:], selection.model.k_0)
+    end, band_error = None, None
     # relaxation tests beside it see further
     if not records:
-        end, band, known = _end(data, sets[0], found, both.arms.model.tau, band)
+        end, band, band_error = _end(data, sets[0], selection, both.arms.model.tau, band)
     other = both.alternative(band, SWEEPS)
     of_data = (
         kramers_kronig(passive_misfit(data)),
@@ -175,31 +175,33 @@ def fit_dynamic(
         ("temperature", "all" if temperature is None else f"{temperature:g} K"),
         ("thorough", str(thorough).lower()),
     )
-    error = _relative_error(found.solid, data, weights if shifted else "relative")
-    left = replace(found.residual, unit="sd") if records else _left(error, found.residual)
+    error = _relative_error(selection.solid, data, weights if shifted else "relative")
+    residual = (
+        replace(selection.residual, unit="sd") if records else _left(error, selection.residual)
+    )
     few = build_fit(
-        found.outcome(left, found.nuisances()),
+        selection.outcome(residual, selection.nuisances()),
         Evidence(
             band,
-            found.orders,
-            found.certificate,
+            selection.orders,
+            selection.certificate,
             checks=(
-                found.ended,
+                selection.ended,
                 *of_data,
                 *of_temperature(data.specimen),
-                *_checks(found, data, records, end, [n for one in sets for n in one.freedom]),
+                *_checks(selection, data, records, end, [n for item in sets for n in item.freedom]),
                 *both.checks(other),
                 *met,
-                loss_factor_known(known),
+                loss_factor_known(band_error),
             ),
             alternative=other,
             end_of_hold=end,
-            band_error=known,
+            band_error=band_error,
         ),
         Provenance(
             "dynamic",
             (*origin.sources, *sources_of(records)),
-            (*origin.steps, *steps_of(records), _step(data, records, found, options)),
+            (*origin.steps, *steps_of(records), _step(data, records, selection, options)),
             data.specimen,
         ),
         unit=data.unit,
@@ -282,7 +284,7 @@ def _records(tests: Tests, data: DynamicTest, *, dashpot: bool) -> tuple[RampHol
 
 
 def _stacked(sets: Sequence[_Set]) -> FitData:
-    return FitData([one.block for one in sets], [row for one in sets for row in one.rows])
+    return FitData([item.block for item in sets], [row for item in sets for row in item.rows])
 
 
 def _sweep(data: DynamicTest, weights: str, *, dashpot: bool, most: int) -> _Set:
@@ -293,8 +295,8 @@ def _sweep(data: DynamicTest, weights: str, *, dashpot: bool, most: int) -> _Set
     # the size of noisy data is a biased weight: low values would speak loudest
     storage, loss = _scale(data, best.model.complex_stiffness(omega=data.omega), weights)
     scale = (storage * best.scatter[0], loss * best.scatter[1])
-    known = _sweep_block(data, scale, dashpot=dashpot)
-    return _Set(known, _halves(known, n), best.freedom)
+    block = _sweep_block(data, scale, dashpot=dashpot)
+    return _Set(block, _halves(block, n), best.freedom)
 
 
 def _sweep_block(
@@ -347,16 +349,16 @@ def _relaxations(records: Sequence[RampHold], most: int) -> list[_Set]:
     blocks = compressed(records, design)
     sets = []
     for block in blocks:
-        own = fit_single_test([block], [block.exact], most)
-        factor = 1 / own.scatter[0]
-        sets.append(_Set(block.scale_rows(factor), (block.exact.scale_rows(factor),), own.freedom))
+        fit = fit_single_test([block], [block.exact], most)
+        factor = 1 / fit.scatter[0]
+        sets.append(_Set(block.scale_rows(factor), (block.exact.scale_rows(factor),), fit.freedom))
     return sets
 
 
 def _end(
     data: DynamicTest,
     sweep: _Set,
-    found: SelectedModel,
+    selection: SelectedModel,
     tau: Sequence[float],
     band: tuple[float, float],
 ) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
@@ -369,12 +371,14 @@ def _end(
     slowest = 1 / float(data.omega.min())
     window = 1 / (_FASTER * float(data.omega.max())), _SLOWER * slowest
     seen = curve_data(sweep.block, data.frequency, window=window)
-    spectra = spectra_of_curve(seen, time=slowest, further=tau)
-    end = end_of_curve(seen, "sweep", time=slowest, own=found.model, further=tau, spectra=spectra)
-    band, known = band_of_curve(spectra, found.solid, band)
-    if known is not None:
-        known = replace(known, misfit=_misfit_in_band(found.solid, data, band))
-    return end, band, known
+    spectra = spectra_of_curve(seen, time=slowest, extra=tau)
+    end = end_of_curve(
+        seen, "sweep", time=slowest, model=selection.model, extra=tau, spectra=spectra
+    )
+    band, error = band_of_curve(spectra, selection.solid, band)
+    if error is not None:
+        error = replace(error, misfit=_misfit_in_band(selection.solid, data, band))
+    return end, band, error
 
 
 def _misfit_in_band(
@@ -391,21 +395,21 @@ def _misfit_in_band(
 
 
 def _checks(
-    found: SelectedModel,
+    selection: SelectedModel,
     data: DynamicTest,
     records: Sequence[RampHold],
     end: EndOfHold | None,
     freedom: Sequence[float],
 ) -> tuple[Check, ...]:
     """Return the checks of the fit; `freedom` is what each curve's own fit left of it."""
-    model, estimate, error = found.model, found.estimate, found.error
+    model, estimate, error = selection.model, selection.estimate, selection.error
     shortest, longest = 1 / float(data.omega.max()), 1 / float(data.omega.min())
     if records:
-        shortest = min(shortest, *(2 * float(np.diff(one.time).min()) for one in records))
-        longest = max(longest, *(one.hold_time for one in records))
+        shortest = min(shortest, *(2 * float(np.diff(record.time).min()) for record in records))
+        longest = max(longest, *(record.hold_time for record in records))
     of_arms = (
         []
-        if isinstance(found, FractionalFit)
+        if isinstance(selection, FractionalFit)
         else [
             arms_distinct(model),
             arms_supported(model, error, unit=data.unit),
@@ -417,13 +421,13 @@ def _checks(
         ]
     )
     fastest = float(model.complex_stiffness(omega=data.omega.max()).real)
-    further = "Sweep to lower frequencies."
+    extra = "Sweep to lower frequencies."
     answers = [
         *of_arms,
-        *plateau(model, float(error[0]), end, unit=data.unit, first=fastest, further=further),
+        *plateau(model, float(error[0]), end, unit=data.unit, first=fastest, extra=extra),
         residuals_random(estimate.kappa, estimate.rms),
-        *([] if found.choice is None else [order_agreed(found.choice)]),
-        *found.enough("sd"),
+        *([] if selection.choice is None else [order_agreed(selection.choice)]),
+        *selection.enough("sd"),
     ]
     if records:
         spread = [
@@ -443,7 +447,7 @@ def _band(
     if not records:
         return sweep, ()
     # the blocks are in units of their own scatter
-    blocks = [one.block for one in held]
+    blocks = [item.block for item in held]
     informed = informed_band(records, blocks, stiffness=max(k_0, 1e-300), noise=1.0)
     met = bands_meet(sweep, informed)
     if met.failed:
@@ -454,13 +458,13 @@ def _band(
 def _step(
     data: DynamicTest,
     records: Sequence[RampHold],
-    found: SelectedModel,
+    selection: SelectedModel,
     options: tuple[tuple[str, str], ...],
 ) -> Step:
     n = len(records)
-    beside = "" if not n else f" and {n} relaxation test{'s' * (n > 1)}"
+    text = "" if not n else f" and {n} relaxation test{'s' * (n > 1)}"
     says = (
-        f"fitted {describe_fit(found)} to storage and loss at {len(data.frequency)} "
-        f"frequencies{beside}"
+        f"fitted {describe_fit(selection)} to storage and loss at {len(data.frequency)} "
+        f"frequencies{text}"
     )
     return Step("fit_dynamic", options, says)

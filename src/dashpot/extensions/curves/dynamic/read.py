@@ -57,8 +57,8 @@ def dynamic_in(file: OpenedFile, specimen: Specimen) -> DynamicTest:
             notes.append(f"{len(set(warm.tolist()))} temperatures, from the lines over each block")
     if "temperature" not in values:
         refuse_unlike_blocks(loaded, values)
-        specimen, said = add_specimen_temperature(file, specimen)
-        notes += said
+        specimen, sentences = add_specimen_temperature(file, specimen)
+        notes += sentences
     return DynamicTest(
         values["frequency"],
         values["storage"],

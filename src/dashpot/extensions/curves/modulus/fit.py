@@ -115,35 +115,35 @@ def fit_modulus(
     most = requested_arms(arms, max_arms)
     window = _window(t)
     block = _weighed(t, values, weights, window, most)
-    found = select_order(FitData([block], [block]), arms, max_arms=max_arms, thorough=thorough)
-    model = found.model
+    selection = select_order(FitData([block], [block]), arms, max_arms=max_arms, thorough=thorough)
+    model = selection.model
     positive = t[t > 0]
     band = float(1 / (2 * np.pi * positive[-1])), float(1 / (2 * np.pi * positive[0]))
-    end, band, known = _end(t, block, model, band)
-    if known is not None:
+    end, band, band_error = _end(t, block, model, band)
+    if band_error is not None:
         # a curve shows its modulus alone
         missed = _misfit_in_band(model, t, values, band)
-        known = replace(known, misfit=(missed, 0.0))
-    told = plateau(
+        band_error = replace(band_error, misfit=(missed, 0.0))
+    checks = plateau(
         model,
-        float(found.error[0]),
+        float(selection.error[0]),
         end,
         unit=unit,
         first=float(model.relaxation(t[0])),
-        further="Measure longer.",
+        extra="Measure longer.",
     )
-    asked = (
-        found.ended,
+    requested_checks = (
+        selection.ended,
         *origin.checks,
         *of_temperature(data.specimen),
-        arms_supported(model, found.error, unit=unit),
+        arms_supported(model, selection.error, unit=unit),
         tau_inside_window(model, window, "the curve"),
         arms_distinct(model),
-        *told,
-        residuals_random(found.estimate.kappa, found.estimate.rms),
-        *([] if found.choice is None else [order_agreed(found.choice)]),
-        *found.enough("1" if weights == "relative" else unit),
-        loss_factor_known(known),
+        *checks,
+        residuals_random(selection.estimate.kappa, selection.estimate.rms),
+        *([] if selection.choice is None else [order_agreed(selection.choice)]),
+        *selection.enough("1" if weights == "relative" else unit),
+        loss_factor_known(band_error),
     )
     step = Step(
         "fit_modulus",
@@ -151,16 +151,16 @@ def fit_modulus(
         f"fitted a generalized Maxwell solid with {model.arms} arms to {len(t)} values of a "
         "relaxation modulus",
     )
-    left = replace(found.residual, unit="1" if weights == "relative" else unit)
+    residual = replace(selection.residual, unit="1" if weights == "relative" else unit)
     few = build_fit(
-        found.outcome(left),
+        selection.outcome(residual),
         Evidence(
             band,
-            found.orders,
-            found.certificate,
-            checks=asked,
+            selection.orders,
+            selection.certificate,
+            checks=requested_checks,
             end_of_hold=end,
-            band_error=known,
+            band_error=band_error,
         ),
         Provenance("modulus", origin.sources, (*origin.steps, step), data.specimen),
         unit=unit,
@@ -171,7 +171,7 @@ def fit_modulus(
         return few
     error = model.relaxation(t) / values - 1.0
     return dense_spectrum_if_needed(
-        few, error, origin, lambda: master_curve(t[later], values[later]), (*origin.checks, *told)
+        few, error, origin, lambda: master_curve(t[later], values[later]), (*origin.checks, *checks)
     )
 
 
@@ -187,9 +187,9 @@ def _end(
     shortest, longest = _window(t)
     later = np.maximum(t, t[1])
     data = curve_data(block, later, window=(shortest, 10 * longest))
-    end = end_of_curve(data, "curve", time=longest, own=model, further=model.tau)
+    end = end_of_curve(data, "curve", time=longest, model=model, extra=model.tau)
     early = BeforeCurve(data, float(t[t > 0][0]), model)
-    spectra = spectra_of_curve(early, time=longest, further=model.tau)
+    spectra = spectra_of_curve(early, time=longest, extra=model.tau)
     return end, *band_of_curve(spectra, model, band)
 
 

@@ -41,20 +41,22 @@ def read_modulus(
         If time or modulus is not found or has no unit, or time does not increase.
     """
     with channels.open_file(path, options) as file:
-        found = [
+        answers = [
             since_the_step(file.table, file.options),
             assign(file.table, "modulus", file.options),
         ]
-        columns = channels.answered(file, found)
+        columns = channels.answered(file, answers)
         _refuse_compliance(file, columns[1])
         chosen, values, warm, notes = over_time(file, columns)
-        specimen, said = add_specimen_temperature(file, specimen or Specimen())
+        specimen, sentences = add_specimen_temperature(file, specimen or Specimen())
         return RelaxationModulus(
             values["time"],
             values["modulus"],
             si_unit(chosen[1].unit.dimension).word,
             specimen,
-            channels.source(file, [one.says for one in chosen], (*file.table.notes, *notes, *said)),
+            channels.source(
+                file, [channel.says for channel in chosen], (*file.table.notes, *notes, *sentences)
+            ),
             warm,
             units="SI",
         )
@@ -68,11 +70,11 @@ def over_time(
     None for the last unless a column, or the lines over the segments, say several.
     """
     temperature = file.find_unambiguous_column("temperature")
-    if temperature is not None and temperature.index not in {one.index for one in columns}:
+    if temperature is not None and temperature.index not in {column.index for column in columns}:
         columns = [*columns, temperature]
     chosen = channels.with_units(file, columns)
-    loaded = channels.load(file.table, [one.index for one in chosen], file.options.segment)
-    loaded = channels.filled_down(loaded, [one.role for one in chosen])
+    loaded = channels.load(file.table, [channel.index for channel in chosen], file.options.segment)
+    loaded = channels.filled_down(loaded, [channel.role for channel in chosen])
     rows, notes = channels.select_complete_rows(loaded)
     values = channels.convert_signals_to_si(rows, chosen)
     warm = values.get("temperature", temperatures_of_segments(file, loaded))
@@ -85,11 +87,11 @@ def over_time(
     return chosen, values, warm, notes
 
 
-def _refuse_compliance(file: OpenedFile, one: RoleAssignment) -> None:
+def _refuse_compliance(file: OpenedFile, item: RoleAssignment) -> None:
     """Refuse a column that is named a compliance, which rises where a modulus falls."""
-    if "compliance" in file.table.columns[one.index].name.casefold():
+    if "compliance" in file.table.columns[item.index].name.casefold():
         what, advice, *_ = RECOGNISED["creep"]
         raise ReadError(
-            f"{format_column(file.table.columns, one.index)} is a compliance, of {what}, where a "
+            f"{format_column(file.table.columns, item.index)} is a compliance, of {what}, where a "
             f"relaxation modulus is expected: {advice}"
         )

@@ -117,31 +117,31 @@ def thermorheologically_simple(ratio: float | None, by_chance: float, rms: float
     )
 
 
-def of_law(laid: ShiftLawFit, coldest: float, *, asked: bool = False) -> list[Check]:
+def of_law(law_fit: ShiftLawFit, coldest: float, *, requested: bool = False) -> list[Check]:
     """Return what must hold of a law and of the shifts that it was laid through.
 
-    `coldest` is the coldest test, K; `asked` is as in :func:`law_follows_shifts`.
+    `coldest` is the coldest test, K; `requested` is as in :func:`law_follows_shifts`.
     """
-    error = float(np.sqrt(laid.covariance[-1, -1])) if laid.law.kind == "wlf" else 0.0
+    error = float(np.sqrt(law_fit.covariance[-1, -1])) if law_fit.law.kind == "wlf" else 0.0
     return [
-        law_follows_shifts(laid.score, laid.scores, asked=asked),
-        temperatures_in_line(laid.odd),
-        glass_below_tests(laid.law, coldest, error),
+        law_follows_shifts(law_fit.score, law_fit.scores, requested=requested),
+        temperatures_in_line(law_fit.odd),
+        glass_below_tests(law_fit.law, coldest, error),
     ]
 
 
 @criterion("decades between law and shift", "<=", MAX_MISSED, "our choice: a factor 1.4 in time")
 def law_follows_shifts(
-    taken: LawScore, scores: Sequence[LawScore], *, asked: bool = False
+    taken: LawScore, scores: Sequence[LawScore], *, requested: bool = False
 ) -> Finding:
     """The law of temperature follows the shifts, as far as they are known.
 
-    `scores` are of every law that was tried; `asked` if the user wants none.
+    `scores` are of every law that was tried; `requested` if the user wants none.
     """
     laws = [score for score in scores if score.kind != "free"]
     if taken.kind == "free":
         none = "No law was fitted to the shifts; they reach no further than the tests"
-        if asked or not laws:
+        if requested or not laws:
             return Finding(none)
         best = min(laws, key=lambda score: score.missed)
         return Finding(
@@ -200,24 +200,24 @@ def glass_below_tests(law: TemperatureLaw, coldest: float, error: float) -> Find
     MIN_BIC_MARGIN,
     "Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773: very strong",
 )
-def vertical_shift_known(vertical: str, margin: float, apart: float) -> Finding:
+def vertical_shift_known(vertical: str, margin: float, difference: float) -> Finding:
     """The data, or the user, say how stiffness itself follows temperature.
 
     `margin` is the BIC of the other rule less that of the one taken, or N ln of the ratio of what
-    they leave if that is less, and `apart` by how many decades its shifts differ.
+    they leave if that is less, and `difference` by how many decades its shifts differ.
     """
     free = vertical == "free"
     return Finding(
         "The vertical shifts are free"
         if free
         else f"b_T = {vertical} is ahead by {margin:.3g} in BIC. The other rule moves no shift by "
-        f"more than {apart:.2g} decades",
+        f"more than {difference:.2g} decades",
         None if free else margin,
         "They trade with the horizontal shifts, so neither can be used; this is a diagnostic"
         if free
         else "The data hardly separate the two rules",
         Remedy("Choose one: T for rubber, 1 below the glass transition.", "vertical", "T"),
-        excused=not free and apart < _SLIGHT,
+        excused=not free and difference < _SLIGHT,
         faulted=free,
     )
 
@@ -250,13 +250,13 @@ def of_shifts(
     temperature: FloatArray,
     log10_a_t: npt.ArrayLike,
     covariance: FloatArray,
-    laid: ShiftLawFit,
+    law_fit: ShiftLawFit,
     *,
-    asked: bool = False,
+    requested: bool = False,
 ) -> tuple[Check, ...]:
     """How each shift lies against that of the next temperature, and the law against all.
 
-    `covariance` begins with that of the shifts; `asked` if none but they were asked for.
+    `covariance` begins with that of the shifts; `requested` if none but they were asked for.
     """
     n = len(temperature)
     between = np.diff(np.eye(n), axis=0)
@@ -266,5 +266,5 @@ def of_shifts(
     return (
         shifts_determined(error, temperature),
         shift_monotone(step, error, temperature),
-        *of_law(laid, float(temperature[0]), asked=asked),
+        *of_law(law_fit, float(temperature[0]), requested=requested),
     )

@@ -69,33 +69,33 @@ def superposition(data: Superposition, fit: Fit | None = None, *, stamp: str = "
         "Master curve: every sample where it lies at the reference, from cold to warm, the "
         "spectrum that all share, and the shift factors with their law and two standard errors."
     )
-    said = stamp or (
+    text = stamp or (
         stamped(data.sources, data.curve.specimen) if fit is None else format_fit_stamp(fit)
     )
     strips = tuple((panel,) for panel in (*panels, shifted))
-    return Picture("superposition", caption, strips, 2, said, width=860.0)
+    return Picture("superposition", caption, strips, 2, text, width=860.0)
 
 
 def _make_sweep_panels(
     data: Superposition, curve: DynamicTest, fit: Fit | None
 ) -> tuple[Panel, ...]:
     word, scale = read_as(curve.unit)
-    solid, said = _line(data, fit)
+    solid, text = _line(data, fit)
     f = np.geomspace(float(curve.frequency.min()), float(curve.frequency.max()), 400)
     value = scale * solid.complex_stiffness(omega=2 * np.pi * f)
     measured = scale * curve.value
     letter = "E" if curve.unit == "Pa" else "K"
     across = Scale(f"reduced {FREQUENCY}", (float(f[0]), float(f[-1])), log=True)
     panels: list[Panel] = []
-    for name, one, line in (
+    for name, row, line in (
         (f"storage {letter}′", measured.real, value.real),
         (f"loss {letter}″", np.where(measured.imag > 0, measured.imag, np.nan), value.imag),
     ):
-        dots = _dots(data, curve.frequency, one)
+        dots = _dots(data, curve.frequency, row)
         named = _make_temperature_tags(dots) if not panels else ()
         panels.append(
-            Panel(across, Scale(f"{name}, {word}", compute_padded_log_limits(one, line), log=True),
-                  (Line(f, line, _THIN, said), *dots, *named), height=220)
+            Panel(across, Scale(f"{name}, {word}", compute_padded_log_limits(row, line), log=True),
+                  (Line(f, line, _THIN, text), *dots, *named), height=220)
         )  # fmt: skip
     size, angle = np.abs(measured), np.degrees(np.angle(measured))
     palmen = Panel(
@@ -111,7 +111,7 @@ def _make_curve_panels(
     data: Superposition, curve: RelaxationModulus | CreepCompliance, fit: Fit | None
 ) -> tuple[Panel, ...]:
     """A relaxation modulus, or a creep compliance, and what the solid leaves of it."""
-    solid, said = _line(data, fit)
+    solid, text = _line(data, fit)
     if isinstance(curve, CreepCompliance):
         name, answer, value = "creep compliance", solid.maxwell.creep, curve.compliance
     else:
@@ -119,32 +119,32 @@ def _make_curve_panels(
     word, scale = read_as(curve.unit)
     t = np.geomspace(float(curve.time[0]), float(curve.time[-1]), 400)
     line, measured = scale * answer(t), scale * value
-    left = 100 * (value / answer(curve.time) - 1)
+    residual = 100 * (value / answer(curve.time) - 1)
     across = Scale(f"reduced {TIME}", (float(t[0]), float(t[-1])), log=True)
     dots = _dots(data, curve.time, measured)
     upper = Panel(
         across, Scale(f"{name}, {word}", compute_padded_log_limits(measured, line), log=True),
-        (Line(t, line, _THIN, said), *dots, *_make_temperature_tags(dots)), height=220,
+        (Line(t, line, _THIN, text), *dots, *_make_temperature_tags(dots)), height=220,
     )  # fmt: skip
     lower = Panel(
-        across, Scale("residual, %", compute_padded_limits(left, np.zeros(1), margin=0.1)),
-        (Rule(0.0, REF, across=True), *_dots(data, curve.time, left)), height=220,
+        across, Scale("residual, %", compute_padded_limits(residual, np.zeros(1), margin=0.1)),
+        (Rule(0.0, REF, across=True), *_dots(data, curve.time, residual)), height=220,
     )  # fmt: skip
     return upper, lower
 
 
-def shift_panel(moved: TemperatureShifts) -> Panel:
+def shift_panel(shifts: TemperatureShifts) -> Panel:
     """Shift factors over temperature, with two standard errors, and the law with its own."""
-    t = np.array([one.temperature for one in moved.shifts])
-    log10 = np.array([one.log10_a_t for one in moved.shifts])
-    error = 2 * np.array([one.se for one in moved.shifts])
+    t = np.array([shift.temperature for shift in shifts.shifts])
+    log10 = np.array([shift.log10_a_t for shift in shifts.shifts])
+    error = 2 * np.array([shift.se for shift in shifts.shifts])
     dense = np.linspace(t[0], t[-1], 200)
-    law = moved.law.log10_a_t(dense)
+    law = shifts.law.log10_a_t(dense)
     celsius, at = convert_to_unit(dense, "degC"), convert_to_unit(t, "degC")
-    named = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(moved.law.kind, "between the shifts")
+    named = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(shifts.law.kind, "between the shifts")
     marks: list[Mark] = []
-    if moved.law_parameters:
-        wide = 2 / np.log(10.0) * np.array([moved.error(float(one))[0] for one in dense])
+    if shifts.law_parameters:
+        wide = 2 / np.log(10.0) * np.array([shifts.error(float(value))[0] for value in dense])
         marks.append(Area(celsius, law - wide, law + wide, "fit", "± 2 standard errors"))
     marks += [
         Line(celsius, law, FIT, named),
@@ -153,7 +153,7 @@ def shift_panel(moved: TemperatureShifts) -> Panel:
     return Panel(
         Scale("temperature, °C", compute_padded_limits(at)),
         Scale("log₁₀ of the shift factor", compute_padded_limits(log10 - error, log10 + error)),
-        tuple(marks), title=f"shift factors, b = {moved.vertical}", height=220,
+        tuple(marks), title=f"shift factors, b = {shifts.vertical}", height=220,
     )  # fmt: skip
 
 
@@ -162,24 +162,24 @@ def _dots(data: Superposition, x: FloatArray, y: FloatArray) -> list[Dots]:
     celsius = convert_to_unit(data.temperature, "degC")
     every = np.unique(celsius)
     classes = np.array_split(every, min(len(every), len(SEQUENTIAL)))
-    found = []
+    dots = []
     for colour, part in zip(sequential(len(classes)), classes, strict=True):
         here = np.isin(celsius, part)
         ends = dict.fromkeys(f"{end:.0f}".replace("-", "−") for end in (part[0], part[-1]))
         label = f"{' to '.join(ends)} °C"
-        found.append(Dots(x[here], y[here], colour, label, size=_DOT))
-    return found
+        dots.append(Dots(x[here], y[here], colour, label, size=_DOT))
+    return dots
 
 
 def _make_temperature_tags(dots: list[Dots]) -> list[Tag]:
     """The temperatures, each at the middle of its samples."""
-    found = []
-    for one in dots:
-        seen = np.flatnonzero(np.isfinite(one.y))
+    tags = []
+    for dot in dots:
+        seen = np.flatnonzero(np.isfinite(dot.y))
         if len(seen):
-            at = seen[np.argsort(one.x[seen])[len(seen) // 2]]
-            found.append(Tag(float(one.x[at]), float(one.y[at]), one.label, one.colour, bold=True))
-    return found
+            at = seen[np.argsort(dot.x[seen])[len(seen) // 2]]
+            tags.append(Tag(float(dot.x[at]), float(dot.y[at]), dot.label, dot.colour, bold=True))
+    return tags
 
 
 def _line(data: Superposition, fit: Fit | None) -> tuple[Solid, str]:

@@ -135,8 +135,8 @@ def joined(data: Measured | Sequence[Measured]) -> tuple[Measured, tuple[Source,
     names = (*_COLUMNS[type(warm[0])], "temperature")
     columns = [all_of(name) for name in names]
     # a row that stands twice is one measurement
-    kept = np.sort(np.unique(np.column_stack(columns), axis=0, return_index=True)[1])
-    whole: Any = dict(zip(names, (one[kept] for one in columns), strict=True))
+    retained = np.sort(np.unique(np.column_stack(columns), axis=0, return_index=True)[1])
+    whole: Any = dict(zip(names, (column[retained] for column in columns), strict=True))
     return replace(warm[0], **whole), sources_of(tests)
 
 
@@ -168,7 +168,7 @@ def isotherms_of(data: Measured) -> tuple[Isotherm, ...]:
     """
     if data.temperature is None:
         raise FitError("the test has no temperatures, so nothing can be shifted")
-    found = []
+    isotherms = []
     for chosen in _groups(data.temperature):
         kelvin = median(data.temperature[chosen])
         if len(chosen) < LEAST:
@@ -182,7 +182,7 @@ def isotherms_of(data: Measured) -> tuple[Isotherm, ...]:
             _above_zero(part.storage, kelvin)
             both = np.concatenate((size, size))
             value = np.concatenate((part.storage, part.loss)) / both
-            found.append(Isotherm(kelvin, "frequency", part.omega, value, both))
+            isotherms.append(Isotherm(kelvin, "frequency", part.omega, value, both))
         else:
             rising = chosen[np.argsort(data.time[chosen], kind="stable")]
             name = _COLUMNS[type(data)][1]
@@ -190,8 +190,8 @@ def isotherms_of(data: Measured) -> tuple[Isotherm, ...]:
             _above_zero(values, kelvin, name)
             _above_zero(time, kelvin, "time")
             domain: Domain = "time" if isinstance(data, RelaxationModulus) else "creep"
-            found.append(Isotherm(kelvin, domain, time, np.ones(len(chosen)), values))
-    return tuple(found)
+            isotherms.append(Isotherm(kelvin, domain, time, np.ones(len(chosen)), values))
+    return tuple(isotherms)
 
 
 def _above_zero(values: FloatArray, kelvin: float, what: str = "modulus") -> None:

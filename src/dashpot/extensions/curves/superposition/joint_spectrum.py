@@ -106,12 +106,12 @@ class ShiftedSpectrum:
 def grid_of(
     isotherms: Sequence[Isotherm],
     ln_a: FloatArray,
-    beyond: float = BEYOND,
+    excess: float = BEYOND,
     per_decade: int = COARSE,
 ) -> FloatArray:
-    """Return the even grid of ln tau at the reference, `beyond` all that was measured."""
-    windows = np.array([one.window for one in isotherms]) - np.asarray(ln_a)[:, None]
-    low, high = float(windows[:, 0].min()) - beyond, float(windows[:, 1].max()) + beyond
+    """Return the even grid of ln tau at the reference, `excess` all that was measured."""
+    windows = np.array([isotherm.window for isotherm in isotherms]) - np.asarray(ln_a)[:, None]
+    low, high = float(windows[:, 0].min()) - excess, float(windows[:, 1].max()) + excess
     count = int(np.ceil((high - low) / _LN10 * per_decade)) + 1
     grid = np.linspace(low, high, count)
     return np.append(grid, high + FLOWS) if isotherms[0].domain == "creep" else grid
@@ -158,17 +158,19 @@ class ShiftSearch:
         """Of every isotherm, and what is known of the steps between neighbours."""
         ln_a, ln_b = self.placed(theta)
         n, prior = len(ln_a), _prior(self.isotherms, self.noise)
-        each = list(zip(self.isotherms, ln_a.tolist(), ln_b.tolist(), strict=True))
-        columns = [one.vertical(b) * one.columns(self.ln_tau, a) for one, a, b in each]
+        group = list(zip(self.isotherms, ln_a.tolist(), ln_b.tolist(), strict=True))
+        columns = [
+            isotherm.vertical(b) * isotherm.columns(self.ln_tau, a) for isotherm, a, b in group
+        ]
         A = np.concatenate((*columns, np.zeros((len(prior), 1 + len(self.ln_tau)))))
-        y = np.concatenate((*(one.value for one in self.isotherms), -prior @ ln_a))
+        y = np.concatenate((*(isotherm.value for isotherm in self.isotherms), -prior @ ln_a))
 
         def slope(h: FloatArray) -> FloatArray:
             by, start = np.zeros((len(y), 2 * n)), 0
-            for i, (one, a, b) in enumerate(each):
-                rows = slice(start, start := start + len(one.value))
-                by[rows, i] = one.vertical(b) * one.slope(self.ln_tau, a, h[1:])
-                by[rows, n + i] = np.log(one.vertical(1.0)) * (columns[i] @ h)
+            for i, (isotherm, a, b) in enumerate(group):
+                rows = slice(start, start := start + len(isotherm.value))
+                by[rows, i] = isotherm.vertical(b) * isotherm.slope(self.ln_tau, a, h[1:])
+                by[rows, n + i] = np.log(isotherm.vertical(1.0)) * (columns[i] @ h)
             by[start:, :n] = prior
             return by[:, self.free]
 
@@ -216,26 +218,28 @@ def shifted(
     free = _free(len(isotherms), reference)
     for _ in range(_GRIDS):
         grid = grid_of(isotherms, ln_a)
-        found = ShiftSearch(isotherms, grid, np.concatenate((ln_a, ln_b)), free, noise).found
-        far = float(np.abs(found.ln_a - ln_a).max())
-        ln_a = found.ln_a
+        spectrum = ShiftSearch(isotherms, grid, np.concatenate((ln_a, ln_b)), free, noise).found
+        far = float(np.abs(spectrum.ln_a - ln_a).max())
+        ln_a = spectrum.ln_a
         if far < _REGRID:
             break
-    return found
+    return spectrum
 
 
 def refined(
     isotherms: Sequence[Isotherm],
-    found: ShiftedSpectrum,
+    spectrum: ShiftedSpectrum,
     *,
     reference: int,
     noise: float = 0.0,
     free_b: bool = False,
 ) -> ShiftedSpectrum:
     """Return the shifts from those found, on a finer grid; with `free_b`, ln b moves too."""
-    fine = grid_of(isotherms, found.ln_a, per_decade=FINE)
+    fine = grid_of(isotherms, spectrum.ln_a, per_decade=FINE)
     free = _free(len(isotherms), reference, both=free_b)
-    return ShiftSearch(isotherms, fine, np.concatenate((found.ln_a, found.ln_b)), free, noise).found
+    return ShiftSearch(
+        isotherms, fine, np.concatenate((spectrum.ln_a, spectrum.ln_b)), free, noise
+    ).found
 
 
 def vertical_step(
@@ -251,9 +255,9 @@ def vertical_step(
     problem = ShiftSearch(isotherms, best.ln_tau, shifts, free, noise).problem
     point = problem.at(shifts[free], best.optimum.beta > 0)
     step = -np.linalg.lstsq(point.projected_jacobian, point.all_residuals, rcond=None)[0]
-    moved = np.zeros(2 * n)
-    moved[free] = step
-    return moved[n:], float(-step @ point.gradient / max(best.variance, 1e-300))
+    values = np.zeros(2 * n)
+    values[free] = step
+    return values[n:], float(-step @ point.gradient / max(best.variance, 1e-300))
 
 
 def _free(count: int, reference: int, *, both: bool = False) -> IndexArray:
@@ -269,5 +273,5 @@ def _prior(isotherms: Sequence[Isotherm], noise: float) -> FloatArray:
 
 def windows(isotherms: Sequence[Isotherm]) -> FloatArray:
     """Return the shorter window of each pair of neighbours, natural logarithm, (n - 1,)."""
-    length = np.array([one.window[1] - one.window[0] for one in isotherms])
+    length = np.array([isotherm.window[1] - isotherm.window[0] for isotherm in isotherms])
     return np.asarray(np.minimum(length[1:], length[:-1]))

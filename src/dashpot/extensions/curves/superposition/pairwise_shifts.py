@@ -34,9 +34,9 @@ def chain_shifts(pairs: Iterable[tuple[Problem, FloatArray]], reference: int) ->
 def _best(problem: Problem, falls: FloatArray) -> float:
     cost, near = [], None
     for fall in falls:
-        found = problem.at(np.array([fall]), near)
-        near = found.beta > 0
-        cost.append(found.cost)
+        optimum = problem.at(np.array([fall]), near)
+        near = optimum.beta > 0
+        cost.append(optimum.cost)
     return float(falls[int(np.argmin(cost))])
 
 
@@ -48,7 +48,7 @@ def chained_starts(isotherms: Sequence[Isotherm], ln_b: FloatArray, reference: i
 def _falls(
     pair: tuple[Isotherm, Isotherm], ln_b: tuple[float, float]
 ) -> tuple[Problem, FloatArray]:
-    shared = min(one.window[1] - one.window[0] for one in pair) / _LN10
+    shared = min(isotherm.window[1] - isotherm.window[0] for isotherm in pair) / _LN10
     farthest = min(max(shared - OVERLAP, _LEAST), _FARTHEST)
     falls = _LN10 * np.arange(0.0, farthest + _STEP / 2, _STEP)
     # of all that are tried, so that each knows where the spectrum of the last had weight

@@ -38,23 +38,23 @@ def read_shifts(path: str | Path, *, options: ReadOptions | None = None) -> tupl
             file, channels.answered(file, [assign(file.table, "temperature", file.options)])
         )
         names = [_join_name_words(column) for column in file.table.columns]
-        found = {role: _find_column(names, pattern) for role, pattern in _PATTERNS.items()}
-        known = {role: one for role, one in found.items() if one is not None}
-        if "a" not in known:
+        entries = {role: _find_column(names, pattern) for role, pattern in _PATTERNS.items()}
+        available = {role: entry for role, entry in entries.items() if entry is not None}
+        if "a" not in available:
             raise ReadError(
                 "no column is named a_T, log a_T or ln a_T; the columns are "
                 f"{list_columns(file.table.columns)}"
             )
-        wanted = [columns[0].index, *(index for index, _ in known.values())]
+        wanted = [columns[0].index, *(index for index, _ in available.values())]
         rows, _ = channels.select_complete_rows(
             channels.load(file.table, wanted, file.options.segment)
         )
         kelvin = channels.si(rows[:, 0].copy(), columns[0].unit)
         if len(set(kelvin.tolist())) < len(kelvin):
             raise ReadError("a temperature stands in the table of shifts twice")
-        values, nil = dict(zip(known, rows.T[1:], strict=True)), np.zeros(len(rows))
-        log10_a = _decadic(values["a"], known["a"][1])
-        log10_b = _decadic(values["b"], known["b"][1]) if "b" in known else nil
+        values, nil = dict(zip(available, rows.T[1:], strict=True)), np.zeros(len(rows))
+        log10_a = _decadic(values["a"], available["a"][1])
+        log10_b = _decadic(values["b"], available["b"][1]) if "b" in available else nil
         error = values.get("se", nil)
     return tuple(
         Shift(float(kelvin[i]), float(log10_a[i]), float(error[i]), float(10 ** log10_b[i]))
@@ -72,8 +72,8 @@ def _join_name_words(column: Column) -> str:
 def _find_column(names: list[str], pattern: re.Pattern[str]) -> tuple[int, str] | None:
     """Return the index of the first column of such a name, and its logarithm if it has one."""
     for i, name in enumerate(names):
-        if found := pattern.fullmatch(name):
-            return i, found[1]
+        if match := pattern.fullmatch(name):
+            return i, match[1]
     return None
 
 

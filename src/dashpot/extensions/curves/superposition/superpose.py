@@ -100,26 +100,26 @@ def superpose(
     require_choice("vertical", vertical, VerticalAsked, FitError)
     test, sources = joined(data)
     isotherms = isotherms_of(test)
-    t = np.array([one.temperature for one in isotherms])
+    t = np.array([isotherm.temperature for isotherm in isotherms])
     if len(t) < 2:
         raise FitError(
             f"every sample was measured at about {celsius(float(t[0]))}: a master curve needs "
             "several temperatures"
         )
     at = _reference(t, convert_to_si(reference, "temperature"))
-    alone = _alone(isotherms)
+    parts = _alone(isotherms)
     if shifts:
-        best, how, known = _as_given(isotherms, shifts, at)
+        best, how, checks = _as_given(isotherms, shifts, at)
     else:
-        best, how, known = _searched(isotherms, at, vertical, np.sqrt(alone.variance))
+        best, how, checks = _searched(isotherms, at, vertical, np.sqrt(parts.variance))
     covariance = _decadic(best, at)
     table = shifts_with(t, best.ln_a / _LN10, np.exp(best.ln_b), covariance)
     doubt = covariance[: len(t), : len(t)] if covariance.any() else _BY_EYE**2 * np.eye(len(t))
-    laid = fit_shift_law(
-        t, [one.log10_a_t for one in table], doubt, reference=float(t[at]), law=law
+    law_fit = fit_shift_law(
+        t, [shift.log10_a_t for shift in table], doubt, reference=float(t[at]), law=law
     )  # fmt: skip
     temperatures = TemperatureShifts(
-        laid.law, table, covariance, laid.parameters, laid.covariance, how
+        law_fit.law, table, covariance, law_fit.parameters, law_fit.covariance, how
     )
     solid, rms = _solid(isotherms, best)
     curve, measured_at = _master(test, isotherms, best, float(t[at]))
@@ -130,12 +130,12 @@ def superpose(
         solid,
         rms,
         (
-            *_judged(isotherms, best, at, laid, law),
-            thermorheologically_simple(*alone.beside(best), rms),
-            *known,
+            *_judged(isotherms, best, at, law_fit, law),
+            thermorheologically_simple(*parts.beside(best), rms),
+            *checks,
         ),
         sources,
-        (_step(isotherms, temperatures, laid, given=bool(shifts)),),
+        (_step(isotherms, temperatures, law_fit, provided=bool(shifts)),),
     )
 
 
@@ -160,16 +160,19 @@ class _Apart(NamedTuple):
 
 def _alone(isotherms: Sequence[Isotherm]) -> _Apart:
     at = np.zeros(1)
-    own = [spectrum_at([one], at, at, grid_of([one], at)) for one in isotherms]
-    return _Apart(sum(one.sse for one in own), sum(one.values - one.parameters for one in own))
+    spectra = [spectrum_at([isotherm], at, at, grid_of([isotherm], at)) for isotherm in isotherms]
+    return _Apart(
+        sum(spectrum.sse for spectrum in spectra),
+        sum(spectrum.values - spectrum.parameters for spectrum in spectra),
+    )
 
 
-def _reference(t: FloatArray, asked: float | None) -> int:
-    nearest = int(np.argmin(np.abs(t - (ROOM if asked is None else asked))))
-    if asked is not None and abs(t[nearest] - asked) > ONE_TEMPERATURE:
+def _reference(t: FloatArray, target: float | None) -> int:
+    nearest = int(np.argmin(np.abs(t - (ROOM if target is None else target))))
+    if target is not None and abs(t[nearest] - target) > ONE_TEMPERATURE:
         raise FitError(
-            f"no test within {ONE_TEMPERATURE:g} K of the reference of {celsius(asked)}; tested "
-            f"were {', '.join(celsius(one) for one in t)}"
+            f"no test within {ONE_TEMPERATURE:g} K of the reference of {celsius(target)}; tested "
+            f"were {', '.join(celsius(item) for item in t)}"
         )
     return nearest
 
@@ -178,46 +181,46 @@ def _searched(
     isotherms: Sequence[Isotherm], at: int, vertical: VerticalAsked, noise: float
 ) -> tuple[ShiftedSpectrum, str, tuple[Check, ...]]:
     """Return the shifts by the vertical rule that was asked for, or that BIC takes."""
-    t = np.array([one.temperature for one in isotherms])
+    t = np.array([isotherm.temperature for isotherm in isotherms])
     rules = {"1": np.zeros(len(t)), "T/T_r": np.log(t / t[at])}
-    asked = {"auto": ("1", "T/T_r"), "free": ("1",)}.get(vertical, (vertical,))
-    found: dict[str, ShiftedSpectrum] = {}
-    for name in asked:
+    requested = {"auto": ("1", "T/T_r"), "free": ("1",)}.get(vertical, (vertical,))
+    spectra: dict[str, ShiftedSpectrum] = {}
+    for name in requested:
         start = chained_starts(isotherms, rules[name], at)
-        found[name] = shifted(isotherms, start, rules[name], reference=at, noise=noise)
-    how = min(found, key=lambda name: found[name].bic)
+        spectra[name] = shifted(isotherms, start, rules[name], reference=at, noise=noise)
+    how = min(spectra, key=lambda name: spectra[name].bic)
     free = vertical == "free"
-    best = refined(isotherms, found[how], reference=at, noise=noise, free_b=free)
+    best = refined(isotherms, spectra[how], reference=at, noise=noise, free_b=free)
     if free:
         return best, "free", (vertical_shift_known("free", 0.0, 0.0),)
     step, score = vertical_step(isotherms, best, reference=at, noise=noise)
     followed = vertical_rule_holds(step, score, t)
     if vertical != "auto":
         return best, how, (followed,)
-    other = next(one for name, one in found.items() if name != how)
-    apart = float(np.abs(other.ln_a - found[how].ln_a).max()) / _LN10
+    other = next(spectrum for name, spectrum in spectra.items() if name != how)
+    ratio = float(np.abs(other.ln_a - spectra[how].ln_a).max()) / _LN10
     # the support of a spectrum is a rough count: what both measures say is known
-    taken = found[how]
+    taken = spectra[how]
     margin = min(other.bic - taken.bic, other.deviance - taken.deviance)
-    return best, how, (vertical_shift_known(how, margin, apart), followed)
+    return best, how, (vertical_shift_known(how, margin, ratio), followed)
 
 
 def _as_given(
     isotherms: Sequence[Isotherm], shifts: Sequence[Shift], at: int
 ) -> tuple[ShiftedSpectrum, str, tuple[Check, ...]]:
     """Return the spectrum at shifts from elsewhere, referred to the isotherm `at`."""
-    known = np.array([one.temperature for one in shifts])
+    values = np.array([shift.temperature for shift in shifts])
     taken = []
-    for one in isotherms:
-        i = int(np.argmin(np.abs(known - one.temperature)))
-        if abs(known[i] - one.temperature) > ONE_TEMPERATURE:
+    for isotherm in isotherms:
+        i = int(np.argmin(np.abs(values - isotherm.temperature)))
+        if abs(values[i] - isotherm.temperature) > ONE_TEMPERATURE:
             raise FitError(
                 f"the table of shifts has none within {ONE_TEMPERATURE:g} K of "
-                f"{celsius(one.temperature)}; it has {', '.join(celsius(k) for k in known)}"
+                f"{celsius(isotherm.temperature)}; it has {', '.join(celsius(k) for k in values)}"
             )
         taken.append(shifts[i])
-    ln_a = _LN10 * np.array([one.log10_a_t for one in taken])
-    ln_b = np.log([one.b_t for one in taken])
+    ln_a = _LN10 * np.array([shift.log10_a_t for shift in taken])
+    ln_b = np.log([shift.b_t for shift in taken])
     ln_a, ln_b = ln_a - ln_a[at], ln_b - ln_b[at]
     how = "free" if ln_b.any() else "1"
     return spectrum_at(isotherms, ln_a, ln_b, grid_of(isotherms, ln_a)), how, ()
@@ -242,24 +245,24 @@ def _judged(
     isotherms: Sequence[Isotherm],
     best: ShiftedSpectrum,
     at: int,
-    laid: ShiftLawFit,
+    law_fit: ShiftLawFit,
     law: ShiftLaw,
 ) -> tuple[Check, ...]:
-    t = np.array([one.temperature for one in isotherms])
-    known, asked = _decadic(best, at), law == "free"
+    t = np.array([isotherm.temperature for isotherm in isotherms])
+    values, requested = _decadic(best, at), law == "free"
     return (
         overlap(_shared(isotherms, best), t),
-        *of_shifts(t, best.ln_a / _LN10, known, laid, asked=asked),
+        *of_shifts(t, best.ln_a / _LN10, values, law_fit, requested=requested),
     )
 
 
 def _shared(isotherms: Sequence[Isotherm], best: ShiftedSpectrum) -> FloatArray:
     """Return the decades of reduced time that neighbours share, negative for a gap, (n - 1,)."""
-    ends = np.array([one.window for one in isotherms]) - best.ln_a[:, None]
+    ends = np.array([isotherm.window for isotherm in isotherms]) - best.ln_a[:, None]
     return np.array(
         [
-            (min(one[1], two[1]) - max(one[0], two[0])) / _LN10
-            for one, two in pairwise(ends)
+            (min(item[1], two[1]) - max(item[0], two[0])) / _LN10
+            for item, two in pairwise(ends)
         ]
     )  # fmt: skip
 
@@ -275,16 +278,16 @@ def _solid(
     Its times end where the data do, but for half a decade where the loss still shows an arm: an
     arm of which only the tail was measured can have any stiffness.
     """
-    beyond = _LN10 / 2 if isotherms[0].domain == "frequency" else 0.0
-    ln_tau = grid_of(isotherms, best.ln_a, beyond)
-    found = spectrum_at(isotherms, best.ln_a, best.ln_b, ln_tau)
-    h, tau = found.optimum.beta, np.exp(ln_tau)
+    ratio = _LN10 / 2 if isotherms[0].domain == "frequency" else 0.0
+    ln_tau = grid_of(isotherms, best.ln_a, ratio)
+    spectrum = spectrum_at(isotherms, best.ln_a, best.ln_b, ln_tau)
+    h, tau = spectrum.optimum.beta, np.exp(ln_tau)
     if isotherms[0].domain == "creep":
         # what comes to rest, as long as no flow is needed
         at_rest = spectrum_at(isotherms, best.ln_a, best.ln_b, ln_tau[:-1])
-        closer = at_rest.deviance - found.deviance
+        closer = at_rest.deviance - spectrum.deviance
         if closer < MIN_BIC_MARGIN or at_rest.rms < _NO_MATTER:
-            h, found = np.append(at_rest.optimum.beta, 0.0), at_rest
+            h, spectrum = np.append(at_rest.optimum.beta, 0.0), at_rest
         d, there = h[1:-1], h[1:-1] > 0
         creep = CreepSpectrum(
             float(h[0]), tuple(d[there]), tuple(tau[:-1][there]), float(h[-1] / tau[-1])
@@ -293,28 +296,28 @@ def _solid(
     else:
         k, there = h[1:], h[1:] > 0
         solid = GeneralizedMaxwell(float(h[0]), tuple(k[there]), tuple(tau[there]))
-    return solid, found.rms
+    return solid, spectrum.rms
 
 
 def _master(
     test: Measured, isotherms: Sequence[Isotherm], best: ShiftedSpectrum, reference: float
 ) -> tuple[Measured, FloatArray]:
     """Return every sample where it lies at the reference, and where it was measured, K."""
-    counts = [len(one.at) for one in isotherms]
-    temperature = np.repeat([one.temperature for one in isotherms], counts)
+    counts = [len(isotherm.at) for isotherm in isotherms]
+    temperature = np.repeat([isotherm.temperature for isotherm in isotherms], counts)
     a, b = np.repeat(np.exp(best.ln_a), counts), np.repeat(np.exp(best.ln_b), counts)
-    at = np.concatenate([one.at for one in isotherms])
+    at = np.concatenate([isotherm.at for isotherm in isotherms])
     specimen = replace(test.specimen, temperature=reference)
     if isinstance(test, DynamicTest):
         frequency = at * a / (2 * np.pi)
         order = np.argsort(frequency, kind="stable")
-        value = np.concatenate([one.complex for one in isotherms]) / b
+        value = np.concatenate([isotherm.complex for isotherm in isotherms]) / b
         curve: Measured = DynamicTest(
             frequency[order], value.real[order], value.imag[order], None, test.unit, specimen,
             test.source, units="SI",
         )  # fmt: skip
         return curve, temperature[order]
-    time, value = at / a, np.concatenate([one.size for one in isotherms])
+    time, value = at / a, np.concatenate([isotherm.size for isotherm in isotherms])
     value = value * b if isinstance(test, CreepCompliance) else value / b
     order = np.argsort(time, kind="stable")
     time, value, temperature = time[order], value[order], temperature[order]
@@ -329,17 +332,17 @@ def _master(
 def _step(
     isotherms: Sequence[Isotherm],
     temperatures: TemperatureShifts,
-    laid: ShiftLawFit,
+    law_fit: ShiftLawFit,
     *,
-    given: bool,
+    provided: bool,
 ) -> Step:
     cold, warm = temperatures.tested
-    tried = ", ".join(f"{score.kind} {score.bic:.4g}" for score in laid.scores)
+    tried = ", ".join(f"{score.kind} {score.bic:.4g}" for score in law_fit.scores)
     options = (
         ("reference", f"{temperatures.reference:g} K"),
         ("law", temperatures.law.kind),
         ("vertical", temperatures.vertical),
-        ("shifts", "given" if given else "fitted"),
+        ("shifts", "given" if provided else "fitted"),
     )
     says = (
         f"shifted {len(isotherms)} temperatures from {celsius(cold)} to {celsius(warm)} onto one "

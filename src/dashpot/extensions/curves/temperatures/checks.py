@@ -46,9 +46,9 @@ def thermorheologically_simple(
     how much further each decade of tau shifts, and its error, by the data alone: what is held of it
     beforehand would hide what two temperatures say.
     """
-    apart, faulted = "", False
+    text, faulted = "", False
     if slope is not None and abs(slope[0]) > MAX_BACK * slope[1]:
-        apart = (
+        text = (
             f"By the data alone slow arms shift {100 * slope[0]:+.2g} ± {100 * slope[1]:.1g} % "
             "further per decade"
         )
@@ -57,13 +57,13 @@ def thermorheologically_simple(
         f"One model does not explain the tests: it misses the force by {100 * excess:.2g} % of the "
         "peak. The arms do not shift together, or a temperature drifted"
     )
-    found = (missed,) if chance < CHANCE else ()
-    said = ". ".join((*found, apart) if apart else (missed,))
+    result = (missed,) if chance < CHANCE else ()
+    stated = ". ".join((*result, text) if text else (missed,))
     return Finding(
         f"One model explains the tests at {temperatures} temperatures (probability {chance:.2g} "
-        f"by chance){apart and '. '}{apart}",
+        f"by chance){text and '. '}{text}",
         chance,
-        instead=f"{said}. The stiffness outside the band of each test is not supported",
+        instead=f"{stated}. The stiffness outside the band of each test is not supported",
         remedy="Fit each temperature alone.",
         faulted=faulted,
         excused=excess < ROUNDING,
@@ -74,7 +74,7 @@ def thermorheologically_simple(
 @criterion("K over the record", "|x| <=", STEADY, "our choice: chambers hold 0.5 K")
 def temperature_steady(warming: Sequence[Nuisance]) -> Finding:
     """The temperature of each test stood still."""
-    worst = max(warming, key=lambda one: abs(one.value))
+    worst = max(warming, key=lambda nuisance: abs(nuisance.value))
     title = worst.name.partition(" of ")[2]
     return Finding(
         f"By its force, {title} warmed by {worst.value:.2g} ± {worst.standard_error:.1g} K while "
@@ -85,13 +85,13 @@ def temperature_steady(warming: Sequence[Nuisance]) -> Finding:
 
 
 @criterion("|ln b_T - ln T/T_r|", "<=", ELSEWISE, "our choice: three times what rubbers show")
-def stiffness_of_one_seal(moved: TemperatureShifts) -> Finding:
+def stiffness_of_one_seal(shifts: TemperatureShifts) -> Finding:
     """Stiffness itself follows temperature about as rubber's does, as T/T_r."""
     away = [
-        float(np.log(shift.b_t * moved.reference / shift.temperature)) for shift in moved.shifts
+        float(np.log(shift.b_t * shifts.reference / shift.temperature)) for shift in shifts.shifts
     ]
     worst = int(np.argmax(np.abs(away)))
-    at = celsius(moved.shifts[worst].temperature)
+    at = celsius(shifts.shifts[worst].temperature)
     return Finding(
         f"At {at} every stiffness differs by {100 * np.expm1(away[worst]):+.2g} % from rubber "
         "elasticity",

@@ -47,8 +47,8 @@ def temperatures(fit: Fit, tests: Sequence[RampHold], *, stamp: str = "") -> Pic
         since = test.time - test.onset
         inside = (since >= shortest) & (since <= test.hold_end - test.onset)
         x, y = downsample_to_extremes(since[inside], test.force[inside], bins=400, log=True)
-        said = celsius(test.specimen.temperature or 0.0).replace("deg", "°")
-        marks.append(Line(x, y, Pen(colour, 3.2), said))
+        text = celsius(test.specimen.temperature or 0.0).replace("deg", "°")
+        marks.append(Line(x, y, Pen(colour, 3.2), text))
         at, force = fitted_force(fit, test)
         on = at >= shortest
         x, y = downsample_to_extremes(at[on], force[on], bins=400, log=True)

@@ -174,11 +174,11 @@ def fit_thermal(
         tests, reference, arms=arms, max_arms=max_arms, vertical=vertical, thorough=thorough
     )
     if not intervals and arms is not None:
-        return point_alone(best, vertical, shift_law, asked=arms)
-    found = MultiTemperatureFit(best, joint_covariance(best.joint, best.tests, best.point))
-    made = _assembled(found, vertical, shift_law, asked=arms)
-    end = _end_of_hold(found, made)
-    band, error = _known_band(found, made)
+        return point_alone(best, vertical, shift_law, requested=arms)
+    fit = MultiTemperatureFit(best, joint_covariance(best.joint, best.tests, best.point))
+    made = _assembled(fit, vertical, shift_law, requested=arms)
+    end = _end_of_hold(fit, made)
+    band, error = _known_band(fit, made)
     checks = (*made.checks, hold_long_enough(end), loss_factor_known(error))
     if arms is not None:
         more = optimum(
@@ -196,16 +196,16 @@ def _arms_enough(best: ThermalOptimum, more: ThermalOptimum) -> Check:
     shortage = None
     if many.order > few.order:
         rows = sum(block.samples for block in best.joint.blocks)
-        left = (float(np.sqrt(one.chi_square / rows)) for one in (few, many))
-        shortage = Shortage(few.order, many.order, *left)
+        residuals = (float(np.sqrt(solid.chi_square / rows)) for solid in (few, many))
+        shortage = Shortage(few.order, many.order, *residuals)
     return arms_enough(shortage, few.order, unit="sd")
 
 
 def _known_band(
-    found: MultiTemperatureFit, made: Fit
+    fit: MultiTemperatureFit, made: Fit
 ) -> tuple[tuple[float, float], BandError | None]:
     """The valid band, and how well all tests together know the solid there; their ramps linear."""
-    tests = found.best.tests
+    tests = fit.best.tests
     if made.temperatures is None or any(test.law is not None for test in tests):
         return made.band, None
     data = [relaxation_data(test.record, made) for test in tests]
@@ -218,12 +218,12 @@ def _known_band(
     return band_of_hold(spectra, made.model, made.band)
 
 
-def _end_of_hold(found: MultiTemperatureFit, made: Fit) -> EndOfHold | None:
+def _end_of_hold(fit: MultiTemperatureFit, made: Fit) -> EndOfHold | None:
     """What the tests at the reference leave open of the end of their hold; their ramps linear."""
     records = [
         test.record
-        for test, at in zip(found.best.tests, found.best.joint.at, strict=True)
-        if at == found.best.joint.reference and test.law is None
+        for test, at in zip(fit.best.tests, fit.best.joint.at, strict=True)
+        if at == fit.best.joint.reference and test.law is None
     ]
     if not records:
         return None
@@ -239,19 +239,19 @@ def _end_of_hold(found: MultiTemperatureFit, made: Fit) -> EndOfHold | None:
 
 
 def _assembled(
-    found: MultiTemperatureFit, vertical: Vertical, shift_law: ShiftLaw, *, asked: int | None
+    fit: MultiTemperatureFit, vertical: Vertical, shift_law: ShiftLaw, *, requested: int | None
 ) -> Fit:
-    best, knowledge = found
+    best, knowledge = fit
     tests, point = best.tests, best.point
     errors = knowledge.shift_covariance
-    laid = law_of(best, errors, shift_law)
-    shifts = shifts_of(best, vertical, laid, errors, knowledge.cross)
+    law_fit = law_of(best, errors, shift_law)
+    shifts = shifts_of(best, vertical, law_fit, errors, knowledge.cross)
     records = [test.record for test in tests]
     model = point.solid
-    solution = _solution(found)
+    solution = _solution(fit)
     slower = [float(np.exp(point.log_a[i])) for i in best.joint.at]
     band = informed_band(
-        records, _reduced(found), stiffness=max(model.k_0, 1e-300), noise=1.0, slower=slower
+        records, _reduced(fit), stiffness=max(model.k_0, 1e-300), noise=1.0, slower=slower
     )
     estimate = ParameterEstimate(
         parameter_names(point.order),
@@ -260,15 +260,15 @@ def _assembled(
         knowledge.residual,
         nuisance=knowledge.nuisances,
     ).with_rig(knowledge.solid_moved)
-    fewer = asked is not None and model.arms < asked
+    fewer = requested is not None and model.arms < requested
     noticed = [check for record in records for check in record.checks]
     return build_fit(
         SolidEstimate(model, estimate, fewer, bool(solution.at_bound.any())),
         Evidence(
             band,
-            orders=_orders(found),
-            certificate=certificate_for(_reduced(found), solution),
-            checks=(*noticed, *_checks(found, shifts, laid, band)),
+            orders=_orders(fit),
+            certificate=certificate_for(_reduced(fit), solution),
+            checks=(*noticed, *_checks(fit, shifts, law_fit, band)),
         ),
         provenance(best, shifts),
         elastic_law=elastic_law(best),
@@ -276,42 +276,42 @@ def _assembled(
     )
 
 
-def _reduced(found: MultiTemperatureFit) -> list[DataBlock]:
+def _reduced(fit: MultiTemperatureFit) -> list[DataBlock]:
     """Every test in the time of the reference."""
-    point = found.best.point
+    point = fit.best.point
     return [
         shift_block(block, float(point.log_a[i]), float(point.log_b[i]), point.slope)
-        for block, i in zip(found.best.joint.blocks, found.best.joint.at, strict=True)
+        for block, i in zip(fit.best.joint.blocks, fit.best.joint.at, strict=True)
     ]
 
 
-def _solution(found: MultiTemperatureFit) -> Solution:
+def _solution(fit: MultiTemperatureFit) -> Solution:
     """The optimum as the engine's, the shifts held."""
-    return solve(_reduced(found), found.best.point.order, log_tau_start=found.best.point.log_tau)
+    return solve(_reduced(fit), fit.best.point.order, log_tau_start=fit.best.point.log_tau)
 
 
-def _orders(found: MultiTemperatureFit) -> tuple[OrderScore, ...]:
+def _orders(fit: MultiTemperatureFit) -> tuple[OrderScore, ...]:
     """Every number tried; sums of squares in the noise of the fit taken."""
-    sse = found.knowledge.residual.sse / found.best.point.chi_square
+    sse = fit.knowledge.residual.sse / fit.best.point.chi_square
     return tuple(
         OrderScore(
-            point.order, sse * point.chi_square, bic, found.best.joint.clear(point), point.solid
+            point.order, sse * point.chi_square, bic, fit.best.joint.clear(point), point.solid
         )
-        for point, bic in found.best.tried
+        for point, bic in fit.best.tried
     )
 
 
 def _checks(
-    found: MultiTemperatureFit,
+    fit: MultiTemperatureFit,
     shifts: TemperatureShifts,
-    laid: ShiftLawFit,
+    law_fit: ShiftLawFit,
     band: tuple[float, float],
 ) -> tuple[Check, ...]:
     """Return every check of the records, of the solid and of its shifts."""
-    point, knowledge = found.best.point, found.knowledge
-    records, residual = [test.record for test in found.best.tests], knowledge.residual
-    solids = [point.solid_at(int(i)) for i in found.best.joint.at]
-    low, high = zip(*(block.window for block in _reduced(found)), strict=True)
+    point, knowledge = fit.best.point, fit.knowledge
+    records, residual = [test.record for test in fit.best.tests], knowledge.residual
+    solids = [point.solid_at(int(i)) for i in fit.best.joint.at]
+    low, high = zip(*(block.window for block in _reduced(fit)), strict=True)
     answers = [
         optimum_found(stationary=True),
         *of_records(records, method="full", solids=solids),
@@ -322,44 +322,48 @@ def _checks(
             Residuals(knowledge.residuals, residual.rms, residual.kappa),
             RelaxationWindow((min(low), max(high)), "the tests together"),
             solids=solids,
-            needed=found.best.choice is not None,
+            needed=fit.best.choice is not None,
         ),
-        *_of_shifts(found, shifts, laid),
+        *_of_shifts(fit, shifts, law_fit),
         frequencies_informed(band),
     ]
-    if found.best.choice is not None:
-        answers.append(order_agreed(found.best.choice))
+    if fit.best.choice is not None:
+        answers.append(order_agreed(fit.best.choice))
     if len(records) > len(shifts.shifts):
         answers.append(same_specimen(end_stiffnesses(records)))
     return tuple(answers)
 
 
 def _of_shifts(
-    found: MultiTemperatureFit, shifts: TemperatureShifts, laid: ShiftLawFit
+    fit: MultiTemperatureFit, shifts: TemperatureShifts, law_fit: ShiftLawFit
 ) -> list[Check]:
     temperatures = [shift.temperature for shift in shifts.shifts]
-    bands = [_informed_at(found, i) for i in range(len(temperatures))]
+    bands = [_informed_at(fit, i) for i in range(len(temperatures))]
     # the colder of two neighbours informs the lower reduced times: the higher frequencies
     shared = [
         float(np.log10(min(cold[1], warm[1]) / max(cold[0], warm[0])))
         for cold, warm in pairwise(bands)
     ]
-    warming = [one for one in found.knowledge.nuisances if one.name.startswith("warming")]
-    slope = next((one for one in found.knowledge.nuisances if one.name == "shift slope"), None)
-    chance, excess = _misfit(found)
+    warming = [
+        nuisance for nuisance in fit.knowledge.nuisances if nuisance.name.startswith("warming")
+    ]
+    slope = next(
+        (nuisance for nuisance in fit.knowledge.nuisances if nuisance.name == "shift slope"), None
+    )
+    chance, excess = _misfit(fit)
     return [
         overlap(shared, temperatures, checks.SHARED),
         *of_shifts(
-            found.best.joint.temperatures,
+            fit.best.joint.temperatures,
             [shift.log10_a_t for shift in shifts.shifts],
             shifts.covariance,
-            laid,
+            law_fit,
         ),
         checks.thermorheologically_simple(
             chance,
             excess,
             temperatures=len(temperatures),
-            slope=None if slope is None else _by_data(slope, found.best.joint.slope_sd),
+            slope=None if slope is None else _by_data(slope, fit.best.joint.slope_sd),
         ),
         checks.stiffness_of_one_seal(shifts),
         checks.temperature_steady(warming),
@@ -367,48 +371,48 @@ def _of_shifts(
     ]
 
 
-def _by_data(one: Nuisance, known: float) -> tuple[float, float] | None:
-    r"""What the data alone say of one that was held to 0 within `known`; None where that is little.
+def _by_data(nuisance: Nuisance, value: float) -> tuple[float, float] | None:
+    r"""What the data alone say of one that was held to 0 within `value`; None where that is little.
 
     .. math:: 1/s^2 = 1/s_d^2 + 1/s_0^2, \qquad v/s^2 = v_d/s_d^2
     """
-    part = 1.0 - (one.standard_error / known) ** 2
+    part = 1.0 - (nuisance.standard_error / value) ** 2
     if not part > _LITTLE:
         return None
-    return one.value / part, one.standard_error / float(np.sqrt(part))
+    return nuisance.value / part, nuisance.standard_error / float(np.sqrt(part))
 
 
-def _informed_at(found: MultiTemperatureFit, i: int) -> tuple[float, float]:
+def _informed_at(fit: MultiTemperatureFit, i: int) -> tuple[float, float]:
     """The band that the tests of one temperature inform, Hz at the reference."""
-    each = [
-        informed_alone(block, stiffness=max(found.best.point.solid.k_0, 1e-300), noise=1.0)
-        for block, at in zip(_reduced(found), found.best.joint.at, strict=True)
+    group = [
+        informed_alone(block, stiffness=max(fit.best.point.solid.k_0, 1e-300), noise=1.0)
+        for block, at in zip(_reduced(fit), fit.best.joint.at, strict=True)
         if at == i
     ]
-    return min(low for low, _ in each), max(high for _, high in each)
+    return min(low for low, _ in group), max(high for _, high in group)
 
 
-def _misfit(found: MultiTemperatureFit) -> tuple[float, float]:
+def _misfit(fit: MultiTemperatureFit) -> tuple[float, float]:
     r"""Return how likely chance makes the joint fit as bad, and its excess over the peak force.
 
     The smaller probability, doubled, of two: what the joint fit leaves in the rows that a solid can
     reach, in units of the noise, and how much more that is than the free fits of each test leave.
     """
-    tests, point, joint = found.best.tests, found.best.point, found.best.joint
+    tests, point, joint = fit.best.tests, fit.best.point, fit.best.joint
     floor = sum(block.floor for block in joint.blocks)
     rows = sum(len(block.target) for block in joint.blocks)
     parameters = len(joint.names(point.order))
-    left, own = point.chi_square - floor, sum(test.chi_square for test in tests) - floor
+    remainder, values = point.chi_square - floor, sum(test.chi_square for test in tests) - floor
     freed = sum(test.parameters for test in tests) - parameters
     # noise that remembers is itself known to so much only
     doubt = 1 + 2 * max(
         float(np.sqrt(2 * (2 * len(noise.autocovariance) - 1) / noise.samples))
-        for noise in found.knowledge.noises
+        for noise in fit.knowledge.noises
     )
-    absolute = chi2_sf(left / doubt, max(rows - parameters, 1))
-    relative = chi2_sf((left - own) / doubt, max(freed, 1))
+    absolute = chi2_sf(remainder / doubt, max(rows - parameters, 1))
+    relative = chi2_sf((remainder - values) / doubt, max(freed, 1))
     spread = max(test.spread for test in tests)
     peak = max(float(np.abs(test.record.force).max()) for test in tests)
     samples = sum(test.effective for test in tests)
-    beyond = max(left - (rows - parameters), 0.0) / samples
-    return min(1.0, 2 * min(absolute, relative)), spread * float(np.sqrt(beyond)) / peak
+    ratio = max(remainder - (rows - parameters), 0.0) / samples
+    return min(1.0, 2 * min(absolute, relative)), spread * float(np.sqrt(ratio)) / peak

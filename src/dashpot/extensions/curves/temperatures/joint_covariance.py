@@ -78,8 +78,8 @@ class JointCovariance(ParameterCovariance):
     @property
     def nuisances(self) -> tuple[Nuisance, ...]:
         """The columns of each test, and how arms shift apart."""
-        own = self.names[len(self.names) - len(self.own) :]
-        return of_tests(own, self.own, self.point, self.standard_error)
+        names = self.names[len(self.names) - len(self.own) :]
+        return of_tests(names, self.own, self.point, self.standard_error)
 
     @property
     def residual(self) -> Residual:
@@ -88,14 +88,14 @@ class JointCovariance(ParameterCovariance):
 
 
 def of_tests(
-    names: Sequence[str], own: FloatArray, point: ShiftedSolid, error: Callable[[str], float]
+    names: Sequence[str], base: FloatArray, point: ShiftedSolid, error: Callable[[str], float]
 ) -> tuple[Nuisance, ...]:
     """Return the columns of each test, ``"offset@0"``, and how arms shift apart, in words."""
-    values = dict(zip(names, own.tolist(), strict=True))
-    found = nuisances(names, values.__getitem__, error)
+    values = dict(zip(names, base.tolist(), strict=True))
+    terms = nuisances(names, values.__getitem__, error)
     if point.order < 2:
-        return found
-    return (*found, Nuisance("shift slope", point.slope, error("slope"), "1/decade"))
+        return terms
+    return (*terms, Nuisance("shift slope", point.slope, error("slope"), "1/decade"))
 
 
 class TestResidual(NamedTuple):
@@ -124,12 +124,12 @@ def left_of(
     part = joint.part(exact, int(joint.at[i]), point)
     columns = exact.evaluate(np.zeros(0), False).fixed[:, test.own_columns]
     rows, target = test.prior_rows
-    own = np.linalg.lstsq(
+    values = np.linalg.lstsq(
         np.concatenate((weight * columns, rows)),
         np.concatenate((weight * part.residual, target)),
         rcond=None,
     )[0]
-    return TestResidual(part.residual - columns @ own, own, part, columns)
+    return TestResidual(part.residual - columns @ values, values, part, columns)
 
 
 def own_names(tests: Sequence[SingleTemperatureTest]) -> tuple[str, ...]:
@@ -143,35 +143,41 @@ def joint_covariance(
     """Return what all samples say of a point, the columns of every test fitted beside it."""
     shared = joint.names(point.order)
     names = (*shared, *own_names(tests))
-    each = [left_of(joint, test, i, point) for i, test in enumerate(tests)]
-    jacobians, before, noises, further, unseen = [], [], [], [], []
-    for i, (test, found) in enumerate(zip(tests, each, strict=True)):
+    residuals = [left_of(joint, test, i, point) for i, test in enumerate(tests)]
+    jacobians, before, noises, others, unmeasured = [], [], [], [], []
+    for i, (test, residual) in enumerate(zip(tests, residuals, strict=True)):
         weight, rows = 1 / test.spread, test.prior_rows[0]
         here = [names.index(f"{kind}@{i}") for kind in test.kinds]
-        jacobian, known = np.zeros((len(found.left), len(names))), np.zeros((len(rows), len(names)))
-        jacobian[:, : len(shared)] = weight * found.part.by
-        jacobian[:, here], known[:, here] = weight * found.columns, rows
+        jacobian, values = (
+            np.zeros((len(residual.left), len(names))),
+            np.zeros((len(rows), len(names))),
+        )
+        jacobian[:, : len(shared)] = weight * residual.part.by
+        jacobian[:, here], values[:, here] = weight * residual.columns, rows
         least = weight * rounding(float(np.abs(test.record.force).max()))
         jacobians.append(jacobian)
-        before.append(known)
-        noises.append(noise_of(weight * found.left, jacobian, rounding=least))
+        before.append(values)
+        noises.append(noise_of(weight * residual.left, jacobian, rounding=least))
         solid = point.solid_at(int(joint.at[i]))
-        further.append(partial(_encoder_rows, test, solid))
-        unseen.append(weight * test.unseen(solid))
+        others.append(partial(_encoder_rows, test, solid))
+        unmeasured.append(weight * test.unseen(solid))
     if "slope" in names:
         before.append(np.eye(len(names))[[names.index("slope")]] / joint.slope_sd)
-    beside = np.concatenate(before)
-    told = directions([*jacobians, beside])
+    joined = np.concatenate(before)
+    information = directions([*jacobians, joined])
     covariance = sandwich(
-        told, [*noises, Noise(len(beside), np.ones(1), 1.0, 2.0)], further=further
+        information, [*noises, Noise(len(joined), np.ones(1), 1.0, 2.0)], others=others
     )
-    moved = [
-        told.turn @ (columns.matrix.T @ one)
-        for columns, one in zip(told.columns, unseen, strict=False)
+    changes = [
+        information.turn @ (columns.matrix.T @ row)
+        for columns, row in zip(information.columns, unmeasured, strict=False)
     ]
-    left, own = tuple(one.left for one in each), np.concatenate([one.own for one in each])
+    arrays, base = (
+        tuple(test_residual.left for test_residual in residuals),
+        np.concatenate([test_residual.own for test_residual in residuals]),
+    )
     return JointCovariance(
-        names, covariance, left, tuple(noises), joint, point, own, np.hstack(moved)
+        names, covariance, arrays, tuple(noises), joint, point, base, np.hstack(changes)
     )
 
 

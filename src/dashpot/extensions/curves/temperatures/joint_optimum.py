@@ -95,7 +95,7 @@ def optimum(
 def _warmed(
     test: SingleTemperatureTest, point: ShiftedSolid, i: int, temperatures: FloatArray
 ) -> SingleTemperatureTest:
-    by_a, by_b = (np.gradient(one, temperatures)[i] for one in (point.log_a, point.log_b))
+    by_a, by_b = (np.gradient(values, temperatures)[i] for values in (point.log_a, point.log_b))
     return test.warmed(point.solid_at(i), by_a=float(by_a), by_b=float(by_b))
 
 
@@ -105,14 +105,14 @@ def _ascending(point: ShiftedSolid) -> ShiftedSolid:
 
 
 def _choice(joint: JointTests, tried: Sequence[OrderCandidate], *, exhausted: bool) -> OrderChoice:
-    numbers = [one.point.order for one in tried]
-    clear = [joint.clear(one.point) for one in tried]
-    bics = [one.bic for one in tried]
+    numbers = [candidate.point.order for candidate in tried]
+    clear = [joint.clear(candidate.point) for candidate in tried]
+    bics = [candidate.bic for candidate in tried]
     return select_model_order(numbers, bics, clear, exhausted=exhausted, decisive=DECISIVE)
 
 
 def _taken(
-    tried: Sequence[OrderCandidate], choice: OrderChoice, asked: int | None
+    tried: Sequence[OrderCandidate], choice: OrderChoice, requested: int | None
 ) -> OrderCandidate:
-    most = choice.arms if asked is None else asked
-    return [one for one in tried if one.point.order <= most][-1]
+    most = choice.arms if requested is None else requested
+    return [candidate for candidate in tried if candidate.point.order <= most][-1]

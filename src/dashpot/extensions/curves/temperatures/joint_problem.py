@@ -149,13 +149,13 @@ class JointTests:
 
     def names(self, order: int) -> tuple[str, ...]:
         """What is shared, in the order of the derivatives."""
-        arms, further = range(1, order + 1), self.further
+        arms, extra = range(1, order + 1), self.further
         return (
             "k_inf",
             *(f"k_{j}" for j in arms),
             *(f"ln_tau_{j}" for j in arms),
-            *(f"ln_a_{i}" for i in further),
-            *((f"ln_b_{i}" for i in further) if self.vertical == "free" else ()),
+            *(f"ln_a_{i}" for i in extra),
+            *((f"ln_b_{i}" for i in extra) if self.vertical == "free" else ()),
             # one arm cannot shift apart
             *(("slope",) if order > 1 else ()),
         )
@@ -197,8 +197,8 @@ class JointTests:
 
         def shown(theta: FloatArray) -> FloatArray:
             """Relaxation times that one of the tests shows."""
-            moved = self._placed(start, theta).log_a[self.at]
-            tau = np.clip(theta[:n], (low - moved).min(), (high - moved).max())
+            change = self._placed(start, theta).log_a[self.at]
+            tau = np.clip(theta[:n], (low - change).min(), (high - change).max())
             return np.concatenate((tau, theta[n:]))
 
         kinds = [name.rpartition("_")[0] or name for name in self.names(n)[1 + n :]]
@@ -212,42 +212,42 @@ class JointTests:
 
     def _known(self, point: ShiftedSolid) -> FloatArray:
         """Rows by theta of what is known of g, below one of what no model of the tests removes."""
-        known = np.zeros((1 + (point.order > 1), len(self.theta(point))))
-        known[1:, -1:] = 1 / self.slope_sd
-        return known
+        values = np.zeros((1 + (point.order > 1), len(self.theta(point))))
+        values[1:, -1:] = 1 / self.slope_sd
+        return values
 
     def _every(self, point: ShiftedSolid) -> _Rows:
         """Every test, and what is known beside them."""
         tests = zip(self.blocks, self.at.tolist(), strict=True)
         y, A, slopes = zip(*(self._test(block, i, point) for block, i in tests), strict=True)
-        known = self._known(point)
-        beside = -known @ self.theta(point)
-        beside[0] = np.sqrt(sum(block.floor for block in self.blocks))
+        values = self._known(point)
+        extra = -values @ self.theta(point)
+        extra[0] = np.sqrt(sum(block.floor for block in self.blocks))
         return (
-            np.concatenate((*y, beside)),
-            np.concatenate((*A, np.zeros((len(known), 1 + point.order)))),
-            lambda k: np.concatenate((*(slope(k) for slope in slopes), known)),
+            np.concatenate((*y, extra)),
+            np.concatenate((*A, np.zeros((len(values), 1 + point.order)))),
+            lambda k: np.concatenate((*(slope(k) for slope in slopes), values)),
         )
 
     def _test(self, block: DataBlock, i: int, point: ShiftedSolid) -> _Rows:
         """One test of temperature i."""
-        n, found = point.order, block.evaluate(point.moved_log_tau(i))
+        n, evaluation = point.order, block.evaluate(point.moved_log_tau(i))
         b, spring = float(np.exp(point.log_b[i])), list(block.fixed_names).index("k_inf")
-        A = b * np.column_stack((found.fixed[:, spring], found.arms))
+        A = b * np.column_stack((evaluation.fixed[:, spring], evaluation.arms))
 
         def slope(k: FloatArray) -> FloatArray:
             names, far = self.names(n)[1 + n :], decades(point.log_tau)
-            by, each = np.zeros((len(A), len(names))), b * found.d_arms * k[1:]
-            by[:, :n] = each * (1 + point.log_a[i] * point.slope / np.log(10.0))
+            by, row = np.zeros((len(A), len(names))), b * evaluation.d_arms * k[1:]
+            by[:, :n] = row * (1 + point.log_a[i] * point.slope / np.log(10.0))
             if i != self.reference:
-                by[:, names.index(f"ln_a_{i}")] = each @ (1 + point.slope * far)
+                by[:, names.index(f"ln_a_{i}")] = row @ (1 + point.slope * far)
                 if self.vertical == "free":
                     by[:, names.index(f"ln_b_{i}")] = A @ k
             if n > 1:
-                by[:, -1] = each @ (point.log_a[i] * far)
+                by[:, -1] = row @ (point.log_a[i] * far)
             return by
 
-        return found.target, A, slope
+        return evaluation.target, A, slope
 
     def theta(self, point: ShiftedSolid) -> FloatArray:
         """Ln tau, the shifts that are sought, and g."""

@@ -128,8 +128,8 @@ class SingleTemperatureTest:
     def prior_rows(self) -> tuple[FloatArray, FloatArray]:
         """What is known of its own columns as rows of unit noise, with their targets."""
         prior = self.terms.rows(self.block, self.spread)
-        found, unit = prior.evaluate(np.zeros(0), False), float(np.sqrt(prior.variance or 1.0))
-        return found.fixed / unit, found.target / unit
+        evaluation, unit = prior.evaluate(np.zeros(0), False), float(np.sqrt(prior.variance or 1.0))
+        return evaluation.fixed / unit, evaluation.target / unit
 
     @cached_property
     def marginal(self) -> DataBlock:
@@ -169,14 +169,14 @@ class SingleTemperatureTest:
         Of the drift, what the fit holds to be less than it may be. `solid` is that at the
         temperature of the test.
         """
-        (time, x), known = self.path, priors(self.record)
+        (time, x), cell_priors = self.path, priors(self.record)
         at = sample_motion(self.record, time)
-        found = unmeasured_effects(self.record, time[at], x[at], solid)
+        effects = unmeasured_effects(self.record, time[at], x[at], solid)
         # it is sought
-        del found["warming"]
-        each = [sd * np.interp(time, time[at], column) for column, sd in found.values()]
-        each.append(known.doubt.beyond(known.drift).sd * (time - known.at))
-        return np.column_stack(each)[self.start :]
+        del effects["warming"]
+        columns = [sd * np.interp(time, time[at], column) for column, sd in effects.values()]
+        columns.append(cell_priors.doubt.beyond(cell_priors.drift).sd * (time - cell_priors.at))
+        return np.column_stack(columns)[self.start :]
 
 
 class _Basis(NamedTuple):
@@ -200,28 +200,30 @@ class _Basis(NamedTuple):
 def _basis(compact: DataBlock, spread: float) -> _Basis:
     low, high = compact.bounds
     every = np.linspace(low - np.log(BEYOND), high + np.log(BEYOND), _COLUMNS)
-    found = compact.evaluate(every, False)
-    columns = np.concatenate((found.fixed, found.arms), axis=1)
+    evaluation = compact.evaluate(every, False)
+    columns = np.concatenate((evaluation.fixed, evaluation.arms), axis=1)
     size = np.linalg.norm(columns, axis=0)
-    left, strength, _ = np.linalg.svd(columns / np.where(size > 0, size, 1.0), full_matrices=False)
-    turn = left[:, strength > _WEAKEST * strength[0]].T / spread
-    target, whole = turn @ found.target, found.target / spread
+    residual, strength, _ = np.linalg.svd(
+        columns / np.where(size > 0, size, 1.0), full_matrices=False
+    )
+    turn = residual[:, strength > _WEAKEST * strength[0]].T / spread
+    target, whole = turn @ evaluation.target, evaluation.target / spread
     aside = float(whole @ whole - target @ target) + compact.floor / spread**2
-    return _Basis(turn, target, turn @ found.fixed, max(aside, 0.0))
+    return _Basis(turn, target, turn @ evaluation.fixed, max(aside, 0.0))
 
 
 def _marginal(test: SingleTemperatureTest) -> DataBlock:
-    compact = compact_block(test.block, beyond=BEYOND)
+    compact = compact_block(test.block, excess=BEYOND)
     basis, names = _basis(compact, test.spread), compact.fixed_names
     doubts, mean = test.terms.doubts(basis.fixed, names)
     white = marginal(basis.fixed[:, :0], doubts)
-    data, left = white(basis.turn), white(basis.target - mean)
+    data, residual = white(basis.turn), white(basis.target - mean)
     stiff = white(basis.fixed[:, [names.index("k_inf")]])
 
     def at(log_tau: FloatArray, derivative: bool) -> Evaluation:
-        found = compact.evaluate(log_tau, derivative)
-        arms = data @ found.arms
-        return Evaluation(left, stiff, arms, data @ found.d_arms if derivative else arms)
+        evaluation = compact.evaluate(log_tau, derivative)
+        arms = data @ evaluation.arms
+        return Evaluation(residual, stiff, arms, data @ evaluation.d_arms if derivative else arms)
 
     return replace(compact, rows=at, fixed_names=("k_inf",), floor=basis.floor, arm_group="k")
 

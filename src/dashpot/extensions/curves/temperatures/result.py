@@ -36,7 +36,7 @@ def law_of(best: ThermalOptimum, covariance: FloatArray, law: ShiftLaw) -> Shift
 def shifts_of(
     best: ThermalOptimum,
     vertical: Vertical,
-    laid: ShiftLawFit,
+    law_fit: ShiftLawFit,
     covariance: FloatArray,
     cross: FloatArray,
 ) -> TemperatureShifts:
@@ -44,11 +44,11 @@ def shifts_of(
     joint, point = best.joint, best.point
     log10_a, b = point.log_a / np.log(10.0), np.exp(point.log_b)
     return TemperatureShifts(
-        laid.law,
+        law_fit.law,
         shifts_with(joint.temperatures, log10_a, b, covariance),
         covariance,
-        laid.parameters,
-        laid.covariance,
+        law_fit.parameters,
+        law_fit.covariance,
         vertical,
         slope=point.slope,
         cross=cross,
@@ -100,22 +100,25 @@ def _step(best: ThermalOptimum, shifts: TemperatureShifts) -> Step:
     return Step("fit", parameters, says)
 
 
-def point_alone(best: ThermalOptimum, vertical: Vertical, law: ShiftLaw, *, asked: int) -> Fit:
+def point_alone(best: ThermalOptimum, vertical: Vertical, law: ShiftLaw, *, requested: int) -> Fit:
     """Return the optimum as a fit of which nothing more is known.
 
     The law is laid through the shifts as white noise would leave them.
     """
     joint, point = best.joint, best.point
     turn = joint.shift_rows(joint.names(point.order))
-    laid = law_of(best, turn @ joint.covariance(point) @ turn.T, law)
+    law_fit = law_of(best, turn @ joint.covariance(point) @ turn.T, law)
     unknown = np.where(turn.any(axis=1), np.inf, 0.0)
-    shifts = shifts_of(best, vertical, laid, np.diag(unknown), np.empty(0))
-    each = [left_of(joint, test, i, point) for i, test in enumerate(best.tests)]
-    left, own = (np.concatenate([getattr(one, part) for one in each]) for part in ("left", "own"))
-    nuisance = of_tests(own_names(best.tests), own, point, lambda _: np.inf)
-    estimate = point_estimate(point.solid, len(left), float(left @ left), nuisance)
+    shifts = shifts_of(best, vertical, law_fit, np.diag(unknown), np.empty(0))
+    residuals = [left_of(joint, test, i, point) for i, test in enumerate(best.tests)]
+    residual, values = (
+        np.concatenate([getattr(test_residual, part) for test_residual in residuals])
+        for part in ("left", "own")
+    )
+    nuisance = of_tests(own_names(best.tests), values, point, lambda _: np.inf)
+    estimate = point_estimate(point.solid, len(residual), float(residual @ residual), nuisance)
     return build_fit(
-        SolidEstimate(point.solid, estimate, fewer=point.order < asked),
+        SolidEstimate(point.solid, estimate, fewer=point.order < requested),
         UNJUDGED,
         provenance(best, shifts),
         elastic_law=elastic_law(best),

@@ -51,18 +51,26 @@ def _pair(joint: JointTests, i: int, falls: FloatArray) -> Problem:
     def of(at: int, fall: float) -> list[DataBlock]:
         every = zip(joint.blocks, joint.at, strict=True)
         return [
-            shift_block(one, fall, log_b[at] - log_b[i + 1]) for one, here in every if here == at
+            shift_block(block, fall, log_b[at] - log_b[i + 1])
+            for block, here in every
+            if here == at
         ]
 
     ends = [*of(i, falls[0]), *of(i, falls[-1]), *of(i + 1, 0.0)]
-    low, high = min(one.bounds[0] for one in ends), max(one.bounds[1] for one in ends)
+    low, high = min(end.bounds[0] for end in ends), max(end.bounds[1] for end in ends)
     grid = np.linspace(low, high, int((high - low) / np.log(10.0) * _PER_DECADE) + 2)
     warm = [block.evaluate(grid, False) for block in of(i + 1, 0.0)]
 
     def rows(theta: FloatArray) -> Rows:
-        found = [*(block.evaluate(grid, False) for block in of(i, theta[0])), *warm]
-        columns = [np.concatenate((one.fixed, one.arms), axis=1) for one in found]
-        return Rows(np.concatenate([one.target for one in found]), np.concatenate(columns))
+        evaluations = [*(block.evaluate(grid, False) for block in of(i, theta[0])), *warm]
+        columns = [
+            np.concatenate((evaluation.fixed, evaluation.arms), axis=1)
+            for evaluation in evaluations
+        ]
+        return Rows(
+            np.concatenate([evaluation.target for evaluation in evaluations]),
+            np.concatenate(columns),
+        )
 
     return Problem(rows, [Parameter()], positive=True)
 
@@ -103,18 +111,18 @@ def candidates(
                 )
             )
             _keep(best, joint, point, effective)
-        chosen = min(best.values(), key=lambda one: one.bic).point
+        chosen = min(best.values(), key=lambda candidate: candidate.bic).point
         log_a, log_b = chosen.log_a, chosen.log_b
     return tuple(best[n] for n in sorted(best))
 
 
 def refine_candidates(
-    joint: JointTests, found: Sequence[OrderCandidate], effective: float
+    joint: JointTests, order_candidates: Sequence[OrderCandidate], effective: float
 ) -> tuple[OrderCandidate, ...]:
     """Return candidates descended anew, from where they were, on data that changed a little."""
     best: dict[int, OrderCandidate] = {}
-    for one in found:
-        _keep(best, joint, joint.descend(one.point), effective)
+    for candidate in order_candidates:
+        _keep(best, joint, joint.descend(candidate.point), effective)
     return tuple(best[n] for n in sorted(best))
 
 

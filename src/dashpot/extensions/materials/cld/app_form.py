@@ -16,13 +16,13 @@ ASKS = (
 )
 
 
-def answered(files: Sequence[str], said: FormData, options: ReadOptions) -> Pieces:
+def answered(files: Sequence[str], form: FormData, options: ReadOptions) -> Pieces:
     """The figures of the pieces."""
-    length = said.number("length", "length")
+    length = form.number("length", "length")
     return cld_files(
         files,
-        at=said.number("compression", "length"),
-        between=said.range("between", "length"),
+        at=form.number("compression", "length"),
+        between=form.range("between", "length"),
         specimen=Specimen(length=length) if length else None,
         options=options,
     )

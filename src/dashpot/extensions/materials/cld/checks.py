@@ -166,14 +166,14 @@ def unloading_recorded(*, recorded: bool) -> Finding:
 
 
 @criterion(grade="note")
-def length_given(*, given: bool) -> Finding:
+def length_given(*, provided: bool) -> Finding:
     """The length of the seal is known, so that forces are of 100 mm."""
     return Finding(
         "The length of the seal is known",
         instead="The length of the seal is not given, so forces are N of this piece, not N per "
         "100 mm",
         remedy=Remedy("Give the length.", "length"),
-        faulted=not given,
+        faulted=not provided,
     )
 
 
@@ -186,14 +186,14 @@ BETTER = 10.0
 
 
 @criterion("part of the energy", "|x| <=", UNEXPLAINED, "our choice: a tenth of a usual hysteresis")
-def memory_explains(raw: float | None, left: float | None) -> Finding:
+def memory_explains(raw: float | None, remainder: float | None) -> Finding:
     """Without the memory, loading and unloading fall onto one curve."""
-    if raw is None or left is None:
+    if raw is None or remainder is None:
         return Finding("Without the unloading the memory cannot be checked")
     return Finding(
         f"The cycle loses {100 * raw:.3g} % of its energy; without the memory it loses "
-        f"{100 * left:+.2g} %",
-        left,
+        f"{100 * remainder:+.2g} %",
+        remainder,
         "The seal has friction or softens within the cycle, or the memory is another seal's",
         "Take the memory from a test of the same piece.",
     )
@@ -232,14 +232,14 @@ def relaxed_agrees(difference: float | None, depth: float, k_inf: float) -> Find
 
 
 @criterion("largest difference of F(t) / F at rest", "<=", AGREES, "as pieces scatter")
-def memories_agree(apart: float | None) -> Finding:
+def memories_agree(difference: float | None) -> Finding:
     """The relaxation tests have one memory, whatever depth they were held at."""
-    if apart is None:
+    if difference is None:
         return Finding("No speed is known, so the memories are not compared")
     return Finding(
         f"Over the time of a stroke the memories of the relaxation tests differ by "
-        f"{100 * apart:.2g} %",
-        apart,
+        f"{100 * difference:.2g} %",
+        difference,
         "Force and time do not separate, or the tests are of different seals. One memory is valid "
         "near the compression of its test only",
         "Use the test held nearest to your compression.",

@@ -237,8 +237,10 @@ class Quoted(Serialisable):
         if self.of.specimen.length is None:
             return None
         names = ("loading", "loading_se", "unloading", "slope", "energy")
-        known = {name: getattr(self.at, name) for name in names}
-        return {name: None if one is None else self.of.per * one for name, one in known.items()}
+        entries = {name: getattr(self.at, name) for name in names}
+        return {
+            name: None if entry is None else self.of.per * entry for name, entry in entries.items()
+        }
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -327,7 +329,7 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
     @property
     def marked(self) -> tuple[AtCompression, ...]:
         """Least, nominal and most, as far as they are known."""
-        return tuple(one for one in (self.least, self.nominal, self.most) if one is not None)
+        return tuple(point for point in (self.least, self.nominal, self.most) if point is not None)
 
     @property
     def least_of(self) -> Quoted | None:
@@ -362,7 +364,7 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
     @property
     def set(self) -> float | None:
         """Compression at which the last cycle that crossed air met the seal again, m."""
-        met = [one.contact for one in self.cycles[1:] if one.contact is not None]
+        met = [cycle.contact for cycle in self.cycles[1:] if cycle.contact is not None]
         return met[-1] if met else None
 
     @property
@@ -373,21 +375,21 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
     @property
     def sound(self) -> str:
         """The force at the nominal compression."""
-        one = self.nominal
-        force = self.per * one.loading
-        return f"{force:.3g} {self.unit} at {format_quantity(one.compression, 'mm', '.3g')}"
+        point = self.nominal
+        force = self.per * point.loading
+        return f"{force:.3g} {self.unit} at {format_quantity(point.compression, 'mm', '.3g')}"
 
     @property
     def described(self) -> tuple[str, ...]:
         """The verdict, the force at the nominal compression, and the cycle that it is of."""
-        one, cycle = self.nominal, self.cycle
+        point, cycle = self.nominal, self.cycle
         lost = cycle.hysteresis
         return (
             str(self.verdict),
             (
-                f"{self.per * one.loading:.4g} {self.unit} at "
-                f"{format_quantity(one.compression, 'mm')}, "
-                f"slope {format_quantity(self.per * one.slope, 'N/mm', '.3g')}"
+                f"{self.per * point.loading:.4g} {self.unit} at "
+                f"{format_quantity(point.compression, 'mm')}, "
+                f"slope {format_quantity(self.per * point.slope, 'N/mm', '.3g')}"
                 + " per 100 mm"
                 * (self.specimen.length is not None)
             ),
@@ -444,7 +446,7 @@ class RelaxedLaw(Serialisable):
 
     def force_se(self, x: float) -> float:
         """Standard error of the relaxed force at a compression, m: of memory and zeros, N."""
-        off = [float(one.force(x)) - float(self.law.force(x)) for one in self.others]
+        off = [float(other.force(x)) - float(self.law.force(x)) for other in self.others]
         return float(np.linalg.norm(off)) if off else 0.0
 
 
@@ -507,7 +509,7 @@ class RateLaw(EqualByValue, Serialisable):
 
     def c(self, x: float) -> tuple[float, float]:
         """Damping at a compression, m, and its standard error, N s/m."""
-        both = (np.interp(x, self.knots, one) for one in (self.damping, self.damping_se))
+        both = (np.interp(x, self.knots, values) for values in (self.damping, self.damping_se))
         value, error = map(float, both)
         return value, error
 

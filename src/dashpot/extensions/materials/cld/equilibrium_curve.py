@@ -38,12 +38,12 @@ _FELT = 5.0
 """Standard deviations of the force above which the plate is on the seal."""
 
 
-def relaxed_law(found: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
+def relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     """Return the elastic law under the cycle of a load deflection test.
 
     Parameters
     ----------
-    found : CLD
+    cld : CLD
         With a clock.
     fit : Fit or sequence of Fit
         Of a relaxation test of such a seal: the shape of its memory is taken, k_j / k_inf, not its
@@ -56,58 +56,58 @@ def relaxed_law(found: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
         If the record has no clock, or the fit no stiffness at rest.
     """
     fits = (fit,) if isinstance(fit, Fit) else tuple(fit)
-    fit = find_nearest_fit(found, fits)
+    fit = find_nearest_fit(cld, fits)
     memory = memory_of(fit.model)
-    time = clock_of(found)
-    e = memory.displacement(time, found.force)
-    cycle = found.cycle
-    rows = find_loaded_samples(found)
-    law, residual = law_through(found.compression[rows], e[rows], depth=cycle.depth)
+    time = clock_of(cld)
+    e = memory.displacement(time, cld.force)
+    cycle = cld.cycle
+    rows = find_loaded_samples(cld)
+    law, residual = law_through(cld.compression[rows], e[rows], depth=cycle.depth)
     raw = cycle.hysteresis
-    left = None if cycle.unloading is None else _compute_loss_fraction(found, cycle.unloading, e)
-    first, last = (_compute_common_force(found, e, number) for number in (0, -1))
+    fraction = None if cycle.unloading is None else _compute_loss_fraction(cld, cycle.unloading, e)
+    first, last = (_compute_common_force(cld, e, number) for number in (0, -1))
     stroke = cycle.depth / cycle.speed if cycle.speed else None
     knots = np.asarray(law.knots)
     # what it rests on, one standard error off: the memory along each axis, both zeros, the clock
-    force, late = found.force, taken_later(time, found.force, found.delay_sd)
+    force, late = cld.force, taken_later(time, cld.force, cld.delay_sd)
     off = [(0.0, memory_of(other.maxwell), force) for other in off_by_error(fit)]
-    off += [(found.contact_se, memory, force), (0.0, memory, force + found.zero_se)]
+    off += [(cld.contact_se, memory, force), (0.0, memory, force + cld.zero_se)]
     # of a force that is late the contact is, too
-    off += [(-found.met_later, memory, late)] * (found.delay_sd > 0)
+    off += [(-cld.met_later, memory, late)] * (cld.delay_sd > 0)
     laws = (
-        _law(found.compression[rows] + x, one.displacement(time, pressed)[rows], knots)
-        for x, one, pressed in off
+        _law(cld.compression[rows] + x, model.displacement(time, pressed)[rows], knots)
+        for x, model, pressed in off
     )
-    others = tuple(one[0] for one in laws if one is not None)
+    others = tuple(law[0] for law in laws if law is not None)
     return RelaxedLaw(
         _add_ratio_errors(law, others),
         memory,
         residual,
         raw,
-        left,
+        fraction,
         1 - last / first,
         (
-            checks.memory_explains(raw, left),
+            checks.memory_explains(raw, fraction),
             checks.stroke_within_memory(stroke, fit.band),
-            *(check for one in fits for check in _check_relaxed_force(found, law, one)),
+            *(check for fit in fits for check in _check_relaxed_force(cld, law, fit)),
             *([checks.memories_agree(_compare_memories(fits, stroke))] if len(fits) > 1 else ()),
         ),
         others,
     )
 
 
-def find_nearest_fit(found: CLD, fits: Sequence[Fit]) -> Fit:
+def find_nearest_fit(cld: CLD, fits: Sequence[Fit]) -> Fit:
     """Return the fit whose test was held nearest to the nominal compression."""
     if not fits:
         raise FitError("no fit of a relaxation test was given, and its memory is what is taken off")
-    return min(fits, key=lambda one: abs(depth_of(one) - found.nominal.compression))
+    return min(fits, key=lambda fit: abs(depth_of(fit) - cld.nominal.compression))
 
 
 def _add_ratio_errors(law: ElasticLaw, others: Sequence[ElasticLaw]) -> ElasticLaw:
     """The law with what errors of memory and zeros make of its bend, beside the scatter."""
-    own = np.asarray(law.ratio_se)
-    moves = [np.subtract(one.ratio, law.ratio) for one in others]
-    total = np.sqrt(own**2 + sum((one**2 for one in moves), np.zeros(len(own))))
+    values = np.asarray(law.ratio_se)
+    moves = [np.subtract(other.ratio, law.ratio) for other in others]
+    total = np.sqrt(values**2 + sum((move**2 for move in moves), np.zeros(len(values))))
     return replace(law, ratio_se=tuple(total.tolist()))
 
 
@@ -119,13 +119,13 @@ def _compare_memories(fits: Sequence[Fit], stroke: float | None) -> float | None
     if stroke is None:
         return None
     t = np.geomspace(stroke / 20, stroke, 12)
-    curves = np.stack([memory_of(one.model).relaxation(t) for one in fits])
+    curves = np.stack([memory_of(fit.model).relaxation(t) for fit in fits])
     return float((curves.max(axis=0) / curves.min(axis=0) - 1).max())
 
 
-def longer(found: CLD, fit: Fit) -> float:
+def longer(cld: CLD, fit: Fit) -> float:
     """Return how many times as long as that of a fit the piece is; 1 where one is not known."""
-    per = found.specimen.length, fit.specimen.length
+    per = cld.specimen.length, fit.specimen.length
     return per[0] / per[1] if per[0] and per[1] else 1.0
 
 
@@ -137,22 +137,22 @@ def depth_of(fit: Fit) -> float:
     return law.depth
 
 
-def clock_of(found: CLD) -> FloatArray:
+def clock_of(cld: CLD) -> FloatArray:
     """Return the times of a record that has them, s."""
-    if found.time is None:
+    if cld.time is None:
         raise FitError(
             "the record has no clock, and without one no memory is taken off; give the rate "
             "(--rate 10Hz), or a file with a column of time"
         )
-    return found.time
+    return cld.time
 
 
-def find_loaded_samples(found: CLD) -> IndexArray:
+def find_loaded_samples(cld: CLD) -> IndexArray:
     """Return the samples of the chosen cycle at which the plate is on the seal."""
-    ways = [one for one in (found.loading, found.unloading) if one is not None]
-    rows = np.concatenate([np.arange(one.samples.start, one.samples.stop) for one in ways])
-    pressed = found.force[rows] > _FELT * found.noise
-    return np.asarray(rows[pressed & (found.compression[rows] > 0)])
+    ways = [branch for branch in (cld.loading, cld.unloading) if branch is not None]
+    rows = np.concatenate([np.arange(way.samples.start, way.samples.stop) for way in ways])
+    pressed = cld.force[rows] > _FELT * cld.noise
+    return np.asarray(rows[pressed & (cld.compression[rows] > 0)])
 
 
 def law_through(x: FloatArray, force: FloatArray, *, depth: float) -> tuple[ElasticLaw, float]:
@@ -161,14 +161,14 @@ def law_through(x: FloatArray, force: FloatArray, *, depth: float) -> tuple[Elas
     Its tangent is linear between knots and nowhere below 0, and told by the points at each.
     """
     laws = [_law(x, force, knots_over(x, depth, count)) for count in KNOTS]
-    tried = [one for one in laws if one is not None]
+    tried = [law for law in laws if law is not None]
     if not tried:
         raise FitError(
             f"{len(x)} samples of the cycle stand out of the noise, too few for a law; press "
             "slower, or record faster"
         )
     _, finest = tried[-1]
-    return next(one for one in tried if one[1] <= _AS_WELL * finest + 1e-12)
+    return next(item for item in tried if item[1] <= _AS_WELL * finest + 1e-12)
 
 
 def knots_over(x: FloatArray, depth: float, count: int) -> FloatArray:
@@ -181,19 +181,19 @@ def _law(x: FloatArray, force: FloatArray, knots: FloatArray) -> tuple[ElasticLa
     """The law on knots; None where the points do not tell each tangent."""
     hats = hat_integrals(x, knots)
     best = solve_ordinary(force, hats, positive=True)
-    known = estimate(best)
-    if not np.isfinite(known.standard_error).all():
+    uncertainty = estimate(best)
+    if not np.isfinite(uncertainty.standard_error).all():
         return None
-    return law_of(known, knots, slice(None)), float(np.sqrt(best.sse / len(x)))
+    return law_of(uncertainty, knots, slice(None)), float(np.sqrt(best.sse / len(x)))
 
 
-def law_of(known: Estimate, knots: FloatArray, at: slice) -> ElasticLaw:
+def law_of(uncertainty: Estimate, knots: FloatArray, at: slice) -> ElasticLaw:
     """Return the law whose tangents on knots, N/m, stand there among the values of an estimate."""
-    ratio = known.derive_quantity(lambda values: values[at] / mean_slope(values[at], knots))
+    ratio = uncertainty.derive_quantity(lambda values: values[at] / mean_slope(values[at], knots))
     return ElasticLaw(
         tuple(knots.tolist()),
         tuple(ratio.values.tolist()),
-        mean_slope(known.optimum.values[at], knots),
+        mean_slope(uncertainty.optimum.values[at], knots),
         tuple(ratio.standard_error.tolist()),
     )
 
@@ -203,30 +203,30 @@ def mean_slope(slope: FloatArray, knots: FloatArray) -> float:
     return float(0.5 * np.diff(knots) @ (slope[1:] + slope[:-1])) / float(knots[-1])
 
 
-def _compute_loss_fraction(found: CLD, back: Branch, e: FloatArray) -> float:
+def _compute_loss_fraction(cld: CLD, back: Branch, e: FloatArray) -> float:
     """Part of the energy that relaxed forces lose over the chosen cycle where the seal is felt."""
-    rows = find_loaded_samples(found)
+    rows = find_loaded_samples(cld)
     released = rows >= back.first
-    x = found.compression
+    x = cld.compression
     least = max(float(x[rows[~released]].min()), float(x[rows[released]].min()))
-    put, given = (
-        float(np.trapezoid(e[one.samples], np.maximum(one.compression, least)))
-        for one in (found.loading, back)
+    put, provided = (
+        float(np.trapezoid(e[branch.samples], np.maximum(branch.compression, least)))
+        for branch in (cld.loading, back)
     )
-    return (put + given) / put
+    return (put + provided) / put
 
 
-def _compute_common_force(found: CLD, e: FloatArray, number: int) -> float:
-    cycle = found.cycles[number]
+def _compute_common_force(cld: CLD, e: FloatArray, number: int) -> float:
+    cycle = cld.cycles[number]
     relaxed = replace(cycle.loading, force=e[cycle.loading.samples])
-    here = fit_local_slope(relaxed, found.common, half=WINDOW * cycle.depth, beyond=np.inf)
+    here = fit_local_slope(relaxed, cld.common, half=WINDOW * cycle.depth, excess=np.inf)
     return np.nan if here is None else here.force
 
 
-def _check_relaxed_force(found: CLD, law: ElasticLaw, fit: Fit) -> list[Check]:
+def _check_relaxed_force(cld: CLD, law: ElasticLaw, fit: Fit) -> list[Check]:
     """The relaxed force against that of each depth that the relaxation test was held at."""
     held = [(at.depth, at.k_inf) for at in fit.by_depth] or [(depth_of(fit), fit.model.k_inf)]
-    times = longer(found, fit)
+    times = longer(cld, fit)
     return [
         checks.relaxed_agrees(
             float(law.force(depth)) / (times * k_inf * depth) - 1

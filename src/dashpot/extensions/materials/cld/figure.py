@@ -40,7 +40,7 @@ _LETTER = 0.016
 
 
 def cld(
-    found: CLD | Sequence[CLD],
+    results: CLD | Sequence[CLD],
     *,
     limits: tuple[float | None, float | None] | None = None,
     stamp: str = "",
@@ -52,23 +52,23 @@ def cld(
 
     Parameters
     ----------
-    found : CLD or sequence of CLD
+    results : CLD or sequence of CLD
     limits : (float or None, float or None), optional
         Asked of the force at the nominal compression, N, as `CLD.per` gives it.
     stamp : str
         What the figure says of its origin; by default files, specimen and date.
     """
-    pieces = (found,) if isinstance(found, CLD) else tuple(found)
-    first, alone = pieces[0], len(pieces) == 1
+    pieces = (results,) if isinstance(results, CLD) else tuple(results)
+    first, single = pieces[0], len(pieces) == 1
     lines, names = _curves(pieces)
-    marks: list[Mark] = [*_tolerance(first), *lines, *names, *_nominal(first, valued=alone)]
-    x, y = (np.concatenate([getattr(one, way) for one in lines]) for way in ("x", "y"))
-    asked = [one for one in limits or () if one is not None and np.isfinite(one)]
-    if asked:
-        marks += _draw_force_limits(first, asked)
-        y = np.append(y, asked)
+    marks: list[Mark] = [*_tolerance(first), *lines, *names, *_nominal(first, valued=single)]
+    x, y = (np.concatenate([getattr(line, way) for line in lines]) for way in ("x", "y"))
+    requested = [limit for limit in limits or () if limit is not None and np.isfinite(limit)]
+    if requested:
+        marks += _draw_force_limits(first, requested)
+        y = np.append(y, requested)
     start, stop = compute_padded_limits(x)
-    longest = max((len(one.text) for one in names), default=0)
+    longest = max((len(name.text) for name in names), default=0)
     across = Scale(
         "compression since first contact, mm", (start, stop + _LETTER * longest * (stop - start))
     )
@@ -84,31 +84,34 @@ def cld(
     )
 
 
-def draw_pieces(found: Pieces) -> Picture:
+def draw_pieces(pieces: Pieces) -> Picture:
     """Return the figure of pieces that were fitted together."""
-    return cld(found.pieces)
+    return cld(pieces.pieces)
 
 
 def _curves(pieces: Sequence[CLD]) -> tuple[list[Line], list[Tag]]:
     """The cycle of every piece, over the others where it is alone, and its name at its end."""
-    alone = len(pieces) == 1
-    lines = _draw_other_cycles(pieces[0]) if alone else []
+    single = len(pieces) == 1
+    lines = _draw_other_cycles(pieces[0]) if single else []
     names: list[Tag] = []
-    for one, colour, name in zip(pieces, *_select_line_styles(pieces), strict=True):
-        pens = Pen(colour, 2.0 if alone else 1.6), Pen(colour, 1.4, (6, 3))
-        lines += _ways(one, one.cycle, pens, ("pressed", "released"))
+    for piece, colour, name in zip(pieces, *_select_line_styles(pieces), strict=True):
+        pens = Pen(colour, 2.0 if single else 1.6), Pen(colour, 1.4, (6, 3))
+        lines += _ways(piece, piece.cycle, pens, ("pressed", "released"))
         if name:
-            deep, high = convert_to_unit(one.loading.compression, "mm"), one.per * one.loading.force
+            deep, high = (
+                convert_to_unit(piece.loading.compression, "mm"),
+                piece.per * piece.loading.force,
+            )
             deepest = int(np.argmax(deep))
             names.append(Tag(float(deep[deepest]), float(high[deepest]), name, colour,
                              bold=True, end=True))  # fmt: skip
     return lines, names
 
 
-def _nominal(one: CLD, *, valued: bool) -> Iterator[Mark]:
+def _nominal(result: CLD, *, valued: bool) -> Iterator[Mark]:
     """Each nominal compression, with its force where that is of one piece."""
-    for at in one.marked:
-        pressed, force = convert_to_unit(at.compression, "mm"), one.per * at.loading
+    for at in result.marked:
+        pressed, force = convert_to_unit(at.compression, "mm"), result.per * at.loading
         yield Rule(pressed, REF)
         if valued:
             yield Tag(pressed, force, f"{force:.3g}", "fit", "filled", bold=True)
@@ -116,64 +119,64 @@ def _nominal(one: CLD, *, valued: bool) -> Iterator[Mark]:
 
 def _select_line_styles(pieces: Sequence[CLD]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Colour and name of each line: of up to three pieces, or of speeds; of more pieces none."""
-    speeds = [one.cycle.speed for one in pieces]
-    known = [one for one in speeds if one is not None]
+    speeds = [piece.cycle.speed for piece in pieces]
+    values = [speed for speed in speeds if speed is not None]
     if len(pieces) == 1:
         return ("fit",), ("",)
-    if len(known) == len(pieces) and max(known) > SAME_SPEED * min(known):
-        rank = np.argsort(np.argsort(known))
+    if len(values) == len(pieces) and max(values) > SAME_SPEED * min(values):
+        rank = np.argsort(np.argsort(values))
         colours = sequential(len(pieces))
-        named = tuple(format_quantity(one, "mm/s", ".3g") for one in known)
+        named = tuple(format_quantity(value, "mm/s", ".3g") for value in values)
         return tuple(colours[i] for i in rank.tolist()), named
     if len(pieces) > len(_PIECES):
         return ("ref",) * len(pieces), ("",) * len(pieces)
-    files = ("" if one.source is None else one.source.file for one in pieces)
+    files = ("" if piece.source is None else piece.source.file for piece in pieces)
     named = tuple(name.rpartition(".")[0] or name or f"piece {i}"
                   for i, name in enumerate(files, start=1))  # fmt: skip
     return _PIECES[: len(pieces)], named
 
 
-def _tolerance(one: CLD) -> list[Mark]:
+def _tolerance(result: CLD) -> list[Mark]:
     """The tolerance of the compression, if it has one."""
-    if one.least is None or one.most is None:
+    if result.least is None or result.most is None:
         return []
-    low, high = (convert_to_unit(at.compression, "mm") for at in (one.least, one.most))
+    low, high = (convert_to_unit(at.compression, "mm") for at in (result.least, result.most))
     return [Span(low, high, "fit", f"tolerance {low:.4g} to {high:.4g} mm", tint=0.07)]
 
 
-def _draw_force_limits(one: CLD, ends: Sequence[float]) -> list[Mark]:
+def _draw_force_limits(result: CLD, ends: Sequence[float]) -> list[Mark]:
     """What is asked of the force at the nominal compression, as a bar there."""
-    at = convert_to_unit(one.nominal.compression, "mm")
+    at = convert_to_unit(result.nominal.compression, "mm")
     between = " to ".join(f"{end:.3g}" for end in ends)
     return [
         Line(np.full(len(ends), at), np.array(ends), Pen("bad", 2.5)),
-        Tag(at, max(ends), f"asked {between} {one.unit}", "bad-ink", "filled"),
+        Tag(at, max(ends), f"asked {between} {result.unit}", "bad-ink", "filled"),
     ]
 
 
-def _draw_other_cycles(one: CLD) -> list[Line]:
+def _draw_other_cycles(result: CLD) -> list[Line]:
     """The cycles that the figures are not of."""
     lines = []
-    for cycle in one.cycles:
-        if cycle is not one.cycle:
+    for cycle in result.cycles:
+        if cycle is not result.cycle:
             pen, label = _FIRST if cycle.number == 1 else _EARLIER
-            lines += _ways(one, cycle, (pen, pen), (label, label))
+            lines += _ways(result, cycle, (pen, pen), (label, label))
     return lines
 
 
-def _ways(one: CLD, cycle: Cycle, pens: tuple[Pen, Pen], labels: tuple[str, str]) -> list[Line]:
+def _ways(result: CLD, cycle: Cycle, pens: tuple[Pen, Pen], labels: tuple[str, str]) -> list[Line]:
     """Loading and unloading of a cycle, as far as it was recorded."""
     ways = zip((cycle.loading, cycle.unloading), pens, labels, strict=True)
-    return [_line(one, way, pen, label) for way, pen, label in ways if way is not None]
+    return [_line(result, way, pen, label) for way, pen, label in ways if way is not None]
 
 
-def _line(one: CLD, way: Branch, pen: Pen, label: str) -> Line:
+def _line(result: CLD, way: Branch, pen: Pen, label: str) -> Line:
     x, y = way.compression, way.force
     if x[0] > x[-1]:
         x, y = x[::-1], y[::-1]
     # bins need a rising x: noise makes a few readings fall
     order = np.argsort(x, kind="stable")
     thin: tuple[FloatArray, FloatArray] = downsample_to_extremes(
-        convert_to_unit(x[order], "mm"), one.per * y[order], bins=300
+        convert_to_unit(x[order], "mm"), result.per * y[order], bins=300
     )
     return Line(*thin, pen, label)

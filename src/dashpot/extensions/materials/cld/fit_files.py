@@ -137,18 +137,18 @@ class Pieces(HasChecks, HasVerdict, Serialisable):
         """Of each piece what it shows at the nominal compression, as `CLD.per` gives it."""
 
         def scale_nominal(name: str) -> list[float]:
-            return [one.per * getattr(one.nominal, name) for one in self.pieces]
+            return [piece.per * getattr(piece.nominal, name) for piece in self.pieces]
 
-        names = ["" if one.source is None else one.source.file for one in self.pieces]
+        names = ["" if piece.source is None else piece.source.file for piece in self.pieces]
         unit, slope = self.unit, self.unit.replace("N", "N/m", 1)
         return {
             "piece": (names, ""),
-            **collect_columns((one.nominal for one in self.pieces), compression="m"),
+            **collect_columns((piece.nominal for piece in self.pieces), compression="m"),
             "loading": (scale_nominal("loading"), unit),
             "loading_se": (scale_nominal("loading_se"), unit),
             "slope": (scale_nominal("slope"), slope),
             "slope_se": (scale_nominal("slope_se"), slope),
-            **collect_columns((one.cycle for one in self.pieces), hysteresis=""),
+            **collect_columns((piece.cycle for piece in self.pieces), hysteresis=""),
             **collect_columns(self.pieces, set="m"),
         }
 
@@ -157,7 +157,7 @@ class Pieces(HasChecks, HasVerdict, Serialisable):
         """The force at the nominal compression, and that of the least and of the stiffest piece."""
         if len(self.pieces) == 1 or self.rate is not None:
             return self.pieces[0].sound
-        forces = [one.per * one.nominal.loading for one in self.pieces]
+        forces = [piece.per * piece.nominal.loading for piece in self.pieces]
         at = format_quantity(self.pieces[0].nominal.compression, "mm", ".3g")
         return (
             f"{sum(forces) / len(forces):.3g} {self.unit} at {at} ({len(forces)} pieces: "
@@ -233,14 +233,14 @@ def cld_of(
     pieces = _figures(
         tests, names or [""] * len(tests), cycle, at=at, between=between, machine=machine
     )
-    found = Pieces(
+    scatter = Pieces(
         pieces, (), None, (*_select_worst_checks(pieces), *caution_checks(sources_of(pieces)))
     )
     if not memory and limits is None and _several_speeds(pieces):
-        return _add_speed_fit(found)
+        return _add_speed_fit(scatter)
     if len(pieces) > 1:
-        found = _add_piece_scatter(found, limits)
-    return _with_memory(found, memory) if memory else found
+        scatter = _add_piece_scatter(scatter, limits)
+    return _with_memory(scatter, memory) if memory else scatter
 
 
 def _figures(
@@ -264,45 +264,50 @@ def _figures(
             pieces.append(figures(test, at))
     if at is not None or len(pieces) == 1:
         return tuple(pieces)
-    least = min(one.cycle.depth for one in pieces)
+    least = min(piece.cycle.depth for piece in pieces)
     return tuple(figures(test, least) for test in tests)
 
 
 def _select_worst_checks(pieces: Sequence[CLD]) -> tuple[Check, ...]:
     """The checks of every piece, each at its worst."""
     return tuple(
-        select_gravest_check(each) for each in zip(*(one.checks for one in pieces), strict=True)
+        select_gravest_check(group)
+        for group in zip(*(piece.checks for piece in pieces), strict=True)
     )
 
 
-def _add_speed_fit(found: Pieces) -> Pieces:
+def _add_speed_fit(pieces: Pieces) -> Pieces:
     """With the elastic law and the memory of one seal at several speeds."""
-    fit = fit_speeds(found.pieces)
-    rate = fit_rate(found.pieces, fit)
-    told = next(check for check in rate.checks if check.name == "memory_suffices")
-    fit = replace(fit, evidence=replace(fit.evidence, checks=(*fit.checks, told)))
-    return replace(found, checks=(*found.checks, *fit.checks), fit=fit, rate=rate)
+    fit = fit_speeds(pieces.pieces)
+    rate = fit_rate(pieces.pieces, fit)
+    final_check = next(check for check in rate.checks if check.name == "memory_suffices")
+    fit = replace(fit, evidence=replace(fit.evidence, checks=(*fit.checks, final_check)))
+    return replace(pieces, checks=(*pieces.checks, *fit.checks), fit=fit, rate=rate)
 
 
-def _add_piece_scatter(found: Pieces, limits: tuple[float, float] | None) -> Pieces:
+def _add_piece_scatter(new_pieces: Pieces, limits: tuple[float, float] | None) -> Pieces:
     """With how several pieces scatter, and whether their forces keep within limits."""
-    pieces, within = found.pieces, None
-    asked = [pieces_tested_alike(_otherwise(pieces))]
+    pieces, within = new_pieces.pieces, None
+    checks = [pieces_tested_alike(_otherwise(pieces))]
     if limits is not None:
-        within = capability(np.array([one.per * one.nominal.loading for one in pieces]), *limits)
-        asked.append(pieces_capable(within, found.unit))
+        within = capability(
+            np.array([piece.per * piece.nominal.loading for piece in pieces]), *limits
+        )
+        checks.append(pieces_capable(within, new_pieces.unit))
     scatter = tuple(_scatter(pieces))
-    return replace(found, scatter=scatter, capability=within, checks=(*found.checks, *asked))
+    return replace(
+        new_pieces, scatter=scatter, capability=within, checks=(*new_pieces.checks, *checks)
+    )
 
 
-def _with_memory(found: Pieces, memory: Sequence[Fit]) -> Pieces:
+def _with_memory(pieces: Pieces, memory: Sequence[Fit]) -> Pieces:
     """With the elastic law under the first piece."""
-    relaxed = relaxed_law(found.pieces[0], memory)
-    near = find_nearest_fit(found.pieces[0], memory)
+    relaxed = relaxed_law(pieces.pieces[0], memory)
+    near = find_nearest_fit(pieces.pieces[0], memory)
     # the law that is told is the law that is kept, of a piece as long as that of the memory
-    stiffness = relaxed.law.stiffness / longer(found.pieces[0], near)
+    stiffness = relaxed.law.stiffness / longer(pieces.pieces[0], near)
     fed = near.with_elastic_law(relaxed.law, checks=relaxed.checks, stiffness=stiffness)
-    return replace(found, checks=(*found.checks, *relaxed.checks), relaxed=relaxed, fit=fed)
+    return replace(pieces, checks=(*pieces.checks, *relaxed.checks), relaxed=relaxed, fit=fed)
 
 
 def _refuse_twice(tests: Sequence[CompressionTest]) -> None:
@@ -316,7 +321,7 @@ def _refuse_twice(tests: Sequence[CompressionTest]) -> None:
 
 
 def _several_speeds(pieces: Sequence[CLD]) -> bool:
-    speeds = [one.cycle.speed for one in pieces if one.cycle.speed is not None]
+    speeds = [piece.cycle.speed for piece in pieces if piece.cycle.speed is not None]
     return len(speeds) == len(pieces) and max(speeds) >= SAME_SPEED * min(speeds)
 
 
@@ -324,29 +329,29 @@ def _scatter(pieces: Sequence[CLD]) -> list[PieceStatistics]:
     unit = pieces[0].unit
     each_mm = "N/m" + unit.removeprefix("N")
     figures: tuple[tuple[str, str, Callable[[CLD], float | None]], ...] = (
-        ("force at least", unit, lambda one: _force(one, one.least)),
-        ("force at nominal", unit, lambda one: _force(one, one.nominal)),
-        ("force at most", unit, lambda one: _force(one, one.most)),
-        ("slope at nominal", each_mm, lambda one: one.per * one.nominal.slope),
-        ("energy", "J" + unit.removeprefix("N"), lambda one: one.per * one.cycle.energy),
-        ("hysteresis", "", lambda one: one.cycle.hysteresis),
-        ("softening", "", lambda one: one.softening if len(one.cycles) > 1 else None),
-        ("set", "m", lambda one: one.set),
+        ("force at least", unit, lambda result: _force(result, result.least)),
+        ("force at nominal", unit, lambda result: _force(result, result.nominal)),
+        ("force at most", unit, lambda result: _force(result, result.most)),
+        ("slope at nominal", each_mm, lambda result: result.per * result.nominal.slope),
+        ("energy", "J" + unit.removeprefix("N"), lambda result: result.per * result.cycle.energy),
+        ("hysteresis", "", lambda result: result.cycle.hysteresis),
+        ("softening", "", lambda result: result.softening if len(result.cycles) > 1 else None),
+        ("set", "m", lambda result: result.set),
     )
-    found = []
+    statistics = []
     for name, of, figure in figures:
-        known = [value for value in map(figure, pieces) if value is not None]
-        if len(known) > 1:
-            found.append(
+        values = [value for value in map(figure, pieces) if value is not None]
+        if len(values) > 1:
+            statistics.append(
                 PieceStatistics(
-                    name, of, len(known), float(np.mean(known)), float(np.std(known, ddof=1))
+                    name, of, len(values), float(np.mean(values)), float(np.std(values, ddof=1))
                 )
             )
-    return found
+    return statistics
 
 
-def _force(one: CLD, at: AtCompression | None) -> float | None:
-    return None if at is None else one.per * at.loading
+def _force(result: CLD, at: AtCompression | None) -> float | None:
+    return None if at is None else result.per * at.loading
 
 
 def _otherwise(pieces: Sequence[CLD]) -> list[str]:
@@ -359,16 +364,16 @@ def _otherwise(pieces: Sequence[CLD]) -> list[str]:
         "speed": speeds[-1] > (1 + _ALIKE) * speeds[0],
         "depth": depths[-1] > (1 + _ALIKE) * depths[0],
         "number of the cycle": numbers[-1] > (1 + _ALIKE) * numbers[0],
-        "length, known of some alone": len({one.specimen.length is None for one in pieces}) > 1,
+        "length, known of some alone": len({piece.specimen.length is None for piece in pieces}) > 1,
         "temperature": temperatures[-1] - temperatures[0] > _AS_WARM,
     }
-    return [name for name, apart in differs.items() if apart]
+    return [name for name, flag in differs.items() if flag]
 
 
 _CONDITIONS: tuple[Callable[[CLD], float | None], ...] = (
-    lambda one: one.cycle.speed,
-    lambda one: one.cycle.depth,
-    lambda one: one.cycle.number,
-    lambda one: one.specimen.temperature,
+    lambda result: result.cycle.speed,
+    lambda result: result.cycle.depth,
+    lambda result: result.cycle.number,
+    lambda result: result.specimen.temperature,
 )
 """Speed, depth, number of the cycle and temperature, K, of a test."""

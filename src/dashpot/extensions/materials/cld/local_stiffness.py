@@ -27,21 +27,21 @@ class LocalSlope(NamedTuple):
     slope_se: float
 
 
-def fit_local_slope(branch: Branch, at: float, *, half: float, beyond: float) -> LocalSlope | None:
+def fit_local_slope(branch: Branch, at: float, *, half: float, excess: float) -> LocalSlope | None:
     """Return force and slope at a compression, m: a parabola over what lies within `half` of it.
 
-    None where the branch ends more than `beyond` before.
+    None where the branch ends more than `excess` before.
     """
     x, f = branch.compression, branch.force
-    if not x.min() - beyond <= at <= x.max() + beyond or len(x) < 4:
+    if not x.min() - excess <= at <= x.max() + excess or len(x) < 4:
         return None
     away = np.abs(x - at)
     half = max(half, float(np.partition(away, min(_LEAST, len(x)) - 1)[min(_LEAST, len(x)) - 1]))
     near = away <= half
     u, y = (x[near] - at) / half, f[near]
     A = np.column_stack((np.ones_like(u), u, u**2))
-    known = estimate(solve_ordinary(y, A))
-    c, error = known.optimum.beta, known.standard_error
+    uncertainty = estimate(solve_ordinary(y, A))
+    c, error = uncertainty.optimum.beta, uncertainty.standard_error
     least = _DIGITS * abs(float(c[0]))  # what follows without a rest still has a file's digits
     return LocalSlope(
         float(c[0]), max(float(error[0]), least), float(c[1]) / half,
@@ -50,20 +50,20 @@ def fit_local_slope(branch: Branch, at: float, *, half: float, beyond: float) ->
 
 
 def evaluate_cycle(
-    cycle: Cycle, at: float, *, beyond: float, contact_se: float, force_se: float
+    cycle: Cycle, at: float, *, excess: float, contact_se: float, force_se: float
 ) -> AtCompression | None:
     """Return what a cycle shows at a compression, m; None where its loading does not reach it.
 
     The error of the force holds those of the two zeros.
     """
     half = WINDOW * cycle.depth
-    way_in = fit_local_slope(cycle.loading, at, half=half, beyond=beyond)
+    way_in = fit_local_slope(cycle.loading, at, half=half, excess=excess)
     if way_in is None:
         return None
     back = (
         None
         if cycle.unloading is None
-        else fit_local_slope(cycle.unloading, at, half=half, beyond=beyond)
+        else fit_local_slope(cycle.unloading, at, half=half, excess=excess)
     )
     error = _error(way_in, contact_se=contact_se, force_se=force_se)
     return AtCompression(
@@ -78,19 +78,19 @@ def evaluate_cycle(
     )
 
 
-def _error(one: LocalSlope, *, contact_se: float, force_se: float) -> float:
+def _error(slope: LocalSlope, *, contact_se: float, force_se: float) -> float:
     """Standard error of a force, N: its own, and those of the two zeros."""
-    return float(np.linalg.norm([one.force_se, one.slope * contact_se, force_se]))
+    return float(np.linalg.norm([slope.force_se, slope.slope * contact_se, force_se]))
 
 
 def unevenness(clock: FloatArray, x: FloatArray) -> tuple[float, float]:
     """Return speed, m/s, and largest departure of a stroke's middle from it, part of its travel."""
     low, high = float(x[0]), float(x[-1])
     middle = np.abs(x - 0.5 * (low + high)) <= 0.4 * abs(high - low)
-    t, moved = clock[middle], x[middle]
+    t, change = clock[middle], x[middle]
     if len(t) < 3:
         return abs(high - low) / float(clock[-1] - clock[0]), 0.0
     t = t - t.mean()
-    speed = float(t @ moved) / float(t @ t)
-    left = moved - moved.mean() - speed * t
-    return abs(speed), float(np.abs(left).max()) / abs(high - low)
+    speed = float(t @ change) / float(t @ t)
+    remainder = change - change.mean() - speed * t
+    return abs(speed), float(np.abs(remainder).max()) / abs(high - low)

@@ -22,20 +22,20 @@ def build_lot_row(file: str | Path, piece: Piece) -> tuple[CLD, dict[str, Any]]:
     """
     specimen = Specimen(temperature=piece.temperature, length=piece.length)
     test = read_cld(file, options=piece.options, specimen=specimen)
-    found = cld(test, at=piece.compression, cycle=piece.options.cycle)
-    nominal, cycle = found.nominal, found.cycle
-    several = len(found.cycles) > 1
-    return found, {
-        "samples": len(found.force),
-        "temperature_K": found.specimen.temperature,
+    result = cld(test, at=piece.compression, cycle=piece.options.cycle)
+    nominal, cycle = result.nominal, result.cycle
+    several = len(result.cycles) > 1
+    return result, {
+        "samples": len(result.force),
+        "temperature_K": result.specimen.temperature,
         "depth_m": cycle.depth,
-        "force_noise_N": found.noise,
+        "force_noise_N": result.noise,
         "cld_at_m": nominal.compression,
         "cld_force_N": nominal.loading,
         "cld_force_se_N": nominal.loading_se,
-        "cld_per_100mm_N": None if found.specimen.length is None else found.per * nominal.loading,
+        "cld_per_100mm_N": None if result.specimen.length is None else result.per * nominal.loading,
         "cld_slope_N_per_m": nominal.slope,
         "cld_hysteresis": cycle.hysteresis,
-        "cld_softening": found.softening if several else None,
-        "cld_set_m": found.set,
+        "cld_softening": result.softening if several else None,
+        "cld_set_m": result.set,
     }

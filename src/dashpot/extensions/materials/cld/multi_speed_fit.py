@@ -91,31 +91,33 @@ def fit_speeds(pieces: Sequence[CLD], *, arms: int | Literal["auto"] = "auto") -
     FitError
         If there is no clock, or one speed alone.
     """
-    speeds = [one.cycle.speed for one in pieces if clock_of(one).size and one.cycle.speed]
+    speeds = [piece.cycle.speed for piece in pieces if clock_of(piece).size and piece.cycle.speed]
     if len(speeds) < 2 or max(speeds) < SAME_SPEED * min(speeds):
         raise FitError(
             "one speed alone cannot separate memory from an elastic law; expected tests at two or "
             "more, a decade apart or farther"
         )
     knots, records = thinned_alike(pieces)
-    strokes = [one.cycle.depth / speed for one, speed in zip(pieces, speeds, strict=True)]
+    strokes = [piece.cycle.depth / speed for piece, speed in zip(pieces, speeds, strict=True)]
     window = min(strokes) / 20, 3 * max(strokes)
     counts = range(MOST_ARMS + 1) if arms == "auto" else [arms]
     tried = _fit_arm_counts(records, window, counts)
     delays = _delays(pieces, records, knots, tried[-1])
-    if any(abs(one.mean) > _TELLS * one.sd for one in delays):
+    if any(abs(delay.mean) > _TELLS * delay.sd for delay in delays):
         records = [
-            _taken_later(record, one, knots, delay.mean)
-            for record, one, delay in zip(records, pieces, delays, strict=True)
+            _taken_later(record, piece, knots, delay.mean)
+            for record, piece, delay in zip(records, pieces, delays, strict=True)
         ]
         tried = _fit_arm_counts(records, window, counts)
     # what is left of too few arms is no noise: all are weighed by that of the most
     effective = estimate(tried[-1], parts=_parts(records)).effective
-    scores = [score(one, effective) for one in tried]
+    scores = [score(optimum, effective) for optimum in tried]
     best = _select_supported_memory(records, knots, tried, scores)
     orders = tuple(
-        OrderScore(len(one.theta) // 2, one.sse, bic, number <= best, _model(knots, one))
-        for number, (bic, one) in enumerate(zip(scores, tried, strict=True))
+        OrderScore(
+            len(optimum.theta) // 2, optimum.sse, bic, number <= best, _model(knots, optimum)
+        )
+        for number, (bic, optimum) in enumerate(zip(scores, tried, strict=True))
     )
     return _build_fit(
         pieces, records, tried[best], knots=knots, strokes=strokes, orders=orders, delays=delays
@@ -123,10 +125,10 @@ def fit_speeds(pieces: Sequence[CLD], *, arms: int | Literal["auto"] = "auto") -
 
 
 def _taken_later(
-    record: DownsampledRecord, one: CLD, knots: FloatArray, by: float
+    record: DownsampledRecord, cld: CLD, knots: FloatArray, by: float
 ) -> DownsampledRecord:
     """A record whose force comes so much later, s, and shows its first contact so much deeper."""
-    hats = downsample_record(one, knots, off=-by * (one.cycle.speed or 0.0)).hats
+    hats = downsample_record(cld, knots, off=-by * (cld.cycle.speed or 0.0)).hats
     return record._replace(force=taken_later(record.time, record.force, by), hats=hats)
 
 
@@ -149,14 +151,14 @@ def _delays(
     """
     power = best.sse / len(best.residual) * estimate(best, parts=_parts(records)).kappa
     J = best.jacobian[:, best.free]
-    found = []
-    for i, one in enumerate(pieces):
-        change = _change(records, i, _taken_later(records[i], one, knots, one.delay_sd), best)
-        own = change - J @ np.linalg.lstsq(J, change, rcond=1e-12)[0]
-        gain = float(own @ own) + power
-        mean, part = float(own @ best.all_residuals) / gain, float(np.sqrt(power / gain))
-        found.append(Prior(one.delay_sd * mean, one.delay_sd * part))
-    return found
+    priors = []
+    for i, piece in enumerate(pieces):
+        change = _change(records, i, _taken_later(records[i], piece, knots, piece.delay_sd), best)
+        difference = change - J @ np.linalg.lstsq(J, change, rcond=1e-12)[0]
+        gain = float(difference @ difference) + power
+        mean, part = float(difference @ best.all_residuals) / gain, float(np.sqrt(power / gain))
+        priors.append(Prior(piece.delay_sd * mean, piece.delay_sd * part))
+    return priors
 
 
 def _fit_arm_counts(
@@ -186,9 +188,9 @@ def _select_supported_memory(
 
 def thinned_alike(pieces: Sequence[CLD]) -> tuple[FloatArray, list[DownsampledRecord]]:
     """Return the knots of a law to the least depth of tests, m, and their records to it."""
-    pressed = np.concatenate([one.compression[find_loaded_samples(one)] for one in pieces])
-    knots = knots_over(pressed, min(one.cycle.depth for one in pieces), KNOTS)
-    return knots, [downsample_record(one, knots) for one in pieces]
+    pressed = np.concatenate([piece.compression[find_loaded_samples(piece)] for piece in pieces])
+    knots = knots_over(pressed, min(piece.cycle.depth for piece in pieces), KNOTS)
+    return knots, [downsample_record(piece, knots) for piece in pieces]
 
 
 def _has_determined_arms(
@@ -196,26 +198,26 @@ def _has_determined_arms(
 ) -> bool:
     """Whether every arm is worth three of its errors, and its time is known to a half."""
     arms = len(best.theta) // 2
-    found = estimate(best, parts=_parts(records)).derive_quantity(partial(_seal, knots))
-    k, error = found.values[1 : 1 + arms], found.standard_error[1:]
+    quantity = estimate(best, parts=_parts(records)).derive_quantity(partial(_seal, knots))
+    k, error = quantity.values[1 : 1 + arms], quantity.standard_error[1:]
     return bool((k > 3 * error[:arms]).all() and (error[arms : 2 * arms] < checks.TOLD).all())
 
 
-def downsample_record(one: CLD, knots: FloatArray, *, off: float = 0.0) -> DownsampledRecord:
+def downsample_record(cld: CLD, knots: FloatArray, *, off: float = 0.0) -> DownsampledRecord:
     """Means of neighbours, so that a stroke of the chosen cycle has some hundred rows."""
-    last = one.unloading or one.loading
+    last = cld.unloading or cld.loading
     stop = last.samples.stop
-    rows = np.zeros(len(one.force), dtype=bool)
-    rows[find_loaded_samples(one)] = True
-    rows &= one.compression <= 1.005 * knots[-1]
-    block = max(1, len(one.loading.force) // _PER_STROKE)
-    clock = clock_of(one)
+    rows = np.zeros(len(cld.force), dtype=bool)
+    rows[find_loaded_samples(cld)] = True
+    rows &= cld.compression <= 1.005 * knots[-1]
+    block = max(1, len(cld.loading.force) // _PER_STROKE)
+    clock = clock_of(cld)
     time, x, velocity, force, share = (
-        block_means(np.asarray(each[:stop], dtype=float), block)
-        for each in (clock, one.compression, np.gradient(one.compression, clock), one.force, rows)
+        block_means(np.asarray(values[:stop], dtype=float), block)
+        for values in (clock, cld.compression, np.gradient(cld.compression, clock), cld.force, rows)
     )
     pressed = share == 1.0  # a block that holds a turning point is not taken
-    first = min(int(np.flatnonzero(pressed)[0]), one.loading.samples.start // block)
+    first = min(int(np.flatnonzero(pressed)[0]), cld.loading.samples.start // block)
     hats = np.where(pressed[:, None], hat_integrals(x + off, knots), 0.0)
     return DownsampledRecord(time, x, velocity, force, pressed, first, hats[first:])
 
@@ -227,31 +229,31 @@ def _memory(theta: FloatArray) -> GeneralizedMaxwell:
 
 def _parts(records: Sequence[DownsampledRecord]) -> list[int]:
     """Rows of each record."""
-    return [int(one.felt[one.first :].sum()) for one in records]
+    return [int(record.felt[record.first :].sum()) for record in records]
 
 
 def _rows(records: Sequence[DownsampledRecord], theta: FloatArray) -> Rows:
     """The records for a memory, g, then tau, by their logarithms; tangents are linear."""
     memory = _memory(theta)
     columns, targets = [], []
-    for one in records:
+    for record in records:
         # where the plate does not drive it, the seal is where the recorded force has brought it
-        known = np.where(one.felt, 0.0, memory.displacement(one.time, one.force))
-        answer, hats = known.copy(), one.hats.copy()
-        moved = np.diff(one.hats, axis=0)
-        step = np.diff(one.time[one.first :])[:, None, None]
+        indices = np.where(record.felt, 0.0, memory.displacement(record.time, record.force))
+        answer, hats = indices.copy(), record.hats.copy()
+        steps = np.diff(record.hats, axis=0)
+        step = np.diff(record.time[record.first :])[:, None, None]
         g, tau = np.asarray(memory.k), np.asarray(memory.tau)
         if len(tau):
-            answer += arm_columns(one.time, known, tau, derivative=False)[0] @ g
+            answer += arm_columns(record.time, indices, tau, derivative=False)[0] @ g
             # every hat under every arm side by side
             z = step / tau[:, None]
             lost = np.expm1(-z)
-            first = np.tile(one.hats[0], (len(tau), 1))
-            arms = recursion(1 + lost, -lost / z * moved[:, None], first)
+            first = np.tile(record.hats[0], (len(tau), 1))
+            arms = recursion(1 + lost, -lost / z * steps[:, None], first)
             hats += np.einsum("nap,a->np", arms, g)
-        inside = one.felt[one.first :]
+        inside = record.felt[record.first :]
         columns.append(hats[inside])
-        targets.append((one.force - answer)[one.first :][inside])
+        targets.append((record.force - answer)[record.first :][inside])
     return Rows(np.concatenate(targets), np.concatenate(columns))
 
 
@@ -271,12 +273,12 @@ def _best(
     )
     if arms == 0:
         return require_optimum(problem)
-    known = np.empty((2, 0)) if before is None else before.reshape(2, -1)
+    values = np.empty((2, 0)) if before is None else before.reshape(2, -1)
     places = np.linspace(low, high, 5)[1:-1]
-    if known.shape[1] + 1 < arms:  # a number that was asked for
-        known = np.array([np.full(arms - 1, np.log(0.2)), np.linspace(low, high, arms + 1)[1:-1]])
-    starts = [np.column_stack((known, [np.log(0.15), place])).ravel() for place in places.tolist()]
-    start = min(starts, key=lambda one: problem.at(one).cost)
+    if values.shape[1] + 1 < arms:  # a number that was asked for
+        values = np.array([np.full(arms - 1, np.log(0.2)), np.linspace(low, high, arms + 1)[1:-1]])
+    starts = [np.column_stack((values, [np.log(0.15), place])).ravel() for place in places.tolist()]
+    start = min(starts, key=lambda row: problem.at(row).cost)
     best = require_optimum(problem, [start], most=40, finished=1e-5, flat=1e-6)
     g, tau = best.theta.reshape(2, -1)
     order = np.argsort(tau)
@@ -306,26 +308,26 @@ def _build_fit(
     delays: Sequence[Prior],
 ) -> Fit:
     model, n = _model(knots, best), len(best.residual)
-    known = estimate(best, parts=_parts(records))
+    uncertainty = estimate(best, parts=_parts(records))
     # beside the noise, what both zeros and the clock leave unknown: a record with one of them an
     # error off
-    for i, one in enumerate(pieces):
-        by = downsample_record(one, knots, off=one.contact_se)
-        weighed = records[i]._replace(force=records[i].force + one.zero_se)
-        late = _taken_later(records[i], one, knots, delays[i].sd)
+    for i, piece in enumerate(pieces):
+        by = downsample_record(piece, knots, off=piece.contact_se)
+        weighed = records[i]._replace(force=records[i].force + piece.zero_se)
+        late = _taken_later(records[i], piece, knots, delays[i].sd)
         for off in (by, weighed, late):
-            known = known.add_parameter_error(
-                known.estimate_parameter_shift(_change(records, i, off, best))
+            uncertainty = uncertainty.add_parameter_error(
+                uncertainty.estimate_parameter_shift(_change(records, i, off, best))
             )
-    covariance = known.derive_quantity(partial(_seal, knots)).covariance
+    covariance = uncertainty.derive_quantity(partial(_seal, knots)).covariance
     rms = float(np.sqrt(best.sse / n))
-    peak = max(one.cycle.peak for one in pieces)
-    law = law_of(known, knots, slice(-len(knots), None))
+    peak = max(cld.cycle.peak for cld in pieces)
+    law = law_of(uncertainty, knots, slice(-len(knots), None))
     error = np.sqrt(np.diag(covariance))[1 + model.arms :]
-    speeds = [one.cycle.speed or np.nan for one in pieces]
-    asked = (
+    speeds = [cld.cycle.speed or np.nan for cld in pieces]
+    requested_checks = (
         checks.speeds_spread(max(speeds) / min(speeds)),
-        checks.speeds_followed(rms, max(one.noise for one in pieces), peak),
+        checks.speeds_followed(rms, max(cld.noise for cld in pieces), peak),
         checks.slowest_relaxed(max(model.tau, default=None), max(strokes)),
         checks.memory_told(float(error.max()) if model.arms else None),
     )
@@ -334,13 +336,16 @@ def _build_fit(
         (("arms", str(model.arms)), ("knots", str(len(knots)))),
         f"fitted an elastic law and {model.arms} arms to load deflection at {len(pieces)} speeds",
     )
-    told = ParameterEstimate(
-        parameter_names(model.arms), covariance, known.dof, Residual(n, best.sse, rms, known.kappa)
+    parameter_estimate = ParameterEstimate(
+        parameter_names(model.arms),
+        covariance,
+        uncertainty.dof,
+        Residual(n, best.sse, rms, uncertainty.kappa),
     )
     band = 1 / (2 * np.pi * max(strokes)), 1 / (np.pi * min(strokes))
     return build_fit(
-        SolidEstimate(model, told),
-        Evidence(band, orders, checks=asked),
+        SolidEstimate(model, parameter_estimate),
+        Evidence(band, orders, checks=requested_checks),
         Provenance("cld", sources_of(pieces), (step,), pieces[0].specimen),
         elastic_law=law,
     )

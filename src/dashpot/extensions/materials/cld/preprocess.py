@@ -98,17 +98,17 @@ def cld(
             "--machine sync= is a time, and the record has no clock. Leave it out, or export the "
             "time, too"
         )
-    found = _cycles(test)
+    cycles = _cycles(test)
     nominal = None if at is None else convert_to_si(at, "length")
-    index = _chosen(found, cycle, nominal)
-    used = found.cycles[index]
+    index = _chosen(cycles, cycle, nominal)
+    used = cycles.cycles[index]
     nominal = used.depth if nominal is None else nominal
     ends = (None, None) if between is None else si_range(between, "length")
     least, middle, most = (
-        _evaluate_record_cycle(found, used, one) for one in (ends[0], nominal, ends[1])
+        _evaluate_record_cycle(cycles, used, value) for value in (ends[0], nominal, ends[1])
     )
     if middle is None:
-        deepest = max(one.depth for one in found.cycles)
+        deepest = max(cycle.depth for cycle in cycles.cycles)
         raise DataError(
             f"{format_quantity(nominal, 'mm')} was asked for; expected a compression > 0 that the "
             "seal was "
@@ -116,11 +116,11 @@ def cld(
             "--part cycle=N another cycle"
         )
     delay = Prior(0.0, machine.delay_sd(median(np.diff(clock_of_samples(test)))))
-    found, (least, middle, most) = _with_delay(test, found, index, (least, middle, most), delay)
-    used = found.cycles[index]
-    zero, specimen = found.zero, test.specimen
+    cycles, (least, middle, most) = _with_delay(test, cycles, index, (least, middle, most), delay)
+    used = cycles.cycles[index]
+    zero, specimen = cycles.zero, test.specimen
     return CLD(
-        found.cycles,
+        cycles.cycles,
         index,
         zero.contact,
         zero.contact_se,
@@ -128,14 +128,14 @@ def cld(
         zero.preload,
         zero.drift,
         zero.noise,
-        found.common,
+        cycles.common,
         middle,
         least,
         most,
         test.time,
-        found.compression,
-        found.force,
-        _checks(found, index, max(one for one in (nominal, *ends) if one is not None), test),
+        cycles.compression,
+        cycles.force,
+        _checks(cycles, index, max(end for end in (nominal, *ends) if end is not None), test),
         specimen,
         test.source,
         delay.sd,
@@ -152,55 +152,61 @@ def clock_of_samples(test: CompressionTest) -> FloatArray:
 
 
 def _with_delay(
-    test: CompressionTest, found: _RecordCycles, index: int, marks: _Marks, delay: Prior
+    test: CompressionTest, new_cycles: _RecordCycles, index: int, marks: _Marks, delay: Prior
 ) -> tuple[_RecordCycles, _Marks]:
     """The cycles and marks with what a delay of the force leaves unknown in their errors."""
-    known = [one for one in marks if one is not None]
+    points = [mark for mark in marks if mark is not None]
 
     def numbers(later: float) -> FloatArray:
         clock = clock_of_samples(test)
-        moved = found
+        cycles = new_cycles
         if later:
-            moved = _cycles(replace(test, force=taken_later(clock, test.force, later), units="SI"))
-        same = len(moved.cycles) == len(found.cycles)
+            cycles = _cycles(replace(test, force=taken_later(clock, test.force, later), units="SI"))
+        same = len(cycles.cycles) == len(new_cycles.cycles)
         if not same:  # of noise that is taken for a stroke nothing follows
-            return np.full(len(found.cycles) + 3 * len(known), np.nan)
-        at = (_evaluate_record_cycle(moved, moved.cycles[index], one.compression) for one in known)
-        each = (
-            (np.nan,) * 3 if one is None else (one.loading, one.unloading, one.slope) for one in at
+            return np.full(len(new_cycles.cycles) + 3 * len(points), np.nan)
+        at = (
+            _evaluate_record_cycle(cycles, cycles.cycles[index], point.compression)
+            for point in points
         )
-        lost = (one.hysteresis for one in moved.cycles)
-        return np.array([*lost, *chain.from_iterable(each)], dtype=float)
+        group = (
+            (np.nan,) * 3 if point is None else (point.loading, point.unloading, point.slope)
+            for point in at
+        )
+        lost = (cycle.hysteresis for cycle in cycles.cycles)
+        return np.array([*lost, *chain.from_iterable(group)], dtype=float)
 
     error = error_by_delay(numbers, delay)
-    lost, at = np.split(np.where(np.isfinite(error), error, 0.0), [len(found.cycles)])
+    lost, at = np.split(np.where(np.isfinite(error), error, 0.0), [len(new_cycles.cycles)])
     cycles = tuple(
-        one
-        if one.hysteresis is None
-        else replace(one, hysteresis_se=float(np.hypot(by, _hysteresis_error(one, found.zero))))
-        for one, by in zip(found.cycles, lost.tolist(), strict=True)
+        cycle
+        if cycle.hysteresis is None
+        else replace(
+            cycle, hysteresis_se=float(np.hypot(by, _hysteresis_error(cycle, new_cycles.zero)))
+        )
+        for cycle, by in zip(new_cycles.cycles, lost.tolist(), strict=True)
     )
     wide = iter(
         [
             replace(
-                one,
-                loading_se=float(np.hypot(one.loading_se, loading)),
+                point,
+                loading_se=float(np.hypot(point.loading_se, loading)),
                 unloading_se=None
-                if one.unloading_se is None
-                else float(np.hypot(one.unloading_se, unloading)),
-                slope_se=float(np.hypot(one.slope_se, slope)),
+                if point.unloading_se is None
+                else float(np.hypot(point.unloading_se, unloading)),
+                slope_se=float(np.hypot(point.slope_se, slope)),
             )
-            for one, (loading, unloading, slope) in zip(known, at.reshape(-1, 3), strict=True)
+            for point, (loading, unloading, slope) in zip(points, at.reshape(-1, 3), strict=True)
         ]
     )
-    widened = tuple(None if one is None else next(wide) for one in marks)
-    return found._replace(cycles=cycles), widened  # type: ignore[return-value]  # the same three
+    widened = tuple(None if mark is None else next(wide) for mark in marks)
+    return new_cycles._replace(cycles=cycles), widened  # type: ignore[return-value]  # the same three
 
 
 def _hysteresis_error(cycle: Cycle, zero: Zero) -> float:
     """Standard error of a cycle's hysteresis by the noise of the force and by its zero."""
-    ways = [one for one in (cycle.loading, cycle.unloading) if one is not None]
-    steps = np.concatenate([np.diff(np.maximum(one.compression, 0.0)) for one in ways])
+    ways = [branch for branch in (cycle.loading, cycle.unloading) if branch is not None]
+    steps = np.concatenate([np.diff(np.maximum(way.compression, 0.0)) for way in ways])
     scatter = zero.noise * float(np.linalg.norm(steps))
     # a zero that is off adds as much to both works
     shared = zero.force_se * cycle.depth * float(cycle.hysteresis or 0.0)
@@ -208,16 +214,16 @@ def _hysteresis_error(cycle: Cycle, zero: Zero) -> float:
 
 
 def _evaluate_record_cycle(
-    found: _RecordCycles, cycle: Cycle, at: float | None
+    cycles: _RecordCycles, cycle: Cycle, at: float | None
 ) -> AtCompression | None:
     if at is None or not at > 0:
         return None
     return evaluate_cycle(
         cycle,
         at,
-        beyond=found.beyond,
-        contact_se=found.zero.contact_se,
-        force_se=found.zero.force_se,
+        excess=cycles.beyond,
+        contact_se=cycles.zero.contact_se,
+        force_se=cycles.zero.force_se,
     )
 
 
@@ -230,8 +236,8 @@ def _cycles(test: CompressionTest) -> _RecordCycles:
     pairs = _pairs(strokes)
     zero = zero_of(clock, x, force, pairs[0][0], resolution=resolution)
     x, force = x - zero.contact, force - zero.force
-    depths = [float(x[one.last]) for one, _ in pairs]
-    beyond = max(resolution, 3 * zero.contact_se, _BEYOND * max(depths))
+    depths = [float(x[stroke.last]) for stroke, _ in pairs]
+    excess = max(resolution, 3 * zero.contact_se, _BEYOND * max(depths))
     if len(pairs) > 1 and pairs[-1][1] is None and depths[-1] < _UNFINISHED * max(depths):
         pairs, depths = pairs[:-1], depths[:-1]
     common = _COMMON * min(depths)
@@ -242,16 +248,16 @@ def _cycles(test: CompressionTest) -> _RecordCycles:
             speed, departure = unevenness(clock[loading.samples], x[loading.samples])
         cycles.append(
             _cycle(x, force, number, loading, unloading, zero=zero, common=common,
-                   beyond=beyond, speed=speed)
+                   excess=excess, speed=speed)
         )  # fmt: skip
         uneven.append(departure)
-    return _RecordCycles(tuple(cycles), zero, beyond, common, tuple(uneven), x, force)
+    return _RecordCycles(tuple(cycles), zero, excess, common, tuple(uneven), x, force)
 
 
 def _pairs(strokes: Sequence[Stroke]) -> list[tuple[Stroke, Stroke | None]]:
     """Every way in, with the way back after it where it was recorded."""
     ways = zip(strokes, [*strokes[1:], None], strict=True)
-    pairs = [(one, after) for one, after in ways if one.inward]
+    pairs = [(stroke, after) for stroke, after in ways if stroke.inward]
     if not pairs:
         raise DataError(
             "no loading was found: the compression only falls, or never moves by more than its "
@@ -269,7 +275,7 @@ def _cycle(
     *,
     zero: Zero,
     common: float,
-    beyond: float,
+    excess: float,
     speed: float | None,
 ) -> Cycle:
     way_in = _branch(x, force, loading)
@@ -279,8 +285,8 @@ def _cycle(
         met = later_contact(way_in.compression, way_in.force, noise=zero.noise)
         contact = np.nan if met is None else met
     depth = float(x[loading.last])
-    here = fit_local_slope(way_in, common, half=WINDOW * depth, beyond=beyond)
-    peak = fit_local_slope(way_in, depth, half=WINDOW * depth, beyond=beyond)
+    here = fit_local_slope(way_in, common, half=WINDOW * depth, excess=excess)
+    peak = fit_local_slope(way_in, depth, half=WINDOW * depth, excess=excess)
     if here is None or peak is None:
         raise DataError(
             f"cycle {number}: {len(way_in.force)} samples of loading; expected 4 or more"
@@ -295,16 +301,18 @@ def _branch(x: FloatArray, force: FloatArray, stroke: Stroke) -> Branch:
     return Branch(x[stroke.samples], force[stroke.samples], stroke.first)
 
 
-def _chosen(found: _RecordCycles, asked: int | None, at: float | None) -> int:
-    cycles = found.cycles
-    if asked is not None:
-        if not 1 <= asked <= len(cycles):
+def _chosen(new_cycles: _RecordCycles, requested: int | None, at: float | None) -> int:
+    cycles = new_cycles.cycles
+    if requested is not None:
+        if not 1 <= requested <= len(cycles):
             plural = "s" * (len(cycles) != 1)
             raise DataError(
-                f"cycle {asked} was asked for, but the record holds {len(cycles)} cycle{plural}"
+                f"cycle {requested} was asked for, but the record holds {len(cycles)} cycle{plural}"
             )
-        return asked - 1
-    reach = [i for i, one in enumerate(cycles) if at is None or one.depth >= at - found.beyond]
+        return requested - 1
+    reach = [
+        i for i, cycle in enumerate(cycles) if at is None or cycle.depth >= at - new_cycles.beyond
+    ]
     whole = [i for i in reach if cycles[i].unloading is not None]
     return (whole or reach or [len(cycles) - 1])[-1]
 
@@ -320,9 +328,9 @@ def _pull(cycle: Cycle, zero: Zero) -> float | None:
 
 
 def _checks(
-    found: _RecordCycles, index: int, most: float, test: CompressionTest
+    new_cycles: _RecordCycles, index: int, most: float, test: CompressionTest
 ) -> tuple[Check, ...]:
-    cycles, zero = found.cycles, found.zero
+    cycles, zero = new_cycles.cycles, new_cycles.zero
     used, before = cycles[index], cycles[:index]
     drift = zero.drift / used.peak if zero.drift else None
     return (
@@ -333,13 +341,13 @@ def _checks(
             softening=cycles[0].common / cycles[-1].common - 1,
         ),
         checks.depth_conditioned(
-            used.depth / max(one.depth for one in before) if before else None, used.number
+            used.depth / max(cycle.depth for cycle in before) if before else None, used.number
         ),
-        checks.compressions_reached(most, used.depth + found.beyond),
+        checks.compressions_reached(most, used.depth + new_cycles.beyond),
         checks.load_cell_steady(drift),
-        checks.speed_even(found.uneven[index]),
+        checks.speed_even(new_cycles.uneven[index]),
         checks.energy_lost(used.hysteresis),
         checks.released_freely(_pull(used, zero)),
         checks.unloading_recorded(recorded=used.unloading is not None),
-        checks.length_given(given=test.specimen.length is not None),
+        checks.length_given(provided=test.specimen.length is not None),
     )

@@ -54,45 +54,45 @@ class _Data(NamedTuple):
     noise: float
 
 
-def fit_rate(pieces: Sequence[CLD], beside: Fit) -> RateLaw:
+def fit_rate(pieces: Sequence[CLD], fit: Fit) -> RateLaw:
     """Fit a rate-dependent spring and dashpot to load deflection tests of one seal at some speeds.
 
     Parameters
     ----------
     pieces : sequence of CLD
         With clocks, at two speeds or more.
-    beside : Fit
+    fit : Fit
         One law with one memory, as
         :func:`~dashpot.extensions.materials.cld.multi_speed_fit.fit_speeds` fits it to the same
         tests.
     """
     fine, records = thinned_alike(pieces)
     depth = float(fine[-1])
-    strokes = [one.cycle.depth / one.cycle.speed for one in pieces if one.cycle.speed]
+    strokes = [piece.cycle.depth / piece.cycle.speed for piece in pieces if piece.cycle.speed]
     window = np.log([min(strokes) / 20, 3 * max(strokes)])
     of = _Data(
         records, knots_over(fine[1:], depth, DAMPING_KNOTS), fine, depth,
-        max(one.noise for one in pieces),
+        max(piece.noise for piece in pieces),
     )  # fmt: skip
     tried = [_best(of, np.zeros(len(records)), None)]
     for _ in range(MOST_ARMS):
         tried.append(_best(of, tried[-1].theta, window))
     effective = estimate(tried[-1], parts=_parts(of), prior_variance=of.noise**2).effective
-    scores = [score(one, effective) for one in tried]
+    scores = [score(optimum, effective) for optimum in tried]
     best = 0
     while best + 1 < len(tried) and scores[best] - scores[best + 1] >= DECISIVE:
         best += 1
-    return _build_rate_law(pieces, beside, of, tried[best])
+    return _build_rate_law(pieces, fit, of, tried[best])
 
 
 def _parts(of: _Data) -> list[int]:
     """Rows of each record."""
-    return [int(_moving(one).sum()) for one in of.records]
+    return [int(_moving(record).sum()) for record in of.records]
 
 
 def _hats(x: FloatArray, knots: FloatArray) -> FloatArray:
     """A straight line between knots as weights of its values there, shape (n, knots)."""
-    return np.stack([np.interp(x, knots, one) for one in np.eye(len(knots))], axis=1)
+    return np.stack([np.interp(x, knots, values) for values in np.eye(len(knots))], axis=1)
 
 
 def _rows(of: _Data, theta: FloatArray) -> Rows:
@@ -102,25 +102,25 @@ def _rows(of: _Data, theta: FloatArray) -> Rows:
     """
     ln_tau, off = np.split(theta, [-len(of.records)])
     parts, targets = [], []
-    for one, by in zip(of.records, off * _CONTACT * of.depth, strict=True):
-        inside = _moving(one)
-        x, v = one.compression[inside] + by, one.velocity[inside]
-        pressed = np.maximum(one.compression + by, 0.0)
-        q, _ = arm_columns(one.time, pressed, np.exp(ln_tau), derivative=False)
+    for record, by in zip(of.records, off * _CONTACT * of.depth, strict=True):
+        inside = _moving(record)
+        x, v = record.compression[inside] + by, record.velocity[inside]
+        pressed = np.maximum(record.compression + by, 0.0)
+        q, _ = arm_columns(record.time, pressed, np.exp(ln_tau), derivative=False)
         damping = _hats(x, of.knots) * v[:, None]
         parts.append(np.concatenate((hat_integrals(x, of.fine), damping, q[inside]), axis=1))
-        targets.append(one.force[inside])
+        targets.append(record.force[inside])
     A = np.concatenate((*parts, np.zeros((len(off), parts[0].shape[1]))))
     return Rows(np.concatenate((*targets, -of.noise * off)), A)
 
 
-def _moving(one: DownsampledRecord) -> BoolArray:
+def _moving(record: DownsampledRecord) -> BoolArray:
     """The samples of the chosen cycle that are felt, but for those beside a turn."""
-    way = np.sign(one.velocity)
+    way = np.sign(record.velocity)
     steady = (way == np.roll(way, 1)) & (way == np.roll(way, -1))
-    found = np.asarray(one.felt & steady)
-    found[: one.first] = False
-    return found
+    values = np.asarray(record.felt & steady)
+    values[: record.first] = False
+    return values
 
 
 def _best(of: _Data, before: FloatArray, window: FloatArray | None) -> Optimum:
@@ -130,38 +130,38 @@ def _best(of: _Data, before: FloatArray, window: FloatArray | None) -> Optimum:
         starts = [np.insert(before, 0, at) for at in np.linspace(window[0], window[1], 7)[1:-1]]
     sought = [Parameter()] * len(starts[0])
     problem = Problem(partial(_rows, of), sought, positive=True, priors=len(of.records))
-    start = min(starts, key=lambda one: problem.at(one).cost)
+    start = min(starts, key=lambda values: problem.at(values).cost)
     return require_optimum(problem, [start], most=40, finished=1e-6, flat=1e-8)
 
 
-def _build_rate_law(pieces: Sequence[CLD], beside: Fit, of: _Data, best: Optimum) -> RateLaw:
+def _build_rate_law(pieces: Sequence[CLD], fit: Fit, of: _Data, best: Optimum) -> RateLaw:
     first = len(of.fine)
     count, arms = first + len(of.knots), len(best.theta) - len(of.records)
     resting = np.zeros(count + arms, dtype=bool)
     resting[first:count] = True  # of a damping of 0 the error is its bound
-    known = estimate(best, parts=_parts(of), resting=resting, prior_variance=of.noise**2)
-    ln_tau_se, error = np.split(known.standard_error, [len(best.theta)])
+    uncertainty = estimate(best, parts=_parts(of), resting=resting, prior_variance=of.noise**2)
+    ln_tau_se, error = np.split(uncertainty.standard_error, [len(best.theta)])
     _, c, k = np.split(best.beta, [first, count])
     tau = np.exp(best.theta[:arms])
-    kept = [int(i) for i in np.argsort(tau) if k[i] > 0]
+    retained = [int(i) for i in np.argsort(tau) if k[i] > 0]
     n = len(best.residual)
     rms = float(np.sqrt(best.sse / n))
-    kappa = min((best.sse, known.kappa), (beside.residual.sse, beside.residual.kappa))[1]
-    own = score(best, n / kappa)
-    other = bic(beside.residual.sse, effective=n / kappa, parameters=first + 2 * beside.model.arms)
+    kappa = min((best.sse, uncertainty.kappa), (fit.residual.sse, fit.residual.kappa))[1]
+    value = score(best, n / kappa)
+    other = bic(fit.residual.sse, effective=n / kappa, parameters=first + 2 * fit.model.arms)
     return RateLaw(
-        law_of(known, of.fine, slice(len(best.theta), len(best.theta) + first)),
+        law_of(uncertainty, of.fine, slice(len(best.theta), len(best.theta) + first)),
         tuple(of.knots.tolist()),
         tuple(c.tolist()),
         tuple(error[first:count].tolist()),
-        tuple(k[kept].tolist()),
-        tuple(tau[kept].tolist()),
-        tuple(error[count:][kept].tolist()),
-        tuple(ln_tau_se[:arms][kept].tolist()),
+        tuple(k[retained].tolist()),
+        tuple(tau[retained].tolist()),
+        tuple(error[count:][retained].tolist()),
+        tuple(ln_tau_se[:arms][retained].tolist()),
         rms,
-        own - other,
+        value - other,
         (
-            checks.memory_suffices(other - own),
-            checks.speeds_followed(rms, of.noise, max(one.cycle.peak for one in pieces)),
+            checks.memory_suffices(other - value),
+            checks.speeds_followed(rms, of.noise, max(piece.cycle.peak for piece in pieces)),
         ),
     )

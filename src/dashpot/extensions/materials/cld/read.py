@@ -59,8 +59,8 @@ def cld_in(file: OpenedFile, specimen: Specimen) -> CompressionTest:
     if "time" not in values:
         notes.append("the file has no clock: nothing is known of the speed")
     notes += _refuse_sizes(file, chosen, values)
-    specimen, said = add_specimen_temperature(file, specimen, chosen)
-    source = channels.source(file, [one.says for one in chosen], [*notes, *said])
+    specimen, sentences = add_specimen_temperature(file, specimen, chosen)
+    source = channels.source(file, [channel.says for channel in chosen], [*notes, *sentences])
     return CompressionTest(
         values["displacement"],
         values["force"],

@@ -18,45 +18,52 @@ if TYPE_CHECKING:
     from dashpot.extensions.materials.cld.fit_files import PieceStatistics
 
 
-def cld(found: workflow.Pieces) -> Text:
+def cld(pieces: workflow.Pieces) -> Text:
     """The figures of each piece, then of all; the cycles for who asks."""
     lines, details = [], []
-    for one in found.pieces:
-        name = "" if one.source is None else one.source.file
-        lines += [f"{name}: cycle {one.cycle.number} of {len(one.cycles)}", *_piece(one)]
-        details += [f"{name}, every cycle", *_cycles(one)]
-    if found.scatter:
-        scatter = [f"{len(found.pieces)} pieces", *_scatter(found.scatter)]
+    for piece in pieces.pieces:
+        name = "" if piece.source is None else piece.source.file
+        lines += [f"{name}: cycle {piece.cycle.number} of {len(piece.cycles)}", *_piece(piece)]
+        details += [f"{name}, every cycle", *_cycles(piece)]
+    if pieces.scatter:
+        scatter = [f"{len(pieces.pieces)} pieces", *_scatter(pieces.scatter)]
         # one piece a row says more than a block each
-        lines = [*(_overview(found) if len(found.pieces) > _BLOCKS else lines), *scatter]
-    lines += _capability(found.capability)
-    if found.fit is not None and found.relaxed is None:
-        fitted = text_of.fit(found.fit)
-        lines = [*_overview(found), *fitted.lines]
+        lines = [*(_overview(pieces) if len(pieces.pieces) > _BLOCKS else lines), *scatter]
+    lines += _capability(pieces.capability)
+    if pieces.fit is not None and pieces.relaxed is None:
+        fitted = text_of.fit(pieces.fit)
+        lines = [*_overview(pieces), *fitted.lines]
         details += fitted.details
-    if found.rate is not None:
-        lines += [_choice(found.rate)]
+    if pieces.rate is not None:
+        lines += [_choice(pieces.rate)]
         # of a law that explains the speeds worse the numbers are for who asks
-        (details if found.rate.bic > 0 else lines).extend(_rate(found.rate))
-    if found.relaxed is not None:
-        lines += _format_relaxed_law(found.relaxed, found.pieces[0])
+        (details if pieces.rate.bic > 0 else lines).extend(_rate(pieces.rate))
+    if pieces.relaxed is not None:
+        lines += _format_relaxed_law(pieces.relaxed, pieces.pieces[0])
     return Text(lines, details)
 
 
-def _scatter(found: Sequence[PieceStatistics]) -> list[str]:
+def _scatter(statistics: Sequence[PieceStatistics]) -> list[str]:
     rows = [["", "mean", "deviation", "cv, %", "unit"]]
-    for each in found:
-        unit = get_display_unit(each.unit) or "%"
-        cv = format_rounded(100 * each.deviation / each.mean) if each.mean else ""
-        told = (format_rounded(convert_to_unit(one, unit)) for one in (each.mean, each.deviation))
-        rows.append([each.name, *told, cv, unit])
+    for piece_statistics in statistics:
+        unit = get_display_unit(piece_statistics.unit) or "%"
+        cv = (
+            format_rounded(100 * piece_statistics.deviation / piece_statistics.mean)
+            if piece_statistics.mean
+            else ""
+        )
+        sentences = (
+            format_rounded(convert_to_unit(value, unit))
+            for value in (piece_statistics.mean, piece_statistics.deviation)
+        )
+        rows.append([piece_statistics.name, *sentences, cv, unit])
     return table(rows)
 
 
-def _capability(found: Capability | None) -> list[str]:
-    if found is None or found.cpk is None:
+def _capability(capability: Capability | None) -> list[str]:
+    if capability is None or capability.cpk is None:
         return []
-    return [f"  {found.says}, {found.outside} of {found.count} outside"]
+    return [f"  {capability.says}, {capability.outside} of {capability.count} outside"]
 
 
 def _choice(rate: workflow.RateLaw) -> str:
@@ -72,7 +79,7 @@ def _rate(rate: workflow.RateLaw) -> list[str]:
     for knot in rate.knots[1:]:
         c, error = rate.c(knot)
         law, k = rate.law, rate.law.stiffness
-        stiff, off = (float(k * each(knot)) for each in (law.factor, law.factor_se))
+        stiff, off = (float(k * function(knot)) for function in (law.factor, law.factor_se))
         rows.append(
             [
                 cell(knot, "mm"),
@@ -88,50 +95,52 @@ def _rate(rate: workflow.RateLaw) -> list[str]:
     return [*table(rows), f"  arms beside it: {arms or 'none'}"]
 
 
-def _format_relaxed_law(found: workflow.RelaxedLaw, one: workflow.CLD) -> list[str]:
-    law = found.law
+def _format_relaxed_law(curve: workflow.RelaxedLaw, result: workflow.CLD) -> list[str]:
+    law = curve.law
     rows = [["relaxed, mm", "force, N", "secant, N/mm", "tangent, N/mm"]]
-    for mark in (at.compression for at in one.marked):
-        tangent, error = (float(law.stiffness * each(mark)) for each in (law.factor, law.factor_se))
+    for mark in (at.compression for at in result.marked):
+        tangent, error = (
+            float(law.stiffness * function(mark)) for function in (law.factor, law.factor_se)
+        )
         rows.append(
             [
                 cell(mark, "mm"),
-                with_error(float(law.force(mark)), found.force_se(mark)),
+                with_error(float(law.force(mark)), curve.force_se(mark)),
                 cell(float(law.secant(mark)), "N/mm"),
                 with_error(tangent, error, "N/m"),
             ]
         )
-    said = f"  softer than cycle 1 by {100 * found.softening:.3g} % without the memory"
-    if found.left is not None and found.hysteresis is not None:
-        said += f"; hysteresis {100 * found.left:.2g} % instead of {100 * found.hysteresis:.3g} %"
-    return [*table(rows), said]
+    text = f"  softer than cycle 1 by {100 * curve.softening:.3g} % without the memory"
+    if curve.left is not None and curve.hysteresis is not None:
+        text += f"; hysteresis {100 * curve.left:.2g} % instead of {100 * curve.hysteresis:.3g} %"
+    return [*table(rows), text]
 
 
 _BLOCKS = 2
 """Pieces that are shown one by one."""
 
 
-def _overview(found: workflow.Pieces) -> list[str]:
-    rows = [["", "mm/s", f"{found.unit} at nominal", "hysteresis, %", "set, mm"]]
-    for one in found.pieces:
-        lost = one.cycle.hysteresis
+def _overview(pieces: workflow.Pieces) -> list[str]:
+    rows = [["", "mm/s", f"{pieces.unit} at nominal", "hysteresis, %", "set, mm"]]
+    for piece in pieces.pieces:
+        lost = piece.cycle.hysteresis
         rows.append(
             [
-                "" if one.source is None else one.source.file,
-                cell(one.cycle.speed, "mm/s"),
-                with_error(one.per * one.nominal.loading, one.per * one.nominal.loading_se),
+                "" if piece.source is None else piece.source.file,
+                cell(piece.cycle.speed, "mm/s"),
+                with_error(piece.per * piece.nominal.loading, piece.per * piece.nominal.loading_se),
                 cell(lost, "%", digits=3),
-                cell(one.set, "mm", digits=3),
+                cell(piece.set, "mm", digits=3),
             ]
         )
     return table(rows)
 
 
-def _piece(one: workflow.CLD) -> list[str]:
-    per, of = one.per, one.unit.removeprefix("N")
-    rows = [["compression, mm", f"loading, {one.unit}", "unloading", f"slope, N/mm{of}",
+def _piece(result: workflow.CLD) -> list[str]:
+    per, of = result.per, result.unit.removeprefix("N")
+    rows = [["compression, mm", f"loading, {result.unit}", "unloading", f"slope, N/mm{of}",
              f"energy, mJ{of}"]]  # fmt: skip
-    for mark in one.marked:
+    for mark in result.marked:
         back = "" if mark.unloading is None else format_rounded(per * mark.unloading)
         rows.append(
             [
@@ -142,37 +151,39 @@ def _piece(one: workflow.CLD) -> list[str]:
                 cell(per * mark.energy, "mJ"),
             ]
         )
-    cycle, said = one.cycle, []
+    cycle, sentences = result.cycle, []
     if cycle.hysteresis is not None and cycle.returned is not None:
-        said.append(
+        sentences.append(
             f"hysteresis {ascii_only(format_hysteresis(cycle))} of "
             f"{format_quantity(per * cycle.energy, 'mJ')}{of}"
         )
-    if len(one.cycles) > 1:
-        said.append(f"softer than cycle 1 by {100 * one.softening:.3g} %")
-    if one.set is not None:
-        said.append(f"set {format_quantity(one.set, 'mm', '.3g')} at the next contact")
+    if len(result.cycles) > 1:
+        sentences.append(f"softer than cycle 1 by {100 * result.softening:.3g} %")
+    if result.set is not None:
+        sentences.append(f"set {format_quantity(result.set, 'mm', '.3g')} at the next contact")
     if cycle.speed is not None:
-        said.append(format_quantity(cycle.speed, "mm/s"))
-    if one.time is not None:
-        known = format_quantity(one.delay_sd, "ms", ".3g")
-        said.append(f"the errors include a delay of 0 ± {known} (dashpot fit --machine sync=0.1ms)")
-    return [*table(rows), f"  {'; '.join(said)}"] if said else table(rows)
+        sentences.append(format_quantity(cycle.speed, "mm/s"))
+    if result.time is not None:
+        quantity = format_quantity(result.delay_sd, "ms", ".3g")
+        sentences.append(
+            f"the errors include a delay of 0 ± {quantity} (dashpot fit --machine sync=0.1ms)"
+        )
+    return [*table(rows), f"  {'; '.join(sentences)}"] if sentences else table(rows)
 
 
-def _cycles(one: workflow.CLD) -> list[str]:
+def _cycles(result: workflow.CLD) -> list[str]:
     rows = [["cycle", "depth, mm", "peak, N", "in, mJ", "back, mJ", "hysteresis, %", "met, mm"]]
-    for each in one.cycles:
-        lost, back = each.hysteresis, each.returned
+    for cycle in result.cycles:
+        lost, back = cycle.hysteresis, cycle.returned
         rows.append(
             [
-                str(each.number),
-                cell(each.depth, "mm"),
-                format_rounded(each.peak),
-                cell(each.energy, "mJ"),
+                str(cycle.number),
+                cell(cycle.depth, "mm"),
+                format_rounded(cycle.peak),
+                cell(cycle.energy, "mJ"),
                 cell(back, "mJ"),
                 cell(lost, "%"),
-                cell(each.contact, "mm"),
+                cell(cycle.contact, "mm"),
             ]
         )
     return table(rows)

@@ -18,34 +18,36 @@ LONG = parse_quantity("1000h", "time")
 
 
 def run_checks(
-    found: Aging, read: Readings, alone: Estimate, strain: float | None, *, drift: float
+    aging: Aging, read: Readings, estimate: Estimate, strain: float | None, *, drift: float
 ) -> tuple[Check, ...]:
     """Every check of a fit."""
-    hottest, coldest = found.ovens[-1], found.ovens[0]
-    loss = float(alone.optimum.theta[0] / alone.standard_error[0])
-    risen = max(-loss, *(-one.significance for one in found.ovens))
-    left = alone.optimum.residual
+    hottest, coldest = aging.ovens[-1], aging.ovens[0]
+    loss = float(estimate.optimum.theta[0] / estimate.standard_error[0])
+    risen = max(-loss, *(-oven.significance for oven in aging.ovens))
+    residual = estimate.optimum.residual
     inside = np.diff(read.piece) == 0
-    together = float((left[1:] * left[:-1])[inside].sum() / (left @ left)) * np.sqrt(len(left))
+    together = float(
+        (residual[1:] * residual[:-1])[inside].sum() / (residual @ residual)
+    ) * np.sqrt(len(residual))
     return (
         force_falls(risen),
         f0_read(max(float(read.time[read.piece == i].min()) for i in range(read.pieces))),
         readings_scatter(together),
-        readings_close(found.scatter),
+        readings_close(aging.scatter),
         chemistry_seen(hottest.significance, hottest.temperature),
-        ovens_enough(len(found.ovens)),
+        ovens_enough(len(aging.ovens)),
         ovens_on_a_line(strain),
-        cell_holds(*_estimate_drift(alone, drift)),
-        aging_beside_drift(None if found.law.bound_alone else coldest.rate, drift),
+        cell_holds(*_estimate_drift(estimate, drift)),
+        aging_beside_drift(None if aging.law.bound_alone else coldest.rate, drift),
     )
 
 
-def _estimate_drift(alone: Estimate, drift: float) -> tuple[float | None, float]:
+def _estimate_drift(estimate: Estimate, drift: float) -> tuple[float | None, float]:
     """What the readings show of the drift that is believed, and its standard error."""
     if not drift:
         return None, drift
-    last = len(alone.optimum.theta) - 1
-    return drift * float(alone.optimum.theta[last]), drift * float(alone.standard_error[last])
+    last = len(estimate.optimum.theta) - 1
+    return drift * float(estimate.optimum.theta[last]), drift * float(estimate.standard_error[last])
 
 
 @criterion("rise / standard error", "<=", 3.0, "chance, once in 700", grade="stop")
@@ -172,15 +174,15 @@ def temperature_near_ovens(colder: float, temperature: float) -> Finding:
 
 
 @criterion("change / standard error", "<=", 2.0, "inside the 95 % interval")
-def cold_bears_lower_energy(moved: float | None, lower: float, coldest: float) -> Finding:
+def cold_bears_lower_energy(change: float | None, lower: float, coldest: float) -> Finding:
     """The answer stays within its interval if the activation energy falls below the ovens."""
-    if moved is None:
+    if change is None:
         return Finding("The temperature is that of an oven, or above, so it is not judged")
     return Finding(
         f"An activation energy of {format_quantity(lower, 'kJ/mol', 'g')} below {celsius(coldest)} "
         "moves "
-        f"the answer by {moved:.2g} standard errors",
-        moved,
+        f"the answer by {change:.2g} standard errors",
+        change,
         "Rubber often has one so low there, and no oven shows it",
         "Test an oven nearer to it.",
     )

@@ -198,10 +198,10 @@ class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
         >>> new = dp.fit(dp.read("seal_8mm.csv"))  # doctest: +SKIP
         >>> aging.at(new, temperature="70degC", time="1000h")  # doctest: +SKIP
         """
-        found: Fit = load_function("extensions.materials.csr.lifetime_prediction", "aged_fit")(
+        new_fit: Fit = load_function("extensions.materials.csr.lifetime_prediction", "aged_fit")(
             self, fit, temperature=temperature, time=time
         )
-        return found
+        return new_fit
 
     @property
     def source(self) -> Source | None:

@@ -24,10 +24,10 @@ def _ovens() -> str:
     for number in range(9):
         oven, first = (100, 125, 150)[number // 3], 40 * (1 + 0.03 * random.standard_normal())
         for hours in _HOURS:
-            left = _LAW.retained(
+            remainder = _LAW.retained(
                 parse_quantity(f"{oven}degC", "temperature"), parse_quantity(f"{hours}h", "time")
             )
-            force = first * left + 0.4 * random.standard_normal()
+            force = first * remainder + 0.4 * random.standard_normal()
             lines.append(f"{hours:g},{force:.2f},{oven},{number + 1}")
     return "\n".join([*lines, ""])
 

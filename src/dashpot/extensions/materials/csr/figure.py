@@ -12,57 +12,57 @@ from dashpot.plot.picture import FIT, PREDICTED, Area, Dots, Line, Panel, Pictur
 from dashpot.plot.provenance_stamp import stamp as stamped
 
 
-def csr(found: Aging, *, stamp: str = "") -> Picture:
+def csr(aging: Aging, *, stamp: str = "") -> Picture:
     """What every piece kept of its force over time, and the law, an oven a panel.
 
     Parameters
     ----------
-    found : Aging
+    aging : Aging
     stamp : str
         What the figure says of its origin; by default the files.
     """
-    time = np.geomspace(FIRST, found.longest, 200)
+    time = np.geomspace(FIRST, aging.longest, 200)
     hours = convert_to_unit(time, "h")
     across = Scale("time, h", (float(hours[0]) / 1.3, float(hours[-1]) * 1.3), log=True)
-    least = min(float(one.retained.min()) for one in found.ovens)
+    least = min(float(oven.retained.min()) for oven in aging.ovens)
     up = Scale("F/F0, %", (max(100 * least - 5, 0.0), 105.0))
     panels = []
-    for one in found.ovens:
-        kept = np.array([found.law.retained(one.temperature, each) for each in time])
-        dots = Dots(convert_to_unit(one.time, "h"), 100 * one.retained, "measured", "measured")
-        marks = (Line(hours, 100 * kept, FIT, "law"), dots)
-        panels.append(Panel(across, up, marks, title=format_quantity(one.temperature, "°C")))
+    for item in aging.ovens:
+        values = np.array([aging.law.retained(item.temperature, entry) for entry in time])
+        dots = Dots(convert_to_unit(item.time, "h"), 100 * item.retained, "measured", "measured")
+        marks = (Line(hours, 100 * values, FIT, "law"), dots)
+        panels.append(Panel(across, up, marks, title=format_quantity(item.temperature, "°C")))
     caption = "Force that pieces kept in each oven: measured, and by the law of aging."
-    origin = stamped(found.sources) if found.sources else ""
-    return Picture("csr", caption, tuple((one,) for one in panels), 3, stamp or origin)
+    origin = stamped(aging.sources) if aging.sources else ""
+    return Picture("csr", caption, tuple((panel,) for panel in panels), 3, stamp or origin)
 
 
-def draw_aged_force(found: Aged, *, stamp: str = "") -> Picture:
+def draw_aged_force(prediction: Aged, *, stamp: str = "") -> Picture:
     """What is left of the force at a temperature over time, with its 95 % interval.
 
     Parameters
     ----------
-    found : Aged
+    prediction : Aged
     stamp : str
         What the figure says of its origin; by default the files.
     """
-    law, kelvin = found.aging.law, found.temperature
+    law, kelvin = prediction.aging.law, prediction.temperature
     law = law.at_least() if law.bound_alone else law
-    time = np.geomspace(FIRST, found.furthest, 200)
-    left = np.array([law.retained(kelvin, one) for one in time])
-    known = np.array([law.error_of(lambda it: it.retained(kelvin, one)) for one in time])  # noqa: B023
-    half = 100 * law.quantile * np.where(np.isfinite(known), known, 0.0)
+    time = np.geomspace(FIRST, prediction.furthest, 200)
+    values = np.array([law.retained(kelvin, item) for item in time])
+    reference = np.array([law.error_of(lambda it: it.retained(kelvin, item)) for item in time])  # noqa: B023
+    half = 100 * law.quantile * np.where(np.isfinite(reference), reference, 0.0)
     hours = convert_to_unit(time, "h")
-    measured = time <= found.aging.longest
+    measured = time <= prediction.aging.longest
     marks = (
-        Area(hours, 100 * left - half, 100 * left + half, "fit", "95 % interval"),
-        Line(hours, 100 * left, PREDICTED, "beyond the last reading"),
-        Line(hours[measured], 100 * left[measured], FIT, "law"),
+        Area(hours, 100 * values - half, 100 * values + half, "fit", "95 % interval"),
+        Line(hours, 100 * values, PREDICTED, "beyond the last reading"),
+        Line(hours[measured], 100 * values[measured], FIT, "law"),
     )
     across = Scale("time, h", (float(hours[0]), float(hours[-1])), log=True)
-    up = Scale("F/F0, %", (max(100 * float(left.min()) - 10, 0.0), 105.0))
+    up = Scale("F/F0, %", (max(100 * float(values.min()) - 10, 0.0), 105.0))
     title = format_quantity(kelvin, "°C") + (", at least" if law.bound_alone else "")
     caption = "Force that is left over time at one temperature, with its 95 % interval."
-    origin = stamped(found.aging.sources) if found.aging.sources else ""
+    origin = stamped(prediction.aging.sources) if prediction.aging.sources else ""
     panel = Panel(across, up, marks, title=title, height=240)
     return Picture("aged", caption, ((panel,),), 1, stamp or origin)

@@ -66,25 +66,25 @@ def fit_aging(records: Sequence[CounterforceTest], *, machine: Machine | None = 
             f"{WORST_OVEN:g} K. Write it in K: --machine oven=1K"
         )
     read, sd = readings_of(records), USUAL_OVEN if machine.oven is None else machine.oven
-    whole = float(np.mean(np.concatenate([one.force for one in records])))
+    whole = float(np.mean(np.concatenate([record.force for record in records])))
     drift = USUAL_DRIFT if machine.drift is None else machine.drift * checks.LONG / whole
-    alone = _fit_oven_rates(read, drift)
-    ovens = read.ovens(alone)
+    uncertainty = _fit_oven_rates(read, drift)
+    ovens = read.ovens(uncertainty)
     orders: dict[str, float] = {}
-    law, strain = _bound(alone, ovens[-1]), None
+    law, strain = _bound(uncertainty, ovens[-1]), None
     if ovens[-1].significance >= checks.SEEN:
-        said = machine.oven is not None
-        law, orders, strain = _arrhenius(read, alone, ovens, (sd, drift), said=said)
+        stated = machine.oven is not None
+        law, orders, strain = _arrhenius(read, uncertainty, ovens, (sd, drift), stated=stated)
         if machine.drift is None and strain is not None:  # which a drift nobody saw may hide
             bare = _fit_oven_rates(read, 0.0)
-            bent = _arrhenius(read, bare, read.ovens(bare), (sd, 0.0), said=said)[2]
+            bent = _arrhenius(read, bare, read.ovens(bare), (sd, 0.0), stated=stated)[2]
             strain = max(strain, bent or 0.0)
-    found = Aging(
+    aging = Aging(
         law, ovens, float(read.time.max()), tuple(orders.items()),
-        float(np.sqrt(alone.noises[0].power)), sd, (), sources_of(records),
+        float(np.sqrt(uncertainty.noises[0].power)), sd, (), sources_of(records),
     )  # fmt: skip
-    judged = checks.run_checks(found, read, alone, strain, drift=drift)
-    return replace(found, checks=(*judged, *caution_checks(found.sources)))
+    checked_checks = checks.run_checks(aging, read, uncertainty, strain, drift=drift)
+    return replace(aging, checks=(*checked_checks, *caution_checks(aging.sources)))
 
 
 def _problem(
@@ -99,29 +99,29 @@ def _problem(
     The last parameters are `doubts` in their standard deviations, with a prior each: errors of
     ovens, if `rates` has any, and a drift, in parts of F0 in 1000 h; below what weighs them.
     """
-    known = [one for one in doubts if one > 0]
+    values = [doubt for doubt in doubts if doubt > 0]
     of_piece = np.eye(read.pieces)[read.piece]
-    below = np.zeros((len(known), read.pieces))
+    below = np.zeros((len(values), read.pieces))
     drifted = read.time / checks.LONG * read.weak * doubts[-1]
 
     def model(theta: FloatArray) -> Rows:
         rate, exponent = rates(theta)
         shape = retained_fraction(read.time, float(theta[0]), rate[read.oven], exponent)
-        off = theta[len(theta) - len(known) :]
+        off = theta[len(theta) - len(values) :]
         force = read.force - drifted * off[-1] if doubts[-1] else read.force
         y = np.concatenate((force, -scatter * off))
         return Rows(y, np.vstack((shape[:, None] * of_piece, below)))
 
-    every = [*parameters, *(Parameter(-_FAR, _FAR, 1.0) for _ in known)]
-    return Problem(model, every, priors=len(known))
+    every = [*parameters, *(Parameter(-_FAR, _FAR, 1.0) for _ in values)]
+    return Problem(model, every, priors=len(values))
 
 
 def _fit_oven_rates(read: Readings, drift: float) -> Estimate:
     """A rate for each oven, over its longest time: they show the scatter of a reading, too."""
     ovens = len(read.temperature)
     parameters = [_PHYSICAL, *(Parameter(-2, 200, 0.1) for _ in range(ovens))]
-    left = np.array([read.force[read.oven == k].min() for k in range(len(read.temperature))])
-    start = np.maximum(-np.log(np.clip(left, 0.01, 1.0)) - 0.06, 0.01)
+    values = np.array([read.force[read.oven == k].min() for k in range(len(read.temperature))])
+    start = np.maximum(-np.log(np.clip(values, 0.01, 1.0)) - 0.06, 0.01)
     theta, scatter = np.array([0.02, *start, *[0.0] * (drift > 0)]), _USUAL
     # what a reading scatters by weighs the drift, and shows after the first
     for _ in range(2 if drift else 1):
@@ -138,27 +138,27 @@ def _fit_oven_rates(read: Readings, drift: float) -> Estimate:
     return estimate(best, noises=[noise])
 
 
-def _bound(alone: Estimate, hottest: Oven) -> AgingLaw:
+def _bound(uncertainty: Estimate, hottest: Oven) -> AgingLaw:
     """The law without chemistry: what the hottest oven does not rule out of it."""
     covariance = np.zeros((4, 4))
-    covariance[0, 0] = alone.covariance[0, 0]
+    covariance[0, 0] = uncertainty.covariance[0, 0]
     fastest = max(hottest.rate, 0.0) + BOUND * hottest.rate_error
     return AgingLaw(
-        float(alone.optimum.theta[0]), -float(np.log(fastest)), 0.0, 1.0, hottest.temperature,
-        covariance, alone.quantile(), bound_alone=True,
+        float(uncertainty.optimum.theta[0]), -float(np.log(fastest)), 0.0, 1.0, hottest.temperature,
+        covariance, uncertainty.quantile(), bound_alone=True,
     )  # fmt: skip
 
 
 def _arrhenius(
     read: Readings,
-    alone: Estimate,
+    uncertainty: Estimate,
     ovens: Sequence[Oven],
     doubts: tuple[float, float],
     *,
-    said: bool,
+    stated: bool,
 ) -> tuple[AgingLaw, dict[str, float], float | None]:
     """The law of all ovens, BIC of each exponent, and how far they lie from one line of 1/T."""
-    kelvin, power, several = read.temperature, alone.noises[0].power, len(ovens) > 1
+    kelvin, power, several = read.temperature, uncertainty.noises[0].power, len(ovens) > 1
     sd, drift = doubts
     middle, offsets = float(1 / np.mean(1 / kelvin)), len(ovens) if several and sd else 0
     colder = (1 / kelvin - 1 / middle) / GAS
@@ -168,14 +168,14 @@ def _arrhenius(
         slope = _ENERGY * theta[2] * (1 / at - 1 / middle) / GAS
         return np.exp(-theta[1] - slope), float(np.exp(theta[3]))
 
-    fastest = max(one.rate for one in ovens)
-    slow = -np.log([max(one.rate, 1e-3 * fastest) for one in ovens])
+    fastest = max(oven.rate for oven in ovens)
+    slow = -np.log([max(oven.rate, 1e-3 * fastest) for oven in ovens])
     energy, level = np.polyfit(_ENERGY * colder, slow, 1) if several else (0.0, slow[0])
     chemical = Parameter(level - 20, level + 20, 0.1)
     every = [_PHYSICAL, chemical, _ACTIVATION, _EXPONENT]
     whole = _problem(read, every, rates, [*[sd] * offsets, drift], float(np.sqrt(power)))
     still_at_0 = [0.0] * (1 + offsets + (drift > 0))
-    start = np.array([alone.optimum.theta[0], level, energy, *still_at_0])
+    start = np.array([uncertainty.optimum.theta[0], level, energy, *still_at_0])
     tried = {}
     for name, held in _HELD.items():
         problem, still = whole, [*held, *([] if several else [2])]
@@ -184,22 +184,22 @@ def _arrhenius(
         best = require_optimum(problem, [np.delete(start, still)])
         tried[name] = (still, estimate(best, noises=[white_noise(best, power)]))
     count = len(read.time)
-    orders = {name: score(known.optimum, count) for name, (_, known) in tried.items()}
-    still, known = tried[min(orders, key=lambda name: orders[name])]
+    orders = {name: score(estimate.optimum, count) for name, (_, estimate) in tried.items()}
+    still, resolved_estimate = tried[min(orders, key=lambda name: orders[name])]
     values, covariance = np.zeros(4), np.zeros((4, 4))
     free = [i for i in range(4) if i not in still]
-    values[free] = known.optimum.theta[: len(free)]
-    covariance[np.ix_(free, free)] = known.covariance[: len(free), : len(free)]
-    if len(ovens) == 2 and not said:  # nothing but their temperatures could show its error
+    values[free] = resolved_estimate.optimum.theta[: len(free)]
+    covariance[np.ix_(free, free)] = resolved_estimate.covariance[: len(free), : len(free)]
+    if len(ovens) == 2 and not stated:  # nothing but their temperatures could show its error
         covariance[2], covariance[:, 2] = 0.0, 0.0
         covariance[2, 2] = np.inf
     units = np.array([1.0, 1.0, _ENERGY, 1.0])
     p, tau, energy, exponent = (values * units).tolist()
     law = AgingLaw(
         p, tau, energy, float(np.exp(exponent)), middle, covariance * np.outer(units, units),
-        known.quantile(),
+        resolved_estimate.quantile(),
     )  # fmt: skip
     if len(ovens) < 3:
         return law, orders, None
-    more = known.optimum.cost - alone.optimum.cost
+    more = resolved_estimate.optimum.cost - uncertainty.optimum.cost
     return law, orders, more / power / (len(ovens) - 2)

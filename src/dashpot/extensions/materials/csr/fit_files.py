@@ -39,10 +39,10 @@ def csr_files(
         If a file cannot be read, or they are no lot of one test.
     """
     try:
-        each = make_file_specimens(None, temperatures, len(files))
+        specimens = make_file_specimens(None, temperatures, len(files))
         tests = [
-            read_csr(path, options=options, specimen=one)
-            for path, one in zip(files, each, strict=True)
+            read_csr(path, options=options, specimen=specimen)
+            for path, specimen in zip(files, specimens, strict=True)
         ]
         return fit_aging(tests, machine=machine)
     except DataError as error:

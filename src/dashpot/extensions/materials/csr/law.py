@@ -74,8 +74,8 @@ class AgingLaw(EqualByValue):
     @property
     def errors(self) -> list[float]:
         """Standard errors of the four."""
-        found: list[float] = np.sqrt(np.diag(self.covariance)).tolist()
-        return found
+        values: list[float] = np.sqrt(np.diag(self.covariance)).tolist()
+        return values
 
     def tau(self, temperature: float) -> float:
         """Time of the chemical factor at a temperature, s."""

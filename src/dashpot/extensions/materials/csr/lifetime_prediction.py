@@ -57,7 +57,7 @@ class Aged(HasVerdict, Serialisable):
     @property
     def answers(self) -> tuple[ReportedValue, ...]:
         """Each time until a part of F0 is left, s, and each part that is left after a time."""
-        every = (_facts(self.aging, self.temperature, *_end(one)) for one in self.until)
+        every = (_facts(self.aging, self.temperature, *_end(name)) for name in self.until)
         return tuple(fact for facts in every for fact in facts)
 
     @property
@@ -74,17 +74,17 @@ class Aged(HasVerdict, Serialisable):
     def verdict(self) -> Verdict:
         """What to make of it."""
         says = f"at {celsius(self.temperature)} {format_fact_clause(self.answers[0])}"
-        return verdict(self.checks, sound=says)
+        return verdict(self.checks, headline=says)
 
 
 def predict_aging(
-    found: Aging, *, temperature: Quantity | None = None, until: str | Sequence[str] = ()
+    aging: Aging, *, temperature: Quantity | None = None, until: str | Sequence[str] = ()
 ) -> Aged:
     """Predict at a temperature when parts of F0 are left, or what is left after times.
 
     Parameters
     ----------
-    found : Aging
+    aging : Aging
     temperature : float or str
         K, or ``"70degC"``.
     until : str or sequence of str
@@ -101,8 +101,8 @@ def predict_aging(
         )
     temperature = convert_to_si(temperature, "temperature")
     tested_at("--temperature", temperature)
-    law, coldest, hottest = found.law, found.ovens[0].temperature, found.ovens[-1].temperature
-    tested = [abs(temperature - one.temperature) for one in found.ovens]
+    law, coldest, hottest = aging.law, aging.ovens[0].temperature, aging.ovens[-1].temperature
+    tested = [abs(temperature - oven.temperature) for oven in aging.ovens]
     if law.bound_alone and temperature > hottest + ONE_OVEN:
         raise DataError(
             f"no oven up to {celsius(hottest)} showed aging, so nothing is known of "
@@ -113,21 +113,23 @@ def predict_aging(
             f"one oven, at {celsius(hottest)}, shows nothing of {celsius(temperature)}. Fit two "
             "more ovens together with it, or ask --temperature of the oven"
         )
-    asked = _parse_questions(until) or ("50%",)
-    furthest = max(_compute_question_time(law, temperature, *_end(one)) for one in asked)
-    moved = [_compute_answer_shift(found, temperature, *_end(one)) for one in asked]
+    questions = _parse_questions(until) or ("50%",)
+    furthest = max(
+        _compute_question_time(law, temperature, *_end(question)) for question in questions
+    )
+    changes = [_compute_answer_shift(aging, temperature, *_end(question)) for question in questions]
     checks = (
         temperature_near_ovens(coldest - temperature, temperature),
         cold_bears_lower_energy(
-            max((one for one in moved if one is not None), default=None), LOWER, coldest
+            max((change for change in changes if change is not None), default=None), LOWER, coldest
         ),
-        time_near_readings(math.log10(furthest / found.longest), found.longest),
+        time_near_readings(math.log10(furthest / aging.longest), aging.longest),
     )
-    return Aged(found, temperature, asked, furthest, (*checks, *found.checks))
+    return Aged(aging, temperature, questions, furthest, (*checks, *aging.checks))
 
 
 def predict_aged(
-    found: Aging,
+    aging: Aging,
     *,
     temperature: Quantity | None = None,
     until: str | Sequence[str] = (),
@@ -141,22 +143,22 @@ def predict_aged(
         As there, and if of a seal not one time is asked.
     """
     if new is None:
-        return predict_aging(found, temperature=temperature, until=until)
-    asked = _parse_questions(until)
-    if len(asked) != 1 or math.isnan(_end(asked[0])[1]) or temperature is None:
+        return predict_aging(aging, temperature=temperature, until=until)
+    questions = _parse_questions(until)
+    if len(questions) != 1 or math.isnan(_end(questions[0])[1]) or temperature is None:
         raise DataError(
             "a seal is aged for one time at one temperature. Add both: --temperature 70degC "
             "--until 10000h"
         )
-    return aged_fit(found, new, temperature=temperature, time=_end(asked[0])[1])
+    return aged_fit(aging, new, temperature=temperature, time=_end(questions[0])[1])
 
 
-def aged_fit(found: Aging, fit: Fit, *, temperature: Quantity, time: Quantity) -> Fit:
+def aged_fit(aging: Aging, fit: Fit, *, temperature: Quantity, time: Quantity) -> Fit:
     """Return the fit of a seal after a time at a temperature: its stiffnesses times F/F0.
 
     Parameters
     ----------
-    found : Aging
+    aging : Aging
     fit : Fit
         Of the new seal.
     temperature, time : float or str
@@ -168,12 +170,12 @@ def aged_fit(found: Aging, fit: Fit, *, temperature: Quantity, time: Quantity) -
         If the ovens say nothing of it, or only what is left at least.
     """
     seconds = convert_to_si(time, "time")
-    asked = predict_aging(found, temperature=temperature, until=f"{seconds!r}s")
-    law, (left, *_) = found.law, asked.answers
-    chemical = replace(law, physical=0.0).retained(asked.temperature, seconds)
-    says = f"after {format_quantity(seconds, 'h', '.6g')} at {celsius(asked.temperature)}"
-    checks = (*asked.checks, stiffness_follows_force(1 - chemical))
-    return fit.aged(left, says, checks=tuple(one for one in checks if one.failed))
+    prediction = predict_aging(aging, temperature=temperature, until=f"{seconds!r}s")
+    law, (fact, *_) = aging.law, prediction.answers
+    chemical = replace(law, physical=0.0).retained(prediction.temperature, seconds)
+    says = f"after {format_quantity(seconds, 'h', '.6g')} at {celsius(prediction.temperature)}"
+    checks = (*prediction.checks, stiffness_follows_force(1 - chemical))
+    return fit.aged(fact, says, checks=tuple(check for check in checks if check.failed))
 
 
 def _parse_questions(until: str | Sequence[str] | float) -> tuple[str, ...]:
@@ -208,31 +210,33 @@ def _compute_question_time(law: AgingLaw, temperature: float, part: float, time:
     return min(law.life(temperature, part), NEVER) if math.isnan(time) else time
 
 
-def _facts(found: Aging, temperature: float, part: float, time: float) -> list[ReportedValue]:
+def _facts(aging: Aging, temperature: float, part: float, time: float) -> list[ReportedValue]:
     """What a question is answered: a number with its interval, or at least so much."""
-    law, coldest = found.law, found.ovens[0].temperature
+    law, coldest = aging.law, aging.ovens[0].temperature
     if math.isnan(part):
         words = f"F/F0 after {format_quantity(time, 'h', '.6g')}"
         if law.bound_alone:
-            left = law.at_least().retained(temperature, time)
-            return [ReportedValue("left", math.nan, left, math.inf, "1", None, "%", words)]
-        left = law.retained(temperature, time)
-        error = law.error_of(lambda one: one.retained(temperature, time))
+            remainder = law.at_least().retained(temperature, time)
+            return [ReportedValue("left", math.nan, remainder, math.inf, "1", None, "%", words)]
+        remainder = law.retained(temperature, time)
+        error = law.error_of(lambda aging_law: aging_law.retained(temperature, time))
         return [
-            ReportedValue.known("left", left, error, law.quantile, unit="1", read="%", words=words)
+            ReportedValue.known(
+                "left", remainder, error, law.quantile, unit="1", read="%", words=words
+            )
         ]
     words = f"time until F/F0 is {format_quantity(part, '%', 'g')}"
     if law.bound_alone or math.isinf(law.life(temperature, part)):
         least = min(law.at_least().life(temperature, part), NEVER)
         return [ReportedValue("life", math.nan, least, math.inf, "s", None, "h", words)]
-    error = law.error_of(lambda one: math.log(one.life(temperature, part)))
+    error = law.error_of(lambda aging_law: math.log(aging_law.life(temperature, part)))
     life = law.life(temperature, part)
     facts = [
         ReportedValue.known(
             "life", life, error, law.quantile, of_log=True, unit="s", read="h", words=words
         )
     ]
-    flat = _if_it_falls(found, temperature)
+    flat = _if_it_falls(aging, temperature)
     if flat is not None:
         below = (
             f"the same, if Ea were {format_quantity(LOWER, 'kJ/mol', 'g')} below {celsius(coldest)}"
@@ -242,26 +246,26 @@ def _facts(found: Aging, temperature: float, part: float, time: float) -> list[R
     return facts
 
 
-def _if_it_falls(found: Aging, temperature: float) -> AgingLaw | None:
+def _if_it_falls(aging: Aging, temperature: float) -> AgingLaw | None:
     """The law whose activation energy falls below the coldest oven; None where none can."""
-    law, coldest = found.law, found.ovens[0].temperature
+    law, coldest = aging.law, aging.ovens[0].temperature
     if law.bound_alone or temperature >= coldest - ONE_OVEN or law.activation <= LOWER:
         return None
     return replace(law, chemical=math.log(law.tau(coldest)), activation=LOWER, reference=coldest)
 
 
 def _compute_answer_shift(
-    found: Aging, temperature: float, part: float, time: float
+    aging: Aging, temperature: float, part: float, time: float
 ) -> float | None:
     """By how many standard errors that changes an answer."""
-    law, flat = found.law, _if_it_falls(found, temperature)
+    law, flat = aging.law, _if_it_falls(aging, temperature)
     if flat is None:
         return None
 
-    def answer(one: AgingLaw) -> float:
+    def answer(aging_law: AgingLaw) -> float:
         if math.isnan(part):
-            return one.retained(temperature, time)
-        return math.log(min(one.life(temperature, part), NEVER))
+            return aging_law.retained(temperature, time)
+        return math.log(min(aging_law.life(temperature, part), NEVER))
 
     error = law.error_of(answer)
     return (answer(law) - answer(flat)) / error if 0 < error < math.inf else None

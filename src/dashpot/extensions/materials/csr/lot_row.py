@@ -21,13 +21,13 @@ def build_lot_row(file: str | Path, piece: Piece) -> tuple[Aging, dict[str, Any]
         If it cannot be read, or no law follows it.
     """
     specimen = Specimen(temperature=piece.temperature)
-    found = fit_aging([read_csr(file, options=piece.options, specimen=specimen)])
-    loss, time, *_ = found.found
-    return found, {
-        "samples": sum(len(one.time) for one in found.ovens),
-        "method": min(found.orders, key=lambda one: one[1])[0] if found.orders else "physical",
+    aging = fit_aging([read_csr(file, options=piece.options, specimen=specimen)])
+    loss, time, *_ = aging.found
+    return aging, {
+        "samples": sum(len(oven.time) for oven in aging.ovens),
+        "method": min(aging.orders, key=lambda pair: pair[1])[0] if aging.orders else "physical",
         "csr_loss_per_decade": loss.value,
-        "csr_chemical_time_s": None if found.law.bound_alone else time.value,
+        "csr_chemical_time_s": None if aging.law.bound_alone else time.value,
         "csr_chemical_time_low_s": time.low,
-        "csr_activation_J_per_mol": found.law.activation or None,
+        "csr_activation_J_per_mol": aging.law.activation or None,
     }

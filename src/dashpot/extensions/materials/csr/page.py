@@ -7,24 +7,24 @@ from dashpot.extensions.materials.csr.datamodel import Aging
 from dashpot.report.page_content import KindPage, Topic, group, lights, make_law_ranking
 
 
-def page(found: Aging) -> KindPage:
+def page(aging: Aging) -> KindPage:
     """What the page of a law of aging holds."""
-    warm = [one.temperature for one in found.ovens]
-    ends = " to ".join(f"{convert_to_unit(one, '°C'):.4g}" for one in (warm[0], warm[-1]))
+    warm = [oven.temperature for oven in aging.ovens]
+    ends = " to ".join(f"{convert_to_unit(value, '°C'):.4g}" for value in (warm[0], warm[-1]))
     return KindPage(
         about="compression stress relaxation",
         strip=(("Ovens", f"{len(warm)}, {ends} °C"),
-               ("Longest", format_quantity(found.longest, "h", ".4g")),
-               ("Scatter", f"{100 * found.scatter:.2g} % of F0")),
+               ("Longest", format_quantity(aging.longest, "h", ".4g")),
+               ("Scatter", f"{100 * aging.scatter:.2g} % of F0")),
         lights=lights(
-            found.checks, Topic("Readings"),
+            aging.checks, Topic("Readings"),
             Topic("Ovens", {"ovens_enough", "ovens_on_a_line"}, f"{len(warm)} on one line"),
             Topic("Chemistry", {"chemistry_seen", "aging_beside_drift", "cell_holds"}, "seen"),
         ),
         answers="What is left of the force",
-        picture=found.plot(),
+        picture=aging.plot(),
         told="The law of aging",
-        groups=(group("", found.facts),),
-        sources=found.sources,
-        folds=(make_law_ranking(found.orders),),
+        groups=(group("", aging.facts),),
+        sources=aging.sources,
+        folds=(make_law_ranking(aging.orders),),
     )  # fmt: skip

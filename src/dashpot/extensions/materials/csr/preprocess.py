@@ -53,20 +53,20 @@ class Readings(NamedTuple):
         """Time of the last reading in every oven, s."""
         return np.array([self.time[self.oven == k].max() for k in range(len(self.temperature))])
 
-    def ovens(self, alone: Estimate) -> tuple[Oven, ...]:
+    def ovens(self, estimate: Estimate) -> tuple[Oven, ...]:
         """Every oven with its rate, and its readings over the F0 that was fitted of each piece."""
-        scale, found = alone.optimum.beta[self.piece], []
+        scale, ovens = estimate.optimum.beta[self.piece], []
         for k, kelvin in enumerate(self.temperature.tolist()):
-            own, longest = self.oven == k, float(self.longest[k])
-            found.append(
+            value, longest = self.oven == k, float(self.longest[k])
+            ovens.append(
                 Oven(
-                    kelvin, len(np.unique(self.piece[own])),
-                    float(alone.optimum.theta[1 + k]) / longest,
-                    float(alone.standard_error[1 + k]) / longest,
-                    self.time[own], self.force[own] / scale[own],
+                    kelvin, len(np.unique(self.piece[value])),
+                    float(estimate.optimum.theta[1 + k]) / longest,
+                    float(estimate.standard_error[1 + k]) / longest,
+                    self.time[value], self.force[value] / scale[value],
                 )
             )  # fmt: skip
-        return tuple(found)
+        return tuple(ovens)
 
 
 def readings_of(tests: Sequence[CounterforceTest]) -> Readings:
@@ -77,21 +77,21 @@ def readings_of(tests: Sequence[CounterforceTest]) -> Readings:
     DataError
         If methods A and B are mixed, or a piece was read too soon, too seldom, or in two ovens.
     """
-    methods = set("".join(one.method for one in tests))
+    methods = set("".join(test.method for test in tests))
     if len(methods) > 1:
         raise DataError(
             "Method A reads the force in the oven, method B at room temperature, and these records "
             "are of both. Fit each method by itself"
         )
-    kelvin = np.concatenate([one.temperature for one in tests])
+    kelvin = np.concatenate([test.temperature for test in tests])
     order = np.argsort(kelvin, kind="stable")
     oven = np.empty(len(kelvin), dtype=np.intp)
     oven[order] = np.cumsum(np.diff(kelvin[order], prepend=kelvin[order][0]) > ONE_OVEN)
-    lot = np.repeat(np.arange(len(tests)), [len(one.time) for one in tests])
-    cells = np.stack((oven, lot, np.concatenate([one.piece for one in tests])))
+    lot = np.repeat(np.arange(len(tests)), [len(test.time) for test in tests])
+    cells = np.stack((oven, lot, np.concatenate([test.piece for test in tests])))
     _, piece = np.unique(cells, axis=1, return_inverse=True)
-    time = np.concatenate([one.time for one in tests])
-    force = np.concatenate([one.force for one in tests])
+    time = np.concatenate([test.time for test in tests])
+    force = np.concatenate([test.force for test in tests])
     rows = np.lexsort((time, piece.ravel()))
     time, force, piece, oven = time[rows], force[rows], piece.ravel()[rows], oven[rows]
     first = np.flatnonzero(np.diff(piece, prepend=-1))

@@ -61,18 +61,22 @@ def read_csr(
         chosen = channels.with_units(file, [*wanted, *([warm] if warm else [])])
         loaded = channels.load_test(file, chosen, 1)
         whole = np.isfinite(loaded.values).all(axis=1)
-        pieces, methods = (read_text_column(file, one, loaded)[whole] for one in (_PIECE, _METHOD))
+        pieces, methods = (
+            read_text_column(file, names, loaded)[whole] for names in (_PIECE, _METHOD)
+        )
         rows, notes = channels.select_complete_rows(loaded)
         _refuse_parts(file, chosen[1].index, float(rows[:, 1].max()))
         values = channels.convert_signals_to_si(rows, chosen)
-        kelvin, said = _oven(file, values.get("temperature"), specimen or Specimen(), len(rows))
+        kelvin, sentences = _oven(
+            file, values.get("temperature"), specimen or Specimen(), len(rows)
+        )
         number = np.unique(pieces, return_inverse=True)[1]
         if not pieces.any():
             number = np.cumsum(np.diff(values["time"], prepend=0.0) <= 0)
-        read = {one.upper() for one in _SAID.findall(" ".join(file.table.header).casefold())}
+        read = {name.upper() for name in _SAID.findall(" ".join(file.table.header).casefold())}
         read |= {word.strip()[-1:].upper() for word in methods.tolist()}
         source = channels.source(
-            file, [one.says for one in chosen], [*file.table.notes, *notes, *said]
+            file, [channel.says for channel in chosen], [*file.table.notes, *notes, *sentences]
         )
         return CounterforceTest(
             values["time"], values["force"], kelvin, number + 1,
@@ -84,28 +88,28 @@ def _oven(
     file: OpenedFile, column: FloatArray | None, specimen: Specimen, count: int
 ) -> tuple[FloatArray, list[str]]:
     """The temperature of every row, K: that of the column, of the header, or as given."""
-    given = specimen.temperature
+    temperature = specimen.temperature
     if column is not None:
-        off = 0.0 if given is None else float(np.abs(column - given).max())
-        if given is not None and off > SAME_TEMPERATURE:
+        off = 0.0 if temperature is None else float(np.abs(column - temperature).max())
+        if temperature is not None and off > SAME_TEMPERATURE:
             low, high = celsius(float(column.min())), celsius(float(column.max()))
             raise ReadError(
                 f"the column of temperature runs from {low} to {high}, and --temperature says "
-                f"{celsius(given)}. Leave out --temperature, or mend the file"
+                f"{celsius(temperature)}. Leave out --temperature, or mend the file"
             )
         return column, []
-    known, said = add_specimen_temperature(file, specimen)
-    if known.stated_temperature is not None:
+    value, sentences = add_specimen_temperature(file, specimen)
+    if value.stated_temperature is not None:
         raise ReadError(
-            f"the file says {celsius(known.stated_temperature)}, and --temperature "
-            f"{celsius(known.temperature or 0.0)}. Leave out --temperature, or mend the file"
+            f"the file says {celsius(value.stated_temperature)}, and --temperature "
+            f"{celsius(value.temperature or 0.0)}. Leave out --temperature, or mend the file"
         )
-    if known.temperature is None:
+    if value.temperature is None:
         raise ReadError(
             "the file says no temperature of its oven. Add one for each file, in their order: "
             "--temperature 125degC"
         )
-    return np.full(count, known.temperature), said
+    return np.full(count, value.temperature), sentences
 
 
 def _refuse_parts(file: OpenedFile, index: int, largest: float) -> None:

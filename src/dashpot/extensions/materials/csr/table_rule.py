@@ -32,26 +32,28 @@ def counterforce(table: FileTable, options: ReadOptions) -> ReadOptions | None:
     """
     if any(_has_role(table, role, options) for role in _OTHERS):
         return None
-    columns = [(str(i), one) for i, one in enumerate(table.columns, 1) if one.content == "number"]
+    columns = [
+        (str(i), column) for i, column in enumerate(table.columns, 1) if column.content == "number"
+    ]
     clock = _clock(table, columns, options)
-    said = any(_SAID.search(line.casefold()) for line in table.header)
-    if not (clock or said):
+    stated = any(_SAID.search(line.casefold()) for line in table.header)
+    if not (clock or stated):
         return None
-    found = clock or options
-    pushed = _has_role(table, "force", found)
-    ratios = [number for number, one in columns if is_ratio(one)]
+    read_options = clock or options
+    pushed = _has_role(table, "force", read_options)
+    ratios = [number for number, column in columns if is_ratio(column)]
     if not (pushed or ratios):
         return None
     if pushed or options.force:
-        return found
-    return replace(found, force=ratios[0], units={**dict(found.units), "force": "N"})
+        return read_options
+    return replace(read_options, force=ratios[0], units={**dict(read_options.units), "force": "N"})
 
 
 def is_ratio(column: Column) -> bool:
     """Whether a column holds parts of F0."""
     if not _RATIO.search(column.name.casefold()):
         return False
-    return column.unit is None or any(units.is_same_unit(column.unit, one) for one in ("%", "1"))
+    return column.unit is None or any(units.is_same_unit(column.unit, name) for name in ("%", "1"))
 
 
 def _clock(
@@ -61,12 +63,12 @@ def _clock(
     timed = {
         str(i + 1) for i, value in score_columns(table, "time", options).items() if value >= 1.5
     }
-    for number, one in columns:
-        if number in timed or options.time in {number, one.name}:
-            return options if _long(options.unit_of("time", one.name) or one.unit) else None
-    for number, one in columns:
-        if one.unit is None and _long(one.name):
-            return replace(options, time=number, units={**dict(options.units), "time": one.name})
+    for number, column in columns:
+        if number in timed or options.time in {number, column.name}:
+            return options if _long(options.unit_of("time", column.name) or column.unit) else None
+    for number, column in columns:
+        if column.unit is None and _long(column.name):
+            return replace(options, time=number, units={**dict(options.units), "time": column.name})
     return None
 
 

@@ -13,9 +13,9 @@ from dashpot.reading.read_options import ReadOptions
 ASKS = (FormField("test", "Kind of test", "", "--test", tuple(MODES), each=True),)
 
 
-def answered(files: Sequence[str], said: FormData, options: ReadOptions) -> HyperelasticFit:
+def answered(files: Sequence[str], form: FormData, options: ReadOptions) -> HyperelasticFit:
     """The law of the curves."""
     modes: dict[str, list[str]] = {}
     for i, path in enumerate(files):
-        modes.setdefault(said.get_text(f"test {i}") or next(iter(MODES)), []).append(path)
+        modes.setdefault(form.get_text(f"test {i}") or next(iter(MODES)), []).append(path)
     return hyperelastic_files(modes, options=options)

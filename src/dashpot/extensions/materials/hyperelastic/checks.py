@@ -46,13 +46,13 @@ def run_checks(
     fit: HyperelasticFit,
     chosen: HyperelasticOptimum,
     tried: Sequence[HyperelasticOptimum],
-    known: DerivedQuantity,
+    quantity: DerivedQuantity,
     times: float,
     *,
-    asked: Span | None,
+    requested: Span | None,
 ) -> tuple[Check, ...]:
     """Every check of a law."""
-    shaped = [one for one in fit.curves if one.mode != "volumetric"]
+    shaped = [curve for curve in fit.curves if curve.mode != "volumetric"]
     worst = int(np.argmax(fit.residuals))
     foam = fit.law.kind == "hyperfoam"
     through = list(fit.curves) if foam else shaped
@@ -61,11 +61,11 @@ def run_checks(
     still = math.inf if foam else compute_best_stable_misfit(shaped, 0.0)
     reach = dict(fit.reach)
     least, where = least_drucker(fit.law, reach)
-    half = times * known.standard_error[: len(fit.law.constants)]
+    half = times * quantity.standard_error[: len(fit.law.constants)]
     largest = max(abs(c) for c in fit.law.constants)
     wide = int(np.argmax(half))
-    lost = [one.lost for one in fit.curves if one.lost is not None]
-    softer = [one.softer for one in fit.curves if one.softer is not None]
+    lost = [curve.lost for curve in fit.curves if curve.lost is not None]
+    softer = [curve.softer for curve in fit.curves if curve.softer is not None]
     return (
         law_followed(
             fit.residuals[worst],
@@ -75,10 +75,10 @@ def run_checks(
         no_law_closer(chosen.rms, flexible),
         foam_no_closer(None if foam else min(chosen.rms, flexible), still),
         stable_in_use(least, where, fit.stable),
-        modes_enough(len({one.mode for one in shaped}), both=_both_ways(shaped), foam=foam),
-        modes_told(*_untold(fit, chosen, tried, known, times)),
+        modes_enough(len({curve.mode for curve in shaped}), both=_both_ways(shaped), foam=foam),
+        modes_told(*_untold(fit, chosen, tried, quantity, times)),
         modes_in_scale(*_find_better_scale(through, fit.law.poisson, min(flexible, chosen.rms))),
-        use_measured(_compute_extrapolation_ratio(shaped, fit.law.poisson, asked)),
+        use_measured(_compute_extrapolation_ratio(shaped, fit.law.poisson, requested)),
         constants_known(fit.law.constant_names[wide], float(half[wide]) / largest),
         rows_enough(len(chosen.optimum.residual), len(chosen.optimum.values)),
         files_agree(_compare_repeat_files(fit.curves)),
@@ -87,37 +87,39 @@ def run_checks(
         zero_known(*_slack(through, fit.law.poisson, flexible)),
         labels_agree(*_reading(through, fit.law.poisson, flexible)),
         measures_stated(_estimate_measure_error(fit.curves)),
-        volume_known(known=fit.law.bulk_modulus is not None),
+        volume_known(certain=fit.law.bulk_modulus is not None),
     )
 
 
-def _name(one: ElasticCurve) -> str:
-    return one.mode if one.source is None else f"{one.mode} ({one.source.file})"
+def _name(curve: ElasticCurve) -> str:
+    return curve.mode if curve.source is None else f"{curve.mode} ({curve.source.file})"
 
 
 def least_drucker(law: Hyperelastic, reach: dict[Mode, Span]) -> tuple[float, str]:
     """Return the least eigenvalue over G of the law's tangent over stretches, and where it is."""
-    found = []
+    pairs = []
     for mode, (low, high) in reach.items():
         x = np.linspace(low, high, 200)
         value = law.drucker(mode, x)
         at = int(np.argmin(value))
-        found.append((float(value[at]), f"{mode} stretch {x[at]:.3g}"))
-    return min(found)
+        pairs.append((float(value[at]), f"{mode} stretch {x[at]:.3g}"))
+    return min(pairs)
 
 
 def _untold(
     fit: HyperelasticFit,
     chosen: HyperelasticOptimum,
     tried: Sequence[HyperelasticOptimum],
-    known: DerivedQuantity,
+    quantity: DerivedQuantity,
     times: float,
 ) -> tuple[float | None, str, str]:
     """The largest doubt of the stress in a mode that was not measured, over the largest there."""
-    measured = {one.mode for one in fit.curves}
+    measured = {curve.mode for curve in fit.curves}
     score = dict(fit.orders)
     close = min(score.values()) + _AS_GOOD
-    others = [one for one in tried if score[one.name] <= close and one.name != chosen.name]
+    others = [
+        optimum for optimum in tried if score[optimum.name] <= close and optimum.name != chosen.name
+    ]
     doubts: list[tuple[float, str, str]] = []
     for mode, (low, high) in fit.reach:
         if mode in measured:
@@ -125,31 +127,31 @@ def _untold(
         x = np.linspace(low, high, 60)
         stress = chosen.law.nominal(mode, x)
         size = float(np.abs(stress).max())
-        for one in others:
-            apart = float(np.abs(one.law.nominal(mode, x) - stress).max()) / size
-            doubts.append((apart, mode, f"{one.name} follows the tests too and differs"))
+        for other in others:
+            ratio = float(np.abs(other.law.nominal(mode, x) - stress).max()) / size
+            doubts.append((ratio, mode, f"{other.name} follows the tests too and differs"))
         if not chosen.law.exponents:
             J = chosen.law.columns(mode, x)
-            own = known.covariance[: J.shape[1], : J.shape[1]]
-            wide = times * np.sqrt(np.einsum("ij,jk,ik->i", J, own, J))
+            covariance = quantity.covariance[: J.shape[1], : J.shape[1]]
+            wide = times * np.sqrt(np.einsum("ij,jk,ik->i", J, covariance, J))
             doubts.append((float(wide.max()) / size, mode, "the law is uncertain"))
     return max(doubts, default=(0.0 if measured >= set(SHEARING) else None, "", ""))
 
 
 def _compute_extrapolation_ratio(
-    curves: Sequence[ElasticCurve], poisson: float, asked: Span | None
+    curves: Sequence[ElasticCurve], poisson: float, requested: Span | None
 ) -> float:
     """The largest logarithmic strain of use over the largest principal one of a test, by sign."""
-    if asked is None:
+    if requested is None:
         return 1.0
     ends = np.concatenate([
-        np.log(x) * direction(one.mode, poisson)
-        for one in curves
-        for x in (one.stretch.min(), one.stretch.max())
+        np.log(x) * direction(curve.mode, poisson)
+        for curve in curves
+        for x in (curve.stretch.min(), curve.stretch.max())
     ])  # fmt: skip
     parts = [
-        sign * math.log(use) / known if (known := float((sign * ends).max())) > 0 else math.inf
-        for sign, use in zip((-1.0, 1.0), asked, strict=True)
+        sign * math.log(use) / value if (value := float((sign * ends).max())) > 0 else math.inf
+        for sign, use in zip((-1.0, 1.0), requested, strict=True)
         if sign * (use - 1) > 0
     ]
     return max(parts, default=0.0)
@@ -157,42 +159,45 @@ def _compute_extrapolation_ratio(
 
 def _compare_repeat_files(curves: Sequence[ElasticCurve]) -> float | None:
     """The largest mean difference of two files of one mode over what both cover."""
-    found = []
-    for one, other in combinations(curves, 2):
-        low = max(one.stretch[0], other.stretch[0])
-        high = min(one.stretch[-1], other.stretch[-1])
-        if one.mode == other.mode and high > low:
+    values = []
+    for curve, other in combinations(curves, 2):
+        low = max(curve.stretch[0], other.stretch[0])
+        high = min(curve.stretch[-1], other.stretch[-1])
+        if curve.mode == other.mode and high > low:
             x = np.linspace(low, high, 60)
-            first, second = (np.interp(x, each.stretch, each.stress) for each in (one, other))
-            found.append(float(np.abs(first - second).sum() / np.abs(first + second).sum() * 2))
-    return max(found, default=None)
+            first, second = (
+                np.interp(x, elastic_curve.stretch, elastic_curve.stress)
+                for elastic_curve in (curve, other)
+            )
+            values.append(float(np.abs(first - second).sum() / np.abs(first + second).sum() * 2))
+    return max(values, default=None)
 
 
 def _estimate_measure_error(curves: Sequence[ElasticCurve]) -> float:
     """What the stress would be off by if it were the true one, where nothing says which."""
-    open_ = [one for one in curves if not one.stated and one.mode != "volumetric"]
-    return max((float(np.abs(one.stretch - 1).max()) for one in open_), default=0.0)
+    open_ = [curve for curve in curves if not curve.stated and curve.mode != "volumetric"]
+    return max((float(np.abs(curve.stretch - 1).max()) for curve in open_), default=0.0)
 
 
 def _slack(curves: Sequence[ElasticCurve], poisson: float, best: float) -> tuple[float, str]:
     """The shift of one curve's zero without which no stable law comes half as close."""
-    found = (best, 0.0, "")
-    for i, one in enumerate(curves):
-        far = float(one.stretch[np.argmax(np.abs(one.stretch - 1))] - 1)
-        for part in (*_SHIFTS, *(-each for each in _SHIFTS)):
-            moved = replace(one, stretch=one.stretch - part * far)
-            left = compute_best_stable_misfit([*curves[:i], moved, *curves[i + 1 :]], poisson)
-            found = min(found, (left, part, _name(one)))
-    left, part, name = found
-    return (part, name) if left < 0.5 * best and best > SMALL else (0.0, "")
+    result = (best, 0.0, "")
+    for i, elastic_curve in enumerate(curves):
+        far = float(elastic_curve.stretch[np.argmax(np.abs(elastic_curve.stretch - 1))] - 1)
+        for part in (*_SHIFTS, *(-shift for shift in _SHIFTS)):
+            curve = replace(elastic_curve, stretch=elastic_curve.stretch - part * far)
+            misfit = compute_best_stable_misfit([*curves[:i], curve, *curves[i + 1 :]], poisson)
+            result = min(result, (misfit, part, _name(elastic_curve)))
+    misfit, part, name = result
+    return (part, name) if misfit < 0.5 * best and best > SMALL else (0.0, "")
 
 
 def _both_ways(curves: Sequence[ElasticCurve]) -> bool:
     """Whether one file shows tension and compression."""
     return any(
-        min(math.log(one.stretch.max()), -math.log(one.stretch.min())) >= _BOTH
-        for one in curves
-        if one.stretch.min() > 0
+        min(math.log(curve.stretch.max()), -math.log(curve.stretch.min())) >= _BOTH
+        for curve in curves
+        if curve.stretch.min() > 0
     )
 
 
@@ -200,44 +205,50 @@ def _find_better_scale(
     curves: Sequence[ElasticCurve], poisson: float, best: float
 ) -> tuple[float | None, float, str]:
     """How many times closer a stable law comes if one mode's stress is scaled; how, and which."""
-    modes = dict.fromkeys(one.mode for one in curves if one.mode != "volumetric")
+    modes = dict.fromkeys(curve.mode for curve in curves if curve.mode != "volumetric")
     if len(modes) < 2:
         return None, 0.0, ""
-    found: tuple[float, float, str] = (best, 0.0, "")
+    result: tuple[float, float, str] = (best, 0.0, "")
     for mode in modes if best > SMALL else ():
-        for size in (*_FACTORS, *(-each for each in _FACTORS)):
+        for size in (*_FACTORS, *(-factor for factor in _FACTORS)):
             scaled = [
-                replace(one, stress=one.stress * math.exp(size)) if one.mode == mode else one
-                for one in curves
+                replace(curve, stress=curve.stress * math.exp(size))
+                if curve.mode == mode
+                else curve
+                for curve in curves
             ]
-            found = min(found, (compute_best_stable_misfit(scaled, poisson), size, mode))
-    left, size, which = found
-    return best / max(left, SMALL), math.expm1(size), which
+            result = min(result, (compute_best_stable_misfit(scaled, poisson), size, mode))
+    remainder, size, which = result
+    return best / max(remainder, SMALL), math.expm1(size), which
 
 
 def _reading(
     curves: Sequence[ElasticCurve], poisson: float, best: float
 ) -> tuple[float | None, str, float]:
     """How many times closer a stable law comes if one file is read otherwise, and how."""
-    if len({one.mode for one in curves}) < 2:
+    if len({curve.mode for curve in curves}) < 2:
         return None, "", best
-    found = (best, "")
-    for i, one in enumerate(curves):
-        if one.mode == "volumetric":
+    result = (best, "")
+    for i, elastic_curve in enumerate(curves):
+        if elastic_curve.mode == "volumetric":
             continue
         named: dict[str, ElasticCurve] = {
             "true stress where nominal stress was taken": replace(
-                one, stress=one.stress / one.stretch
+                elastic_curve, stress=elastic_curve.stress / elastic_curve.stretch
             ),
             "nominal stress where true stress was taken": replace(
-                one, stress=one.stress * one.stretch
+                elastic_curve, stress=elastic_curve.stress * elastic_curve.stretch
             ),
-            **{mode: replace(one, mode=mode) for mode in SHEARING if mode != one.mode},
+            **{
+                mode: replace(elastic_curve, mode=mode)
+                for mode in SHEARING
+                if mode != elastic_curve.mode
+            },
         }
         for says, other in named.items():
-            left = compute_best_stable_misfit([*curves[:i], other, *curves[i + 1 :]], poisson)
-            found = min(found, (left, f"{_name(one)} read as {says}"))
-    return best / max(found[0], SMALL), found[1], best
+            misfit = compute_best_stable_misfit([*curves[:i], other, *curves[i + 1 :]], poisson)
+            result = min(result, (misfit, f"{_name(elastic_curve)} read as {says}"))
+    return best / max(result[0], SMALL), result[1], best
 
 
 @criterion(
@@ -303,26 +314,28 @@ def stable_in_use(
         for low, at in zip((True, False), both, strict=True)
         if at is not None
     ]
-    beyond = f"; it is not stable in {', '.join(ends)}" if ends else " and from 0.1 to 10"
+    text = f"; it is not stable in {', '.join(ends)}" if ends else " and from 0.1 to 10"
     return Finding(
-        f"The law is stable over the stretches of use{beyond}",
+        f"The law is stable over the stretches of use{text}",
         least,
-        instead=f"The law is not stable in use, first at {where}{beyond if ends else ''}",
+        instead=f"The law is not stable in use, first at {where}{text if ends else ''}",
         because="A solver stops there, or gives a wrong result",
         remedy=Remedy("Use another law, such as one of power terms.", "model", "ogden"),
     )
 
 
 @criterion("difference of Poisson's ratio", "|x| <=", 0.05, "our choice: a tape or camera errs so")
-def sideways_agrees(ratio: float, told: float | None, *, foam: bool) -> Finding:
+def sideways_agrees(ratio: float, reported: float | None, *, foam: bool) -> Finding:
     """The law swells sideways as the piece did."""
-    if told is None:
+    if reported is None:
         return Finding("No strain sideways was measured, so Poisson's ratio is not held against it")
     return Finding(
-        f"The strain sideways shows Poisson's ratio {told:.2g}, and the law has {ratio:.2g}",
-        told - ratio,
+        f"The strain sideways shows Poisson's ratio {reported:.2g}, and the law has {ratio:.2g}",
+        reported - ratio,
         "The law moves sideways otherwise than the piece did",
-        Remedy("Give the ratio that was measured.", "poisson", f"{min(max(told, 0.0), 0.49):.2g}")
+        Remedy(
+            "Give the ratio that was measured.", "poisson", f"{min(max(reported, 0.0), 0.49):.2g}"
+        )
         if foam
         else Remedy("Ask for the law of a foam.", "model", "hyperfoam"),
     )
@@ -410,13 +423,13 @@ def rows_enough(rows: int, constants: int) -> Finding:
 
 
 @criterion("mean difference of two files", "<=", ALIKE, "our choice: pieces scatter so")
-def files_agree(apart: float | None) -> Finding:
+def files_agree(difference: float | None) -> Finding:
     """Files of one mode show one curve."""
-    if apart is None:
+    if difference is None:
         return Finding("No mode has two files over the same stretches")
     return Finding(
-        f"Files of one mode differ by up to {100 * apart:.2g} %",
-        apart,
+        f"Files of one mode differ by up to {100 * difference:.2g} %",
+        difference,
         "They differ in rate, piece or conditioning",
         Remedy("Take off the memory of a relaxation test, if rates differ.", "memory"),
     )
@@ -490,12 +503,12 @@ def measures_stated(part: float) -> Finding:
 
 
 @criterion(grade="note")
-def volume_known(*, known: bool) -> Finding:
+def volume_known(*, certain: bool) -> Finding:
     """The bulk modulus is known."""
     return Finding(
         "The change of volume is known",
         instead="The volume was not tested, so a deck needs a bulk modulus that is stated, not "
         "measured",
         remedy=Remedy("Add a test of the volume.", "test", "volumetric"),
-        faulted=not known,
+        faulted=not certain,
     )

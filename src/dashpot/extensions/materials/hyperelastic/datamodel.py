@@ -223,7 +223,7 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     def sound(self) -> str:
         """The law, what it leaves of the stress, and over which stretches it holds."""
         reach = [span for _, span in self.reach]
-        low, high = min(one[0] for one in reach), max(one[1] for one in reach)
+        low, high = min(values[0] for values in reach), max(values[1] for values in reach)
         return (
             f"the {self.law.kind} law follows {format_count(len(self.curves), 'curve')} to "
             f"{100 * max(self.residuals):.2g} % of the stress, for stretches of {low:.3g} to "
@@ -235,11 +235,11 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         """At which rate the law holds: only where a memory was taken off it is that at rest."""
         if self.memory is not None:
             return ", at rest, without the memory"
-        rates = [one.rate for one in self.curves if one.mode != "volumetric"]
-        known = [one for one in rates if one is not None]
-        if not known:
+        rates = [curve.rate for curve in self.curves if curve.mode != "volumetric"]
+        values = [rate for rate in rates if rate is not None]
+        if not values:
             return ", at the rate of the tests, which no clock tells: it is not the law at rest"
-        low, high = min(known), max(known)
+        low, high = min(values), max(values)
         ends = f"{low:.2g}" if high < 1.05 * low else f"{low:.2g} to {high:.2g}"
         return (
             f", at the rate of the tests, {ends} 1/s: a slower or faster load has another law, and "
@@ -252,5 +252,5 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         return (
             str(self.verdict),
             f"law: {self.law.kind}",
-            *(one.says for one in self.found),
+            *(fact.says for fact in self.found),
         )

@@ -42,11 +42,11 @@ def hyperelastic(fit: HyperelasticFit, *, stamp: str = "") -> Picture:
     stamp : str
         What the figure says of its origin; by default the files.
     """
-    volume = [one.mode for one in fit.curves if one.mode == "volumetric"][:1]
+    volume = [curve.mode for curve in fit.curves if curve.mode == "volumetric"][:1]
     panels = [_panel(fit, mode) for mode in (*SHEARING, *volume)]
     caption = "Stress over stretch: tested, the law's, and where the law is not stable."
     origin = stamped(fit.sources) if fit.sources else ""
-    return Picture("hyperelastic", caption, tuple((one,) for one in panels), 2, stamp or origin)
+    return Picture("hyperelastic", caption, tuple((panel,) for panel in panels), 2, stamp or origin)
 
 
 def _unstable(fit: HyperelasticFit, mode: Mode, x: FloatArray) -> list[Mark]:
@@ -61,7 +61,7 @@ def _unstable(fit: HyperelasticFit, mode: Mode, x: FloatArray) -> list[Mark]:
 
 
 def _panel(fit: HyperelasticFit, mode: Mode) -> Panel:
-    curves = [one for one in fit.curves if one.mode == mode]
+    curves = [curve for curve in fit.curves if curve.mode == mode]
     every = np.concatenate([dict(fit.reach).get(mode, ()), [1.0], *(c.stretch for c in curves)])
     low, high = float(every.min()), float(every.max())
     pad = _MARGIN * (high - low)
@@ -69,16 +69,20 @@ def _panel(fit: HyperelasticFit, mode: Mode) -> Panel:
     law = convert_to_unit(fit.law.nominal(mode, x), "MPa")
     within = (x >= low) & (x <= high)
     marks = [Rule(0.0, REF, across=True), *_unstable(fit, mode, x)]
-    measured = [convert_to_unit(one.stress, "MPa") for one in curves]
-    for one, stress in zip(curves, measured, strict=True):
-        marks.append(Dots(one.stretch, stress, "measured", "measured", size=3.0))
+    measured = [convert_to_unit(curve.stress, "MPa") for curve in curves]
+    for elastic_curve, stress in zip(curves, measured, strict=True):
+        marks.append(Dots(elastic_curve.stretch, stress, "measured", "measured", size=3.0))
     marks.append(Line(x, law, PREDICTED, "not measured"))
     if curves:
         marks.append(Line(x[within], law[within], FIT, fit.law.kind))
-    left = [
-        r for one, r in zip(fit.curves, fit.residuals, strict=True) if one.mode == mode
+    residuals = [
+        r for curve, r in zip(fit.curves, fit.residuals, strict=True) if curve.mode == mode
     ]  # fmt: skip
-    note = f"residual {round_to_error(100 * max(left), digits=2)} %" if left else "not measured"
+    note = (
+        f"residual {round_to_error(100 * max(residuals), digits=2)} %"
+        if residuals
+        else "not measured"
+    )
     across, what = _AXES[mode == "volumetric"]
     return Panel(
         Scale(across, (float(x[0]), float(x[-1]))),

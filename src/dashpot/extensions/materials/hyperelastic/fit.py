@@ -87,46 +87,48 @@ def fit_hyperelastic(
     FitError
         If there is no test that changes the shape, or what was asked for does not fit together.
     """
-    curves = [elastic_curve(one, memory=memory, cycle=cycle) for one in tests]
-    told, foam = _sideways(tests, law, poisson)
-    swells = told is not None and told < SWELLS
-    if foam and swells and poisson is None and len({one.mode for one in curves}) == 1:
-        poisson = told
+    curves = [elastic_curve(test, memory=memory, cycle=cycle) for test in tests]
+    reported, foam = _sideways(tests, law, poisson)
+    swells = reported is not None and reported < SWELLS
+    if foam and swells and poisson is None and len({curve.mode for curve in curves}) == 1:
+        poisson = reported
     _refuse(curves, law, terms, poisson, foam=foam)
     fitted, volumetric = _split_volumetric_curves(curves, foam=foam)
     tried = _fit_foam_laws(fitted, terms, poisson) if foam else _fit_rubber_laws(fitted, terms)
-    tried = list({one.name: one for one in tried}.values())
-    best = min(tried, key=lambda one: one.rms)
-    parts = [len(one.stretch) for one in fitted]
+    tried = list({optimum.name: optimum for optimum in tried}.values())
+    best = min(tried, key=lambda optimum: optimum.rms)
+    parts = [len(curve.stretch) for curve in fitted]
     # all laws by the noise of the closest: what another leaves more is no noise
     noises = estimate(best.optimum, parts=parts, rounding=EXACT).noises
     effective = sum(noise.effective for noise in noises)
     floor = EXACT**2 * len(best.optimum.residual)
-    scores = {one.name: score(one.optimum, effective, floor=floor) for one in tried}
+    scores = {optimum.name: score(optimum.optimum, effective, floor=floor) for optimum in tried}
     reach = reach_of(curves, best.law.poisson, stretches)
     chosen = _chosen(tried, scores, law, reach)
-    known = estimate(chosen.optimum, parts=parts, rounding=EXACT)
-    derived = known.derive_quantity(chosen.numbers)
-    half = known.quantile() * derived.standard_error
-    found = _make_law_facts(chosen, derived.values, half)
+    uncertainty = estimate(chosen.optimum, parts=parts, rounding=EXACT)
+    derived = uncertainty.derive_quantity(chosen.numbers)
+    half = uncertainty.quantile() * derived.standard_error
+    facts = _make_law_facts(chosen, derived.values, half)
     bulk = _bulk(volumetric)
     chosen = chosen._replace(law=_with_bulk(chosen, None if bulk is None else bulk.value))
-    kept = HyperelasticFit(
+    hyperelastic_fit = HyperelasticFit(
         chosen.law,
-        (*found, bulk) if bulk else found,
+        (*facts, bulk) if bulk else facts,
         tuple(scores.items()),
         tuple(curves),
-        tuple(_compute_relative_residual(chosen, one) for one in curves),
+        tuple(_compute_relative_residual(chosen, curve) for curve in curves),
         tuple(reach.items()),
         tuple(zip(SHEARING, map(chosen.law.stable_range, SHEARING), strict=True)),
         memory,
         (),
         temperature,
     )
-    judged = checks.run_checks(kept, chosen, tried, derived, known.quantile(), asked=stretches)
-    sideways = checks.sideways_agrees(chosen.law.poisson, told, foam=foam)
-    judged = (*judged, sideways, *caution_checks(kept.sources))
-    return replace(kept, checks=judged)
+    checked_checks = checks.run_checks(
+        hyperelastic_fit, chosen, tried, derived, uncertainty.quantile(), requested=stretches
+    )
+    sideways = checks.sideways_agrees(chosen.law.poisson, reported, foam=foam)
+    checked_checks = (*checked_checks, sideways, *caution_checks(hyperelastic_fit.sources))
+    return replace(hyperelastic_fit, checks=checked_checks)
 
 
 def _split_volumetric_curves(
@@ -136,8 +138,8 @@ def _split_volumetric_curves(
     if foam:
         return list(curves), []
     return (
-        [one for one in curves if one.mode != "volumetric"],
-        [one for one in curves if one.mode == "volumetric"],
+        [curve for curve in curves if curve.mode != "volumetric"],
+        [curve for curve in curves if curve.mode == "volumetric"],
     )
 
 
@@ -152,7 +154,7 @@ def _fit_rubber_laws(
 ) -> list[HyperelasticOptimum]:
     rows = weighed(curves)
     return [
-        *(invariant_law(rows, one) for one in POWERS),
+        *(invariant_law(rows, name) for name in POWERS),
         *_power_laws(rows, "ogden", terms, 0.5),
     ]
 
@@ -163,10 +165,10 @@ def _power_laws(
     """The law of so many terms; or of one and two, and of more while each is worth it."""
     if terms != "auto":
         return [power_law(rows, terms, kind, poisson)]
-    found = [power_law(rows, count, kind, poisson) for count in (1, 2)]
-    while len(found) < MOST_TERMS and found[-1].rms < _WORTH * found[-2].rms:
-        found.append(power_law(rows, len(found) + 1, kind, poisson))
-    return found
+    optima = [power_law(rows, count, kind, poisson) for count in (1, 2)]
+    while len(optima) < MOST_TERMS and optima[-1].rms < _WORTH * optima[-2].rms:
+        optima.append(power_law(rows, len(optima) + 1, kind, poisson))
+    return optima
 
 
 def _refuse(
@@ -177,7 +179,7 @@ def _refuse(
     *,
     foam: bool,
 ) -> None:
-    modes = {one.mode for one in curves}
+    modes = {curve.mode for curve in curves}
     if not modes - {"volumetric"}:
         raise FitError(
             "a volumetric test alone gives no law of shape; expected a uniaxial, equibiaxial or "
@@ -205,30 +207,32 @@ def _chosen(
     law: ElasticKindAsked,
     reach: dict[Mode, Span],
 ) -> HyperelasticOptimum:
-    named = [one for one in tried if law in {"auto", one.law.kind}]
+    named = [optimum for optimum in tried if law in {"auto", optimum.law.kind}]
     if law == "auto":
-        named = [one for one in named if checks.least_drucker(one.law, reach)[0] > 0] or named
-    return min(named, key=lambda one: scores[one.name])
+        named = [
+            optimum for optimum in named if checks.least_drucker(optimum.law, reach)[0] > 0
+        ] or named
+    return min(named, key=lambda optimum: scores[optimum.name])
 
 
 def _sideways(
     tests: Sequence[StressStrainTest], law: ElasticKindAsked, poisson: float | None
 ) -> tuple[float | None, bool]:
     """Poisson's ratio by the strain sideways, if any shows it, and whether a foam is fitted."""
-    shown = [one.poisson for one in tests if one.poisson is not None]
-    told = sum(shown) / len(shown) if shown else None
-    swells = told is not None and told < SWELLS
-    return told, law == "hyperfoam" or (law == "auto" and (poisson is not None or swells))
+    shown = [test.poisson for test in tests if test.poisson is not None]
+    ratio = sum(shown) / len(shown) if shown else None
+    swells = ratio is not None and ratio < SWELLS
+    return ratio, law == "hyperfoam" or (law == "auto" and (poisson is not None or swells))
 
 
 # -- how well it is known ---------------------------------------------------------------------
 
 
 def _make_law_facts(
-    one: HyperelasticOptimum, values: FloatArray, half: FloatArray
+    optimum: HyperelasticOptimum, values: FloatArray, half: FloatArray
 ) -> tuple[ReportedValue, ...]:
     """Constants, exponents and the shear modulus with their intervals."""
-    law = one.law
+    law = optimum.law
     names = [*law.constant_names, *(f"alpha{k}" for k in range(1, len(law.exponents) + 1))]
     names += ["poisson"] * (len(names) < len(values) - 1)
     units = ["Pa"] * len(law.constants) + ["1"] * (len(names) - len(law.constants)) + ["Pa"]
@@ -244,29 +248,29 @@ def _bulk(volumetric: Sequence[ElasticCurve]) -> ReportedValue | None:
     """The bulk modulus of a rubber."""
     if not volumetric:
         return None
-    x = np.concatenate([each.stretch - 1 for each in volumetric])
-    y = np.concatenate([each.stress for each in volumetric])
+    x = np.concatenate([curve.stretch - 1 for curve in volumetric])
+    y = np.concatenate([curve.stress for curve in volumetric])
     best = solve_ordinary(y, x[:, None])
-    known = estimate(best, parts=[len(each.stretch) for each in volumetric])
-    bulk, wide = float(best.beta[0]), known.quantile() * float(known.standard_error[0])
+    uncertainty = estimate(best, parts=[len(curve.stretch) for curve in volumetric])
+    bulk, wide = float(best.beta[0]), uncertainty.quantile() * float(uncertainty.standard_error[0])
     return ReportedValue("bulk_modulus", bulk, bulk - wide, bulk + wide, "Pa")
 
 
-def _with_bulk(one: HyperelasticOptimum, bulk: float | None) -> Hyperelastic:
+def _with_bulk(optimum: HyperelasticOptimum, bulk: float | None) -> Hyperelastic:
     if bulk is None:
-        return one.law
+        return optimum.law
     if not bulk > 0:
         raise FitError(
             f"the volumetric test has a bulk modulus of {bulk:.4g} Pa; expected one > 0: a "
             "pressure makes the volume smaller, so give volume ratios below 1 and the pressure"
         )
-    return replace(one.law, bulk=bulk)
+    return replace(optimum.law, bulk=bulk)
 
 
-def _compute_relative_residual(one: HyperelasticOptimum, curve: ElasticCurve) -> float:
+def _compute_relative_residual(optimum: HyperelasticOptimum, curve: ElasticCurve) -> float:
     """Rms of what the law leaves of a curve, over the rms of its stress."""
-    left = curve.stress - one.law.nominal(curve.mode, curve.stretch)
-    return float(np.sqrt(np.mean(left**2))) / curve.size
+    residual = curve.stress - optimum.law.nominal(curve.mode, curve.stretch)
+    return float(np.sqrt(np.mean(residual**2))) / curve.size
 
 
 # -- stretches of use ---------------------------------------------------------------------------
@@ -281,11 +285,11 @@ def reach_of(
     three logarithmic strains), and of two modes no principal stretch beyond theirs.
     """
     spans: dict[Mode, Span] = {}
-    for one in curves:
-        if one.mode != "volumetric":
-            low, high = spans.get(one.mode, (1.0, 1.0))
-            x = one.stretch
-            spans[one.mode] = min(low, float(x.min())), max(high, float(x.max()))
+    for curve in curves:
+        if curve.mode != "volumetric":
+            low, high = spans.get(curve.mode, (1.0, 1.0))
+            x = curve.stretch
+            spans[curve.mode] = min(low, float(x.min())), max(high, float(x.max()))
     if stretches is not None:
         spans = {"uniaxial": (min(stretches[0], 1.0), max(stretches[1], 1.0))}
     return {
@@ -297,17 +301,17 @@ def _as_large(mode: Mode, spans: dict[Mode, Span], poisson: float) -> Span:
     """Stretches of a mode that was not measured, of the size of those that were."""
     along = direction(mode, poisson)
     measured = [
-        [math.log(span[end]) * direction(one, poisson) for one, span in spans.items()]
+        [math.log(span[end]) * direction(name, poisson) for name, span in spans.items()]
         for end in (0, 1)
     ]
-    principal = np.concatenate([each for ends in measured for each in ends])
-    found = []
+    principal = np.concatenate([end for ends in measured for end in ends])
+    values = []
     for sign, ends in zip((-1.0, 1.0), measured, strict=True):
-        size = max(float(np.linalg.norm(each)) for each in ends) / float(np.linalg.norm(along))
+        size = max(float(np.linalg.norm(end)) for end in ends) / float(np.linalg.norm(along))
         if len(spans) > 1:
             limit = [
                 (principal.max() if d * sign > 0 else -principal.min()) / abs(d) for d in along if d
             ]
             size = min(size, *limit)
-        found.append(math.exp(sign * size))
-    return found[0], found[1]
+        values.append(math.exp(sign * size))
+    return values[0], values[1]

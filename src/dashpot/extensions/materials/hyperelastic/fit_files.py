@@ -47,8 +47,8 @@ def hyperelastic_files(
         Its temperature goes into decks.
     options : ReadOptions, optional
     """
-    given = [(kind, path) for kind in MODES for path in files.get(kind, ())]
-    if not given:
+    provided = [(kind, path) for kind in MODES for path in files.get(kind, ())]
+    if not provided:
         raise ReadError(
             "no file is given; name the mode of each: --test uniaxial, compression, biaxial, "
             "planar or volumetric"
@@ -57,7 +57,7 @@ def hyperelastic_files(
         read_stress_strain(
             path, MODES[kind].mode, pressed=MODES[kind].pressed, measures=measures, options=options
         )
-        for kind, path in given
+        for kind, path in provided
     ]
     temperature = None if specimen is None else specimen.temperature
     try:

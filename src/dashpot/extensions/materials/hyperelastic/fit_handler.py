@@ -10,40 +10,40 @@ from dashpot.cli._command_io import CommandResult, format_command
 from dashpot.cli.fit_handlers._request import FitRequest
 
 
-def run(given: FitRequest) -> CommandResult:
+def run(request: FitRequest) -> CommandResult:
     """Fit a hyperelastic law to stress over strain in one mode of test or several."""
-    given.check_output_suffix(".json", what="a hyperelastic law")
-    memory = given["memory"]
+    request.check_output_suffix(".json", what="a hyperelastic law")
+    memory = request["memory"]
     if len(memory) > 1:
         raise click.UsageError("--memory takes one fit. Give it once.")
-    found = workflow.hyperelastic_files(
-        _group_files_by_mode(given),
+    hyperelastic_fit = workflow.hyperelastic_files(
+        _group_files_by_mode(request),
         memory=workflow.read_fit(memory[0]) if memory else None,
-        law=given.model(ElasticKindAsked),
-        terms=given["terms"] or "auto",
-        specimen=given.specimen,
-        options=given.reading,
-        **given.some("poisson", "stretches", "measures"),
+        law=request.model(ElasticKindAsked),
+        terms=request["terms"] or "auto",
+        specimen=request.specimen,
+        options=request.reading,
+        **request.some("poisson", "stretches", "measures"),
     )
     follow = ""
-    if given.result_path:
-        bulk = () if found.law.bulk_modulus else ("--bulk-modulus", "2000MPa")
-        warm = () if found.temperature else ("--temperature", "23degC")
-        deck = ("export", given.result_path, "--to", "abaqus", "--unit-system", "mm-t-s")
+    if request.result_path:
+        bulk = () if hyperelastic_fit.law.bulk_modulus else ("--bulk-modulus", "2000MPa")
+        warm = () if hyperelastic_fit.temperature else ("--temperature", "23degC")
+        deck = ("export", request.result_path, "--to", "abaqus", "--unit-system", "mm-t-s")
         follow = format_command(*deck, *warm, *bulk)
-    return given.told(found, follow=follow)
+    return request.told(hyperelastic_fit, follow=follow)
 
 
-def _group_files_by_mode(given: FitRequest) -> dict[str, list[str]]:
+def _group_files_by_mode(request: FitRequest) -> dict[str, list[str]]:
     """Return the files of each mode of test, in the order in which both were given."""
-    modes, files = given["test"] or ("uniaxial",), given.files
+    modes, files = request["test"] or ("uniaxial",), request.files
     if len(modes) not in {1, len(files)}:
         raise click.UsageError(
             f"--test was given {len(modes)} times for {len(files)} files; give it once, or once "
             "for each file, in their order."
         )
-    each = modes * len(files) if len(modes) == 1 else modes
-    found: dict[str, list[str]] = {}
-    for mode, path in zip(each, files, strict=True):
-        found.setdefault(mode, []).append(path)
-    return found
+    names = modes * len(files) if len(modes) == 1 else modes
+    entries: dict[str, list[str]] = {}
+    for mode, path in zip(names, files, strict=True):
+        entries.setdefault(mode, []).append(path)
+    return entries

@@ -89,30 +89,30 @@ class HyperelasticOptimum(NamedTuple):
 
     def numbers(self, values: FloatArray) -> FloatArray:
         """Constants, exponents, Poisson's ratio where it was sought, and the shear modulus."""
-        found, mu = np.split(values, [len(self.optimum.theta)])
-        return np.concatenate((mu, found, [replace(self.law, constants=tuple(mu)).shear_modulus]))
+        result, mu = np.split(values, [len(self.optimum.theta)])
+        return np.concatenate((mu, result, [replace(self.law, constants=tuple(mu)).shear_modulus]))
 
 
 def weighed(curves: Sequence[ElasticCurve]) -> WeightedCurves:
     """Return curves with the weights that give every mode the same say."""
-    modes = {one.mode for one in curves}
-    total = sum(len(one.stretch) for one in curves)
+    modes = {curve.mode for curve in curves}
+    total = sum(len(curve.stretch) for curve in curves)
     weight = {}
     for mode in modes:
-        stress = np.concatenate([one.stress for one in curves if one.mode == mode])
+        stress = np.concatenate([curve.stress for curve in curves if curve.mode == mode])
         weight[mode] = np.sqrt(total / len(modes) / float(stress @ stress))
-    each = tuple(np.full(len(one.stretch), weight[one.mode]) for one in curves)
-    target = np.concatenate([w * one.stress for w, one in zip(each, curves, strict=True)])
-    return WeightedCurves(tuple(curves), each, target)
+    columns = tuple(np.full(len(curve.stretch), weight[curve.mode]) for curve in curves)
+    target = np.concatenate([w * curve.stress for w, curve in zip(columns, curves, strict=True)])
+    return WeightedCurves(tuple(curves), columns, target)
 
 
 def invariant_law(rows: WeightedCurves, kind: ElasticKind) -> HyperelasticOptimum:
     """Return the law of the invariants that follows the curves best: linear least squares."""
     unit = Hyperelastic(kind, (1.0,) * len(POWERS[kind]))
     parts = zip(rows.weights, rows.curves, strict=True)
-    A = np.concatenate([w[:, None] * unit.columns(one.mode, one.stretch) for w, one in parts])
-    found = solve_ordinary(rows.target, A)
-    return HyperelasticOptimum(kind, Hyperelastic(kind, tuple(found.beta.tolist())), found)
+    A = np.concatenate([w[:, None] * unit.columns(curve.mode, curve.stretch) for w, curve in parts])
+    optimum = solve_ordinary(rows.target, A)
+    return HyperelasticOptimum(kind, Hyperelastic(kind, tuple(optimum.beta.tolist())), optimum)
 
 
 def power_law(
@@ -126,15 +126,15 @@ def power_law(
     best = require_optimum(power_problem(rows, terms, poisson), starts, most=_STEPS)
     order = [i for i in np.argsort(-best.beta * np.abs(best.theta[:terms])) if best.beta[i] > 0]
     theta = np.concatenate((best.theta[order], best.theta[terms:]))
-    found = power_problem(rows, len(order), poisson).at(theta)
+    optimum = power_problem(rows, len(order), poisson).at(theta)
     v = poisson if poisson is not None else float(theta[-1])
     law = Hyperelastic(
         kind,
-        tuple(found.beta.tolist()),
+        tuple(optimum.beta.tolist()),
         tuple(theta[: len(order)].tolist()),
         v if kind == "hyperfoam" else 0.5,
     )
-    return HyperelasticOptimum(f"{kind}-{len(order)}", law, found)
+    return HyperelasticOptimum(f"{kind}-{len(order)}", law, optimum)
 
 
 def power_problem(rows: WeightedCurves, terms: int, poisson: float | None) -> Problem:
@@ -144,14 +144,14 @@ def power_problem(rows: WeightedCurves, terms: int, poisson: float | None) -> Pr
         alpha, v = theta[:terms], float(theta[-1]) if poisson is None else poisson
 
         def slope(mu: FloatArray) -> FloatArray:
-            found = []
+            results = []
             for w, along in zip(rows.weights, _paths(rows, v), strict=True):
                 by = [m * power_slope(along, a) for m, a in zip(mu, alpha, strict=True)]
                 if poisson is None:
-                    each = [m * power_by_poisson(along, a) for m, a in zip(mu, alpha, strict=True)]
-                    by.append(np.sum(each, axis=0))
-                found.append(w[:, None] * np.stack(by, axis=-1))
-            return np.concatenate(found)
+                    group = [m * power_by_poisson(along, a) for m, a in zip(mu, alpha, strict=True)]
+                    by.append(np.sum(group, axis=0))
+                results.append(w[:, None] * np.stack(by, axis=-1))
+            return np.concatenate(results)
 
         return Rows(rows.target, _columns(rows, alpha, v), slope)
 
@@ -161,22 +161,22 @@ def power_problem(rows: WeightedCurves, terms: int, poisson: float | None) -> Pr
 
 def _starts(rows: WeightedCurves, terms: int, poisson: float | None) -> list[FloatArray]:
     """The best sets of exponents of the grid, as alpha, nu; those that use every term first."""
-    found: list[tuple[bool, float, list[float]]] = []
+    pairs: list[tuple[bool, float, list[float]]] = []
     for v in _POISSONS if poisson is None else (poisson,):
         A = _columns(rows, np.array(EXPONENTS), v)
         factor = triangle(np.concatenate((A.T, rows.target[None])))
         for chosen in map(list, combinations(range(len(EXPONENTS)), terms)):
             mu, _ = solve_linear(factor[:, chosen], factor[:, -1], positive=True)
-            left = factor[:, -1] - factor[:, chosen] @ mu
+            residual = factor[:, -1] - factor[:, chosen] @ mu
             start = [*(EXPONENTS[i] for i in chosen), *[v] * (poisson is None)]
-            found.append((bool((mu <= 0).any()), float(left @ left), start))
-    found.sort()
-    return [np.array(one) for _, _, one in found[:_DESCENTS]]
+            pairs.append((bool((mu <= 0).any()), float(residual @ residual), start))
+    pairs.sort()
+    return [np.array(values) for _, _, values in pairs[:_DESCENTS]]
 
 
 def _paths(rows: WeightedCurves, poisson: float) -> list[Path]:
     """Of every curve."""
-    return [path(one.mode, one.stretch, poisson) for one in rows.curves]
+    return [path(curve.mode, curve.stretch, poisson) for curve in rows.curves]
 
 
 def _columns(rows: WeightedCurves, exponents: FloatArray, poisson: float) -> FloatArray:

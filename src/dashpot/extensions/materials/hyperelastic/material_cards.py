@@ -156,7 +156,7 @@ def export_law(
     **choices: Any,
 ) -> DeckText:
     """Return the material card of a hyperelastic law with what `dashpot export` asks for."""
-    refuse_untaken(target, hyperelastic_card, choices, elsewhere=False)
+    refuse_untaken(target, hyperelastic_card, choices, outside=False)
     if seals != 1 or compression is not None:
         raise ExportError("a material card takes no --seals and no --compression")
     return hyperelastic_card(target, fit, temperature=temperature, **choices)
@@ -193,7 +193,8 @@ def _format_header_lines(card: _Card, kelvin: float | None, measured: str) -> li
         "not stated" if kelvin is None else f"{kelvin:.6g} K ({format_quantity(kelvin, 'degC')})"
     )
     spans = ", ".join(
-        f"{one.mode} {one.stretch.min():.4g} to {one.stretch.max():.4g}" for one in fit.curves
+        f"{curve.mode} {curve.stretch.min():.4g} to {curve.stretch.max():.4g}"
+        for curve in fit.curves
     )
     bulk = "" if law.kind == "hyperfoam" else f"{text(card.bulk)} {stress}, "
     lines = [
@@ -203,9 +204,9 @@ def _format_header_lines(card: _Card, kelvin: float | None, measured: str) -> li
         f"temperature: {stated}",
         f"stretches measured: {spans}",
         f"not stable (Drucker) from stretch: {_unstable(fit)}",
-        *(f"source: {one.file} sha256 {one.sha256}" for one in fit.sources),
+        *(f"source: {source.file} sha256 {source.sha256}" for source in fit.sources),
     ]
-    if any(one.simulated for one in fit.sources):
+    if any(source.simulated for source in fit.sources):
         lines.append("SIMULATED: a test behind this card was made by a program")
     if fit.memory is None:
         return [*lines, "memory: none was taken off; the curves as tested are taken as elastic"]
@@ -303,8 +304,8 @@ def _ansys_powers(card: _Card) -> tuple[str, list[float], list[str]]:
 
 def _ansys(card: _Card) -> Body:
     law = card.fit.law
-    name, values, said = (_ansys_invariants if law.kind in POWERS else _ansys_powers)(card)
-    says = ["d = 2 / K", *said]
+    name, values, sentences = (_ansys_invariants if law.kind in POWERS else _ansys_powers)(card)
+    says = ["d = 2 / K", *sentences]
     body = [f"TB,HYPER,1,1,{name}", *tbdata(values)]
     if card.prony:
         body += [
@@ -332,9 +333,9 @@ def _lsdyna(card: _Card) -> Body:
     head = fields(1, density, poisson, 0, 0, 0.0, 0.0, 0.0)
     says = [f"PR is that of K and G: (3 K - 2 G) / (6 K + 2 G) = {poisson:.6g}"]
     if law.kind in POWERS:
-        known = dict(zip(law.constant_names, card.constants, strict=True))
+        entries = dict(zip(law.constant_names, card.constants, strict=True))
         order = ("C10", "C01", "C11", "C20", "C02", "C30")
-        constants = (known.get(name, 0.0) for name in order)
+        constants = (entries.get(name, 0.0) for name in order)
         body = ["*MAT_HYPERELASTIC_RUBBER", head, fields(*constants, 0.0)]
     else:
         body = ["*MAT_OGDEN_RUBBER", head, *_eight_terms(card)]

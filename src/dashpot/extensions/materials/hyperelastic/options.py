@@ -50,5 +50,5 @@ class Measures:
     strain_is: str = option("auto", "Over the length at rest, or its log.", choices=Measure)
 
     def __post_init__(self) -> None:
-        for name, one in vars(self).items():
-            require_choice(name, one, Measure)
+        for name, var in vars(self).items():
+            require_choice(name, var, Measure)

@@ -17,52 +17,52 @@ from dashpot.report.page_content import (
 from dashpot.report.tables import TextTable
 
 
-def find_terms(found: HyperelasticFit) -> DeckTerms:
+def find_terms(hyperelastic_fit: HyperelasticFit) -> DeckTerms:
     """Return what the cards on its page are asked for."""
-    unstated = () if found.temperature is not None else ("temperature",)
-    if found.law.bulk_modulus is not None:
+    unstated = () if hyperelastic_fit.temperature is not None else ("temperature",)
+    if hyperelastic_fit.law.bulk_modulus is not None:
         return DeckTerms(None, unstated=unstated)
     untested = "the change of volume was not tested. Give a bulk modulus when you export it"
     return DeckTerms(None, unstated=unstated, reason=untested)
 
 
-def page(found: HyperelasticFit) -> KindPage:
+def page(hyperelastic_fit: HyperelasticFit) -> KindPage:
     """What the page of a hyperelastic law holds."""
     use = {"stable_in_use", "use_measured", "volume_known"}
     law = {"law_followed", "no_law_closer", "foam_no_closer", "constants_known", "modes_enough",
            "modes_told", "sideways_agrees"}  # fmt: skip
-    left = f"{round_to_error(100 * max(found.residuals), digits=2)} % left"
+    remainder = f"{round_to_error(100 * max(hyperelastic_fit.residuals), digits=2)} % left"
     curves = tuple(
-        (one.mode, "" if one.source is None else one.source.file,
-         f"{one.stretch.min():.4g} to {one.stretch.max():.4g}", str(one.rows),
+        (curve.mode, "" if curve.source is None else curve.source.file,
+         f"{curve.stretch.min():.4g} to {curve.stretch.max():.4g}", str(curve.rows),
          round_to_error(100 * residual, digits=3))
-        for one, residual in zip(found.curves, found.residuals, strict=True)
+        for curve, residual in zip(hyperelastic_fit.curves, hyperelastic_fit.residuals, strict=True)
     )  # fmt: skip
-    warm = found.temperature
+    warm = hyperelastic_fit.temperature
     return KindPage(
-        about=f"stress over strain, {format_count(len(found.curves), 'curve')}",
+        about=f"stress over strain, {format_count(len(hyperelastic_fit.curves), 'curve')}",
         strip=(
-            ("Law", found.law.kind),
-            ("Curves", ", ".join(one.mode for one in found.curves)),
+            ("Law", hyperelastic_fit.law.kind),
+            ("Curves", ", ".join(curve.mode for curve in hyperelastic_fit.curves)),
             ("Temperature", "not given" if warm is None else format_quantity(warm, "°C", ".1f")),
         ),
         lights=lights(
-            found.checks,
+            hyperelastic_fit.checks,
             Topic("Curves"),
-            Topic("Law", law, left),
+            Topic("Law", law, remainder),
             Topic("Use", use, "stable where used"),
         ),
         answers="Stress over stretch",
-        picture=found.plot(),
-        told=f"The {found.law.kind} law",
-        groups=(group("", found.found),),
-        sources=found.sources,
+        picture=hyperelastic_fit.plot(),
+        told=f"The {hyperelastic_fit.law.kind} law",
+        groups=(group("", hyperelastic_fit.found),),
+        sources=hyperelastic_fit.sources,
         folds=(
             CollapsibleSection(
                 "Each curve",
                 "stretches, rows, residual",
                 TextTable(("test", "file", "stretch", "rows", "residual, %"), curves),
             ),
-            make_law_ranking(found.orders),
+            make_law_ranking(hyperelastic_fit.orders),
         ),
     )

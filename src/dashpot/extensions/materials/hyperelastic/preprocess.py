@@ -94,35 +94,39 @@ def _chosen(stretch: FloatArray, stress: FloatArray, cycle: int | None) -> _Load
 
 def _loadings(away: FloatArray, strokes: Sequence[Stroke]) -> list[Stroke]:
     """The whole loadings; any, where none is whole."""
-    inward = [one for one in strokes if one.inward]
+    inward = [stroke for stroke in strokes if stroke.inward]
     whole = _WHOLE * float(away.max())
     # a record that only comes back is one way, too
-    return [one for one in inward if away[one.last] >= whole] or inward or list(strokes[:1])
+    return (
+        [stroke for stroke in inward if away[stroke.last] >= whole] or inward or list(strokes[:1])
+    )
 
 
 def _sort_stroke_samples(
-    x: FloatArray, y: FloatArray, one: Stroke
+    x: FloatArray, y: FloatArray, stroke: Stroke
 ) -> tuple[FloatArray, FloatArray]:
-    part = np.argsort(x[one.samples], kind="stable")
-    return x[one.samples][part], y[one.samples][part]
+    part = np.argsort(x[stroke.samples], kind="stable")
+    return x[stroke.samples][part], y[stroke.samples][part]
 
 
 def _compute_loss_fraction(
     x: FloatArray, y: FloatArray, there: Stroke, strokes: Sequence[Stroke]
 ) -> float | None:
     """Part of the energy of a loading that its unloading does not return, where both were."""
-    back = next((one for one in strokes if one.first >= there.last and not one.inward), None)
+    back = next(
+        (stroke for stroke in strokes if stroke.first >= there.last and not stroke.inward), None
+    )
     if back is None:
         return None
     (x1, y1), (x2, y2) = _sort_stroke_samples(x, y, there), _sort_stroke_samples(x, y, back)
     at = np.linspace(max(x1[0], x2[0]), min(x1[-1], x2[-1]), 200)
-    put, given = (float(np.trapezoid(np.interp(at, a, b), at)) for a, b in ((x1, y1), (x2, y2)))
-    return 1 - given / put
+    put, provided = (float(np.trapezoid(np.interp(at, a, b), at)) for a, b in ((x1, y1), (x2, y2)))
+    return 1 - provided / put
 
 
-def _middle(x: FloatArray, y: FloatArray, one: Stroke) -> float:
+def _middle(x: FloatArray, y: FloatArray, stroke: Stroke) -> float:
     """Stress at half the largest strain."""
-    return float(np.interp(0.5 * x.max(), *_sort_stroke_samples(x, y, one)))
+    return float(np.interp(0.5 * x.max(), *_sort_stroke_samples(x, y, stroke)))
 
 
 def _means(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:

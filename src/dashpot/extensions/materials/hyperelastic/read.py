@@ -61,19 +61,19 @@ def read_stress_strain(
         chosen, values, notes = signals(file, elongated, "stress", least=4, clock_matters=False)
         strain, stress = values[elongated], values["stress"]
         # of a volume a hundredth is much
-        told = None if mode == "volumetric" else strain - (elongated == "stretch")
-        refuse_sizes_of_rubber(file, chosen[-2], chosen[-1], told, stress)
+        difference = None if mode == "volumetric" else strain - (elongated == "stretch")
+        refuse_sizes_of_rubber(file, chosen[-2], chosen[-1], difference, stress)
         stated = True
         if elongated == "strain":
-            true, stated, said = _is_true(file, chosen[-2], measures.strain_is)
-            notes.append(said)
+            true, stated, text = _is_true(file, chosen[-2], measures.strain_is)
+            notes.append(text)
             strain = -np.abs(strain) if pressed else strain
             strain = np.exp(strain) if true else 1 + strain
         strain, stress, turned = _apply_stress_sign(strain, stress, pressed=pressed)
         notes += turned
         if mode != "volumetric":
-            true, said_so, said = _is_true(file, chosen[-1], measures.stress_is)
-            notes.append(said)
+            true, said_so, text = _is_true(file, chosen[-1], measures.stress_is)
+            notes.append(text)
             stated = stated and said_so
             # in each mode the area across is the volume over the length
             stress = stress / strain if true else stress
@@ -81,7 +81,7 @@ def read_stress_strain(
         if mode == "uniaxial" and elongated == "strain":
             poisson, said_sideways = _sideways(file, chosen[-2], measures, pressed=pressed)
             notes += said_sideways
-        source = channels.source(file, [one.says for one in chosen], notes)
+        source = channels.source(file, [channel.says for channel in chosen], notes)
         return StressStrainTest(
             mode, strain, stress, values.get("time"), stated, source, poisson, units="SI"
         )
@@ -100,20 +100,20 @@ def _sideways(
 ) -> tuple[float | None, list[str]]:
     """Poisson's ratio of a column of strain square to the force, and what is said of it."""
     columns = file.table.columns
-    found = [i for i, one in enumerate(columns) if i != along.index and _is_sideways(one)]
-    if not found:
+    indices = [i for i, column in enumerate(columns) if i != along.index and _is_sideways(column)]
+    if not indices:
         return None, []
-    index = found[0]
+    index = indices[0]
     named = replace(file, options=replace(file.options, strain=handle(columns, index)))
     (across,) = channels.choose(named, ["strain"])
     loaded = channels.load(file.table, [along.index, index], file.options.segment)
     rows, _ = channels.select_complete_rows(loaded)
-    strains = [one.unit.factor * rows[:, j] for j, one in enumerate((along, across))]
+    strains = [channel.unit.factor * rows[:, j] for j, channel in enumerate((along, across))]
     if pressed:  # both are sizes
         strains = [-np.abs(strains[0]), np.abs(strains[1])]
-    true = [_is_true(file, one, measures.strain_is)[0] for one in (along, across)]
+    true = [_is_true(file, channel, measures.strain_is)[0] for channel in (along, across)]
     ratio = poisson_of(*(np.exp(e) if log else 1 + e for e, log in zip(strains, true, strict=True)))
-    more = f"; {len(found) - 1} more such columns are left out" if len(found) > 1 else ""
+    more = f"; {len(indices) - 1} more such columns are left out" if len(indices) > 1 else ""
     return ratio, [f"{format_column(columns, index)} shows Poisson's ratio {ratio:.3g}{more}"]
 
 
@@ -139,19 +139,19 @@ def _select_elongation_role(file: OpenedFile) -> Role:
 _ELONGATED: tuple[Role, Role] = ("strain", "stretch")
 
 
-def _is_true(file: OpenedFile, one: Channel, given: str) -> tuple[bool, bool, str]:
+def _is_true(file: OpenedFile, channel: Channel, text: str) -> tuple[bool, bool, str]:
     """Whether a column is over what is, not what was at rest; whether that was said; and why."""
-    column = file.table.columns[one.index]
-    name = format_column(file.table.columns, one.index)
-    if given != "auto":
-        return given == "true", True, f"{name} is {given}, as given"
+    column = file.table.columns[channel.index]
+    name = format_column(file.table.columns, channel.index)
+    if text != "auto":
+        return text == "true", True, f"{name} is {text}, as given"
     if vocabulary.has_word(column.name, vocabulary.OF_ACTUAL):
         return True, True, f"{name} is true, as its name says"
     if vocabulary.has_word(column.name, vocabulary.OF_REST):
         return False, True, f"{name} is nominal, as its name says"
     if column.unit and units.is_same_unit(column.unit, "%"):
         return False, True, f"{name} is nominal: a logarithm is not written in per cent"
-    return False, False, f"{name} is taken to be nominal (--{one.role}-is)"
+    return False, False, f"{name} is taken to be nominal (--{channel.role}-is)"
 
 
 def _apply_stress_sign(

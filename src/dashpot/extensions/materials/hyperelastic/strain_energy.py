@@ -245,7 +245,9 @@ class Hyperelastic:
         """Nominal stress of each constant alone at 1 Pa, shape (n, constants)."""
         count = len(self.constants)
         units = [tuple(float(i == k) for i in range(count)) for k in range(count)]
-        return np.stack([replace(self, constants=one).nominal(mode, stretch) for one in units], -1)
+        return np.stack(
+            [replace(self, constants=unit).nominal(mode, stretch) for unit in units], -1
+        )
 
     # -- stability ----------------------------------------------------------------------------
 

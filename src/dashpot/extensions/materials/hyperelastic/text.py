@@ -7,20 +7,20 @@ from dashpot.text_output.layout import Text, facts, table
 from dashpot.text_output.results import format_bic_differences, format_rounded
 
 
-def hyperelastic(found: dp.HyperelasticFit) -> Text:
+def hyperelastic(hyperelastic_fit: dp.HyperelasticFit) -> Text:
     """The law, its constants with their intervals, each curve, and where it is stable."""
     tests = [["", "stretch", "rows", "residual, %"]]
-    for curve, left in zip(found.curves, found.residuals, strict=True):
+    for curve, residual in zip(hyperelastic_fit.curves, hyperelastic_fit.residuals, strict=True):
         name = curve.mode if curve.source is None else f"{curve.mode}, {curve.source.file}"
         span = f"{curve.stretch.min():.4g} to {curve.stretch.max():.4g}"
-        tests.append([name, span, str(curve.rows), format_rounded(100 * left, digits=3)])
+        tests.append([name, span, str(curve.rows), format_rounded(100 * residual, digits=3)])
     notes = [
-        f"  {one.file}: {note}" for one in found.sources for note in one.notes
+        f"  {source.file}: {note}" for source in hyperelastic_fit.sources for note in source.notes
     ]  # fmt: skip
     lines = [
-        f"  law: {found.law.kind}",
-        *facts(found.found),
+        f"  law: {hyperelastic_fit.law.kind}",
+        *facts(hyperelastic_fit.found),
         *table(tests),
-        format_bic_differences(found.orders),
+        format_bic_differences(hyperelastic_fit.orders),
     ]
     return Text(lines, notes)

@@ -17,11 +17,11 @@ ASKS = (
 )
 
 
-def answered(files: Sequence[str], said: FormData, options: ReadOptions) -> IndentationFit:
+def answered(files: Sequence[str], form: FormData, options: ReadOptions) -> IndentationFit:
     """What the contact says of the surface."""
     indenter = Indenter(
-        mass=said.require_quantity("mass", "mass"),
-        radius=said.number("radius", "length"),
-        drop_height=said.number("drop_height", "length"),
+        mass=form.require_quantity("mass", "mass"),
+        radius=form.number("radius", "length"),
+        drop_height=form.number("drop_height", "length"),
     )
     return indent_file(files[0], indenter=indenter, options=options)

@@ -69,43 +69,43 @@ class Law:
     starts: tuple[tuple[float, ...], ...] = ()
     numbers: Callable[..., Sequence[float]] = lambda *own: own
 
-    def held(self, own: Sequence[float]) -> Law:
+    def held(self, values: Sequence[float]) -> Law:
         """The law with its loss and its time held."""
-        found = self.numbers(*own)
-        return replace(self, starts=(), numbers=lambda: found)
+        numbers = self.numbers(*values)
+        return replace(self, starts=(), numbers=lambda: numbers)
 
     def parameters(self, lasts: float, change: float) -> list[Parameter]:
         """The range of each, but for the touch."""
-        own = np.arcsinh(_RANGE / _SLIGHT[:, None])[: len(self.starts)]
+        value = np.arcsinh(_RANGE / _SLIGHT[:, None])[: len(self.starts)]
         first, last = np.log((lasts, change))
-        ends = [[first - _REACH, first + _REACH], *own, [last - _REACH, last + _REACH]]
+        ends = [[first - _REACH, first + _REACH], *value, [last - _REACH, last + _REACH]]
         return [Parameter(float(low), float(high)) for low, high in ends]
 
     def make_starting_parameters(
-        self, lasts: float, own: Sequence[float], change: float
+        self, lasts: float, values: Sequence[float], change: float
     ) -> FloatArray:
         """The parameters, but for the touch."""
         first, last = np.log((lasts, change))
-        return np.array([first, *np.arcsinh(own / _SLIGHT[: len(own)]), last])
+        return np.array([first, *np.arcsinh(values / _SLIGHT[: len(values)]), last])
 
     def _read(self, theta: FloatArray) -> tuple[float, Sequence[float], float]:
         """The unit of time, the law's own numbers and the speed of parameters."""
         lasts, change = np.exp(theta[[0, -2]]).tolist()
-        own = np.sinh(theta[1:-2]) * _SLIGHT[: len(theta) - 3]
-        found = self.numbers(*own.tolist())
-        free = self.shape(*found, 0.0)
-        return lasts / float(free.time[-1]), found, change / (1 - float(free.velocity[-1]))
+        value = np.sinh(theta[1:-2]) * _SLIGHT[: len(theta) - 3]
+        values = self.numbers(*value.tolist())
+        free = self.shape(*values, 0.0)
+        return lasts / float(free.time[-1]), values, change / (1 - float(free.velocity[-1]))
 
     def contact(self, theta: FloatArray, mass: float) -> ContactLaw:
         """The contact of a fit's parameters."""
-        unit, own, speed = self._read(theta)
+        unit, values, speed = self._read(theta)
         k = stiffness_of(self.exponent, unit=unit, mass=mass, velocity=speed)
-        return self.made(k, unit, *own)
+        return self.made(k, unit, *values)
 
     def collision(self, theta: FloatArray, mass: float, pull: float) -> Collision:
         """The motion of a fit's parameters."""
-        unit, own, speed = self._read(theta)
-        shape = self.shape(*own, pull * unit / speed)
+        unit, values, speed = self._read(theta)
+        shape = self.shape(*values, pull * unit / speed)
         return scale_collision(shape, unit=unit, mass=mass, velocity=speed, pull=pull)
 
 
@@ -173,7 +173,9 @@ def simulate_sensor_signal(hit: Collision, of: Motion, since: FloatArray, step: 
         at = np.clip(at, 0.0, end)
         return cubic(at), cubic(at, 1)
 
-    push, rate = (one * inside for one in interpolate_cubic(F, np.gradient(F, t, edge_order=2)))
+    push, rate = (
+        values * inside for values in interpolate_cubic(F, np.gradient(F, t, edge_order=2))
+    )
     if of in {"acceleration", "force"}:
         scale = 1.0 if of == "force" else 1 / hit.mass
         value, stretched = push, -push - since * rate
@@ -183,7 +185,7 @@ def simulate_sensor_signal(hit: Collision, of: Motion, since: FloatArray, step: 
             value, force = interpolate_cubic(lost * hit.mass, F, edge)
             force *= (edge > 0) & (edge < end)
             value, rate, stretched = (
-                np.diff(one, axis=0)[0] / step for one in (value, force, -edge * force)
+                np.diff(values, axis=0)[0] / step for values in (value, force, -edge * force)
             )
         return Recorded(value * scale, rate * scale, stretched * scale)
     before, after = np.minimum(since, 0.0), np.maximum(since - end, 0.0)

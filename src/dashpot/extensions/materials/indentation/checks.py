@@ -45,13 +45,13 @@ def run_checks(
     scarce = fit.noise < _NOISELESS * size
     relative = fit.residual * size / fit.noise if not scarce else None
     stated = test.indenter.stated_velocity
-    names = [one for one in fit.found if one.name in {"k", "c", "viscous_time", "g", "tau"}]
-    known = [one for one in names if one.low > 0] or names
-    worst = max(known, key=lambda one: one.high / one.value)
+    names = [fact for fact in fit.found if fact.name in {"k", "c", "viscous_time", "g", "tau"}]
+    facts = [name for name in names if name.low > 0] or names
+    worst = max(facts, key=lambda fact: fact.high / fact.value)
     bounded = ", ".join(
-        f"{one.name.replace('_', ' ')} is below {one.high:.3g} {one.unit}".strip()
-        for one in names
-        if one.low == 0
+        f"{name.name.replace('_', ' ')} is below {name.high:.3g} {name.unit}".strip()
+        for name in names
+        if name.low == 0
     )
     return (
         contact_sampled(T / test.step),
@@ -97,11 +97,11 @@ def _force_ratio(fit: IndentationFit, test: IndentationTest) -> float | None:
 
 def _memory(fit: IndentationFit, step: float) -> float | None:
     """Time over which the noise in flight remembers itself, over the contact's."""
-    left = (fit.measured - fit.modelled)[fit.time < 0]
-    if len(left) < 24 or fit.noise < _NOISELESS * float(np.ptp(fit.modelled)):
+    residual = (fit.measured - fit.modelled)[fit.time < 0]
+    if len(residual) < 24 or fit.noise < _NOISELESS * float(np.ptp(fit.modelled)):
         return None
-    left = left - left.mean()
-    rough = float(np.sum(np.diff(left) ** 2) / np.sum(left**2))  # 2 where it is white
+    residual = residual - residual.mean()
+    rough = float(np.sum(np.diff(residual) ** 2) / np.sum(residual**2))  # 2 where it is white
     near = min(max(1 - rough / 2, 0.0), 0.999)
     return -step / np.log(near) / fit.duration if near > 0 else 0.0
 
@@ -232,7 +232,7 @@ def parameters_known(
 
 def _leading(fit: IndentationFit) -> float:
     """The widest interval, a factor, of what a contact is made for."""
-    return max(one.high / one.value for one in fit.found if one.name in {"k", *_COMPARED})
+    return max(fact.high / fact.value for fact in fit.found if fact.name in {"k", *_COMPARED})
 
 
 @criterion("largest difference between laws", "<=", ALIKE, "our choice: 5 %")
@@ -242,13 +242,19 @@ def laws_agree(
     """Laws that explain the contact as well say the same of restitution, modulus and depth."""
     if not others:
         return Finding(f"No other law explains the contact as well as {fit.law}", 0.0)
-    apart = []
-    for law, found in others:
-        theirs = {one.name: one.value for one in found}
-        for one in fit.found:
-            if one.name in _COMPARED and one.name in theirs:
-                apart.append((abs(theirs[one.name] / one.value - 1), law, one.name))
-    most, law, name = max(apart)
+    separate = []
+    for law, facts in others:
+        theirs = {fact.name: fact.value for fact in facts}
+        for reported_value in fit.found:
+            if reported_value.name in _COMPARED and reported_value.name in theirs:
+                separate.append(
+                    (
+                        abs(theirs[reported_value.name] / reported_value.value - 1),
+                        law,
+                        reported_value.name,
+                    )
+                )
+    most, law, name = max(separate)
     return Finding(
         f"{law} explains the contact too; its {name} differs by {100 * most:.2g} %",
         most,

@@ -261,8 +261,8 @@ def _integrate_contact(
         k2 = rate(*[a + h / 2 * b for a, b in zip(y, k1, strict=True)])
         k3 = rate(*[a + h / 2 * b for a, b in zip(y, k2, strict=True)])
         k4 = rate(*[a + h * b for a, b in zip(y, k3, strict=True)])
-        each = zip(y, k1, k2, k3, k4, strict=True)
-        return tuple([a + h / 6 * (b + 2 * (c + d) + e) for a, b, c, d, e in each])
+        pairs = zip(y, k1, k2, k3, k4, strict=True)
+        return tuple([a + h / 6 * (b + 2 * (c + d) + e) for a, b, c, d, e in pairs])
 
     states, rates, before, now = [start], [rate(*start)], 0.0, 1.0
     while now > 0:

@@ -173,17 +173,17 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     @property
     def values(self) -> dict[str, float]:
         """What was found, by its names."""
-        return {one.name: one.value for one in self.found}
+        return {fact.name: fact.value for fact in self.found}
 
     @property
     def between(self) -> dict[str, tuple[float, float]]:
         """95 %, by the same names."""
-        return {one.name: (one.low, one.high) for one in self.found}
+        return {fact.name: (fact.low, fact.high) for fact in self.found}
 
     @property
     def units(self) -> dict[str, str]:
         """By the same names."""
-        return {one.name: one.unit for one in self.found}
+        return {fact.name: fact.unit for fact in self.found}
 
     @property
     def scores(self) -> dict[str, float]:
@@ -193,7 +193,7 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     @property
     def sound(self) -> str:
         """The modulus or stiffness, and the restitution."""
-        named = {one.name: one for one in self.found}
+        named = {fact.name: fact for fact in self.found}
         first = next(filter(None, map(named.get, _CAME_FOR)), self.found[0])
         bounce = named.get("restitution")
         more = f", {bounce.called} {bounce.cells.with_unit}" if bounce else ""
@@ -206,5 +206,5 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         return (
             str(self.verdict),
             f"law: {self.law}",
-            *(one.says for one in self.found),
+            *(fact.says for fact in self.found),
         )

@@ -17,11 +17,15 @@ from dashpot.registry import Example
 def _hit() -> str:
     """A steel ball of 5 g on rubber, its acceleration at 100 kHz, 0.5 % noisy, with an offset."""
     law = ViscousContact(sphere_stiffness(4e6, 5e-3), 1e-4)
-    one = collide(law, mass=5e-3, velocity=1.0, pull=GRAVITY)
+    collision = collide(law, mass=5e-3, velocity=1.0, pull=GRAVITY)
     time = np.arange(600) * 1e-5
-    felt = np.interp(time - 2e-3, one.time, one.force / one.mass, left=0.0, right=0.0)
-    felt += 3.0 + 0.005 * felt.max() * np.random.default_rng(1).standard_normal(len(time))
-    rows = (f"{t:.5f},{a:.5g}" for t, a in zip(time, -felt, strict=True))
+    interpolated = np.interp(
+        time - 2e-3, collision.time, collision.force / collision.mass, left=0.0, right=0.0
+    )
+    interpolated += 3.0 + 0.005 * interpolated.max() * np.random.default_rng(1).standard_normal(
+        len(time)
+    )
+    rows = (f"{t:.5f},{a:.5g}" for t, a in zip(time, -interpolated, strict=True))
     head = [f"# {byline('simulated indentation')}", "# simulated", "# indenter of 5 g, radius 5 mm"]
     return "\n".join([*head, "time [s],acceleration [m/s^2]", *rows, ""])
 

@@ -97,7 +97,7 @@ class _NearHit:
 
     def sample_collision(self, hit: Collision, touch: float) -> Recorded:
         whole = simulate_sensor_signal(hit, self.test.of, self.time - touch, self.test.step)
-        return Recorded(*(one[self.kept] for one in whole))
+        return Recorded(*(values[self.kept] for values in whole))
 
     def simulate_collision(self, law: Law, theta: FloatArray) -> Collision:
         return law.collision(theta, self.mass, self.test.indenter.pull)
@@ -191,7 +191,7 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
     for name in [law] if law != "auto" else LAWS:
         # beside a valley the body may never be let go
         with suppress(DataError):
-            tried += [one] if (one := _fit_law(window, name)) else []
+            tried += [optimum] if (optimum := _fit_law(window, name)) else []
     if not tried:
         raise FitError(
             "no law of contact follows the record: expected one push, in flight before and after; "
@@ -199,42 +199,44 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
             "inspect"
         )
     # all laws by the noise of the one that leaves least, for a misfit is no noise
-    effective = min(tried, key=lambda one: one.optimum.sse).estimate.effective
+    effective = min(tried, key=lambda optimum: optimum.optimum.sse).estimate.effective
     scores = {
-        one.name: score(one.optimum, effective, floor=len(one.residual) * _rounding(one.model) ** 2)
-        for one in tried
+        optimum.name: score(
+            optimum.optimum, effective, floor=len(optimum.residual) * _rounding(optimum.model) ** 2
+        )
+        for optimum in tried
     }
-    tried.sort(key=lambda one: scores[one.name])
+    tried.sort(key=lambda optimum: scores[optimum.name])
     best = tried[0]
-    found = _make_contact_facts(window, best)
-    _refuse_absurd(found, test.indenter.radius)
+    facts = _make_contact_facts(window, best)
+    _refuse_absurd(facts, test.indenter.radius)
     in_contact = _select_contact_samples(window, best)
     flight = best.residual[~in_contact]
     noise = float(np.sqrt(np.mean(flight**2))) if len(flight) > 8 else 0.0
-    left = float(np.sqrt(np.mean(best.residual[in_contact] ** 2)))
+    remainder = float(np.sqrt(np.mean(best.residual[in_contact] ** 2)))
     size = float(np.ptp(best.model)) or 1.0
     touch = best.touch
-    near = [one for one in tried[1:] if scores[one.name] - scores[best.name] < _DECIDED]
-    others = [(one.name, _make_contact_facts(window, one)) for one in near]
+    near = [item for item in tried[1:] if scores[item.name] - scores[best.name] < _DECIDED]
+    others = [(item.name, _make_contact_facts(window, item)) for item in near]
     fitted = IndentationFit(
-        best.name, best.contact, found, tuple((one.name, scores[one.name]) for one in tried),
+        best.name, best.contact, facts, tuple((item.name, scores[item.name]) for item in tried),
         test.indenter, test.of, window.time[window.kept] - touch, best.model + best.residual,
-        best.model, noise, left / size, touch, best.hit.duration, (), test.source,
+        best.model, noise, remainder / size, touch, best.hit.duration, (), test.source,
     )  # fmt: skip
-    judged = checks.run_checks(
+    checked_checks = checks.run_checks(
         fitted, best.hit, test, contact=window.contact, clipped=window.clipped, others=others
     )
-    return replace(fitted, checks=(*judged, *caution_checks(sources_of([test]))))
+    return replace(fitted, checks=(*checked_checks, *caution_checks(sources_of([test]))))
 
 
-def _refuse_absurd(found: Sequence[ReportedValue], radius: float | None) -> None:
+def _refuse_absurd(facts: Sequence[ReportedValue], radius: float | None) -> None:
     """Refuse what mass and radius make of a contact where no rubber does so."""
-    known = {one.name: one.value for one in found}
+    entries = {fact.name: fact.value for fact in facts}
     remedy = "Check the mass and the radius of the indenter, and their units."
-    if radius is None or "modulus" not in known:
+    if radius is None or "modulus" not in entries:
         return
-    SIZES["modulus"].refuse(known["modulus"], remedy=remedy)
-    pressure = known["largest_force"] / (np.pi * radius * known["depth"])
+    SIZES["modulus"].refuse(entries["modulus"], remedy=remedy)
+    pressure = entries["largest_force"] / (np.pi * radius * entries["depth"])
     SIZES["contact pressure"].refuse(float(pressure), remedy=remedy)
 
 
@@ -247,8 +249,8 @@ def _window(test: IndentationTest, contact: ContactInterval) -> _NearHit:
         test.time <= contact.start + contact.duration + reach
     )
     time, signal = test.time[inside], contact.sign * test.signal[inside]
-    kept = ~_detect_clipped_samples(signal, test.of)
-    clipped = int(np.count_nonzero(~kept))
+    mask = ~_detect_clipped_samples(signal, test.of)
+    clipped = int(np.count_nonzero(~mask))
     centred = (time - time.mean()) / max(float(np.ptp(time)), 1e-300)
     columns = {
         "acceleration": np.stack((np.ones(len(time)), centred), axis=1),
@@ -260,7 +262,7 @@ def _window(test: IndentationTest, contact: ContactInterval) -> _NearHit:
     if test.of == "velocity":
         scatter = float(np.std(np.diff(signal, 2))) / np.sqrt(6)
         prior[:] = scatter / (_VELOCITY_OFFSET * float(np.ptp(signal)) / 2)
-    return _NearHit(test, contact, time, signal, kept, clipped, mass, columns[kept], prior)
+    return _NearHit(test, contact, time, signal, mask, clipped, mass, columns[mask], prior)
 
 
 def _detect_clipped_samples(signal: FloatArray, of: str) -> BoolArray:
@@ -298,30 +300,30 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
         parameters = [*law.parameters(duration, change), touch]
         return Problem(partial(window.rows, law, pull), parameters, priors=len(window.prior))
 
-    def nearly(own: Sequence[float]) -> tuple[float, FloatArray]:
+    def nearly(values: Sequence[float]) -> tuple[float, FloatArray]:
         """The cost of a loss and a time, as motions know it that all records share."""
-        start = np.append(law.make_starting_parameters(duration, own, change), begin)
+        start = np.append(law.make_starting_parameters(duration, values, change), begin)
         rest = [0, len(start) - 2, len(start) - 1]
-        found = problem(law.held(own), 0.0).solve([start[rest]], most=_NEAR, flat=_ROUGHLY)
-        if found is None:
+        optimum = problem(law.held(values), 0.0).solve([start[rest]], most=_NEAR, flat=_ROUGHLY)
+        if optimum is None:
             return np.inf, start
-        start[rest] = found.theta
-        return found.cost, start
+        start[rest] = optimum.theta
+        return optimum.cost, start
 
-    table = [nearly(own) for own in product(*law.starts)]
-    cost = np.array([one for one, _ in table]).reshape([len(one) for one in law.starts])
+    table = [nearly(values) for values in product(*law.starts)]
+    cost = np.array([value for value, _ in table]).reshape([len(start) for start in law.starts])
     starts = [table[i][1] for i in _valleys(cost)]
     whole = problem(law, window.test.indenter.pull)
-    found = whole.valleys(starts, same=_SAME, most=_TRIES, finished=_FLAT, flat=_FLAT)
-    if not found:
+    optima = whole.valleys(starts, same=_SAME, most=_TRIES, finished=_FLAT, flat=_FLAT)
+    if not optima:
         return None
-    best = min(found, key=lambda one: one.cost)
+    best = min(optima, key=lambda optimum: optimum.cost)
     if len(law.starts) == 1:
         # where the force jumps, or rises as a root, a touch between two other samples is a valley
-        beside = np.outer(_TOUCHES, np.eye(len(best.theta))[-1]) * window.test.step
-        near = whole.solve([*best.theta + beside], most=_TRIES, finished=_FLAT, flat=_FLAT)
+        extra = np.outer(_TOUCHES, np.eye(len(best.theta))[-1]) * window.test.step
+        near = whole.solve([*best.theta + extra], most=_TRIES, finished=_FLAT, flat=_FLAT)
         best = near or best
-    return _estimate_law_errors(window, name, best, found)
+    return _estimate_law_errors(window, name, best, optima)
 
 
 def _valleys(cost: FloatArray) -> list[int]:
@@ -337,7 +339,7 @@ def _valleys(cost: FloatArray) -> list[int]:
 
 
 def _estimate_law_errors(
-    window: _NearHit, name: str, best: Optimum, found: Sequence[Optimum]
+    window: _NearHit, name: str, best: Optimum, optima: Sequence[Optimum]
 ) -> _LawOptimum:
     """A law with what its residual says of its noise, and so of its parameters."""
     hit = window.simulate_collision(LAWS[name], best.theta)
@@ -345,14 +347,14 @@ def _estimate_law_errors(
     model = seen.value
     count = len(best.residual)
     noise = noise_of(best.residual, best.jacobian[:count], rounding=_rounding(model))
-    known = estimate(best, noises=[noise], prior_variance=float(noise.autocovariance[0]))
+    uncertainty = estimate(best, noises=[noise], prior_variance=float(noise.autocovariance[0]))
     if hit.force[0] > 0 and window.test.of in {"acceleration", "force"}:
         # how a recorder takes a jump is not known: the touch lies between two samples
         at = int(np.argmin(np.abs(window.time[window.kept] - float(best.theta[-1]))))
         change = np.zeros(len(best.all_residuals))
         change[at] = _AT_TOUCH * window.test.step * seen.rate[at]
-        known = known.add_parameter_error(known.estimate_parameter_shift(change))
-    return _LawOptimum(name, hit, model, known, tuple(found))
+        uncertainty = uncertainty.add_parameter_error(uncertainty.estimate_parameter_shift(change))
+    return _LawOptimum(name, hit, model, uncertainty, tuple(optima))
 
 
 def _rounding(model: FloatArray) -> float:
@@ -360,29 +362,33 @@ def _rounding(model: FloatArray) -> float:
     return _ROUNDING * float(np.ptp(model))
 
 
-def _select_contact_samples(window: _NearHit, one: _LawOptimum) -> BoolArray:
-    since = window.time[window.kept] - one.touch
-    return np.asarray((since >= 0) & (since <= one.hit.duration))
+def _select_contact_samples(window: _NearHit, optimum: _LawOptimum) -> BoolArray:
+    since = window.time[window.kept] - optimum.touch
+    return np.asarray((since >= 0) & (since <= optimum.hit.duration))
 
 
-def _make_contact_facts(window: _NearHit, one: _LawOptimum) -> tuple[ReportedValue, ...]:
+def _make_contact_facts(window: _NearHit, optimum: _LawOptimum) -> tuple[ReportedValue, ...]:
     """The law's parameters and what follows from them, each with its interval."""
-    named = _follows(window, one.law, one.optimum.theta)
+    named = _follows(window, optimum.law, optimum.optimum.theta)
 
     def numbers(values: FloatArray) -> FloatArray:
-        theta = values[: len(one.optimum.theta)]
-        return np.array([value for value, _ in _follows(window, one.law, theta).values()])
+        theta = values[: len(optimum.optimum.theta)]
+        return np.array([value for value, _ in _follows(window, optimum.law, theta).values()])
 
-    slices = _slices(one) if len(one.law.starts) > 1 else [ProfileSlice(0.0, one.estimate)]
-    widest = one.estimate.quantile(_LEVEL)
+    slices = (
+        _slices(optimum) if len(optimum.law.starts) > 1 else [ProfileSlice(0.0, optimum.estimate)]
+    )
+    widest = optimum.estimate.quantile(_LEVEL)
     derived = [
-        (root, known.derive_quantity(numbers)) for root, known in slices if root <= _ENDS * widest
+        (root, uncertainty.derive_quantity(numbers))
+        for root, uncertainty in slices
+        if root <= _ENDS * widest
     ]
 
     def ends(level: float) -> tuple[FloatArray, FloatArray]:
         """Of all slices together, as parts of the value; of a loss, and of all others."""
-        reach = one.estimate.quantile(level)
-        each = []
+        reach = optimum.estimate.quantile(level)
+        group = []
         for root, what in derived:
             if root > _ENDS * reach:
                 continue
@@ -391,9 +397,9 @@ def _make_contact_facts(window: _NearHit, one: _LawOptimum) -> tuple[ReportedVal
             # a loss has a normal error itself, where its logarithm has none
             low = np.where(losses, 1 - part, 1 / spread)
             high = np.where(losses, 1 + part, spread)
-            each.append((what.values * low, what.values * high))
-        low = np.min([low for low, _ in each], axis=0)
-        high = np.max([high for _, high in each], axis=0)
+            group.append((what.values * low, what.values * high))
+        low = np.min([low for low, _ in group], axis=0)
+        high = np.max([high for _, high in group], axis=0)
         more = reach * of_radius
         with np.errstate(divide="ignore", invalid="ignore"):
             wide = [values * np.exp(way * np.hypot(np.log(end / values), more))
@@ -418,43 +424,46 @@ def _make_contact_facts(window: _NearHit, one: _LawOptimum) -> tuple[ReportedVal
     )
 
 
-def _slices(one: _LawOptimum) -> list[ProfileSlice]:
+def _slices(optimum: _LawOptimum) -> list[ProfileSlice]:
     """Of all valleys that the record does not rule out.
 
     A loss and a time trade along a valley that bends: across it all is normal, along it nothing.
     """
-    noise, best = one.estimate.noises[0], one.optimum
-    found = one.estimate.profile(_TIME)
-    for other in one.valleys:
+    noise, best = optimum.estimate.noises[0], optimum.optimum
+    slices = optimum.estimate.profile(_TIME)
+    for other in optimum.valleys:
         worse = (other.cost - best.cost) / noise.power
-        if other is best or worse > one.estimate.quantile() ** 2:
+        if other is best or worse > optimum.estimate.quantile() ** 2:
             continue
-        each = estimate(other, noises=[noise]).profile(_TIME)
-        found += [ProfileSlice(float(np.sqrt(root**2 + worse)), known) for root, known in each]
-    return found
+        profile_slices = estimate(other, noises=[noise]).profile(_TIME)
+        slices += [
+            ProfileSlice(float(np.sqrt(root**2 + worse)), uncertainty)
+            for root, uncertainty in profile_slices
+        ]
+    return slices
 
 
 def _follows(window: _NearHit, law: Law, theta: FloatArray) -> dict[str, tuple[float, str]]:
     """Each number that a law's parameters give, by name, with its unit."""
     contact, hit = law.contact(theta, window.mass), window.simulate_collision(law, theta)
     radius = window.test.indenter.radius
-    known: dict[str, tuple[float, str]] = {"k": (contact.k, f"N/m^{contact.exponent:g}")}
+    entries: dict[str, tuple[float, str]] = {"k": (contact.k, f"N/m^{contact.exponent:g}")}
     sphere = radius is not None and contact.exponent != 1
     if isinstance(contact, ViscousContact) and contact.viscous_time > 0:
         if contact.exponent == 1:
-            known = {"k": (contact.k, "N/m"), "c": (contact.c, "N s/m")}
+            entries = {"k": (contact.k, "N/m"), "c": (contact.c, "N s/m")}
         else:
-            known["viscous_time"] = (contact.viscous_time, "s")
+            entries["viscous_time"] = (contact.viscous_time, "s")
     if isinstance(contact, RelaxingContact):
-        known |= {"g": (contact.g, ""), "tau": (contact.tau, "s")}
+        entries |= {"g": (contact.g, ""), "tau": (contact.tau, "s")}
     if sphere and radius is not None:
-        known["modulus"] = (reduced_modulus(contact.k, radius), "Pa")
+        entries["modulus"] = (reduced_modulus(contact.k, radius), "Pa")
         if isinstance(contact, RelaxingContact):
-            known["glassy_modulus"] = (known["modulus"][0] * (1 + contact.g), "Pa")
+            entries["glassy_modulus"] = (entries["modulus"][0] * (1 + contact.g), "Pa")
     elif radius is not None:
         # of the sphere that is as stiff at the largest indentation
-        known["modulus"] = (reduced_modulus(contact.k / np.sqrt(hit.depth), radius), "Pa")
-    return known | {
+        entries["modulus"] = (reduced_modulus(contact.k / np.sqrt(hit.depth), radius), "Pa")
+    return entries | {
         "restitution": (hit.restitution, ""),
         "impact_velocity": (hit.approach, "m/s"),
         "duration": (hit.duration, "s"),

@@ -12,18 +12,18 @@ from dashpot.cli._command_io import CommandResult
 from dashpot.cli.fit_handlers._request import FitRequest
 
 
-def run(given: FitRequest) -> CommandResult:
+def run(value: FitRequest) -> CommandResult:
     """Find stiffness, damping, modulus and restitution from the motion of an indenter."""
-    given.check_output_suffix(".json", what="an indenter's hit")
-    if len(given.files) > 1:
+    value.check_output_suffix(".json", what="an indenter's hit")
+    if len(value.files) > 1:
         raise click.UsageError(
-            f"one hit of an indenter is fitted at a time, and there are {len(given.files)} files. "
+            f"one hit of an indenter is fitted at a time, and there are {len(value.files)} files. "
             "For a table of all: dashpot batch"
         )
-    found = workflow.indent_file(
-        given.files[0],
-        indenter=replace(given["indenter"], mass=given.mass),
-        law=given.model(ImpactLawAsked),
-        options=given.reading,
+    indentation_fit = workflow.indent_file(
+        value.files[0],
+        indenter=replace(value["indenter"], mass=value.mass),
+        law=value.model(ImpactLawAsked),
+        options=value.reading,
     )
-    return given.told(found)
+    return value.told(indentation_fit)

@@ -44,8 +44,8 @@ class Indenter:
 
     def __post_init__(self) -> None:
         si_fields(self)
-        known = {name: value for name, value in vars(self).items() if name != "radius_error"}
-        require_positive(**known, expected="a number > 0 in SI units", optional=True)
+        entries = {name: value for name, value in vars(self).items() if name != "radius_error"}
+        require_positive(**entries, expected="a number > 0 in SI units", optional=True)
         if not 0 <= self.radius_error < 1:
             raise DataError(
                 f"radius_error = {self.radius_error:g}; expected a part from 0 to below 1"

@@ -23,7 +23,7 @@ def build_lot_row(file: str | Path, piece: Piece) -> tuple[IndentationFit, dict[
     ball = Indenter(mass=piece.mass, radius=piece.radius)
     test = read_indentation(file, indenter=ball, options=piece.options)
     fit = fit_indentation(test)
-    found: dict[str, Any] = {
+    entries: dict[str, Any] = {
         "samples": len(test.time),
         "method": fit.law,
         "contact_s": fit.duration,
@@ -33,5 +33,5 @@ def build_lot_row(file: str | Path, piece: Piece) -> tuple[IndentationFit, dict[
     if ball.radius is not None:
         modulus = fit["modulus"]
         ends = {"": modulus.value, "_low": modulus.low, "_high": modulus.high}
-        found |= {f"indent_modulus{end}_Pa": value for end, value in ends.items()}
-    return fit, found
+        entries |= {f"indent_modulus{end}_Pa": value for end, value in ends.items()}
+    return fit, entries

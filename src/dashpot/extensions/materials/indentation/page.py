@@ -14,26 +14,28 @@ from dashpot.report.page_content import (
 )
 
 
-def page(found: IndentationFit) -> KindPage:
+def page(indentation_fit: IndentationFit) -> KindPage:
     """What the page of a contact holds."""
     law = {"law_followed", "parameters_known", "laws_agree", "indentation_shallow"}
-    left = f"{round_to_error(100 * found.residual, digits=2)} % left"
+    remainder = f"{round_to_error(100 * indentation_fit.residual, digits=2)} % left"
     return KindPage(
         about="contact of an indenter",
         strip=(
-            ("Law", found.law),
-            ("Recorded", found.of),
-            ("Contact", duration(found.duration)),
+            ("Law", indentation_fit.law),
+            ("Recorded", indentation_fit.of),
+            ("Contact", duration(indentation_fit.duration)),
             (
                 "Indenter",
-                "" if found.indenter.mass is None else format_with_error(found.indenter.mass, "g"),
+                ""
+                if indentation_fit.indenter.mass is None
+                else format_with_error(indentation_fit.indenter.mass, "g"),
             ),
         ),
-        lights=lights(found.checks, Topic("Record"), Topic("Law", law, left)),
+        lights=lights(indentation_fit.checks, Topic("Record"), Topic("Law", law, remainder)),
         answers="The contact, recorded and fitted",
-        picture=found.plot(),
-        told=f"The {found.law} law",
-        groups=(group("", found.found),),
-        sources=sources_behind(found),
-        folds=(make_law_ranking(found.orders),),
+        picture=indentation_fit.plot(),
+        told=f"The {indentation_fit.law} law",
+        groups=(group("", indentation_fit.found),),
+        sources=sources_behind(indentation_fit),
+        folds=(make_law_ranking(indentation_fit.orders),),
     )

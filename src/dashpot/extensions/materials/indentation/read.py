@@ -38,12 +38,16 @@ def read_indentation(
         If the file cannot be read, or leaves open which column is what or in which unit.
     """
     with channels.open_file(path, options) as file:
-        beside, noted = channels.find_optional_column(file, "force")
+        assignment, noted = channels.find_optional_column(file, "force")
         # an acceleration beside a force is a hammer's, unless the file speaks of an indenter
-        kinds: list[FileKind] = ["indentation"] if beside else ["indentation", "impact"]
+        kinds: list[FileKind] = ["indentation"] if assignment else ["indentation", "impact"]
         channels.expect(file, kinds, "the motion of an indenter is", named=_NAMED)
         motion, of = _motion(file)
-        forces = [beside] if beside and of != "force" and beside.index != motion.index else []
+        forces = (
+            [assignment]
+            if assignment and of != "force" and assignment.index != motion.index
+            else []
+        )
         ticks = channels.chosen(file, channels.add_time_role(file))
         chosen = channels.with_units(file, [*ticks, motion, *forces])
         channels.refuse_other_rate(file)
@@ -77,30 +81,30 @@ def _motion(file: OpenedFile) -> tuple[RoleAssignment, Motion]:
 
 def _acceleration(file: OpenedFile) -> RoleAssignment | None:
     """The only acceleration, if there is one."""
-    found = accelerations(file.table, (), file.options)
-    if len(found) > 1:
-        listed = ", ".join(format_column(file.table.columns, i) for i in found)
+    indices = accelerations(file.table, (), file.options)
+    if len(indices) > 1:
+        listed = ", ".join(format_column(file.table.columns, i) for i in indices)
         raise ReadError(
             f"{listed} are accelerations, and one indenter has one; name it with "
             "--column acceleration=NAME"
         )
     says = "its name or unit says acceleration"
-    return RoleAssignment("acceleration", found[0], says) if found else None
+    return RoleAssignment("acceleration", indices[0], says) if indices else None
 
 
 def _refuse_sizes(
     file: OpenedFile, chosen: list[Channel], time: np.ndarray, largest: float
 ) -> None:
     """Ask for the units again that make a size no indenter has."""
-    asked = []
-    for one in chosen:
-        word = one.unit.word
-        if one.role == "time":
-            asked.append(
-                (one, [size_checks.contact_rate(1 / max(median(np.diff(time)), 1e-12), word)])
+    requested = []
+    for channel in chosen:
+        word = channel.unit.word
+        if channel.role == "time":
+            requested.append(
+                (channel, [size_checks.contact_rate(1 / max(median(np.diff(time)), 1e-12), word)])
             )
-        elif one.role == "acceleration":
-            asked.append((one, [size_checks.shock_not_large(largest, word)]))
-        elif one.role == "velocity":
-            asked.append((one, [size_checks.indenter_not_fast(largest, word)]))
-    channels.refuse_sizes(file, asked)
+        elif channel.role == "acceleration":
+            requested.append((channel, [size_checks.shock_not_large(largest, word)]))
+        elif channel.role == "velocity":
+            requested.append((channel, [size_checks.indenter_not_fast(largest, word)]))
+    channels.refuse_sizes(file, requested)

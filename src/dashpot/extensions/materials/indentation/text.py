@@ -11,6 +11,12 @@ if TYPE_CHECKING:
     from dashpot.extensions.materials.indentation.datamodel import IndentationFit
 
 
-def indentation(found: IndentationFit) -> Text:
+def indentation(indentation_fit: IndentationFit) -> Text:
     """Return the law of a contact, its numbers with their intervals, and the laws tried."""
-    return Text([f"  law: {found.law}", *facts(found.found), format_bic_differences(found.orders)])
+    return Text(
+        [
+            f"  law: {indentation_fit.law}",
+            *facts(indentation_fit.found),
+            format_bic_differences(indentation_fit.orders),
+        ]
+    )

@@ -38,9 +38,9 @@ def fit_rod(
         )
     kilograms, hertz = convert_to_si(mass, "mass"), si_range(band, "frequency")
     if poisson is None and not isinstance(shape, str):
-        own = {one.name: one.default for one in fields(shape)}.get("poisson")
-        poisson = None if getattr(shape, "poisson", own) == own else shape.poisson
-    found = rod_under(
+        value = {field.name: field.default for field in fields(shape)}.get("poisson")
+        poisson = None if getattr(shape, "poisson", value) == value else shape.poisson
+    rod = rod_under(
         frf_of(records, mass=kilograms, band=hertz, hammer=hammer),
         mass=kilograms,
         density=float(density),
@@ -51,6 +51,6 @@ def fit_rod(
         mass_sd=convert_to_si(mass_sd, "mass"),
         poisson=poisson,
     )
-    if found.fit is None:
-        raise FitError(found.reason)
-    return found.fit
+    if rod.fit is None:
+        raise FitError(rod.reason)
+    return rod.fit

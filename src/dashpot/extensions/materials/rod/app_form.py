@@ -19,12 +19,12 @@ ASKS = (
 )
 
 
-def answered(files: Sequence[str], said: FormData, options: ReadOptions) -> Rod:
+def answered(files: Sequence[str], form: FormData, options: ReadOptions) -> Rod:
     """The modulus of the rod's material."""
-    disc = said.get_option_value("disc").removeprefix("disc:")
+    disc = form.get_option_value("disc").removeprefix("disc:")
     if not disc:
         raise DataError("the shape is not given: type diameter and length, such as 20, 20")
     return rod_files(
-        files, mass=said.require_quantity("mass", "mass"),
-        density=said.bare("density") or _WATER, rod=RodChoices(disc=disc), options=options,
+        files, mass=form.require_quantity("mass", "mass"),
+        density=form.bare("density") or _WATER, rod=RodChoices(disc=disc), options=options,
     )  # fmt: skip

@@ -67,14 +67,14 @@ def lines_of_one_solid(misfit: float | None) -> Finding:
     3.0,
     "our choice: chance, once in 400; what was found is taken out",
 )
-def sensors_agree(gain: float | None, phase: float, *, known: tuple[float, float]) -> Finding:
+def sensors_agree(gain: float | None, phase: float, *, values: tuple[float, float]) -> Finding:
     """Far below the resonance both sensors read one motion, within the errors that were said."""
     if gain is None:
         return Finding("No lines lie far below the resonance, so the sensors are not compared")
     return Finding(
         f"Far below the resonance the sensors differ by {100 * gain:+.2g} % and "
         f"{np.degrees(phase):+.2g} degrees from the modulus",
-        float(max(abs(gain) / known[0], abs(phase) / known[1])),
+        float(max(abs(gain) / values[0], abs(phase) / values[1])),
         "That is more than the errors that were given",
         Remedy("Calibrate them on the bare base, or give their errors.", "gain-error"),
     )

@@ -107,7 +107,9 @@ class RodModulus(EqualByValue):
 
     def only(self, lines: BoolArray | IndexArray) -> RodModulus:
         """The same at some of its lines."""
-        per_line = [one.name for one in fields(self) if one.name.startswith(_PER_LINE)]
+        per_line = [
+            attribute.name for attribute in fields(self) if attribute.name.startswith(_PER_LINE)
+        ]
         return replace(self, **{name: getattr(self, name)[lines] for name in per_line})
 
     @property

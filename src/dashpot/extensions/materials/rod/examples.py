@@ -32,7 +32,7 @@ def _rod() -> str:
     rows = zip(frequency, np.abs(T), np.degrees(np.angle(T)), np.full(len(T), 0.9999), strict=True)
     head = "frequency [Hz],transmissibility magnitude [g/g],phase [deg],coherence"
     lines = [f"# {byline('simulated transmissibility')}", "# simulated", head]
-    return "\n".join([*lines, *(",".join(f"{one:.6g}" for one in row) for row in rows), ""])
+    return "\n".join([*lines, *(",".join(f"{value:.6g}" for value in row) for row in rows), ""])
 
 
 EXAMPLES: Mapping[str, Example] = MappingProxyType(

@@ -28,20 +28,20 @@ if TYPE_CHECKING:
     from dashpot.extensions.materials.rod.fit_files import Rod
 
 
-def rod(found: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Picture:
+def rod(modulus: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Picture:
     """Storage modulus and loss factor with all errors together (1 SD), and the solid fitted.
 
     Hatched is where either is not known to 10 %.
 
     Parameters
     ----------
-    found : RodModulus
+    modulus : RodModulus
     fit : Fit, optional
         Of the usable band.
     stamp : str
         What the figure says of its origin.
     """
-    f, usable = found.frequency, found.usable
+    f, usable = modulus.frequency, modulus.usable
     near = usable if usable.any() else np.ones(len(f), dtype=bool)
     low, high = float(f[near][0]), float(f[near][-1])
     span = max(low / 1.3, float(f[0])), min(high * 1.3, float(f[-1]))
@@ -49,10 +49,10 @@ def rod(found: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Pictur
     rows = (
         (
             "storage modulus E′, MPa",
-            convert_to_unit(found.storage, "MPa"),
-            convert_to_unit(found.storage_sd, "MPa"),
+            convert_to_unit(modulus.storage, "MPa"),
+            convert_to_unit(modulus.storage_sd, "MPa"),
         ),
-        ("loss factor E″/E′, 1", found.loss_factor, found.loss_factor_sd),
+        ("loss factor E″/E′, 1", modulus.loss_factor, modulus.loss_factor_sd),
     )
     dense = np.geomspace(low, high, 150)
     panels = []
@@ -87,9 +87,11 @@ def rod(found: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Pictur
         "Modulus of the rod's material by its wave equation, line by line, with the errors of "
         "sensors, masses and lengths together."
     )
-    return Picture("rod", caption, tuple((one,) for one in panels), 2, stamp, width=900.0)
+    return Picture("rod", caption, tuple((panel,) for panel in panels), 2, stamp, width=900.0)
 
 
-def draw_rod(found: Rod) -> Picture:
+def draw_rod(new_rod: Rod) -> Picture:
     """Return the figure of a rod under a mass, stamped with its test."""
-    return rod(found.modulus, fit=found.fit, stamp=stamped(found.frf.source, mass=found.mass))
+    return rod(
+        new_rod.modulus, fit=new_rod.fit, stamp=stamped(new_rod.frf.source, mass=new_rod.mass)
+    )

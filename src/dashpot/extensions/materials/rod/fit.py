@@ -30,7 +30,7 @@ _PER_OCTAVE = 24
 
 
 def fit_rod(
-    found: RodModulus,
+    rod_modulus: RodModulus,
     *,
     arms: int | Literal["auto"] = "auto",
     family: FamilyAsked = "maxwell",
@@ -40,7 +40,7 @@ def fit_rod(
 
     Parameters
     ----------
-    found : RodModulus
+    rod_modulus : RodModulus
     arms, family
         As in :func:`~dashpot.extensions.curves.dynamic.fit.fit_dynamic`.
     specimen
@@ -51,7 +51,7 @@ def fit_rod(
     FitError
         If fewer than eight lines are usable, or a fit of them is not possible.
     """
-    lines = found.only(found.usable)
+    lines = rod_modulus.only(rod_modulus.usable)
     if len(lines.frequency) < ROD_LINES:
         raise FitError(
             f"{len(lines.frequency)} lines of the rod are usable; expected {ROD_LINES} or more "
@@ -71,19 +71,19 @@ def fit_rod(
         return fit
     added = np.zeros_like(fit.covariance)
     for relative in lines.by_errors:
-        _, moved = _average_lines(lines, lines.modulus * (1 + relative))
-        there = _fit_same_solid(fit, replace(test, storage=moved.real, loss=moved.imag))
+        _, change = _average_lines(lines, lines.modulus * (1 + relative))
+        there = _fit_same_solid(fit, replace(test, storage=change.real, loss=change.imag))
         by = np.zeros(len(here)) if there is None else there - here
         added += np.outer(by, by)
     scatter = np.diag(fit.covariance)
     # a profile knows the scatter alone
-    kept = [
-        one
-        for one in fit.profiles
-        if one.parameter in fit.parameters
-        and added[(i := fit.parameters.index(one.parameter)), i] < scatter[i]
+    profiles = [
+        profile
+        for profile in fit.profiles
+        if profile.parameter in fit.parameters
+        and added[(i := fit.parameters.index(profile.parameter)), i] < scatter[i]
     ]
-    estimate = replace(fit.estimate, covariance=fit.covariance + added, profiles=tuple(kept))
+    estimate = replace(fit.estimate, covariance=fit.covariance + added, profiles=tuple(profiles))
     return replace(fit, estimate=estimate)
 
 

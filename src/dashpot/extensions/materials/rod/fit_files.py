@@ -85,9 +85,9 @@ class Rod(HasVerdict, Serialisable):
     def checks(self) -> tuple[Check, ...]:
         """Of the FRF, of the inversion, and of the fit."""
         # of an FRF without coherence the lines themselves show how they scatter
-        seen = tuple(one for one in self.frf.checks if one.name != scatter_known.name)
-        own = (*seen, *self.modulus.checks)
-        return own if self.fit is None else self.fit.checks
+        seen = tuple(check for check in self.frf.checks if check.name != scatter_known.name)
+        checks = (*seen, *self.modulus.checks)
+        return checks if self.fit is None else self.fit.checks
 
     @property
     def series(self) -> Series:
@@ -102,7 +102,7 @@ class Rod(HasVerdict, Serialisable):
         """What to make of it."""
         low, high = self.modulus.band
         return verdict(
-            self.checks, sound=f"from {low:.3g} to {high:.3g} Hz the modulus is known to 10 %"
+            self.checks, headline=f"from {low:.3g} to {high:.3g} Hz the modulus is known to 10 %"
         )
 
     @property
@@ -115,7 +115,7 @@ class Rod(HasVerdict, Serialisable):
         """Each as rows of the real and the imaginary part of d ln E*."""
         of = self.modulus
         every = {name: getattr(of, f"by_{name}") for name in _ERRORS}
-        return {name: np.column_stack([one.real, one.imag]) for name, one in every.items()}
+        return {name: np.column_stack([item.real, item.imag]) for name, item in every.items()}
 
     @property
     def band(self) -> tuple[float, float] | None:
@@ -203,29 +203,30 @@ def rod_under(
     modulus = rod_modulus(
         frf, part, mass=mass, density=density, bonded=bonded, errors=errors, band=band
     )
-    own = density * part.area * part.height
-    found = Rod(frf, modulus, part, bonded, mass, own, modulus.errors, None)
+    value = density * part.area * part.height
+    new_rod = Rod(frf, modulus, part, bonded, mass, value, modulus.errors, None)
     try:
         fit = fit_rod(modulus, arms=arms, family=family, specimen=specimen)
     except FitError as error:
-        return replace(found, reason=str(error))
+        return replace(new_rod, reason=str(error))
     step = Step(
         "rod_modulus",
         (("mass", f"{mass:.6g} kg"), ("density", f"{density:.6g} kg/m^3"), ("shape", str(part)),
          ("bonded", str(bonded).lower())),
-        f"inverted the wave equation of a rod of {format_quantity(own, 'g')} under "
+        f"inverted the wave equation of a rod of {format_quantity(value, 'g')} under "
         f"{format_quantity(mass, 'g')}",
     )  # fmt: skip
     provenance = replace(
         fit.provenance, source=frf.source, steps=(*frf.steps, step, *fit.provenance.steps)
     )
     # what is asked of a rod is its modulus within a band; a plateau below it is not, and is noted
-    told = (
-        replace(one, grade="note") if one.name in _OF_THE_PLATEAU else one for one in fit.checks
+    final_checks = (
+        replace(check, grade="note") if check.name in _OF_THE_PLATEAU else check
+        for check in fit.checks
     )
-    checks = (*found.checks, *told)
+    checks = (*new_rod.checks, *final_checks)
     evidence = replace(fit.evidence, checks=checks)
-    return replace(found, fit=replace(fit, provenance=provenance, evidence=evidence))
+    return replace(new_rod, fit=replace(fit, provenance=provenance, evidence=evidence))
 
 
 def _part(rod: RodChoices) -> Disc | Block:

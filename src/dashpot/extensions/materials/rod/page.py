@@ -12,9 +12,9 @@ from dashpot.report.page_content import Group, KindPage, Topic, lights, row
 from dashpot.report.result_pages.solid_page import OF_LOSS, OF_REST, make_solid_groups
 
 
-def page(found: Rod) -> KindPage:
+def page(rod: Rod) -> KindPage:
     """What the page of a rod holds."""
-    of = found.modulus
+    of = rod.modulus
     low, high = of.band
     usable = bool(of.usable.any())
     modulus = Topic(
@@ -46,23 +46,25 @@ def page(found: Rod) -> KindPage:
                     ),
                 )
             )
-    if found.fit is not None:
+    if rod.fit is not None:
         groups += [
-            one for one in make_solid_groups(found.fit) if one.title.startswith(("Arms", "Modulus"))
+            group
+            for group in make_solid_groups(rod.fit)
+            if group.title.startswith(("Arms", "Modulus"))
         ]
     return KindPage(
         about="rod under a mass",
         strip=(
-            ("Mass", format_with_error(found.mass, "g", digits=4)),
-            ("Rod", format_with_error(found.own_mass, "g")),
-            ("Ends", "bonded" if found.bonded else "sliding"),
+            ("Mass", format_with_error(rod.mass, "g", digits=4)),
+            ("Rod", format_with_error(rod.own_mass, "g")),
+            ("Ends", "bonded" if rod.bonded else "sliding"),
             ("Known to 10 %", f"{low:.3g} to {high:.3g} Hz" if usable else "nowhere"),
         ),
-        lights=lights(found.checks, Topic("Record"), modulus, Topic("Solid", solid)),
+        lights=lights(rod.checks, Topic("Record"), modulus, Topic("Solid", solid)),
         answers="The modulus of the material",
-        picture=found.plot(),
+        picture=rod.plot(),
         told="The material",
         groups=tuple(groups),
         note="From and to: 95 %, of all errors of the test together.",
-        sources=tuple(dict.fromkeys(found.frf.source)),
+        sources=tuple(dict.fromkeys(rod.frf.source)),
     )

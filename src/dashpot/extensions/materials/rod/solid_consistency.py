@@ -45,18 +45,18 @@ def compute_single_solid_misfit(lines: RodModulus, scatter: FloatArray) -> float
     x = 1j * np.outer(omega, np.geomspace(fastest, slowest, count))
     solid = np.column_stack((np.ones(len(f)), 1j * omega, x / (1 + x)))
     errors = [E * relative for relative in lines.by_errors]
-    known = len(errors)
+    size = len(errors)
     weight = 1 / (np.abs(E) * scatter)
     A = np.vstack((
         _parts(np.column_stack((solid, *errors)) * weight[:, None]),
-        np.eye(known, solid.shape[1] + known, solid.shape[1]),
+        np.eye(size, solid.shape[1] + size, solid.shape[1]),
     ))  # fmt: skip
-    y = np.concatenate((_parts(np.asarray(E * weight)), np.zeros(known)))
+    y = np.concatenate((_parts(np.asarray(E * weight)), np.zeros(size)))
     must = np.arange(A.shape[1]) < solid.shape[1]
     beta, _ = solve_linear(A, y, must)
-    left = y - A @ beta
-    free = len(y) - known - int(np.count_nonzero(beta[must]))
-    return float(left @ left) / max(free, 1)
+    residual = y - A @ beta
+    free = len(y) - size - int(np.count_nonzero(beta[must]))
+    return float(residual @ residual) / max(free, 1)
 
 
 def _parts(rows: npt.NDArray[Any]) -> FloatArray:

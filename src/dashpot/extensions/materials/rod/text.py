@@ -15,17 +15,17 @@ _ERRORS = ("phase", "gain")
 """Of the test, what small ones do to every line."""
 
 
-def rod(found: workflow.Rod) -> Text:
+def rod(rod: workflow.Rod) -> Text:
     """Return the modulus of a rod over its usable band, what errors do to it, and the solid."""
-    of, factor = found.modulus, found.part.factor(bonded=found.bonded)
-    stiffer = factor * found.part.height / found.part.area
-    ends = f"bonded, so {stiffer:.4g} times as stiff as its material" if found.bonded else "sliding"
+    of, factor = rod.modulus, rod.part.factor(bonded=rod.bonded)
+    stiffer = factor * rod.part.height / rod.part.area
+    ends = f"bonded, so {stiffer:.4g} times as stiff as its material" if rod.bonded else "sliding"
     lines = [
         (
-            f"a rod of {format_quantity(found.own_mass, 'g')} under "
-            f"{format_quantity(found.mass, 'g')} "
-            f"({found.mass / found.own_mass:.3g} times its own), shape factor "
-            f"{found.part.shape_factor:.3g}: its ends are {ends}"
+            f"a rod of {format_quantity(rod.own_mass, 'g')} under "
+            f"{format_quantity(rod.mass, 'g')} "
+            f"({rod.mass / rod.own_mass:.3g} times its own), shape factor "
+            f"{rod.part.shape_factor:.3g}: its ends are {ends}"
         )
     ]
     lines.append(
@@ -33,14 +33,14 @@ def rod(found: workflow.Rod) -> Text:
         if of.usable.any()
         else "  usable      nowhere"
     )
-    lines += _lines(found, _ROWS, ())
-    if found.fit is None:
-        lines.append(f"  No model was fitted: {found.reason}")
-        return Text(lines, _lines(found, len(of.frequency)))
-    fitted = text_of.fit(found.fit)
-    details = ["every line", *_lines(found, len(of.frequency))]
+    lines += _lines(rod, _ROWS, ())
+    if rod.fit is None:
+        lines.append(f"  No model was fitted: {rod.reason}")
+        return Text(lines, _lines(rod, len(of.frequency)))
+    fitted = text_of.fit(rod.fit)
+    details = ["every line", *_lines(rod, len(of.frequency))]
     return Text([*lines, *fitted.lines], [*fitted.details, *details])
 
 
-def _lines(found: workflow.Rod, shown: int, errors: tuple[str, ...] = _ERRORS) -> list[str]:
-    return sensitive(found.modulus, errors=errors, unit="Pa", shown=shown)
+def _lines(rod: workflow.Rod, shown: int, errors: tuple[str, ...] = _ERRORS) -> list[str]:
+    return sensitive(rod.modulus, errors=errors, unit="Pa", shown=shown)

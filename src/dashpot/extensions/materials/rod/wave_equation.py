@@ -112,15 +112,15 @@ def rod_modulus(
     measured = frf.to(Kind.TRANSMISSIBILITY if over_base else Kind.DYNAMIC_STIFFNESS)
     measured = measured if limits is None else measured.band(*limits)
     measured = measured.only(measured.usable)
-    own = density * part.area * part.height
-    rod = _Setup(part, top / own, own, density, bonded)
-    found = _invert_lines(measured, rod, errors or RodErrors(), relative_sensor=relative_sensor)
+    value = density * part.area * part.height
+    rod = _Setup(part, top / value, value, density, bonded)
+    modulus = _invert_lines(measured, rod, errors or RodErrors(), relative_sensor=relative_sensor)
     # a sensor between both ends is not seen at rest
-    beside = []
+    checks = []
     if over_base and not relative_sensor:
-        found, seen = _remove_sensor_offset(found, measured, rod)
-        beside = [seen]
-    return replace(found, checks=(*found.checks, mass_beside_rod(rod.ratio), *beside))
+        modulus, seen = _remove_sensor_offset(modulus, measured, rod)
+        checks = [seen]
+    return replace(modulus, checks=(*modulus.checks, mass_beside_rod(rod.ratio), *checks))
 
 
 @dataclass(frozen=True)
@@ -135,34 +135,34 @@ class _Setup:
 
 
 def _remove_sensor_offset(
-    found: RodModulus, measured: FRF, rod: _Setup
+    modulus: RodModulus, measured: FRF, rod: _Setup
 ) -> tuple[RodModulus, Check]:
     """The modulus without the gain and phase that sensors show at rest, and what they show."""
-    said, whole = found.errors, 0j
-    known = max(said.gain, _EXACT), max(said.phase, _EXACT)
-    seen_first = _estimate_rest_offset(found, measured, rod.ratio)
+    errors, whole = modulus.errors, 0j
+    values = max(errors.gain, _EXACT), max(errors.phase, _EXACT)
+    seen_first = _estimate_rest_offset(modulus, measured, rod.ratio)
     if seen_first is None:
-        return found, sensors_agree(None, 0.0, known=known)
+        return modulus, sensors_agree(None, 0.0, values=values)
     off, error = seen_first
-    known = float(np.hypot(known[0], error.real)), float(np.hypot(known[1], error.imag))
-    gain = min(said.gain, float(np.hypot(_GAIN_LEFT, error.real)))
-    phase = min(said.phase, float(np.hypot(_PHASE_LEFT, error.imag)))
+    values = float(np.hypot(values[0], error.real)), float(np.hypot(values[1], error.imag))
+    gain = min(errors.gain, float(np.hypot(_GAIN_LEFT, error.real)))
+    phase = min(errors.phase, float(np.hypot(_PHASE_LEFT, error.imag)))
     # who calibrated them as well knows as much
-    by_gain, by_phase = gain < said.gain, phase < said.phase
+    by_gain, by_phase = gain < errors.gain, phase < errors.phase
     if not (by_gain or by_phase):
-        return found, sensors_agree(off.real, off.imag, known=known)
-    left = replace(said, gain=gain, phase=phase)
+        return modulus, sensors_agree(off.real, off.imag, values=values)
+    rod_errors = replace(errors, gain=gain, phase=phase)
     for _ in range(_TURNS):  # it moves the modulus, and so what is expected at rest
         whole += complex(by_gain * off.real, by_phase * off.imag)
         seen = replace(measured, value=measured.value * np.exp(-whole))
-        found = _invert_lines(seen, rod, left, relative_sensor=False)
-        again = _estimate_rest_offset(found, seen, rod.ratio)
+        modulus = _invert_lines(seen, rod, rod_errors, relative_sensor=False)
+        again = _estimate_rest_offset(modulus, seen, rod.ratio)
         if again is None:
             off = 0j
             break
         off, _ = again
     whole += off
-    return found, sensors_agree(whole.real, whole.imag, known=known)
+    return modulus, sensors_agree(whole.real, whole.imag, values=values)
 
 
 def _invert_lines(
@@ -174,8 +174,8 @@ def _invert_lines(
     y = 1 / measured.value if over_base else measured.value / (rod.own * omega**2)
     equation = _base if over_base else _force
     w = _solve_line_roots(equation, y, omega, ratio)
-    told = np.isfinite(w)
-    measured, omega, y, w = measured.only(told), omega[told], y[told], w[told]
+    finite = np.isfinite(w)
+    measured, omega, y, w = measured.only(finite), omega[finite], y[finite], w[finite]
     _, by_w, by_ratio = equation(w, ratio)
     # the bonded factor goes with the area over the length squared
     shape = part.factor(bonded=rod.bonded) * part.height / part.area
@@ -184,16 +184,16 @@ def _invert_lines(
     relative = y / (by_w * w)  # d ln E for a gain of the response over the base, or over the force
     heavy = ratio * by_ratio / (by_w * w)
     # F / (m omega^2) falls as the rod grows heavier; 1/T does not know its mass
-    own = np.zeros_like(y) if over_base else relative
+    values = np.zeros_like(y) if over_base else relative
     # of a sensor between both ends the gain is that of T - 1
     gained = relative * (1 - y) if relative_sensor else relative
     sensitivity = {
         "by_gain": gained,
         "by_phase": 1j * gained,
         "by_mass": heavy,
-        "by_length": 2 - steep - heavy + own,
-        "by_area": steep / 2 - heavy + own,
-        "by_density": 1 - heavy + own,
+        "by_length": 2 - steep - heavy + values,
+        "by_area": steep / 2 - heavy + values,
+        "by_density": 1 - heavy + values,
         "by_poisson": np.full_like(y, -by_poisson),
         "by_glue": _compute_glue_sensitivity(w, by_w, ratio, over_base=over_base)
         * E
@@ -207,20 +207,20 @@ def _invert_lines(
         part_of = random / np.abs(measured.value) * relative
     spread += [part_of, 1j * part_of]
     none = np.zeros(len(E))
-    found = RodModulus(
+    modulus = RodModulus(
         measured.frequency, E, w, **sensitivity,
         storage_sd=none, loss_factor_sd=none, band=(np.nan, np.nan), checks=(), errors=errors,
     )  # fmt: skip
     response = np.abs(measured.value if over_base else 1 / measured.value)
-    found = _estimate_errors_and_band(
-        found, spread, response, np.abs(w) / part.height**2 * _across(part)
+    modulus = _estimate_errors_and_band(
+        modulus, spread, response, np.abs(w) / part.height**2 * _across(part)
     )
-    usable = found.usable
+    usable = modulus.usable
     scatter = np.hypot(np.abs(part_of), _EXACT * np.abs(relative))
     # a solid in a row with a spring is one solid again
-    solid = replace(found.only(usable), errors=replace(errors, glue=0.0))
-    left = compute_single_solid_misfit(solid, scatter[usable])
-    return replace(found, checks=(*found.checks, lines_of_one_solid(left)))
+    solid = replace(modulus.only(usable), errors=replace(errors, glue=0.0))
+    misfit = compute_single_solid_misfit(solid, scatter[usable])
+    return replace(modulus, checks=(*modulus.checks, lines_of_one_solid(misfit)))
 
 
 def _compute_glue_sensitivity(
@@ -242,40 +242,42 @@ def _compute_glue_sensitivity(
 
 
 def _estimate_errors_and_band(
-    found: RodModulus, spread: list[ComplexArray], response: FloatArray, bulging: FloatArray
+    modulus: RodModulus, spread: list[ComplexArray], response: FloatArray, bulging: FloatArray
 ) -> RodModulus:
     """With its errors, the band in which they are small, and what else limits it."""
-    E, storage, loss = found.modulus, found.storage, found.loss_factor
-    changes = [E * one for one in spread]
-    storage_sd = np.sqrt(sum(one.real**2 for one in changes))
-    loss_sd = np.sqrt(sum(((one.imag - loss * one.real) / storage) ** 2 for one in changes))
+    E, storage, loss = modulus.modulus, modulus.storage, modulus.loss_factor
+    changes = [E * values for values in spread]
+    storage_sd = np.sqrt(sum(change.real**2 for change in changes))
+    loss_sd = np.sqrt(
+        sum(((change.imag - loss * change.real) / storage) ** 2 for change in changes)
+    )
     good = (storage_sd < _GOOD * np.abs(storage)) & (loss_sd < _GOOD * np.abs(loss)) & (storage > 0)
     plane = good & (bulging <= PLANE)
     if np.count_nonzero(plane) >= ROD_LINES:  # what is beyond is not the rod's wave equation
         good = plane
-    band = _find_good_band(found.frequency, good, int(response.argmax()))
-    found = replace(found, storage_sd=storage_sd, loss_factor_sd=loss_sd, band=band)
-    widest = float(bulging[found.usable].max()) if found.usable.any() else None
+    band = _find_good_band(modulus.frequency, good, int(response.argmax()))
+    modulus = replace(modulus, storage_sd=storage_sd, loss_factor_sd=loss_sd, band=band)
+    widest = float(bulging[modulus.usable].max()) if modulus.usable.any() else None
     return replace(
-        found, checks=(rod_usable(int(found.usable.sum()), band), waves_plane(widest, band[1]))
+        modulus, checks=(rod_usable(int(modulus.usable.sum()), band), waves_plane(widest, band[1]))
     )
 
 
 def _estimate_rest_offset(
-    found: RodModulus, measured: FRF, ratio: float
+    modulus: RodModulus, measured: FRF, ratio: float
 ) -> tuple[complex, complex] | None:
     """The logarithm of T below the band over what the modulus where it begins makes of it.
 
     The middle of its lines, and the standard error of either part.
     """
-    f, usable = measured.frequency, np.flatnonzero(found.usable)
-    low = f < 0.5 * found.band[0]
+    f, usable = measured.frequency, np.flatnonzero(modulus.usable)
+    low = f < 0.5 * modulus.band[0]
     if not usable.size or np.count_nonzero(low) < _FEW:
         return None
     first = int(usable[0])
     # a modulus that falls towards rest as its loss there says: E* as f^(2 delta/pi)
-    power = 2 - 2 / np.pi * float(np.angle(found.modulus[first]))
-    expected, _, _ = _base(found.wave[first] * (f[low] / f[first]) ** power, ratio)
+    power = 2 - 2 / np.pi * float(np.angle(modulus.modulus[first]))
+    expected, _, _ = _base(modulus.wave[first] * (f[low] / f[first]) ** power, ratio)
     off = np.log(measured.value[low] * expected)
     parts = np.stack([off.real, off.imag])
     error = _MEDIAN * parts.std(axis=1, ddof=1) / np.sqrt(len(off))

@@ -15,7 +15,7 @@ ASKS = (
 )
 
 
-def answered(files: Sequence[str], said: FormData, options: ReadOptions) -> SlamFit:
+def answered(files: Sequence[str], form: FormData, options: ReadOptions) -> SlamFit:
     """What the slams say of the piece."""
-    mass = said.number("mass", "mass")
-    return slam_files(files, mass=mass, slam=said.get_text("slam").split(), options=options)
+    mass = form.number("mass", "mass")
+    return slam_files(files, mass=mass, slam=form.get_text("slam").split(), options=options)

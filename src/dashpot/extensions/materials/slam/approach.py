@@ -29,7 +29,7 @@ class Approach:
         require_positive("slam: ", speed=self.speed, unit=" m/s")
 
     @classmethod
-    def from_quantity(cls, said: Quantity) -> Approach:
+    def from_quantity(cls, item: Quantity) -> Approach:
         r"""What is said of it: a speed, m/s or ``"0.6m/s"``, or how far it fell, ``"18.4mm"``.
 
         After a fall from rest :math:`v = \sqrt{2 g h}`, and gravity pulls on.
@@ -39,11 +39,11 @@ class Approach:
         DataError
             If it is neither.
         """
-        if not isinstance(said, str):
-            return cls(float(said))
+        if not isinstance(item, str):
+            return cls(float(item))
         for dimension in ("velocity", "length"):
             try:
-                value = parse_quantity(said, dimension)
+                value = parse_quantity(item, dimension)
             except DataError:
                 continue
             if dimension == "velocity":
@@ -51,6 +51,6 @@ class Approach:
             require_positive("slam: ", fall=value, unit=" m")
             return cls(math.sqrt(2 * GRAVITY * value), GRAVITY)
         raise DataError(
-            f"--slam {said}: expected the speed at the touch with its unit, 0.6m/s, or the height "
+            f"--slam {item}: expected the speed at the touch with its unit, 0.6m/s, or the height "
             "of the fall, 18mm"
         )

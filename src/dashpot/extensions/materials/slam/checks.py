@@ -54,14 +54,14 @@ def air_escapes(speed: float) -> Finding:
 
 
 @criterion(grade="note")
-def piece_length_given(*, given: bool) -> Finding:
+def piece_length_given(*, provided: bool) -> Finding:
     """The length of the piece is known."""
     return Finding(
         "The length of the piece is known",
         instead="The length of the piece is not given, so forces and energies are of this piece, "
         "not of 100 mm",
         remedy="Give the length when the test is fitted.",
-        faulted=not given,
+        faulted=not provided,
     )
 
 
@@ -77,11 +77,11 @@ def piece_length_given(*, given: bool) -> Finding:
 )
 def loss_determined(relative: float, frequency: float) -> Finding:
     """The slams determine the loss factor."""
-    known = f"known to {100 * relative:.2g} %" if relative < 10 else "not known"
+    name = f"known to {100 * relative:.2g} %" if relative < 10 else "not known"
     return Finding(
-        f"The loss factor at {frequency:.3g} Hz is {known}",
+        f"The loss factor at {frequency:.3g} Hz is {name}",
         relative,
-        instead=f"The loss factor at {frequency:.3g} Hz is not determined: it is {known}",
+        instead=f"The loss factor at {frequency:.3g} Hz is not determined: it is {name}",
         remedy=Remedy(
             "Test three speeds, and give the fit of a load deflection test.", "memory", "law.json",
         ),
@@ -109,7 +109,7 @@ def slams_without_more(shapes: Mapping[str, float]) -> Finding:
     """What is left of the force has no shape that a piece or a sensor may add."""
     if not shapes:
         return Finding("The slams are too few to tell what else there is")
-    words, most = max(shapes.items(), key=lambda one: abs(one[1]))
+    words, most = max(shapes.items(), key=lambda pair: abs(pair[1]))
     return Finding(
         f"What the motion leaves of the force is most like {words}, by "
         f"{abs(most):.2g} standard deviations",
@@ -120,13 +120,13 @@ def slams_without_more(shapes: Mapping[str, float]) -> Finding:
 
 
 @criterion()
-def slow_arms_known(*, given: bool) -> Finding:
+def slow_arms_known(*, provided: bool) -> Finding:
     """The arms that are slow beside a contact are known."""
     return Finding(
         "The slow arms are known from another test",
         instead="No relaxation test was given, so the loss of slow arms is missing",
         remedy=Remedy("Give the fit of a relaxation test.", "memory", "fit.json"),
-        faulted=not given,
+        faulted=not provided,
     )
 
 
@@ -196,13 +196,13 @@ def slam_mass_agrees(ratio: float | None) -> Finding:
 
 
 @criterion("standard deviations", "<=", 3.0, "chance, once in 370")
-def memory_kept(moved: float | None) -> Finding:
+def memory_kept(change: float | None) -> Finding:
     """The slams leave the arms where the relaxation test has them."""
-    if moved is None:
+    if change is None:
         return Finding("The arms of the other test are held")
     return Finding(
-        f"The slams move the arms of the other test by {moved:.2g} of its standard deviations",
-        moved,
+        f"The slams move the arms of the other test by {change:.2g} of its standard deviations",
+        change,
         "The two tests are not of one piece at one temperature, or one is wrong",
         "Test the piece of the slams, as warm.",
     )

@@ -82,7 +82,7 @@ class SlamTest(EqualByValue, HasSummary):
     def described(self) -> tuple[str, ...]:
         """Which record it is, and what was recorded."""
         both = {"force": self.force, "acceleration": self.acceleration}
-        named = " and ".join(name for name, one in both.items() if one is not None)
+        named = " and ".join(name for name, values in both.items() if values is not None)
         return describe_record_source(
             self.source, len(self.time)
         ), f"{named} at {1 / self.step:.6g} Hz"
@@ -165,7 +165,7 @@ class SlamFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
         """What was found, and of every hit its speed, force, contact and rebound."""
         return (
             *self.found,
-            *(fact for one in self.hits for fact in _make_hit_facts(one, len(self.hits))),
+            *(fact for hit in self.hits for fact in _make_hit_facts(hit, len(self.hits))),
         )
 
     @property
@@ -179,15 +179,17 @@ class SlamFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
         )
 
 
-def _make_hit_facts(one: SlamHit, of: int) -> tuple[ReportedValue, ...]:
+def _make_hit_facts(slam_hit: SlamHit, of: int) -> tuple[ReportedValue, ...]:
     """The numbers of a hit as rows."""
-    words = f"{one.name}: " if of > 1 else ""
+    words = f"{slam_hit.name}: " if of > 1 else ""
     return (
-        replace(one.speed, words=f"{words}speed"),
-        ReportedValue("peak_force", one.peak, unit="N", words=f"{words}peak force"),
-        ReportedValue("contact", one.contact, unit="s", read="ms", words=f"{words}contact"),
-        ReportedValue("rebound", one.rebound, unit="1", read="%", words=f"{words}rebound speed"),
+        replace(slam_hit.speed, words=f"{words}speed"),
+        ReportedValue("peak_force", slam_hit.peak, unit="N", words=f"{words}peak force"),
+        ReportedValue("contact", slam_hit.contact, unit="s", read="ms", words=f"{words}contact"),
         ReportedValue(
-            "lost_part", one.lost_part, unit="1", read="%", words=f"{words}energy absorbed"
+            "rebound", slam_hit.rebound, unit="1", read="%", words=f"{words}rebound speed"
+        ),
+        ReportedValue(
+            "lost_part", slam_hit.lost_part, unit="1", read="%", words=f"{words}energy absorbed"
         ),
     )

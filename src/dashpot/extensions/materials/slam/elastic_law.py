@@ -62,8 +62,8 @@ class SlamLaw(EqualByValue):
     def force(self, x: FloatArray, c: FloatArray) -> FloatArray:
         """Relaxed force, N, at compressions, m, shape (n,), each by its c, shape (n, 3)."""
         x = np.maximum(x, 0.0)  # a mass that was let go flies on
-        own = x * (c[..., 0] + x * (c[..., 1] + x * c[..., 2]))
-        return own if self.known is None else np.asarray(own + self.known.force(x))
+        values = x * (c[..., 0] + x * (c[..., 1] + x * c[..., 2]))
+        return values if self.known is None else np.asarray(values + self.known.force(x))
 
     def piecewise(self, c: FloatArray, depth: float) -> ElasticLaw:
         """The law to a depth, m, on knots."""

@@ -23,12 +23,16 @@ def _slams() -> str:
     law, random = ElasticLaw.linear(BROAD.k_inf, _DEPTH), np.random.default_rng(1)
     force = []
     for speed in (0.3, 0.45, 0.6):
-        (one,) = simulate_impacts([_SEALS * BROAD], law, mass=0.2, speed=speed)
+        (motion,) = simulate_impacts([_SEALS * BROAD], law, mass=0.2, speed=speed)
         time = np.arange(0.0, 0.6, 1e-4)
-        own = np.interp(time - 0.05, one.time, np.maximum(one.force, 0.0), left=0.0, right=0.0)
-        force.append(own + 0.01 * own.max() * random.standard_normal(len(own)))
+        interpolated = np.interp(
+            time - 0.05, motion.time, np.maximum(motion.force, 0.0), left=0.0, right=0.0
+        )
+        force.append(
+            interpolated + 0.01 * interpolated.max() * random.standard_normal(len(interpolated))
+        )
     whole = np.concatenate(force)
-    rows = (f"{1e-4 * i:.4f},{one:.5g}" for i, one in enumerate(whole.tolist()))
+    rows = (f"{1e-4 * i:.4f},{item:.5g}" for i, item in enumerate(whole.tolist()))
     head = [
         f"# {byline('simulated slams')}",
         "# simulated: slams of 200 g on 100 mm of seal, at 0.3, 0.45 and 0.6 m/s",

@@ -14,41 +14,41 @@ _MOST = 6
 """Slams that a figure shows."""
 
 
-def slams(found: SlamFit, *, stamp: str = "") -> Picture:
+def slams(slam_fit: SlamFit, *, stamp: str = "") -> Picture:
     """Force of every slam over time: measured, and by the motion that was fitted.
 
     Parameters
     ----------
-    found : SlamFit
+    slam_fit : SlamFit
     stamp : str
         What the figure says of its origin; by default the files.
     """
     panels = []
-    for one in found.hits[:_MOST]:
-        ms = convert_to_unit(one.time, "ms")
-        top = 1.08 * float(one.measured.max())
+    for hit in slam_fit.hits[:_MOST]:
+        ms = convert_to_unit(hit.time, "ms")
+        top = 1.08 * float(hit.measured.max())
         marks = (
-            Line(ms, one.modelled, BENEATH, "fitted"),
-            Line(ms, one.measured, UPON, "measured"),
+            Line(ms, hit.modelled, BENEATH, "fitted"),
+            Line(ms, hit.measured, UPON, "measured"),
         )
         across = Scale("time from the touch, ms", (float(ms[0]), float(ms[-1])))
-        title = f"{one.speed.value:.3g} m/s"
+        title = f"{hit.speed.value:.3g} m/s"
         panels.append(Panel(across, Scale("force, N", (-0.08 * top, top)), marks, title=title))
     caption = "Force of slams on a piece over time: measured, and by the fitted motion."
-    origin = stamped(found.sources) if found.sources else ""
-    return Picture("slams", caption, tuple((one,) for one in panels), 3, stamp or origin)
+    origin = stamped(slam_fit.sources) if slam_fit.sources else ""
+    return Picture("slams", caption, tuple((panel,) for panel in panels), 3, stamp or origin)
 
 
-def slam(found: Slam, *, stamp: str = "") -> Picture:
+def slam(slam: Slam, *, stamp: str = "") -> Picture:
     """Force of a slam over time and over compression, beside the relaxed force.
 
     Parameters
     ----------
-    found : Slam
+    slam : Slam
     stamp : str
         What the figure says of its origin; by default the files of the fit.
     """
-    motion = found.motion
+    motion = slam.motion
     ms, mm = convert_to_unit(motion.time, "ms"), convert_to_unit(motion.compression, "mm")
     up = Scale("force, N", (0.0, 1.08 * float(motion.force.max())))
     whole = Panel(
@@ -66,5 +66,5 @@ def slam(found: Slam, *, stamp: str = "") -> Picture:
         ),
     )
     caption = "Force of a mass slammed on the piece, over time and over compression."
-    origin = stamped(found.sources) if found.sources else ""
+    origin = stamped(slam.sources) if slam.sources else ""
     return Picture("slam", caption, ((whole,), (loop,)), 2, stamp or origin)

@@ -84,9 +84,11 @@ def fit_slams(
         raise DataError(f"--memory was given {len(fits)} times, and slams take one. Give it once")
     kg, fit = convert_to_si(mass, "mass"), fits[0] if fits else None
     hits = tuple(
-        one
+        recorded_slam
         for place, test in enumerate(records, 1)
-        for one in slams_of(test, kg, test.source.file if test.source else f"record {place}")
+        for recorded_slam in slams_of(
+            test, kg, test.source.file if test.source else f"record {place}"
+        )
     )
     speeds, pulls = _approaches(slam, len(hits))
     longer = _longer(records, fit)
@@ -99,29 +101,31 @@ def fit_slams(
             "no motion of the mass follows the slams. Check the mass and the speeds, or look at "
             "the record with dashpot inspect"
         )
-    found = estimate(best, parts=[len(one.time) for one in hits], prior_variance=1.0)
-    return _SlamsSolved(tuple(records), slams, found, fit).slam_fit
+    uncertainty = estimate(best, parts=[len(hit.time) for hit in hits], prior_variance=1.0)
+    return _SlamsSolved(tuple(records), slams, uncertainty, fit).slam_fit
 
 
 def _approaches(slam: Quantity | Sequence[Quantity], count: int) -> tuple[FloatArray, FloatArray]:
     """Speed, NaN where it is free, and pull of so many slams; those not given are pulled alike."""
-    said = [slam] if isinstance(slam, str | float | int) else list(slam)
-    if len(said) > count:
+    stated = [slam] if isinstance(slam, str | float | int) else list(slam)
+    if len(stated) > count:
         raise DataError(
-            f"--slam was given {len(said)} times, and {count} slams were found. Give the speed "
+            f"--slam was given {len(stated)} times, and {count} slams were found. Give the speed "
             "of each slam, in their order"
         )
-    known = [Approach.from_quantity(one) for one in said]
-    pulls, free = [one.pull for one in known], count - len(known)
+    approaches = [Approach.from_quantity(item) for item in stated]
+    pulls, free = [approach.pull for approach in approaches], count - len(approaches)
     pulls += [pulls[-1] if pulls else 0.0] * free
-    return np.array([*(one.speed for one in known), *[np.nan] * free]), np.array(pulls)
+    return np.array([*(approach.speed for approach in approaches), *[np.nan] * free]), np.array(
+        pulls
+    )
 
 
 def _longer(records: Sequence[SlamTest], fit: Fit | None) -> float:
     """Length of the piece slammed on over that of the one whose law is known."""
-    own = next((one.specimen.length for one in records if one.specimen.length), None)
+    value = next((record.specimen.length for record in records if record.specimen.length), None)
     other = None if fit is None else fit.specimen.length
-    return own / other if own and other else 1.0
+    return value / other if value and other else 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,21 +140,21 @@ class _SlamsSolved:
     @property
     def slam_fit(self) -> SlamFit:
         """All of it, judged."""
-        known, slams, frequency = self.known, self.slams, self.frequency
-        arm = known.derive_quantity(
+        uncertainty, slams, frequency = self.known, self.slams, self.frequency
+        arm = uncertainty.derive_quantity(
             lambda values: values[slams.shared_parameter_count - 2 : slams.shared_parameter_count]
         )
-        found = [
+        facts = [
             self._fact("loss_factor", self.loss, 0, f"loss factor at {frequency:.3g} Hz"),
             self._fact("arm", arm, 0, "fast arm, over the relaxed force"),
             self._fact("arm_time", arm, 1, "its relaxation time"),
         ]
         if len(slams.memory.g):
-            before = known.derive_quantity(lambda values: self._loss(values, arm=False))
-            found.insert(1, self._fact("loss_before", before, 0, "the same without the fast arm"))
-        judged = self._run_checks()
+            before = uncertainty.derive_quantity(lambda values: self._loss(values, arm=False))
+            facts.insert(1, self._fact("loss_before", before, 0, "the same without the fast arm"))
+        checks = self._run_checks()
         return SlamFit(
-            frequency, tuple(found), self.hits, slams.mass, self._piece(judged), judged,
+            frequency, tuple(facts), self.hits, slams.mass, self._piece(checks), checks,
             sources_of(self.records),
         )  # fmt: skip
 
@@ -188,12 +192,12 @@ class _SlamsSolved:
     @cached_property
     def frequency(self) -> float:
         """Of the cycle that a contact is half of, Hz."""
-        return float(np.median([one.frequency for one in self.motions]))
+        return float(np.median([motion.frequency for motion in self.motions]))
 
     @property
     def depth(self) -> float:
         """To which the piece was pressed, m."""
-        return max(one.deepest.compression for one in self.motions)
+        return max(motion.deepest.compression for motion in self.motions)
 
     def _loss(self, values: FloatArray, *, arm: bool = True) -> FloatArray:
         """Loss factor of the memory, whatever the compression."""
@@ -212,51 +216,55 @@ class _SlamsSolved:
     def hits(self) -> tuple[SlamHit, ...]:
         """Every slam as it was fitted."""
         errors, zeros = self.known.standard_error, self.known.optimum.beta
-        reach, found = self.known.quantile(), []
+        reach, slam_hits = self.known.quantile(), []
         modelled = self.slams.forces(self.theta)
-        for i, (one, motion) in enumerate(zip(self.slams.hits, self.motions, strict=True)):
+        for i, (slam, motion) in enumerate(zip(self.slams.hits, self.motions, strict=True)):
             place = self.slams.shared_parameter_count + 2 * i
             speed, error = float(self.theta[place]), float(errors[place])
-            told = ReportedValue.known("speed", speed, error, reach, unit="m/s", read="m/s")
-            time = one.time - self.theta[place + 1]
+            fact = ReportedValue.known("speed", speed, error, reach, unit="m/s", read="m/s")
+            time = slam.time - self.theta[place + 1]
             hit = SlamHit(
-                one.name, told, motion.peak.force, motion.deepest.compression,
+                slam.name, fact, motion.peak.force, motion.deepest.compression,
                 motion.release.time, motion.rebound, motion.lost / motion.energy, time,
-                one.force - zeros[i], modelled[i],
+                slam.force - zeros[i], modelled[i],
             )  # fmt: skip
-            found.append(hit)
-        return tuple(found)
+            slam_hits.append(hit)
+        return tuple(slam_hits)
 
     def _run_checks(self) -> tuple[Check, ...]:
         """Every check."""
-        slams, hits, known = self.slams, self.hits, self.slams.law.known
+        slams, hits, elastic_law = self.slams, self.hits, self.slams.law.known
         value, sd = float(self.loss.values[0]), float(self.loss.standard_error[0])
-        sizes = np.cumsum([len(one.time) for one in slams.hits])[:-1]
-        left = np.split(self.known.optimum.residual, sizes)
+        sizes = np.cumsum([len(hit.time) for hit in slams.hits])[:-1]
+        residuals = np.split(self.known.optimum.residual, sizes)
         misfit = max(
-            float(np.sqrt(np.mean(one[hit.modelled > 0] ** 2)))
-            for one, hit in zip(left, hits, strict=True)
+            float(np.sqrt(np.mean(residual[hit.modelled > 0] ** 2)))
+            for residual, hit in zip(residuals, hits, strict=True)
         )
-        speeds = np.array([one.speed.value for one in hits])
-        told = np.isfinite(slams.said)
-        off = np.abs(speeds / slams.said - 1)[told] / slams.said_sd
-        apart = [one.rest / one.contact for one in slams.hits if one.rest is not None]
-        ratios = [one.ratio for one in slams.hits if one.ratio is not None]
-        samples = min(one.contact / float(one.time[1] - one.time[0]) for one in hits)
+        speeds = np.array([hit.speed.value for hit in hits])
+        finite = np.isfinite(slams.said)
+        off = np.abs(speeds / slams.said - 1)[finite] / slams.said_sd
+        differences = [hit.rest / hit.contact for hit in slams.hits if hit.rest is not None]
+        ratios = [hit.ratio for hit in slams.hits if hit.ratio is not None]
+        samples = min(hit.contact / float(hit.time[1] - hit.time[0]) for hit in hits)
         return (
             checks.loss_determined(sd / max(value, 1e-300), self.frequency),
             checks.slams_followed(misfit),
             checks.slams_without_more(compute_residual_shapes(slams, self.known.optimum)),
             checks.slams_sampled(samples),
-            checks.slow_arms_known(given=self.fit is not None),
-            checks.slam_speeds_spread(None if known else float(speeds.max() / speeds.min())),
+            checks.slow_arms_known(provided=self.fit is not None),
+            checks.slam_speeds_spread(None if elastic_law else float(speeds.max() / speeds.min())),
             checks.slam_speeds_agree(float(off.max()) if len(off) else None),
-            checks.slams_apart(min(apart, default=None)),
-            checks.slam_mass_agrees(max(ratios, key=lambda one: abs(one - 1), default=None)),
+            checks.slams_apart(min(differences, default=None)),
+            checks.slam_mass_agrees(max(ratios, key=lambda number: abs(number - 1), default=None)),
             *self._check_memory_agreement(value, sd),
-            *([] if known is None else [checks.slam_within_law(self.depth, known.depth)]),
+            *(
+                []
+                if elastic_law is None
+                else [checks.slam_within_law(self.depth, elastic_law.depth)]
+            ),
             checks.air_escapes(float(speeds.max())),
-            checks.piece_length_given(given=self.records[0].specimen.length is not None),
+            checks.piece_length_given(provided=self.records[0].specimen.length is not None),
             *caution_checks(sources_of(self.records)),
         )
 
@@ -265,10 +273,10 @@ class _SlamsSolved:
         memory, fit = self.slams.memory, self.fit
         if fit is None or not len(memory.g):
             return []
-        moved, about = None, np.concatenate((memory.g, np.log(memory.tau)))
+        change, about = None, np.concatenate((memory.g, np.log(memory.tau)))
         if memory.free:
             here = self.theta[len(POWERS) : len(POWERS) + self.slams.memory_parameter_count]
-            moved = float(np.abs(memory.precision @ (here - about)).max())
+            change = float(np.abs(memory.precision @ (here - about)).max())
         turn = 2j * np.pi * self.frequency * memory.tau
         K = 1 + (memory.g * turn / (1 + turn)).sum()
         before = float(K.imag / K.real)
@@ -278,12 +286,12 @@ class _SlamsSolved:
         if gap is not None and not seen:
             gap = min(gap, 0.0)
         return [
-            checks.memory_kept(moved),
+            checks.memory_kept(change),
             checks.spectrum_has_gaps(len(memory.g)),
             checks.losses_agree(gap, value, before, within=seen),
         ]
 
-    def _piece(self, judged: tuple[Check, ...]) -> Fit:
+    def _piece(self, checks: tuple[Check, ...]) -> Fit:
         """The piece as a solid: the law, the memory that was known, and the arm."""
         slams, depth, cubic = self.slams, self.depth, slice(0, len(POWERS))
         g, tau = slams.arms(self.theta[: slams.shared_parameter_count])
@@ -295,18 +303,20 @@ class _SlamsSolved:
             k_inf = slams.law.compute_knot_tangents(values[cubic], depth)[2]
             return np.concatenate(([k_inf], k_inf * own_g[order], np.log(own_tau[order])))
 
-        told = self.known.derive_quantity(seal)
+        quantity = self.known.derive_quantity(seal)
         ratio = self.known.derive_quantity(
             lambda values: slams.law.compute_knot_tangents(values[cubic], depth)[1]
         )
         ratio_se = np.nan_to_num(ratio.standard_error, posinf=0.0)
-        k_inf, *rest = told.values.tolist()
+        k_inf, *rest = quantity.values.tolist()
         taus = np.exp(rest[arms:]).tolist()
         law = slams.law.piecewise(self.theta[cubic], depth)
         n, sse = len(self.known.optimum.residual), self.known.optimum.sse
-        left = Residual(n, sse, float(np.sqrt(sse / n)), self.known.kappa, unit="sd")
-        estimated = ParameterEstimate(parameter_names(arms), told.covariance, self.known.dof, left)
-        contact = [one.contact for one in self.hits]
+        residual = Residual(n, sse, float(np.sqrt(sse / n)), self.known.kappa, unit="sd")
+        estimated = ParameterEstimate(
+            parameter_names(arms), quantity.covariance, self.known.dof, residual
+        )
+        contact = [hit.contact for hit in self.hits]
         low = 1 / (np.pi * max(contact)) if self.fit is None else self.fit.band[0]
         step = Step(
             "fit",
@@ -316,7 +326,7 @@ class _SlamsSolved:
         model = GeneralizedMaxwell(k_inf, tuple(rest[:arms]), tuple(taus))
         return build_fit(
             SolidEstimate(model, estimated),
-            Evidence((low, 2 / (np.pi * min(contact))), checks=judged),
+            Evidence((low, 2 / (np.pi * min(contact))), checks=checks),
             Provenance("slam", sources_of(self.records), (step,), self.records[0].specimen),
             elastic_law=replace(law, ratio_se=tuple(ratio_se.tolist())),
         )

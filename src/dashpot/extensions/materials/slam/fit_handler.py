@@ -7,19 +7,19 @@ from dashpot.cli._command_io import CommandResult, format_command, grams
 from dashpot.cli.fit_handlers._request import FitRequest
 
 
-def run(given: FitRequest) -> CommandResult:
+def run(request: FitRequest) -> CommandResult:
     """Find loss factor and arms from slams, with a fit of the piece where one is given."""
-    given.check_output_suffix(".json", what="this fit")
-    found = workflow.slam_files(
-        given.files,
-        mass=given.mass,
-        slam=given["slam"],
-        memory=[workflow.read_fit(one) for one in given["memory"]],
-        specimen=given.specimen,
-        options=given.reading,
+    request.check_output_suffix(".json", what="this fit")
+    slam_fit = workflow.slam_files(
+        request.files,
+        mass=request.mass,
+        slam=request["slam"],
+        memory=[workflow.read_fit(path) for path in request["memory"]],
+        specimen=request.specimen,
+        options=request.reading,
     )
     follow = ""
-    if given.result_path:
-        how = ("--slam", "1m/s", "--mass", grams(found.mass))
-        follow = format_command("predict", given.result_path, *how)
-    return given.told(found, follow=follow)
+    if request.result_path:
+        how = ("--slam", "1m/s", "--mass", grams(slam_fit.mass))
+        follow = format_command("predict", request.result_path, *how)
+    return request.told(slam_fit, follow=follow)

@@ -113,7 +113,7 @@ class Slams:
     @property
     def step(self) -> float:
         """Of the march, s."""
-        return max(one.contact for one in self.hits) * 1.3 / STEPS
+        return max(hit.contact for hit in self.hits) * 1.3 / STEPS
 
     @property
     def memory_parameter_count(self) -> int:
@@ -167,8 +167,8 @@ class Slams:
         rows = np.repeat(theta[None, :], len(self.hits), axis=0)
         force = self.integrate_motion(rows, self.speeds(theta), self.pulls)[2]
         return [
-            self.sample_force(force[:, i], one.time - touch)
-            for i, (one, touch) in enumerate(
+            self.sample_force(force[:, i], hit.time - touch)
+            for i, (hit, touch) in enumerate(
                 zip(self.hits, self.touches(theta).tolist(), strict=True)
             )
         ]
@@ -181,32 +181,32 @@ class Slams:
     def slopes(self, theta: FloatArray) -> FloatArray:
         """Derivative of all forces by theta, all slams and all differences marched as one."""
         shared, many = self.shared_parameter_count, len(self.hits)
-        scale = np.array([one.scale for one in self.parameters])
+        scale = np.array([parameter.scale for parameter in self.parameters])
         # up and down of what all share, and of the own speed
         moves = np.zeros((2 * (shared + 1), shared + 1))
         moves[: shared + 1] = np.eye(shared + 1)
         moves[shared + 1 :] = -np.eye(shared + 1)
         moves *= _STEP
-        each = 2 * (shared + 1) + 1
-        rows = np.repeat(theta[None, :shared], each * many, axis=0)
-        speed = np.repeat(self.speeds(theta), each)
-        pull = np.repeat(self.pulls, each)
+        count = 2 * (shared + 1) + 1
+        rows = np.repeat(theta[None, :shared], count * many, axis=0)
+        speed = np.repeat(self.speeds(theta), count)
+        pull = np.repeat(self.pulls, count)
         for i in range(many):
-            at = slice(i * each + 1, (i + 1) * each)
+            at = slice(i * count + 1, (i + 1) * count)
             rows[at] += moves[:, :shared] * scale[:shared]
             speed[at] += moves[:, shared] * scale[shared + 2 * i]
         force = self.integrate_motion(rows, speed, pull)[2]
         J = []
-        for i, one in enumerate(self.hits):
-            since = one.time - self.touches(theta)[i]
-            own = np.zeros((len(since), len(theta)))
-            here = force[:, i * each]
+        for i, hit in enumerate(self.hits):
+            since = hit.time - self.touches(theta)[i]
+            values = np.zeros((len(since), len(theta)))
+            here = force[:, i * count]
             for j in range(shared + 1):
-                up, down = (force[:, i * each + 1 + j + k * (shared + 1)] for k in (0, 1))
+                up, down = (force[:, i * count + 1 + j + k * (shared + 1)] for k in (0, 1))
                 place = j if j < shared else shared + 2 * i
-                own[:, place] = self.sample_force(up - down, since) / (2 * _STEP * scale[place])
-            own[:, shared + 2 * i + 1] = -self.sample_force(np.gradient(here, self.step), since)
-            J.append(own / one.noise)
+                values[:, place] = self.sample_force(up - down, since) / (2 * _STEP * scale[place])
+            values[:, shared + 2 * i + 1] = -self.sample_force(np.gradient(here, self.step), since)
+            J.append(values / hit.noise)
         return np.concatenate(J)
 
     @property
@@ -218,12 +218,12 @@ class Slams:
         memory = np.zeros((len(self.memory.precision), places))
         memory[:, first : first + self.memory_parameter_count] = self.memory.precision
         about = self.memory.precision @ np.concatenate((self.memory.g, np.log(self.memory.tau)))
-        told = np.flatnonzero(np.isfinite(self.said))
-        speeds = np.zeros((len(told), places))
-        sd = self.said_sd * self.said[told]
-        speeds[np.arange(len(told)), self.shared_parameter_count + 2 * told] = 1 / sd
+        indices = np.flatnonzero(np.isfinite(self.said))
+        speeds = np.zeros((len(indices), places))
+        sd = self.said_sd * self.said[indices]
+        speeds[np.arange(len(indices)), self.shared_parameter_count + 2 * indices] = 1 / sd
         rows = np.concatenate((law, memory, speeds))
-        return rows, np.concatenate((np.zeros(len(law)), about, self.said[told] / sd))
+        return rows, np.concatenate((np.zeros(len(law)), about, self.said[indices] / sd))
 
     def rows(self, theta: FloatArray) -> Rows:
         """The slams less their motions, and what the sensors' zeros add, and the priors."""
@@ -231,19 +231,19 @@ class Slams:
         if self.speeds(theta).min() <= 0:
             raise DataError("a slam has a speed above 0")
         modelled = self.forces(theta)
-        left = [
-            (one.force - force) / one.noise for one, force in zip(self.hits, modelled, strict=True)
+        residuals = [
+            (hit.force - force) / hit.noise for hit, force in zip(self.hits, modelled, strict=True)
         ]
-        if not all(np.isfinite(one).all() for one in left):
+        if not all(np.isfinite(residual).all() for residual in residuals):
             raise DataError("the law pulls")
-        sizes = [len(one) for one in left]
-        zero = np.repeat(np.diag([1 / one.noise for one in self.hits]), sizes, axis=0)
+        sizes = [len(residual) for residual in residuals]
+        zero = np.repeat(np.diag([1 / hit.noise for hit in self.hits]), sizes, axis=0)
 
         def slope(_: FloatArray) -> FloatArray:
             return np.concatenate((self.slopes(theta), P))
 
         return Rows(
-            np.concatenate((*left, about - P @ theta)),
+            np.concatenate((*residuals, about - P @ theta)),
             np.concatenate((zero, np.zeros((len(P), len(sizes))))),
             slope,
         )
@@ -252,42 +252,42 @@ class Slams:
     def initial_speeds_and_touches(self) -> FloatArray:
         """Speeds and touches to begin with, interleaved."""
         impulse = np.array(
-            [float(np.trapezoid(np.maximum(one.force, 0.0), one.time)) for one in self.hits]
+            [float(np.trapezoid(np.maximum(hit.force, 0.0), hit.time)) for hit in self.hits]
         )
-        contact = np.array([one.contact for one in self.hits])
+        contact = np.array([hit.contact for hit in self.hits])
         thrown = (impulse / self.mass - self.pulls * contact) / (1 + _REBOUND)
         speed = np.where(np.isfinite(self.said), self.said, np.maximum(thrown, 1e-3))
-        return np.stack((speed, [one.touch for one in self.hits]), axis=1).ravel()
+        return np.stack((speed, [hit.touch for hit in self.hits]), axis=1).ravel()
 
     @property
     def parameters(self) -> list[Parameter]:
         """Ranges and sizes of theta."""
-        peak = max(float(one.force.max()) for one in self.hits)
+        peak = max(float(hit.force.max()) for hit in self.hits)
         depth = self.depth
-        contact = min(one.contact for one in self.hits)
+        contact = min(hit.contact for hit in self.hits)
         cubic = [Parameter(scale=0.1 * peak / depth**i) for i in POWERS.tolist()]
         memory = []
         if self.memory.free:
-            memory = [Parameter(0.0, np.inf, 0.1 * one) for one in self.memory.g.tolist()]
+            memory = [Parameter(0.0, np.inf, 0.1 * value) for value in self.memory.g.tolist()]
             memory += [Parameter(scale=0.1) for _ in self.memory.tau]
         arm = [
             Parameter(0.0, 50.0, 0.1),
             Parameter(math.log(_SHORTEST * contact), math.log(_LONGEST * contact), 0.3),
         ]
-        own: list[Parameter] = []
-        for i, one in enumerate(self.hits):
+        parameters: list[Parameter] = []
+        for i, slam in enumerate(self.hits):
             speed = float(self.initial_speeds_and_touches[2 * i])
-            own.append(Parameter(0.2 * speed, 5 * speed, 0.05 * speed))
-            far = 0.3 * one.contact
-            own.append(Parameter(one.touch - far, one.touch + far, 0.02 * one.contact))
-        return [*cubic, *memory, *arm, *own]
+            parameters.append(Parameter(0.2 * speed, 5 * speed, 0.05 * speed))
+            far = 0.3 * slam.contact
+            parameters.append(Parameter(slam.touch - far, slam.touch + far, 0.02 * slam.contact))
+        return [*cubic, *memory, *arm, *parameters]
 
     @property
     def depth(self) -> float:
         """Largest compression, roughly, m: a fast mass is brought to rest over half a contact."""
         return max(
-            2 / np.pi * 0.5 * one.contact * float(speed)
-            for one, speed in zip(self.hits, self.initial_speeds_and_touches[::2], strict=True)
+            2 / np.pi * 0.5 * hit.contact * float(speed)
+            for hit, speed in zip(self.hits, self.initial_speeds_and_touches[::2], strict=True)
         )
 
     def find_optimum(self) -> Optimum | None:
@@ -307,14 +307,14 @@ class Slams:
                         np.insert(near.theta, [self.shared_parameter_count - 2] * 2, start[arm]),
                     )
                 )
-        held.sort(key=lambda one: one[0])
-        starts = [one for _, one in held[:_STARTS]]
+        held.sort(key=lambda pair: pair[0])
+        starts = [values for _, values in held[:_STARTS]]
         return problem.solve(starts, most=_TRIES, finished=_FINISHED, flat=_FLAT)
 
     @property
     def starts(self) -> list[FloatArray]:
         """Thetas to begin with, one for each arm that is tried."""
-        contact = float(np.median([one.contact for one in self.hits]))
+        contact = float(np.median([hit.contact for hit in self.hits]))
         memory = (
             np.concatenate((self.memory.g, np.log(self.memory.tau)))
             if self.memory.free
@@ -332,11 +332,11 @@ class Slams:
         """A free law, by the force over the path that it gives the mass, less what the arms add."""
         slow = 1 + float(self.memory.g.sum()) + 0.1
         columns, forces = [], []
-        for one, speed, pull in zip(
+        for hit, speed, pull in zip(
             self.hits, self.initial_speeds_and_touches[::2], self.pulls, strict=True
         ):
-            inside = one.time >= one.touch
-            time, force = one.time[inside], one.force[inside]
+            inside = hit.time >= hit.touch
+            time, force = hit.time[inside], hit.force[inside]
             step = np.diff(time, prepend=time[0])
             velocity = speed + np.cumsum(step * (pull - force / self.mass))
             x = np.cumsum(step * velocity)

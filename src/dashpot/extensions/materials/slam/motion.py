@@ -87,7 +87,7 @@ def integrate_impact(masses: Masses, step: float, most: int) -> MotionHistory:
     even = EvenStep.of(step / tau)
     viscous = b is not None and factor is not None
     force = b * factor(x) * v if viscous else np.zeros(len(m))  # type: ignore[operator,misc]
-    found = MotionHistory(*np.empty((4, most + 1, len(m))))
+    motion = MotionHistory(*np.empty((4, most + 1, len(m))))
     half = 0.5 * step
     pulls = np.broadcast_to(pull, (most + 1, len(m)))
     pushed, i = pulls[0] - force / m, 0
@@ -105,10 +105,10 @@ def integrate_impact(masses: Masses, step: float, most: int) -> MotionHistory:
                 v = v / (1 + half * lost / m)
                 force = force + lost * v
             pushed = pulls[i] - force / m
-        found.x[i], found.v[i], found.force[i], found.path[i] = x, v, force, u
+        motion.x[i], motion.v[i], motion.force[i], motion.path[i] = x, v, force, u
         if not i % _LOOK and ((force <= 0) & (v < 0)).all():
             break
-    return MotionHistory(*(one[: i + 1] for one in found))
+    return MotionHistory(*(values[: i + 1] for values in motion))
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +150,7 @@ class SlamMotion(EqualByValue):
 
     def _interpolate_instant(self, place: tuple[int, float]) -> Instant:
         every = (self.time, self.compression, self.velocity, self.force, self.relaxed)
-        return Instant(*(_interpolate_parabola(one, *place) for one in every))
+        return Instant(*(_interpolate_parabola(values, *place) for values in every))
 
     @property
     def energy(self) -> float:
@@ -166,8 +166,8 @@ class SlamMotion(EqualByValue):
     def lost(self) -> float:
         """Work of the piece to the release, J: what it absorbed for good."""
         at = self.release
-        left = 0.5 * self.mass * at.velocity**2
-        return self.energy - left + self.mass * self.pull * at.compression
+        remainder = 0.5 * self.mass * at.velocity**2
+        return self.energy - remainder + self.mass * self.pull * at.compression
 
     @property
     def elastic(self) -> float:
@@ -232,14 +232,14 @@ def simulate_impacts(
     Right to 1e-6 of each number, by solutions of DOP853 that this code has no part in.
     """
     require_positive(mass=mass, speed=speed, expected="a finite number above 0")
-    count, arms = len(models), max(one.arms for one in models)
+    count, arms = len(models), max(model.arms for model in models)
     k, tau = np.zeros((count, arms)), np.ones((count, arms))
-    for i, one in enumerate(models):
-        k[i, : one.arms], tau[i, : one.arms] = one.k, one.tau
-    b = np.array([one.b for one in models])
+    for i, solid in enumerate(models):
+        k[i, : solid.arms], tau[i, : solid.arms] = solid.k, solid.tau
+    b = np.array([model.b for model in models])
     masses = Masses(
         np.full(count, mass), np.full(count, speed), np.full(count, pull), law.path,
-        np.array([one.k_inf for one in models]), k, tau, b if b.any() else None, law.factor,
+        np.array([model.k_inf for model in models]), k, tau, b if b.any() else None, law.factor,
     )  # fmt: skip
     length = _length(masses, models[0], law)
     rough = integrate_impact(masses, length / _ROUGH, int(_LONGEST * _ROUGH))
@@ -251,13 +251,13 @@ def simulate_impacts(
         )
     step = length * int(released[:, 0].argmax()) / _ROUGH / _FINE
     whole = integrate_impact(masses, step, 3 * _FINE)
-    found = []
-    for i, one in enumerate(models):
+    motions = []
+    for i, solid in enumerate(models):
         end = int(((whole.force[:, i] <= 0) & (whole.v[:, i] <= 0)).argmax()) + 1
-        x, v, force, path = (each[:end, i] for each in whole)
+        x, v, force, path = (values[:end, i] for values in whole)
         time = step * np.arange(float(end))
-        found.append(SlamMotion(time, x, v, force, one.k_inf * path, mass, pull))
-    return found
+        motions.append(SlamMotion(time, x, v, force, solid.k_inf * path, mass, pull))
+    return motions
 
 
 def _length(masses: Masses, model: GeneralizedMaxwell, law: ElasticLaw) -> float:

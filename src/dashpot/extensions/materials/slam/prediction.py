@@ -72,7 +72,7 @@ class Slam(EqualByValue, HasVerdict, Serialisable):
         force, lost = self.answers[0].cells, 100 * self.motion.lost / self.motion.energy
         return verdict(
             self.checks,
-            sound=f"the peak force is {force.with_unit} at "
+            headline=f"the peak force is {force.with_unit} at "
             f"{format_quantity(self.motion.peak.compression, 'mm', '.3g')}, and {lost:.2g} % of "
             "the energy "
             "is absorbed",
@@ -99,7 +99,7 @@ class Slam(EqualByValue, HasVerdict, Serialisable):
 
 
 def predict_slam(
-    found: Fit,
+    fit: Fit,
     *,
     slam: Quantity | Sequence[str],
     mass: Quantity | None = None,
@@ -109,7 +109,7 @@ def predict_slam(
 
     Parameters
     ----------
-    found : Fit
+    fit : Fit
         Of a piece: its elastic law, and its memory.
     slam : float or str
         Speed at the touch, m/s or ``"0.6m/s"``; or the height of a fall, ``"18mm"``, and gravity
@@ -126,29 +126,31 @@ def predict_slam(
     """
     if mass is None:
         raise DataError("a slam needs the mass of what moves. Add it: --mass 200g")
-    said = slam if isinstance(slam, str | float | int) else _require_single_slam(slam)
-    approach, kg = Approach.from_quantity(said), convert_to_si(mass, "mass")
+    single_slam = slam if isinstance(slam, str | float | int) else _require_single_slam(slam)
+    approach, kg = Approach.from_quantity(single_slam), convert_to_si(mass, "mass")
     require_positive(mass=kg, seals=seals)
-    if found.unit != "N/m":
+    if fit.unit != "N/m":
         raise DataError(
             "the fit is of a material, and a slam is of a piece. Fit a test of the piece, in N and "
             "mm"
         )
-    piece = found if seals == 1 else found.in_parallel(seals)
-    known = piece.elastic_law
-    law = known or ElasticLaw.linear(max(piece.model.k_inf, 1e-9), _STRAIGHT)
-    models = [piece.model, *(one.maxwell for one in off_by_error(piece))]
+    piece = fit if seals == 1 else fit.in_parallel(seals)
+    elastic_law = piece.elastic_law
+    law = elastic_law or ElasticLaw.linear(max(piece.model.k_inf, 1e-9), _STRAIGHT)
+    models = [piece.model, *(solid.maxwell for solid in off_by_error(piece))]
     motions = simulate_impacts(models, law, mass=kg, speed=approach.speed, pull=approach.pull)
     motion = motions[0]
     checked = (
-        checks.slam_within_law(motion.deepest.compression, None if known is None else known.depth),
-        checks.slam_within_band(motion.frequency, found.band[1]),
+        checks.slam_within_law(
+            motion.deepest.compression, None if elastic_law is None else elastic_law.depth
+        ),
+        checks.slam_within_band(motion.frequency, fit.band[1]),
         checks.air_escapes(approach.speed),
-        checks.piece_length_given(given=piece.specimen.length is not None),
+        checks.piece_length_given(provided=piece.specimen.length is not None),
     )
     return Slam(
         approach, kg, seals, _answers(motions), motion,
-        (*checked, *(one for one in found.checks if one.grade == "stop")), found.source,
+        (*checked, *(check for check in fit.checks if check.grade == "stop")), fit.source,
     )  # fmt: skip
 
 
@@ -180,21 +182,21 @@ _NAMED = (
 def _answers(motions: Sequence[SlamMotion]) -> tuple[ReportedValue, ...]:
     """The numbers of the first motion, with the errors that the others show."""
     first, *others = map(_numbers, motions)
-    off = np.array([np.subtract(one, first) for one in others])
+    off = np.array([np.subtract(other, first) for other in others])
     # what energy a speed has, no fit can doubt
     size = np.linalg.norm(off, axis=0) if others else np.zeros(len(first))
-    errors = [one or None for one in size.tolist()]
+    errors = [value or None for value in size.tolist()]
     return tuple(
         ReportedValue.known(name, value, error, unit=unit, read=read, words=words)
         for (name, unit, read, words), value, error in zip(_NAMED, first, errors, strict=True)
     )
 
 
-def _numbers(one: SlamMotion) -> list[float]:
+def _numbers(item: SlamMotion) -> list[float]:
     """In the order of their names."""
-    peak, deepest, release = one.peak, one.deepest, one.release
+    peak, deepest, release = item.peak, item.deepest, item.release
     return [
         peak.force, peak.time, deepest.compression, deepest.time, release.time,
-        release.compression, one.rebound, one.loading_work, one.lost, one.lost / one.energy,
-        peak.force / deepest.relaxed, one.loading_work / one.elastic,
+        release.compression, item.rebound, item.loading_work, item.lost, item.lost / item.energy,
+        peak.force / deepest.relaxed, item.loading_work / item.elastic,
     ]  # fmt: skip

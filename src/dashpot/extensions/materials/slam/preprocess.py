@@ -74,7 +74,7 @@ def slams_of(test: SlamTest, mass: float, name: str) -> list[RecordedSlam]:
             f"{name}: no slam stands out of the scatter: the largest force is {top:.3g} N, the "
             f"scatter {noise:.3g} N. Cut the record about the slams, or use a stiffer sensor"
         )
-    found: list[RecordedSlam] = []
+    slams: list[RecordedSlam] = []
     over = _contacts(push, max(_OTHER * top, _CLEAR * noise), _CLEAR * noise)
     if not over:
         raise DataError(f"{name}: the longest push has fewer than {_FEWEST} samples. Sample faster")
@@ -88,7 +88,7 @@ def slams_of(test: SlamTest, mass: float, name: str) -> list[RecordedSlam]:
             high = min(high, (last + over[number + 1][0]) // 2)
         rows = slice(low, min(last + reach, high) + 1)
         inside = slice(first, last + 1)
-        found.append(
+        slams.append(
             RecordedSlam(
                 f"{name}, slam {number + 1}" if len(over) > 1 else name,
                 time[rows],
@@ -100,7 +100,7 @@ def slams_of(test: SlamTest, mass: float, name: str) -> list[RecordedSlam]:
                 None if other is None else float(push[inside].sum() / (mass * other[inside].sum())),
             )
         )
-    return found
+    return slams
 
 
 def _scatter(push: FloatArray) -> float:
@@ -118,14 +118,14 @@ def _push(signal: FloatArray) -> FloatArray:
 
 def _contacts(push: FloatArray, level: float, least: float) -> list[tuple[int, int]]:
     """First and last sample of each slam, down to where the force begins."""
-    found: list[tuple[int, int]] = []
+    results: list[tuple[int, int]] = []
     for first, last in find_true_runs(push > level).tolist():
         # noise about the level breaks a run in two
-        if found and first - found[-1][1] < max(0.2 * (last - found[-1][0]), 3):
-            found[-1] = (found[-1][0], last)
+        if results and first - results[-1][1] < max(0.2 * (last - results[-1][0]), 3):
+            results[-1] = (results[-1][0], last)
         else:
-            found.append((first, last))
-    long = [one for one in found if one[1] - one[0] + 1 >= _FEWEST]
+            results.append((first, last))
+    long = [result for result in results if result[1] - result[0] + 1 >= _FEWEST]
     return [_to_zero(push, first, last, least) for first, last in long]
 
 

@@ -37,9 +37,9 @@ def read_slams(
             named=("force", "acceleration"),
         )  # fmt: skip
         wanted = [
-            one
-            for one in (file.find_unambiguous_column("force"), _acceleration(file))
-            if one is not None
+            assignment
+            for assignment in (file.find_unambiguous_column("force"), _acceleration(file))
+            if assignment is not None
         ]
         if not wanted:
             raise ReadError(
@@ -53,22 +53,27 @@ def read_slams(
         values = channels.convert_signals_to_si(rows, chosen)
         rate = file.options.rate
         time = np.arange(len(rows)) / rate if rate else values["time"]
-        known, said = add_specimen_temperature(file, specimen or Specimen())
+        resolved_specimen, sentences = add_specimen_temperature(file, specimen or Specimen())
         source = channels.source(
-            file, [one.says for one in chosen], [*file.table.notes, *gaps, *said]
+            file, [channel.says for channel in chosen], [*file.table.notes, *gaps, *sentences]
         )
         return SlamTest(
-            time, values.get("force"), values.get("acceleration"), known, source, units="SI"
+            time,
+            values.get("force"),
+            values.get("acceleration"),
+            resolved_specimen,
+            source,
+            units="SI",
         )
 
 
 def _acceleration(file: OpenedFile) -> RoleAssignment | None:
     """The only acceleration, if there is one."""
-    found = accelerations(file.table, (), file.options)
-    if len(found) > 1:
-        listed = ", ".join(format_column(file.table.columns, i) for i in found)
+    indices = accelerations(file.table, (), file.options)
+    if len(indices) > 1:
+        listed = ", ".join(format_column(file.table.columns, i) for i in indices)
         raise ReadError(
             f"{listed} are accelerations, and one mass has one. Name it: --column acceleration=NAME"
         )
     says = "its name or unit says acceleration"
-    return RoleAssignment("acceleration", found[0], says) if found else None
+    return RoleAssignment("acceleration", indices[0], says) if indices else None

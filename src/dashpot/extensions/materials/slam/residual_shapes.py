@@ -65,22 +65,22 @@ def compute_residual_shapes(slams: Slams, best: Optimum) -> dict[str, float]:
     basis = basis[:, weight > _TAKEN * weight[0]]
     flights = _Flights.from_residual(slams, theta, best.residual)
     deviation = np.sqrt(flights.noise_correlation_factor)
-    found = {}
-    for words, each in seen.items():
+    entries = {}
+    for words, values in seen.items():
         column = np.concatenate(
             [
-                slams.sample_force(each[:, i], one.time - touch) / one.noise
-                for i, (one, touch) in enumerate(zip(slams.hits, slams.touches(theta), strict=True))
+                slams.sample_force(values[:, i], hit.time - touch) / hit.noise
+                for i, (hit, touch) in enumerate(zip(slams.hits, slams.touches(theta), strict=True))
             ]
             + [np.zeros(best.problem.priors)]
         )
-        apart = column - basis @ (basis.T @ column)
-        size = float(np.linalg.norm(apart))
+        differences = column - basis @ (basis.T @ column)
+        size = float(np.linalg.norm(differences))
         if size > _TAKEN * np.linalg.norm(column):
-            found[words] = float(apart @ best.all_residuals / size / deviation)
+            entries[words] = float(differences @ best.all_residuals / size / deviation)
     if (louder := flights.louder) is not None:
-        found["a sensor or a mass that rings on"] = max(louder, 0.0)
-    return found
+        entries["a sensor or a mass that rings on"] = max(louder, 0.0)
+    return entries
 
 
 def _besides(slams: Slams, x: FloatArray, relaxed: FloatArray) -> dict[str, FloatArray]:
@@ -88,14 +88,14 @@ def _besides(slams: Slams, x: FloatArray, relaxed: FloatArray) -> dict[str, Floa
     depth, largest = x.max(), relaxed.max()
     share = x / depth
     rubs, arm = np.zeros_like(x), np.zeros_like(x)
-    contact = median(np.array([one.contact for one in slams.hits]))
+    contact = median(np.array([hit.contact for hit in slams.hits]))
     even = EvenStep.of(np.array(slams.step / (_EARLY * contact)))
-    for i, (way, pressed, given) in enumerate(
+    for i, (way, pressed, item) in enumerate(
         zip(np.diff(x, axis=0), relaxed[1:], np.diff(relaxed, axis=0), strict=True), start=1
     ):
         # a slider that the piece presses on
         rubs[i] = np.clip(rubs[i - 1] + largest / _REACH * way / depth, -pressed, pressed)
-        arm[i] = even.end(arm[i - 1], given)
+        arm[i] = even.end(arm[i - 1], item)
     return {
         "friction": rubs,
         "a law that is steeper than a cubic": largest * share**_POWER,
@@ -108,9 +108,11 @@ def _compute_force_responses(
     slams: Slams, rows: FloatArray, forces: dict[str, FloatArray], touched: FloatArray
 ) -> FloatArray:
     """What is measured of each force, to first order, shape (forces, steps + 1, slams), N."""
-    each = np.stack([np.where(touched, one, 0.0) for one in forces.values()])
+    stack = np.stack([np.where(touched, force, 0.0) for force in forces.values()])
     n = len(slams.hits)
-    both = np.concatenate([sign * _SMALL * one for sign in (1.0, -1.0) for one in each], axis=1)
+    both = np.concatenate(
+        [sign * _SMALL * value for sign in (1.0, -1.0) for value in stack], axis=1
+    )
     many = both.shape[1]
     theta = np.tile(rows, (many // n, 1))
     g, tau = slams.arms(theta)
@@ -119,12 +121,12 @@ def _compute_force_responses(
         np.tile(slams.pulls, many // n) - both / slams.mass,
         partial(slams.law.force, c=theta[:, : len(POWERS)]), np.ones(many), g, tau,
     )  # fmt: skip
-    force = integrate_impact(masses, slams.step, each.shape[1] - 1).force
+    force = integrate_impact(masses, slams.step, stack.shape[1] - 1).force
     up, down = (part.reshape(len(force), -1, n) for part in np.split(force, 2, axis=1))
-    steps = min(len(force), each.shape[1])
-    answer = np.zeros_like(each)
+    steps = min(len(force), stack.shape[1])
+    answer = np.zeros_like(stack)
     answer[:, :steps] = np.moveaxis(up - down, 1, 0)[:, :steps] / (2 * _SMALL)
-    return np.asarray(answer + each)
+    return np.asarray(answer + stack)
 
 
 class _Flights(NamedTuple):
@@ -134,12 +136,12 @@ class _Flights(NamedTuple):
     after: FloatArray
 
     @classmethod
-    def from_residual(cls, slams: Slams, theta: FloatArray, left: FloatArray) -> _Flights:
+    def from_residual(cls, slams: Slams, theta: FloatArray, residual: FloatArray) -> _Flights:
         since = np.concatenate(
-            [one.time - touch for one, touch in zip(slams.hits, slams.touches(theta), strict=True)]
+            [hit.time - touch for hit, touch in zip(slams.hits, slams.touches(theta), strict=True)]
         )
         away = np.concatenate(slams.forces(theta)) == 0
-        return cls(left[away & (since <= 0)], left[away & (since > 0)])
+        return cls(residual[away & (since <= 0)], residual[away & (since > 0)])
 
     @property
     def noise_correlation_factor(self) -> float:
