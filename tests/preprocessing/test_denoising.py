@@ -15,7 +15,7 @@ from dashpot.preprocessing.denoising import (
     _without_flicker,
     between_counts,
     denoise_displacement,
-    denoised,
+    denoise_values,
 )
 from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.relaxation import simulate_relaxation
@@ -83,7 +83,7 @@ def test_noise_is_averaged_where_the_motion_is_straight() -> None:
     t = np.arange(0, 10.0, 1e-3)
     true = 8e-3 * np.clip(t - 0.5, 0, 1)
     seen = true + 5e-6 * np.random.default_rng(1).standard_normal(len(t))
-    read, sd = denoised(seen, 5e-6)
+    read, sd = denoise_values(seen, 5e-6)
     off = read - true
     assert np.std(off[(t > 3) & (t < 9)]) < 0.3e-6  # the hold
     assert np.std(off[(t > 0.7) & (t < 1.3)]) < 1e-6  # the ramp
@@ -97,13 +97,13 @@ def test_noise_is_averaged_where_the_motion_is_straight() -> None:
 @given(slope=st.floats(-5, 5), start=st.floats(-5, 5))
 def test_a_straight_line_stays_straight(slope: float, start: float) -> None:
     line = start + slope * np.arange(300.0)
-    read, _ = denoised(line, 0.1)
+    read, _ = denoise_values(line, 0.1)
     assert read == pytest.approx(line, abs=1e-9)
 
 
 def test_what_is_larger_than_the_noise_stays() -> None:
     step = np.where(np.arange(400) < 200, 0.0, 1.0)
-    assert denoised(step, 1e-3)[0] == pytest.approx(step)
+    assert denoise_values(step, 1e-3)[0] == pytest.approx(step)
 
 
 def test_a_perfect_encoder_is_left_alone() -> None:

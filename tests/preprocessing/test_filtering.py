@@ -9,7 +9,7 @@ from scipy import signal
 from dashpot.base.errors import DataError
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.fitting.filter_bias import filter_bias
-from dashpot.preprocessing.filters import Filter, filtered, parse_filter
+from dashpot.preprocessing.filters import Filter, filter_record, parse_filter
 from dashpot.preprocessing.prepare import prepare
 
 
@@ -86,7 +86,7 @@ def test_a_notch_takes_out_the_hum_and_a_median_the_glitch():
     ],
 )
 def test_the_bias_on_eq_5_is_the_references(ideal: RampHold, text: str, k_1: float, tau_1: float):
-    check = filter_bias(filtered(ideal, parse_filter(text)))
+    check = filter_bias(filter_record(ideal, parse_filter(text)))
     found = dict(
         part.rsplit(" by ", 1) for part in check.says.split("hold, ")[1].split(". ")[0].split(", ")
     )
@@ -95,9 +95,9 @@ def test_the_bias_on_eq_5_is_the_references(ideal: RampHold, text: str, k_1: flo
 
 
 def test_a_slow_or_causal_filter_fails_its_check_and_a_fast_one_passes(ideal: RampHold):
-    fast = filter_bias(filtered(ideal, parse_filter("lowpass:20Hz")))
-    slow = filter_bias(filtered(ideal, parse_filter("lowpass:2Hz")))
-    late = filter_bias(filtered(ideal, parse_filter("lowpass:20Hz:causal")))
+    fast = filter_bias(filter_record(ideal, parse_filter("lowpass:20Hz")))
+    slow = filter_bias(filter_record(ideal, parse_filter("lowpass:2Hz")))
+    late = filter_bias(filter_record(ideal, parse_filter("lowpass:20Hz:causal")))
     assert fast.passed
     assert fast.value is not None
     assert fast.value < 0.003
@@ -111,7 +111,7 @@ def test_a_slow_or_causal_filter_fails_its_check_and_a_fast_one_passes(ideal: Ra
 def test_a_linear_filter_on_both_channels_leaves_the_full_history_alone(
     ideal: RampHold, paper_seal
 ):
-    behind = filtered(ideal, parse_filter("lowpass:5Hz"))
+    behind = filter_record(ideal, parse_filter("lowpass:5Hz"))
     middle = slice(100, -200)
     expected = paper_seal.force(behind.time, behind.displacement)
     np.testing.assert_allclose(behind.force[middle], expected[middle], atol=2e-5)

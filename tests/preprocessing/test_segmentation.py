@@ -19,7 +19,7 @@ from dashpot.signals.segments import (
     cycles_of,
     find_segments,
     loading_of,
-    negated,
+    negate_segments,
 )
 
 
@@ -78,13 +78,15 @@ def test_a_record_that_is_halved_shows_the_same(monkeypatch: pytest.MonkeyPatch)
 def test_what_is_mirrored_is_what_is_found_of_the_mirror(sign: int):
     x = sign * path(T, (0, 0), (1, 0), (2, 4), (9, 4), (10, 8), (30, 8), (31, 2), (40, 0))
     x = x + 0.01 * np.random.default_rng(0).standard_normal(len(x))
-    assert negated(find_segments(T, x)) == find_segments(T, -x)
+    assert negate_segments(find_segments(T, x)) == find_segments(T, -x)
 
 
 def test_cycles_without_end_are_looked_at_no_more_often_for_that(monkeypatch: pytest.MonkeyPatch):
     """Each was cut off the whole rest."""
-    looked, farthest = [], segments._farthest
-    monkeypatch.setattr(segments, "_farthest", lambda t, x: looked.append(len(x)) or farthest(t, x))
+    looked, farthest = [], segments._find_farthest_sample
+    monkeypatch.setattr(
+        segments, "_find_farthest_sample", lambda t, x: looked.append(len(x)) or farthest(t, x)
+    )
     t = 0.01 * np.arange(20_000)
     find_segments(t, np.arange(len(t)) % 7.0)
     assert sum(looked) < 400 * len(t)  # 2,900 before

@@ -21,7 +21,7 @@ from dashpot.simulation import (
     truth_json,
 )
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, HIDDEN, HIDDEN_MASS, SHIFT
-from dashpot.solids.shift_laws import WLF, Arrhenius, FreeShifts, at_temperature
+from dashpot.solids.shift_laws import WLF, Arrhenius, FreeShifts, shift_to_temperature
 from dashpot.vibration.systems.frf_prediction import accelerance, mass_for_peak
 
 OMEGA = 2 * np.pi * 12.71
@@ -57,14 +57,16 @@ def test_a_cold_test_is_the_warm_one_on_a_slower_clock(law):
     a, b = float(law.a_t(273.15)), 273.15 / 296.15
     t = np.geomspace(1e-3, 100, 30)
     np.testing.assert_allclose(
-        at_temperature(BROAD, 273.15, law).relaxation(a * t), b * BROAD.relaxation(t), rtol=1e-12
+        shift_to_temperature(BROAD, 273.15, law).relaxation(a * t),
+        b * BROAD.relaxation(t),
+        rtol=1e-12,
     )
 
 
 def test_a_record_is_of_the_seal_at_its_temperature():
     rig = replace(Rig().noise_free(), rate=100.0)
     made = simulate_relaxation(BROAD, hold_time=2.0, rig=rig, climate=Climate(273.15))
-    felt = at_temperature(BROAD, 273.15, SHIFT)
+    felt = shift_to_temperature(BROAD, 273.15, SHIFT)
     assert made.truth.model == felt
     assert made.test.specimen.temperature == 273.15
     np.testing.assert_allclose(
@@ -82,7 +84,9 @@ def test_a_record_is_of_the_seal_at_its_temperature():
 def test_a_block_rings_as_its_seals_do_at_their_temperature():
     rig = replace(Hammer(), record=1.0)
     made = simulate_impact(BROAD, mass=BROAD_MASS, hits=1, rig=rig, climate=Climate(273.15))
-    same = simulate_impact(at_temperature(BROAD, 273.15, SHIFT), mass=BROAD_MASS, hits=1, rig=rig)
+    same = simulate_impact(
+        shift_to_temperature(BROAD, 273.15, SHIFT), mass=BROAD_MASS, hits=1, rig=rig
+    )
     assert made.test == same.test
     assert made.truth.bounce_poles == same.truth.bounce_poles
 
@@ -111,7 +115,7 @@ def test_the_file_states_the_temperature_and_reading_takes_it(tmp_path):
     assert test.source is not None
     assert "temperature 0 degC: the header says 'temperature: 0 degC'" in test.source.notes
     told = json.loads((tmp_path / "cold.truth.json").read_text())
-    felt = at_temperature(HIDDEN, 273.15, WLF(8.0, 110.0, 293.15))
+    felt = shift_to_temperature(HIDDEN, 273.15, WLF(8.0, 110.0, 293.15))
     np.testing.assert_allclose(told["model"]["tau"], felt.tau)
     assert ran(*words[:-1], tmp_path / "warm.csv").exit_code == 0
     assert read_relaxation(tmp_path / "warm.csv").specimen.temperature is None

@@ -13,7 +13,7 @@ from dashpot.base.errors import DataError
 from dashpot.solids import networks as net
 from dashpot.solids.demo_seals import SHIFT
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.shift_laws import at_temperature
+from dashpot.solids.shift_laws import shift_to_temperature
 from dashpot.vibration.systems.bodies import Body, Mount, Point, planar_body, point_mass
 from dashpot.vibration.systems.complex_modes import complex_modes, newton_modes
 from dashpot.vibration.systems.frf_prediction import model_modes, predict_frf
@@ -287,7 +287,7 @@ def sealed_door(line: GeneralizedMaxwell) -> System:
 )
 def test_a_door_in_the_cold_and_in_the_heat(broad_seal, celsius, frequencies, ratios):
     """Numbers computed apart: ten broad seals of 50 mm to a line, WLF, stiffness as T."""
-    line = at_temperature((10 / 0.05) * broad_seal, celsius + 273.15, SHIFT)
+    line = shift_to_temperature((10 / 0.05) * broad_seal, celsius + 273.15, SHIFT)
     system = sealed_door(line)
     modes = newton_modes(system)[:3]
     assert [mode.frequency for mode in modes] == pytest.approx(frequencies, abs=6e-6)

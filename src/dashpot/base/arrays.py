@@ -129,7 +129,7 @@ def validate_measured(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> 
 
 
 def hold_measured(result: object, *names: str, minimum: int = 1) -> None:
-    """Hold named fields of a frozen noun as :func:`validate_measured` arrays of one length; none is None.
+    """Set fields of a frozen value to :func:`validate_measured` arrays of one length; none is None.
 
     A ``time`` among them must rise.
 

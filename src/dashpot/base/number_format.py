@@ -38,7 +38,7 @@ def round_to_error(value: float, error: float | None = None, *, digits: int = 3)
 def format_with_error(
     value: float, unit: str, error: float | None = None, *, digits: int = 3
 ) -> str:
-    """Return an SI value as :func:`round_to_error` prints it, in a unit of the table, with its word.
+    """Return an SI value as :func:`round_to_error` prints it, in a unit of the table.
 
     >>> format_with_error(0.00830, "mm"), format_with_error(17432.1, "N/mm",
     ...     120.0), format_with_error(0.104, "g", digits=4)

@@ -42,7 +42,7 @@ def require_positive(
 
 
 def require_nonnegative(of: str = "", /, *, expected: str = "a number >= 0", **named: Any) -> None:
-    """Refuse the first of the named numbers that is not finite and >= 0, as :func:`require_positive`."""
+    """Refuse the first number that is not finite and >= 0, as :func:`require_positive` does."""
     require_positive(
         of, expected=expected, **{name: value for name, value in named.items() if value != 0}
     )

@@ -30,7 +30,7 @@ from dashpot.fitting.checks.solid import (
 )
 from dashpot.fitting.nuisance_priors import ROUNDING
 from dashpot.fitting.replicates import end_stiffnesses
-from dashpot.preprocessing.checks import of_records
+from dashpot.preprocessing.checks import check_records
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
@@ -83,7 +83,7 @@ def run_relaxation_checks(
         record_window(records), "the record", (" (two samples)", " (the hold)")
     )
     answers = [
-        *of_records(records, method=method, solids=[model] * len(records)),
+        *check_records(records, method=method, solids=[model] * len(records)),
         hold_long_enough(end),
         *run_solid_checks(
             records, model, error, residuals, window, end=end, needed=needed, in_arms=in_arms
@@ -114,14 +114,14 @@ def run_solid_checks(
     needed: bool = False,
     in_arms: bool = True,
 ) -> list[Check]:
-    """Return the checks of a solid, as :func:`run_relaxation_checks`; `solids` at each record's temperature.
+    """Return the checks of a solid, as :func:`run_relaxation_checks`, at each temperature.
 
     Of several temperatures no arm is fast or slow by itself.
     """
     peak = max(float(abs(record.force).max()) for record in records)
     pairs = zip(solids or [model] * len(records), records, strict=True)
     return [
-        *(_of_arms(model, error, window, needed=needed) if in_arms else ()),
+        *(_check_arms(model, error, window, needed=needed) if in_arms else ()),
         k_inf_positive(model, float(error[0]), end),
         k_inf_known(model, float(error[0]), records, end),
         select_gravest_check(arms_where_force_relaxes(solid, record) for solid, record in pairs),
@@ -129,12 +129,12 @@ def run_solid_checks(
         residuals_random(
             residuals.kappa, residuals.rms, max(record.force_noise for record in records)
         ),
-        *(_of_fast_arms(records, model, error) if in_arms and not solids else ()),
+        *(_check_fast_arms(records, model, error) if in_arms and not solids else ()),
         residuals_steady(residuals.every, rounding=ROUNDING * peak, peak=peak),
     ]
 
 
-def _of_arms(
+def _check_arms(
     model: GeneralizedMaxwell, error: FloatArray, window: RelaxationWindow, *, needed: bool
 ) -> tuple[Check, ...]:
     return (
@@ -151,15 +151,15 @@ def _of_arms(
     )
 
 
-def _of_fast_arms(
+def _check_fast_arms(
     records: Sequence[RampHold], model: GeneralizedMaxwell, error: FloatArray
 ) -> tuple[Check, ...]:
     return (
         step_bias(model, records),
-        fast_arm_visible(model, records, error=_of_fastest(model, error)),
+        fast_arm_visible(model, records, error=_compute_fastest_error(model, error)),
     )
 
 
-def _of_fastest(model: GeneralizedMaxwell, error: FloatArray) -> float:
+def _compute_fastest_error(model: GeneralizedMaxwell, error: FloatArray) -> float:
     """Return the relative standard error of the fastest arm's k."""
     return float(error[1] / model.k[0]) if model.arms else float("inf")

@@ -99,15 +99,15 @@ def _later(recorded: DelayedMotion, gate: LinearityResult) -> Iterator[DelayedMo
     records, best = recorded.holds.records, gate.first.solutions[-1]
     values = [best.coefficient(f"delay@{i}") for i in range(len(records))]
     late = tuple(lag if lag > LINEAR_DELAY else 0.0 for lag in values)
-    shifted, lags = zip(*map(_shifted, records, late), strict=True)
+    shifted, lags = zip(*map(_shift_motion, records, late), strict=True)
     if any(lags):
         yield DelayedMotion.of(shifted, FitSetup("full"), lags)
     if any(late) and not any(record.machine.force_filter for record in records):
-        behind = [*map(_behind, records, late)]
+        behind = [*map(_filter_force, records, late)]
         yield DelayedMotion.of(behind, FitSetup("full"), late, filtered=True)
 
 
-def _shifted(record: RampHold, lag: float) -> tuple[RampHold, float]:
+def _shift_motion(record: RampHold, lag: float) -> tuple[RampHold, float]:
     """The record with its motion late by whole samples, whose counts are as they were read."""
     step = record.step
     many = round(lag / step) if evenly_sampled(record.time) else 0
@@ -121,7 +121,7 @@ def _shifted(record: RampHold, lag: float) -> tuple[RampHold, float]:
     return replace(record, displacement=late(record.displacement), given=provided), many * step
 
 
-def _behind(record: RampHold, lag: float) -> RampHold:
+def _filter_force(record: RampHold, lag: float) -> RampHold:
     """The record with a force behind a low-pass of this time constant, as one that is named."""
     if not lag:
         return record

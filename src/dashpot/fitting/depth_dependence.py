@@ -104,9 +104,10 @@ def fit_depths(
     most = requested_arms(arms, max_arms)
     requested = None if arms == "auto" else most
     law = select_elastic_law(ordered, arms=requested, max_arms=most)
-    item, held = _each(law), held_ramps(ordered, law)
+    item, held = _fit_each_test(law), held_ramps(ordered, law)
     by_depth = tuple(
-        item.at(i, test.depth, rig) for i, (test, rig) in enumerate(_by_rigs(ordered, held, law))
+        item.at(i, test.depth, rig)
+        for i, (test, rig) in enumerate(_add_rig_errors(ordered, held, law))
     )
     for at in by_depth:
         if at.k_inf <= 0:
@@ -151,7 +152,7 @@ class _Each(NamedTuple):
         )
 
 
-def _by_rigs(
+def _add_rig_errors(
     tests: Sequence[RampHold], held: Sequence[RelaxationData], law: RampLaw
 ) -> Iterator[tuple[RampHold, FloatArray]]:
     """Each test, and what its rig may add to its own stiffnesses, N/m, on the path of the law."""
@@ -165,7 +166,7 @@ def _by_rigs(
         yield test, np.linalg.norm(columns, axis=1)
 
 
-def _each(ramp_law: RampLaw) -> _Each:
+def _fit_each_test(ramp_law: RampLaw) -> _Each:
     """Fit each test with stiffnesses of its own, relaxation times and law shared."""
     followed = ramp_law.followed
     solid, log_tau = followed.weighted.solid, np.log(np.asarray(ramp_law.model.tau))

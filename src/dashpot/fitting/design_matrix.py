@@ -104,7 +104,7 @@ def block_of(
     )  # fmt: skip
 
 
-def compressed(tests: Sequence[RampHold], design: FitSetup) -> tuple[DataBlock, ...]:
+def compress_tests(tests: Sequence[RampHold], design: FitSetup) -> tuple[DataBlock, ...]:
     """Return one block per test, a few hundred rows each, on which the fit is the full fit."""
     return tuple(
         block_of(test, method=design.method, terms=design.terms, index=i)
@@ -115,14 +115,14 @@ def compressed(tests: Sequence[RampHold], design: FitSetup) -> tuple[DataBlock, 
 def with_delay_columns(
     tests: Sequence[RampHold], design: FitSetup, near: FloatArray | None = None
 ) -> tuple[DataBlock, ...]:
-    r"""Return the blocks of :func:`compressed` with the column of a force that comes late.
+    r"""Return the blocks of :func:`compress_tests` with the column of a force that comes late.
 
     .. math:: -\dot F = \sum_j (k_j/\tau_j)\,q_j - k_g\,\dot x, \qquad k_g = k_\infty + \sum_j k_j
 
     The slope of the force needs no more than a first solution with two arms, or the one that is
     `near` these ln tau.
     """
-    blocks = compressed(tests, design)
+    blocks = compress_tests(tests, design)
     if design.method == "hold" or "delay" not in design.nuisance:
         return blocks
     stack = Stack(blocks)
@@ -191,10 +191,10 @@ def first_sample(test: RampHold) -> int:
 
 def is_multi_step(test: RampHold) -> bool:
     """True if the plate moves on to another depth after the first ramp: there is no one hold."""
-    return _moved(test) > _ANOTHER_DEPTH
+    return _has_motion(test) > _ANOTHER_DEPTH
 
 
-def _moved(test: RampHold) -> float:
+def _has_motion(test: RampHold) -> float:
     return float(np.ptp(test.displacement[test.hold])) / test.depth
 
 
@@ -212,7 +212,7 @@ def eq5_obstacle(test: RampHold) -> str | None:
             f"the hold has {len(held)} samples, and eq. 5 needs at least {_FEWEST}: fit "
             "ramp and hold instead, or sample faster"
         )
-    change = _moved(test)
+    change = _has_motion(test)
     if change > _MOST_BY_EQ_5:
         return (
             f"the displacement moves by {100 * change:.0f} % of the depth after the first ramp, so "

@@ -12,11 +12,11 @@ from dashpot.base.errors import DashpotError, FitError
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.checks import relaxation as checks
-from dashpot.fitting.design_matrix import NUISANCE, FitSetup, compressed, eq5_obstacle, solid_of
+from dashpot.fitting.design_matrix import NUISANCE, FitSetup, compress_tests, eq5_obstacle, solid_of
 from dashpot.fitting.fit_data import data_of
 from dashpot.fitting.pipeline import select_order
 from dashpot.numerics.exponential_fit.variable_projection import solve
-from dashpot.preprocessing.filters import Filter, filter_of, filtered
+from dashpot.preprocessing.filters import Filter, filter_of, filter_record
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
@@ -35,7 +35,7 @@ def filter_bias(test: RampHold) -> Check:
     if raw is None or by is None:
         return checks.filter_bias(None)
     try:
-        model = _supported(raw)
+        model = _select_supported_solid(raw)
         clean = replace(
             raw,
             force=model.force(raw.time, raw.displacement),
@@ -52,18 +52,18 @@ def filter_bias(test: RampHold) -> Check:
     return checks.filter_bias(by, changes, min(model.tau, default=np.inf))
 
 
-def _supported(record: RampHold) -> GeneralizedMaxwell:
+def _select_supported_solid(record: RampHold) -> GeneralizedMaxwell:
     """Return the solid with as many arms as the record supports."""
     return select_order(data_of([record], FitSetup("full")), "auto").model
 
 
 def _changes(clean: RampHold, by: Filter, arms: int, method: Method) -> dict[str, float]:
     """Relative change of each parameter that the filter makes; -1 where an arm is lost."""
-    behind = filtered(clean, by)
+    behind = filter_record(clean, by)
     if method == "hold":
         # eq. 5 takes the ramp from its corners, which were found before the filter
         behind = replace(behind, displacement=clean.displacement)
-    before, after = (_solved(record, arms, method) for record in (clean, behind))
+    before, after = (_solve_parameters(record, arms, method) for record in (clean, behind))
     return {
         name: after[name] / value - 1 if name in after else -1.0
         for name, value in before.items()
@@ -71,13 +71,15 @@ def _changes(clean: RampHold, by: Filter, arms: int, method: Method) -> dict[str
     }
 
 
-def _solved(record: RampHold, arms: int, method: Method) -> dict[str, float]:
+def _solve_parameters(record: RampHold, arms: int, method: Method) -> dict[str, float]:
     """Return every parameter of the solid with so many arms by its name."""
     obstacle = eq5_obstacle(record) if method == "hold" else None
     if obstacle is not None:
         raise FitError(obstacle)
     model = solid_of(
-        solve(compressed([record], FitSetup(method, NUISANCE if method == "full" else ())), arms)
+        solve(
+            compress_tests([record], FitSetup(method, NUISANCE if method == "full" else ())), arms
+        )
     )
     named = {"k_inf": model.k_inf}
     for j, (k, tau) in enumerate(zip(model.k, model.tau, strict=True), start=1):

@@ -20,7 +20,11 @@ from dashpot.fitting.design_matrix import (
 )
 from dashpot.fitting.nuisance_priors import ROUNDING
 from dashpot.fitting.uncertainty.encoder_resolution import Encoder
-from dashpot.fitting.uncertainty.solution_covariance import estimated, residual_of, rounding
+from dashpot.fitting.uncertainty.solution_covariance import (
+    estimate_covariance,
+    residual_of,
+    rounding,
+)
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit.log_tau_descent import Stack
 from dashpot.numerics.exponential_fit.variable_projection import Solution, solve, solve_orders
@@ -83,7 +87,7 @@ class FitData:
     @cached_property
     def peak(self) -> float:
         """Largest target: it sets what rounding alone leaves."""
-        return max(_largest(block) for block in self.samples)
+        return max(_find_largest_residual(block) for block in self.samples)
 
 
 def data_of(
@@ -151,7 +155,7 @@ def weighed(
     """
     data = data.bound()
 
-    def solved() -> Sequence[Solution]:
+    def solve_once() -> Sequence[Solution]:
         least = bic_penalty_per_arm(data.rows) if data.in_time else 0.0
         if only:
             solution = solve(
@@ -160,7 +164,7 @@ def weighed(
             return (solution,)
         return solve_orders(data.rows, most, negligible=least, every=not auto, thorough=thorough)
 
-    solutions = solved()
+    solutions = solve_once()
     series = tuple(ResidualSeries(residual_of(solutions[-1], block)) for block in data.samples)
     noises = tuple(
         noise_of(residual_series, rounding=rounding(data.peak)) for residual_series in series
@@ -169,7 +173,7 @@ def weighed(
     if all(_WEIGHED[0] < a / b < _WEIGHED[1] for a, b in zip(spreads, data.units, strict=False)):
         return InitialFit(data, solutions, series, noises, solutions[-1])
     data = data.bound(spreads)
-    return InitialFit(data, solved(), series, noises, solutions[-1])
+    return InitialFit(data, solve_once(), series, noises, solutions[-1])
 
 
 def max_determinable_arms(blocks: Sequence[DataBlock]) -> int:
@@ -205,8 +209,8 @@ def fit_single_test(
     """Fit one test with as many arms as it bears, up to `most`."""
     most = min(most, max_determinable_arms(blocks))
     best = solve_orders(blocks, most)[-1]
-    peaks = [_largest(block) for block in samples]
-    estimate = estimated(best, samples, peak=max(peaks))
+    peaks = [_find_largest_residual(block) for block in samples]
+    estimate = estimate_covariance(best, samples, peak=max(peaks))
     # thirteen parameters of 32 values leave a third less than their scatter
     model = solid_of(best)
     count = sum(len(residual) for residual in estimate.residuals)
@@ -226,5 +230,5 @@ def fit_single_test(
     )
 
 
-def _largest(block: DataBlock) -> float:
+def _find_largest_residual(block: DataBlock) -> float:
     return float(np.abs(block.target).max())

@@ -14,7 +14,7 @@ from dashpot.fitting.design_matrix import (
     FitSetup,
     bic_penalty_per_arm,
     block_of,
-    compressed,
+    compress_tests,
     eq5_obstacle,
     is_multi_step,
     solid_of,
@@ -70,7 +70,7 @@ class HoldBlocks:
     def blocks(self) -> tuple[DataBlock, ...]:
         """By eq. 5, or, where the plate creeps, as the answer to the recorded motion."""
         return tuple(
-            compressed([record], FitSetup("hold", ()))[0]
+            compress_tests([record], FitSetup("hold", ()))[0]
             if eq5_obstacle(record) is None
             else block_of(record, terms=_terms_of_hold(record), start=record.settled.start)
             for record in self.records
@@ -81,7 +81,7 @@ class HoldBlocks:
         block = self.blocks[i]
         arms = min(max(len(start), _FEW), max_determinable_arms([block]))
         # a start with two arms in one place, as at the edge of its shorter window, leads nowhere
-        near = start if len(start) == arms and _apart(start, block.window) else None
+        near = start if len(start) == arms and _has_distinct_times(start, block.window) else None
         least = bic_penalty_per_arm([block])
         solution = solve([block], arms, log_tau_start=near, negligible=least)
         return residual_of(solution, block.exact)
@@ -103,7 +103,7 @@ def _terms_of_hold(record: RampHold) -> tuple[str, ...]:
     return ("offset",) if abs(record.hold_creep) > MAX_CREEP else ()
 
 
-def _apart(log_tau: FloatArray, window: tuple[float, float]) -> bool:
+def _has_distinct_times(log_tau: FloatArray, window: tuple[float, float]) -> bool:
     inside = np.clip(np.sort(log_tau), *np.log(window))
     return bool(np.all(np.diff(inside) > _SAME_ARM))
 
@@ -114,29 +114,29 @@ def assess_linearity(holds: HoldBlocks, data: FitData, options: FitOptions) -> L
     most = enough if options.count is None else options.count
     auto, point = options.count is None, options.point is not None
     first = weighed(data, most, auto=auto, thorough=options.thorough, only=point)
-    gate = LinearityResult(first, None, _judged(holds, first))
+    gate = LinearityResult(first, None, _evaluate_holds(holds, first))
     if not gate.sound and most < enough:
         # too few arms are no reason to bend the law
         first = weighed(data, enough, thorough=options.thorough)
-        gate = LinearityResult(first, None, _judged(holds, first))
+        gate = LinearityResult(first, None, _evaluate_holds(holds, first))
     if gate.sound or options.family == "maxwell":
         return gate
     fit = element(first.data)
     if options.family == "fractional":
         return LinearityResult(first, fit, None)
-    by_element = _worst(holds, fit.estimate.residuals, first.solutions[-1].log_tau)
+    by_element = _find_worst_record(holds, fit.estimate.residuals, first.solutions[-1].log_tau)
     valid = by_element is None or by_element.sound
     return LinearityResult(first, fit, by_element if valid else gate.judged)
 
 
-def _judged(holds: HoldBlocks, first: InitialFit) -> LinearFitQuality | None:
+def _evaluate_holds(holds: HoldBlocks, first: InitialFit) -> LinearFitQuality | None:
     """How well the best arms explain every record to its noise, ramp and hold alike."""
     least = _AS_GOOD * first.solutions[-1].sse
     near = next(solution for solution in first.solutions if solution.sse <= least)
-    return _worst(holds, first.residuals, near.log_tau)
+    return _find_worst_record(holds, first.residuals, near.log_tau)
 
 
-def _worst(
+def _find_worst_record(
     holds: HoldBlocks, residuals: Sequence[FloatArray], log_tau: FloatArray
 ) -> LinearFitQuality | None:
     """The first record that is not explained, or the ramp that is left with most.

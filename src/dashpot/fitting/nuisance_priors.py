@@ -181,7 +181,7 @@ def priors(record: RampHold) -> LoadCellPriors:
     duration = record.hold_end - record.onset
     final = abs(float(force[last_of_hold(record)].mean()))
     noise = record.force_noise or scatter(time[record.hold], force[record.hold])
-    if rest.stop - rest.start >= _FEWEST and not _loaded(record, rest):
+    if rest.stop - rest.start >= _FEWEST and not _is_loaded_early(record, rest):
         offset, at, slope = baseline_of_channel(time[rest], force[rest], noise)
     else:
         offset, at = _first_reading(record, noise), 0.0
@@ -335,7 +335,7 @@ def error_by_delay(numbers: Callable[[float], FloatArray], delay: Prior) -> Floa
     return np.asarray(np.abs(ways).max(axis=0))
 
 
-def _loaded(record: RampHold, rest: slice) -> bool:
+def _is_loaded_early(record: RampHold, rest: slice) -> bool:
     """True if the force before the plate is seen to move rises as on the ramp: it moves already."""
     force = record.force[rest] - record.force[rest].mean()
     prior = _slope(record.time[rest], force, 1.0)
@@ -354,7 +354,7 @@ def _slope(time: FloatArray, residual: FloatArray, kappa: float) -> Prior:
 def _first_reading(record: RampHold, noise: float) -> Prior:
     """The force at the first sample, and what the compression there may have given."""
     x, force = record.displacement, record.force
-    noise = _of_one_reading(record, noise)
+    noise = _compute_reading_error(record, noise)
     if x[0] <= 0:
         return Prior(float(force[0]), noise)
     peak = int(np.argmax(x >= 0.1 * record.depth)) or len(x) - 1
@@ -362,7 +362,7 @@ def _first_reading(record: RampHold, noise: float) -> Prior:
     return Prior(0.0, noise + slope * float(x[0]))
 
 
-def _of_one_reading(record: RampHold, noise: float) -> float:
+def _compute_reading_error(record: RampHold, noise: float) -> float:
     """By how much one reading of the force may be off, N: its scatter, or slow noise if more.
 
     Neighbours share what is slow and do not show it: behind a filter of 10 Hz, at 1 kHz, they

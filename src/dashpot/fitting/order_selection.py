@@ -7,14 +7,19 @@ from itertools import pairwise
 
 import numpy as np
 
-from dashpot.fitting.uncertainty.solution_covariance import Score, by_record, noises_of, rounding
+from dashpot.fitting.uncertainty.solution_covariance import (
+    Score,
+    noises_of,
+    rounding,
+    split_by_record,
+)
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit.variable_projection import Jacobian, Solution, solve_orders
 from dashpot.numerics.inference.model_order import bic_of_deviance, is_significant_fall
 from dashpot.numerics.inference.whitening import whitened_block
 
 
-def in_noise_metric(
+def score_in_noise_metric(
     scores: Sequence[Score],
     every_sample: Sequence[DataBlock],
     largest: Jacobian,
@@ -41,7 +46,7 @@ def in_noise_metric(
         What was known before the data.
     """
     solutions = [score.solution for score in scores]
-    residuals, jacobians = by_record(largest, [*every_sample, *priors])
+    residuals, jacobians = split_by_record(largest, [*every_sample, *priors])
     count = len(every_sample)
     noises = noises_of(residuals[:count], jacobians[:count], peak=peak)
     if any(noise.autocovariance[0] <= rounding(peak) ** 2 for noise in noises):

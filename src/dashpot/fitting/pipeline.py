@@ -22,10 +22,10 @@ from dashpot.fitting.uncertainty.profile_intervals import profiles
 from dashpot.fitting.uncertainty.solution_covariance import (
     Score,
     SolutionEstimate,
-    by_record,
-    estimated,
+    estimate_covariance,
     rounding,
-    scored,
+    score_solution,
+    split_by_record,
 )
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit.certificate import certificate
@@ -254,10 +254,10 @@ def requested_arms(arms: object, max_arms: object) -> int:
         If `arms` is neither ``"auto"`` nor a whole number >= 0.
     """
     if arms == "auto":
-        if not _whole(max_arms):
+        if not _build_whole_record(max_arms):
             raise FitError(f"max_arms = {max_arms!r}; expected a whole number >= 0")
         return int(max_arms)  # type: ignore[call-overload,no-any-return]
-    if not _whole(arms):
+    if not _build_whole_record(arms):
         raise FitError(
             f'arms = {arms!r}; expected "auto" or a whole number of arms, 0 for a spring alone'
         )
@@ -292,12 +292,12 @@ def select_order(
     first = first or weighed(data, most, auto=auto, thorough=thorough)
     data, noises = first.data, first.noises
     samples, peak, in_time = data.samples, data.peak, data.in_time
-    scores = _scored(first.solutions[: most + 1], data, noises)
+    scores = _score_orders(first.solutions[: most + 1], data, noises)
     exhausted = len(scores) - 1 < most or not in_time
     choice = _choice(scores, exhausted=exhausted, decisive=DECISIVE if in_time else np.inf)
 
     @lru_cache(maxsize=1)  # the order that the rules support is, as a rule, the one chosen
-    def whole(order: int) -> Jacobian:
+    def solve_whole_order(order: int) -> Jacobian:
         return full_jacobian([*samples, *data.priors], scores[order].solution)
 
     # least squares is a fair judge where the noise is even to the arms that a rule supports
@@ -306,25 +306,27 @@ def select_order(
         auto
         and in_time
         and not nearly_white(noises)
-        and noise_gain_differs(_noise_gain(by_record(whole(supported), data.every)[1], noises))
+        and noise_gain_differs(
+            _noise_gain(split_by_record(solve_whole_order(supported), data.every)[1], noises)
+        )
     ):
-        from dashpot.fitting.order_selection import in_noise_metric
+        from dashpot.fitting.order_selection import score_in_noise_metric
 
-        largest = whole(len(scores) - 1)
-        anew = in_noise_metric(
+        largest = solve_whole_order(len(scores) - 1)
+        anew = score_in_noise_metric(
             scores, samples, largest, peak=peak, thorough=thorough, priors=data.priors
         )
         if anew is not None:
             scores = anew
             choice = _choice(scores, exhausted=exhausted, decisive=DECISIVE, in_noise_metric=True)
     taken = choice.arms if auto else min(most, len(scores) - 1)
-    estimate = estimated(
+    estimate = estimate_covariance(
         scores[taken].solution,
         samples,
         peak=peak,
         priors=data.priors,
         encoders=data.encoders,
-        whole=whole(taken),
+        whole=solve_whole_order(taken),
         series=first.left_by(scores[taken].solution),
     )
     return SelectedModel(data, estimate, scores, choice if auto else None, None if auto else most)
@@ -333,13 +335,13 @@ def select_order(
 # -- orders ---------------------------------------------------------------------------------------
 
 
-def _scored(
+def _score_orders(
     solutions: Sequence[Solution], data: FitData, noises: Sequence[Noise]
 ) -> tuple[Score, ...]:
     """Judge each number of arms by the residuals of the largest."""
     effective = sum(noise.effective for noise in noises)
     return tuple(
-        scored(
+        score_solution(
             solution,
             data.blocks,
             data.samples,
@@ -371,7 +373,7 @@ def _choice(
     )
 
 
-def _whole(number: object) -> bool:
+def _build_whole_record(number: object) -> bool:
     whole = isinstance(number, int | np.integer) and not isinstance(number, bool)
     return whole and number >= 0  # type: ignore[operator]
 

@@ -186,10 +186,10 @@ def fit(
     refuse_shifts("the tests are", vertical, shift_law, None if here else reference)
     if law == "nonlinear":
         _refuse_history(records)
-        shifted = _by_ramp(records, _law_of(records, law, options.count), options.count)
+        shifted = _fit_hold_then_ramp(records, _law_of(records, law, options.count), options.count)
         return _with_law(shifted, law)
     try:
-        return _with_law(_of_one_temperature(records, design, options), law)
+        return _with_law(_fit_one_temperature(records, design, options), law)
     except FitError as error:
         stops = (check for record in records for check in record.checks if check.failed)
         cause = next((stop.typed for stop in stops if stop.grade == "stop"), "")
@@ -243,7 +243,7 @@ def refit_nearby(test: RampHold, fit: Fit) -> Fit:
     return _point(as_recorded, first, design, arms)
 
 
-def _of_one_temperature(records: Sequence[RampHold], design: FitSetup, options: FitOptions) -> Fit:
+def _fit_one_temperature(records: Sequence[RampHold], design: FitSetup, options: FitOptions) -> Fit:
     """Return the fit of a linear solid, or of a bent ramp where no linear solid is sound."""
     late, first, fractional_fit, gate = DelayedMotion.of(records, design), None, None, None
     if design == FitSetup("full"):
@@ -253,7 +253,7 @@ def _of_one_temperature(records: Sequence[RampHold], design: FitSetup, options: 
         straight = gate.sound or any(record.loading_start is not None for record in records)
         bent = None if straight else _law_of(records, options.law, options.count)
         if bent is not None and not bent.sound:
-            fit = _by_ramp(records, bent, options.count)
+            fit = _fit_hold_then_ramp(records, bent, options.count)
             return (
                 fit
                 if fractional_fit is None
@@ -273,7 +273,7 @@ def _of_one_temperature(records: Sequence[RampHold], design: FitSetup, options: 
     if design.method == "hold":
         doubts = [record.depth_doubt for record in records]
         both = replace(both, best=both.best.with_depth_doubt(doubts))
-    return _assembled(late, both, design, gate, thorough=options.thorough)
+    return _build_linear_fit(late, both, design, gate, thorough=options.thorough)
 
 
 def _law_of(records: Sequence[RampHold], law: RampLawAsked, arms: int | None = None) -> RampLaw:
@@ -306,7 +306,7 @@ def _point(late: DelayedMotion, first: InitialFit, design: FitSetup, arms: int) 
     )
 
 
-def _assembled(
+def _build_linear_fit(
     late: DelayedMotion,
     both: FamilySelection,
     design: FitSetup,
@@ -323,7 +323,7 @@ def _assembled(
         noise=max(selection.estimate.spread, 1e-6 * selection.data.peak, 1e-300),
     )
     # what it bounds is of any spectrum: few arms weigh the record as well as many
-    data = _of_doubtful_rigs(records, both.arms, design)
+    data = _weight_records(records, both.arms, design)
     spectra = spectra_of_holds(data, **_hold_of(records, both.arms))
     end = _end_of_hold(records, data, both.arms, spectra).holding(selection.model)
     band, error = band_of_hold(spectra, selection.solid, band)
@@ -371,7 +371,7 @@ def _assembled(
     )
 
 
-def _by_ramp(records: Sequence[RampHold], law: RampLaw, arms: int | None) -> Fit:
+def _fit_hold_then_ramp(records: Sequence[RampHold], law: RampLaw, arms: int | None) -> Fit:
     """Return the fit hold first, with the elastic law that the ramps support."""
     from dashpot.fitting.nonlinear_ramp.fit_construction import held_ramps, ramp_fit
 
@@ -395,7 +395,7 @@ def _holds_enough(records: Sequence[RampHold], law: RampLaw) -> Check:
     return arms_enough(supported_by_holds(records, law.hold), law.model.arms, unit="N")
 
 
-def _of_doubtful_rigs(
+def _weight_records(
     records: Sequence[RampHold], selection: SelectedModel, design: FitSetup
 ) -> list[RelaxationData]:
     """The records as what is claimed of their fit weighs them."""

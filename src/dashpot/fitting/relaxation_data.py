@@ -232,7 +232,7 @@ class RelaxationData:
         )
         spring = evaluation.fixed[:, kinds.index("k_inf")]
         fast = evaluation.arms[:, -1] / np.exp(shortest)
-        of_answer = _of_answer(self.answer, spring, fast, evaluation.arms[:, span])
+        of_answer = _build_delay_columns(self.answer, spring, fast, evaluation.arms[:, span])
         doubts, mean = self.terms.doubts(evaluation.fixed, self.block.fixed_names)
         if effects is not None:
             doubts = np.hstack(
@@ -289,7 +289,7 @@ class RelaxationData:
         return np.asarray(np.column_stack((columns, rows.dashpot)).T @ rows.borne)
 
 
-def _of_answer(
+def _build_delay_columns(
     answer: GeneralizedMaxwell, spring: FloatArray, dashpot: FloatArray, arms: FloatArray
 ) -> FloatArray:
     """Columns of a late force, -dF/dt, and of the force itself, shape (n, 2)."""

@@ -115,7 +115,7 @@ def relaxation_data(
         If the fit is of several temperatures, and the test of none of them.
     """
     if fit.temperatures is not None:
-        return _at_its_temperature(test, fit, single_fit, claimed=claimed)
+        return _shift_to_reference(test, fit, single_fit, claimed=claimed)
     model, solid = fit.few_arms, (single_fit or fit).few_arms
     if fit.method == "hold":
         held = _left_by(solid, block_of(test, method="hold", terms=_CELL))
@@ -140,13 +140,13 @@ def relaxation_data(
         doubts["warming"] = warming(time, x, model, by_a=by_a, by_b=by_b), 0.0
     late = _lateness(single_fit or fit)
     if late:
-        doubts |= _of_lateness(test, model, time, x, late=late)
+        doubts |= _build_delay_columns(test, model, time, x, late=late)
     columns = {name: column for name, (column, _) in doubts.items()}
     certain = block_of(test, terms=_CELL, law=law, reach=_reach(test, 1.0))
     residual = _left_by(solid, certain)
     power = max(noise_power(residual), certain.rounding_floor)
     trusted = 1 / np.sqrt(1 + (model.k_0 * magnitude) ** 2 / power)
-    relaxation_data = _weighed(
+    relaxation_data = _weight_block(
         test,
         block_of(
             test,
@@ -174,7 +174,7 @@ def relaxation_data(
     return replace(relaxation_data, moved=shift, size=float(np.hypot(relaxation_data.size, gain)))
 
 
-def _of_lateness(
+def _build_delay_columns(
     test: RampHold, model: GeneralizedMaxwell, time: FloatArray, x: FloatArray, *, late: float
 ) -> dict[str, tuple[FloatArray, float]]:
     """The columns of a force that is so late, s, with their standard deviations.
@@ -215,7 +215,7 @@ def _left_of_law(law: ElasticLaw | None) -> float:
     return abs(float(law.factor(law.depth)) - 1) if law is not None and law.gentle else 0.0
 
 
-def _at_its_temperature(
+def _shift_to_reference(
     test: RampHold, fit: Fit, single_fit: Fit | None, *, claimed: bool
 ) -> RelaxationData:
     """A test of several temperatures: what it says of the solid at their reference.
@@ -265,7 +265,7 @@ def hold_only_data(
     depth = test.depth if law is None else float(law.path(test.depth))
     time = test.time[: test.hold.stop] - test.time[0]
     ramp = depth * np.clip((time - (test.onset - test.time[0])) / test.ramp_time, 0.0, 1.0)
-    relaxation_data = _weighed(
+    relaxation_data = _weight_block(
         test,
         block,
         block,
@@ -282,7 +282,7 @@ def hold_only_data(
     return (
         relaxation_data
         if not claimed
-        else _doubted(relaxation_data, test, (time, ramp), since=since, start=start)
+        else _add_rig_columns(relaxation_data, test, (time, ramp), since=since, start=start)
     )
 
 
@@ -297,15 +297,15 @@ def fitted_data(
     size = float(np.hypot(test.depth_doubt, test.contact_error / test.depth))
     size = float(np.hypot(size, set_of(test, answer)))
     time, x, _ = motion(test)
-    relaxation_data = _weighed(test, block, block, answer, residual, size=size)
-    relaxation_data = _doubted(
+    relaxation_data = _weight_block(test, block, block, answer, residual, size=size)
+    relaxation_data = _add_rig_columns(
         relaxation_data, test, (time, x), start=float(time[first_sample(test)])
     )
     late = any(kind_of(name) == "delay" for name in block.fixed_names)
     return replace(relaxation_data, delay=0.0) if late else relaxation_data
 
 
-def _doubted(
+def _add_rig_columns(
     data: RelaxationData,
     test: RampHold,
     changes: tuple[FloatArray, FloatArray],
@@ -356,7 +356,7 @@ def _without_lines(power: FloatArray) -> FloatArray:
     return power[power <= LINE * median(power)] if len(power) else power
 
 
-def _weighed(
+def _weight_block(
     test: RampHold,
     block: DataBlock,
     certain: DataBlock,

@@ -103,7 +103,7 @@ def temperature_held(specimen: Specimen) -> Finding:
     )
 
 
-def of_temperature(specimen: Specimen) -> list[Check]:
+def check_temperature(specimen: Specimen) -> list[Check]:
     """What the file says of the temperature, as far as it says anything."""
     answers = []
     if specimen.stated_temperature is not None:
@@ -576,7 +576,7 @@ def range_used(peak: float, full_scale: float) -> Finding:
 # -- what a prepared record shows -----------------------------------------------------------------
 
 
-def of_records(
+def check_records(
     tests: Sequence[RampHold], *, method: str, solids: Sequence[GeneralizedMaxwell | None] = ()
 ) -> tuple[Check, ...]:
     """Return the checks of the records, each at its worst over `tests`.

@@ -158,10 +158,10 @@ def find_contact(displacement: FloatArray, force: FloatArray, *, noise: float) -
     near_x, near_f = x[start:stop], f[start:stop]
     if len(near_x) < 6:
         return None
-    return _searched(near_x, near_f, first)
+    return _search_contact(near_x, near_f, first)
 
 
-def _searched(x: FloatArray, f: FloatArray, first: int) -> Contact:
+def _search_contact(x: FloatArray, f: FloatArray, first: int) -> Contact:
     # the samples of one reading are one row: while the plate rests, nearly all of them
     reading, which, count = np.unique(x, return_inverse=True, return_counts=True)
     mean = np.bincount(which, f) / count

@@ -68,7 +68,7 @@ def denoise_displacement(test: RampHold) -> tuple[FloatArray, FloatArray]:
     """
     used = slice(0, test.hold.stop)
     time, travel = test.time[used], test.travel[used]
-    x, residual = _freed(test, time, travel)
+    x, residual = _remove_counts(test, time, travel)
     if test.given is not None:
         x = x - test.given[used]
     if test.machine.force_filter:
@@ -130,15 +130,17 @@ def but_corners(missed: FloatArray) -> float:
     return float(np.partition(missed, -CORNERS)[-CORNERS])
 
 
-def _freed(test: RampHold, time: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _remove_counts(
+    test: RampHold, time: FloatArray, x: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """A reading freed of counts and noise, and the sd of what may be left of them."""
     step, noise = test.encoder_step, test.displacement_noise
     if step > LEAST_COUNT * test.depth:
-        read, _ = denoised(between_counts(time, x, step), SCATTER_OF_A_COUNT * step)
+        read, _ = denoise_values(between_counts(time, x, step), SCATTER_OF_A_COUNT * step)
         return read, _left_of_counts(time, x, step)
     if noise == 0:
         return x, np.zeros(len(x))
-    read, sd = denoised(x, noise)
+    read, sd = denoise_values(x, noise)
     # a wide window is a rest or a steady ramp, where the mean is as good as the truth
     return read, np.where(sd > NARROW * noise, noise, 0.0)
 
@@ -169,7 +171,7 @@ def between_counts(time: FloatArray, displacement: FloatArray, count: float) -> 
     order = np.argsort(knots, kind="stable")
     knots, values = knots[order], values[order]
     interpolated = np.interp(time, knots, values, left=displacement[0], right=displacement[-1])
-    interpolated = _unflattened(time, interpolated, change)
+    interpolated = _restore_steps(time, interpolated, change)
     # a line from half way to half way flattens a bend by a quarter: where that is more than what
     # a reading is off, it is the better guess
     bent = np.zeros(len(interpolated), dtype=bool)
@@ -177,7 +179,7 @@ def between_counts(time: FloatArray, displacement: FloatArray, count: float) -> 
     return np.where(bent, displacement, interpolated)
 
 
-def _unflattened(time: FloatArray, x: FloatArray, change: IndexArray) -> FloatArray:
+def _restore_steps(time: FloatArray, x: FloatArray, change: IndexArray) -> FloatArray:
     r"""Where every reading is a new one, without what a line from half way to half way flattens.
 
     There :math:`y_i = (x_{i-1} + 2 x_i + x_{i+1})/4` is off by :math:`h^2 \ddot x/4`, always to the
@@ -257,7 +259,7 @@ def _without_flicker(values: FloatArray, count: float) -> FloatArray:
     return np.where(np.abs(middle - values) < MOST_FLICKER * count, middle, values)
 
 
-def denoised(values: FloatArray, noise: float) -> tuple[FloatArray, FloatArray]:
+def denoise_values(values: FloatArray, noise: float) -> tuple[FloatArray, FloatArray]:
     r"""Mean over the widest window about each sample that noise alone can explain, and its sd.
 
     A mean over 2w + 1 samples has the standard deviation :math:`\sigma/\sqrt{2w+1}` and is

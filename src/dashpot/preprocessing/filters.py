@@ -106,7 +106,7 @@ def parse_filter(text: str) -> Filter:
     raise DataError(f"filter '{text}' is not known; {_EXPECTED} (a median of odd length)")
 
 
-def filtered(test: RampHold, by: Filter) -> RampHold:
+def filter_record(test: RampHold, by: Filter) -> RampHold:
     """The record with both channels behind a filter, and the record before it beside."""
     step = Step(STEP, (("filter", str(by)),), f"both channels are filtered by {by}")
     return replace(

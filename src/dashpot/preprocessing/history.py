@@ -87,7 +87,7 @@ def follow_history(record: RampHold) -> tuple[RampHold, EarlierLoadings]:
     tried: list[tuple[float, RampHold, EarlierLoadings]] = []
     for arms in MOST_ARMS:
         # a fast arm can stand for a wrong face: fewer arms then leave less
-        remainder, ramp_hold, past = _by_turns(first, plate, arms)
+        remainder, ramp_hold, past = _fit_alternately(first, plate, arms)
         noise = max(record.force_noise, ROUNDING * float(record.force.max()))
         excess = max(remainder / noise - AS_NOISE, 0.0)
         tried.append((excess + past.misfit, ramp_hold, past))
@@ -97,7 +97,7 @@ def follow_history(record: RampHold) -> tuple[RampHold, EarlierLoadings]:
     return record, past
 
 
-def _by_turns(
+def _fit_alternately(
     record: RampHold, plate: FloatArray, arms: int
 ) -> tuple[float, RampHold, EarlierLoadings]:
     """Solid and face, each found with the other: what is left of the force, N, and the record."""

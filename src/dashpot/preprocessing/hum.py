@@ -75,7 +75,7 @@ def hum_lines(
     window = _hann(n)
     # a prime number of them takes ten times as long
     bins = find_fast_length(n)
-    rest = _detrended(time, force)
+    rest = _remove_trend(time, force)
     stiffest = 0.0
     if displacement is not None:
         stiffest = _STIFFEST * abs(force.mean() / (displacement.mean() or np.inf))
@@ -87,13 +87,13 @@ def hum_lines(
         at = _strongest(np.abs(np.fft.rfft(windowed, bins)) ** 2, int(np.ceil(_FEWEST_CYCLES)))
         if at is None:
             break
-        frequency = _refined(rest, step, at / (bins * step))
+        frequency = _refine_frequency(rest, step, at / (bins * step))
         c = _transform(windowed, step, frequency) * 2 / window.sum()
         line = Hum(frequency, float(c.real), float(-c.imag), float(time[0]))
         if line.amplitude < _TOO_SMALL * noise:
             break
         if displacement is None or line.amplitude > stiffest * _plate_amplitude(
-            _detrended(time, displacement), window, step, frequency
+            _remove_trend(time, displacement), window, step, frequency
         ):
             hums.append(line)
         else:
@@ -117,12 +117,12 @@ def white_noise(time: FloatArray, values: FloatArray) -> float:
         On a uniform clock.
     """
     window = _hann(len(values))
-    windowed = window * _detrended(time, values)
+    windowed = window * _remove_trend(time, values)
     power = np.abs(np.fft.rfft(windowed, find_fast_length(len(values)))) ** 2
     return float(np.sqrt(median(power) / np.log(2) / (window @ window)))
 
 
-def _detrended(time: FloatArray, values: FloatArray) -> FloatArray:
+def _remove_trend(time: FloatArray, values: FloatArray) -> FloatArray:
     """A channel less the straight line between its ends, which leaks most."""
     ends = [values[:20].mean(), values[-20:].mean()]
     return np.asarray(values - np.interp(time, time[[0, -1]], ends))
@@ -175,7 +175,7 @@ def _strongest(power: FloatArray, first: int) -> int | None:
     return at if above[at] > _STANDS_OUT else None
 
 
-def _refined(rest: FloatArray, step: float, frequency: float) -> float:
+def _refine_frequency(rest: FloatArray, step: float, frequency: float) -> float:
     """The frequency at which both halves have the same phase."""
     half = len(rest) // 2
     taper = _hann(half)

@@ -11,9 +11,9 @@ from dashpot.base.arrays import FloatArray, cache_on_record, median
 from dashpot.base.errors import DataError
 from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.signals.load_history import (
-    at_one_speed,
     began_late,
     held_by_plate,
+    is_at_one_speed,
     is_creep,
     relaxes,
     rising_sign,
@@ -168,12 +168,12 @@ def find_motion(
         If nothing is held.
     """
     if sign is None:
-        turn, segments = _turned(test)
+        turn, segments = _reverse_test(test)
     else:
         x = sign * test.displacement
         turn, segments = sign, find_segments(test.time, x, _resolution(test))
     time, x, force = test.time, turn * test.displacement, test.force
-    driven = began_late(x, force) or at_one_speed(time, x, segments)
+    driven = began_late(x, force) or is_at_one_speed(time, x, segments)
     if not driven and is_creep(time, x, force, cycles_of(segments)):
         raise DataError(
             f"{where}: this is a creep test, because the force is held while the displacement goes "
@@ -184,11 +184,11 @@ def find_motion(
             raise DataError(f"{where}: the displacement hardly moves, {_BEGINS_LATE}")
         raise DataError(nothing_held(segments, where, _advice(time, x, force)))
     index, cycles = choose_cycle(segments, number, where=where)
-    return replace(_of_cycle(test, turn, cycles, index), segments=segments)
+    return replace(_select_cycle(test, turn, cycles, index), segments=segments)
 
 
 @cache_on_record
-def _turned(test: RelaxationTest) -> tuple[int, tuple[MotionSegment, ...]]:
+def _reverse_test(test: RelaxationTest) -> tuple[int, tuple[MotionSegment, ...]]:
     return rising_sign(test.time, test.displacement, _resolution(test))
 
 
@@ -238,7 +238,7 @@ def motion_from_times(
         )  # fmt: skip
     ramp = MotionSegment("load", first, corner, onset, ramp_end, float(x[first]), level)
     hold = MotionSegment("hold", corner, last, ramp_end, hold_end, level, level)
-    motion = _of_cycle(test, turn, (RampHoldCycle(rest, (ramp, hold)),), 0)
+    motion = _select_cycle(test, turn, (RampHoldCycle(rest, (ramp, hold)),), 0)
     return replace(motion, stop=last, segments=segments)
 
 
@@ -257,7 +257,7 @@ def from_contact(
     first = flown[-1] + 2
     cycle = RampHoldCycle(segments[first - 1], segments[first:])
     cycles = (*motion.cycles[: motion.index], cycle, *motion.cycles[motion.index + 1 :])
-    plate_motion = _of_cycle(test, motion.sign, cycles, motion.index)
+    plate_motion = _select_cycle(test, motion.sign, cycles, motion.index)
     return replace(plate_motion, stop=motion.stop, segments=motion.segments)
 
 
@@ -285,7 +285,7 @@ def first_press(
         top = MotionSegment(
             "unload", part.last, part.last, part.end, part.end, part.level, part.level
         )
-        return _of_cycle(test, motion.sign, (RampHoldCycle(rest, (part, top)),), 0)
+        return _select_cycle(test, motion.sign, (RampHoldCycle(rest, (part, top)),), 0)
     return None
 
 
@@ -308,14 +308,14 @@ def _rises(force: FloatArray, least: float) -> bool:
     return bool(smooth.max() - smooth[: max(len(smooth) // 20, 1)].mean() > least)
 
 
-def _of_cycle(
+def _select_cycle(
     test: RelaxationTest, turn: int, cycles: tuple[RampHoldCycle, ...], index: int
 ) -> PlateMotion:
     time, x = test.time, turn * test.displacement
     cycle, resolution = cycles[index], _resolution(test)
     ramp = cycle.ramp
     rest = _resting(x, cycle.rest, ramp)
-    level = _held(time, x, cycle)
+    level = _find_hold(time, x, cycle)
     start = cycle.rest.first if cycle.rest is not None else ramp.first
     line = ideal_ramp(time, x, ramp, origin=rest, level=level)
     still = np.flatnonzero(np.abs(x[start : line.first] - rest) <= resolution)
@@ -345,7 +345,7 @@ def _resting(x: FloatArray, rest: MotionSegment | None, ramp: MotionSegment) -> 
     return median(x[late : rest.last + 1])
 
 
-def _held(time: FloatArray, x: FloatArray, cycle: RampHoldCycle) -> float:
+def _find_hold(time: FloatArray, x: FloatArray, cycle: RampHoldCycle) -> float:
     """Where the plate is held after its first ramp, once it has settled and before it creeps."""
     ramp, hold = cycle.segments[0], cycle.segments[1]
     if hold.kind != "hold":

@@ -28,8 +28,8 @@ from dashpot.preprocessing.contact import (
 )
 from dashpot.preprocessing.contact_delay import AFTER, MOST, Lateness, contact_delay
 from dashpot.preprocessing.decimation import decimate
-from dashpot.preprocessing.denoising import denoised
-from dashpot.preprocessing.filters import filtered, parse_filter
+from dashpot.preprocessing.denoising import denoise_values
+from dashpot.preprocessing.filters import filter_record, parse_filter
 from dashpot.preprocessing.history import EarlierLoadings, follow_history, is_bonded
 from dashpot.preprocessing.hum import hum_lines, hum_step, white_noise
 from dashpot.preprocessing.plate_motion import (
@@ -199,23 +199,28 @@ def prepare(
             checks.columns_plausible(last),
             checks.motion_resolved(last),
             checks.motion_measured(last),
-            *checks.of_temperature(test.specimen),
+            *checks.check_temperature(test.specimen),
             *caution_checks(sources_of([test])),
         ]
     )
     if judged:
-        answers += _of_the_past(record, motion, earlier, past)
+        answers += _check_history(record, motion, earlier, past)
     if judged and force_range is not None:
         answers.append(checks.range_used(rise, force_range))
-    steps = [_turned(motion.sign, turn), _kept(motion, record), _met(touch), tared]
-    steps += [*_known(record.machine), _ramped(record, motion), *hum_step(record.hum)]
+    steps = [
+        _has_opposite_signs(motion.sign, turn),
+        _cut_record(motion, record),
+        _format_touch(touch),
+        tared,
+    ]
+    steps += [*_describe_machine(record.machine), _find_ramp(record, motion), *hum_step(record.hum)]
     if past is not None:
         steps.append(_followed_step(record, past, len(presses_before(motion))))
     record = decimate(replace_notes(record, steps=tuple(steps), checks=tuple(answers)))
-    return record if by is None else filtered(record, by)
+    return record if by is None else filter_record(record, by)
 
 
-def _of_the_past(
+def _check_history(
     record: RampHold,
     motion: PlateMotion,
     earlier: _Earlier | None,
@@ -376,7 +381,7 @@ def _touch(
             level = median(force[rising][:5])
             noise = scatter(time[rising], force[rising])
 
-        def met(displacement: FloatArray) -> Touch:
+        def find_touch(displacement: FloatArray) -> Touch:
             return first_contact(
                 displacement[rising],
                 force[rising] - level,
@@ -387,7 +392,7 @@ def _touch(
                 rested=motion.cycle.rest is not None,
             )
 
-        touch = _but_late(time, x, force, motion, met, delay_sd=delay_sd)
+        touch = _but_late(time, x, force, motion, find_touch, delay_sd=delay_sd)
     if touch.gap > 0:
         # half of the air is far enough from contact to be called quiet
         approach = x[motion.start : motion.stop + 1] > motion.rest + 0.5 * touch.gap
@@ -450,13 +455,15 @@ def _times(
     onset, ramp_end, hold_end = provided
     last = float(time[motion.stop])
     if onset is None:
-        onset = max(_snapped(motion.line.time_of(touch.displacement), time, step), float(time[0]))
+        onset = max(
+            _snap_to_sample(motion.line.time_of(touch.displacement), time, step), float(time[0])
+        )
     if ramp_end is None:
-        ramp_end = _snapped(motion.line.time_of(motion.level), time, step)
+        ramp_end = _snap_to_sample(motion.line.time_of(motion.level), time, step)
     return onset, ramp_end, last if hold_end is None else min(hold_end, last)
 
 
-def _snapped(moment: float, time: FloatArray, step: float) -> float:
+def _snap_to_sample(moment: float, time: FloatArray, step: float) -> float:
     """A moment that only rounding parts from a sample is that sample."""
     i = int(np.argmin(np.abs(time - moment)))
     return float(time[i]) if abs(time[i] - moment) < 1e-6 * step else moment
@@ -603,7 +610,7 @@ def _on_the_machine(record: RampHold, preload: float, machine: Machine) -> RampH
     # the noise of the force moved no plate: answered as motion, it would rule out fast arms
     force = record.force
     if record.force_noise > 0:
-        force, _ = denoised(force, record.force_noise)
+        force, _ = denoise_values(force, record.force_noise)
     pressed = record.displacement > 0
     indices = np.where(pressed, machine.compliance * (force - preload), 0.0)
     sank = _mean(record.time[record.hold], indices[record.hold])
@@ -637,7 +644,7 @@ def _followed_step(record: RampHold, past: EarlierLoadings, many: int) -> Step:
     return Step("history", (("loadings", str(many)), ("misfit", f"{past.misfit:.4g}")), says)
 
 
-def _known(machine: Machine) -> tuple[Step, ...]:
+def _describe_machine(machine: Machine) -> tuple[Step, ...]:
     """What was said of the machine, and what is done with it."""
     done = (
         ("sync_s", machine.sync, "clocks known to {:.4g} s"),
@@ -656,7 +663,7 @@ def _known(machine: Machine) -> tuple[Step, ...]:
     return (Step("machine", tuple((name, repr(value)) for name, value, _ in stated), says),)
 
 
-def _turned(displacement: int, force: int) -> Step:
+def _has_opposite_signs(displacement: int, force: int) -> Step:
     words = {
         (1, 1): "compression and force count upwards, as recorded",
         (-1, -1): "displacement and force count downwards in the record; both are turned",
@@ -667,7 +674,7 @@ def _turned(displacement: int, force: int) -> Step:
     return Step("orientation", parameters, words[displacement, force])
 
 
-def _kept(motion: PlateMotion, record: RampHold) -> Step:
+def _cut_record(motion: PlateMotion, record: RampHold) -> Step:
     says = (
         f"{motion.cycle.words()}; the {len(record.time)} samples from {record.time[0]:.6g} s to "
         f"{record.time[-1]:.6g} s are kept"
@@ -675,7 +682,7 @@ def _kept(motion: PlateMotion, record: RampHold) -> Step:
     return Step("segments", (("cycle", f"{motion.index + 1} of {len(motion.cycles)}"),), says)
 
 
-def _met(touch: Touch) -> Step:
+def _format_touch(touch: Touch) -> Step:
     says = (
         f"an air gap of {format_quantity(touch.gap, 'mm')} is taken off the displacement"
         if touch.gap > 0
@@ -684,7 +691,7 @@ def _met(touch: Touch) -> Step:
     return Step("contact", (("displacement_m", repr(touch.displacement)),), says)
 
 
-def _ramped(record: RampHold, motion: PlateMotion) -> Step:
+def _find_ramp(record: RampHold, motion: PlateMotion) -> Step:
     says = (
         f"the ramp runs at {format_quantity(motion.line.speed, 'mm/s')} from {record.onset:.6g} s "
         "to "

@@ -34,7 +34,7 @@ def ramp_holds(tests: Tests) -> tuple[RampHold, ...]:
     """
     if isinstance(tests, RampHold | RelaxationTest):
         tests = (tests,)
-    return tuple(_prepared(test) for test in tests)
+    return tuple(_prepare_test(test) for test in tests)
 
 
 def depths_of(test: RelaxationTest, **how: Any) -> tuple[RampHold, ...]:
@@ -59,10 +59,12 @@ def depths_of(test: RelaxationTest, **how: Any) -> tuple[RampHold, ...]:
             records.append(ramp_hold)
     if len(records) < 2:
         return (chosen,)
-    return tuple(map(_alone, sorted(records, key=lambda record: record.time[record.start])))
+    return tuple(
+        map(_isolate_loading, sorted(records, key=lambda record: record.time[record.start]))
+    )
 
 
-def _alone(record: RampHold) -> RampHold:
+def _isolate_loading(record: RampHold) -> RampHold:
     """A loading without its history, and the check of what that leaves out.
 
     Of a seal that has not recovered the way from where it was met is taken for that from first
@@ -82,7 +84,7 @@ def _alone(record: RampHold) -> RampHold:
     return replace(last, checks=(*record.checks, history_forgotten(ratio)))
 
 
-def _prepared(test: object) -> RampHold:
+def _prepare_test(test: object) -> RampHold:
     if isinstance(test, RampHold):
         return test
     if not isinstance(test, RelaxationTest):

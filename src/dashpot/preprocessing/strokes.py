@@ -96,10 +96,10 @@ def _turning_points(x: FloatArray, least: float) -> IndexArray:
             way, high = 1, i
     turns.append(high if way > 0 else low)
     rough = at[distinct(np.array(turns))]
-    return _refined(x, rough)
+    return _refine_turning_points(x, rough)
 
 
-def _refined(x: FloatArray, rough: IndexArray) -> IndexArray:
+def _refine_turning_points(x: FloatArray, rough: IndexArray) -> IndexArray:
     """Each turning point at the extreme sample between its neighbours."""
     indices = []
     for i, here in enumerate(rough):

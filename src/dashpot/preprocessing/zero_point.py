@@ -84,7 +84,7 @@ def zero_of(
     )
     if touch.gap > _CLEAR * touch.standard_error:
         margin = max(3 * touch.standard_error, resolution)
-        return _in_air(
+        return _measure_air_force(
             clock, x, force, touch.displacement,
             float(np.hypot(touch.standard_error, _PARABOLA * (top - touch.displacement))),
             margin=margin, noise=noise, rise=rise,
@@ -97,7 +97,7 @@ def zero_of(
     )  # fmt: skip
 
 
-def _in_air(
+def _measure_air_force(
     clock: FloatArray,
     x: FloatArray,
     force: FloatArray,

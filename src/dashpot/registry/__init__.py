@@ -52,11 +52,11 @@ __all__ = [
     "asks_of",
     "figure_of",
     "find_handler",
+    "find_kinds_by_option",
     "list_names",
     "load_object",
     "page_of",
     "row_of",
-    "find_kinds_by_option",
 ]
 
 _PACKAGE = "dashpot.extensions"

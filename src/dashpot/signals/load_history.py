@@ -14,7 +14,7 @@ from dashpot.signals.segments import (
     cycles_of,
     find_segments,
     loading_of,
-    negated,
+    negate_segments,
 )
 
 STEADY = 0.01
@@ -46,7 +46,7 @@ def classify_load_history(time: FloatArray, displacement: FloatArray, force: Flo
     turn, segments = rising_sign(time, displacement)
     if began_late(displacement, force):
         return "other"
-    if at_one_speed(time, turn * displacement, segments):
+    if is_at_one_speed(time, turn * displacement, segments):
         return "cld"
     if is_creep(time, turn * displacement, force, cycles_of(segments)):
         return "creep"
@@ -71,11 +71,11 @@ def rising_sign(
     """Return the sign that makes the first ramp rise, and what then is found."""
     segments = find_segments(time, displacement, resolution)
     if _falls_first(segments):
-        return -1, negated(segments)
+        return -1, negate_segments(segments)
     return 1, segments
 
 
-def at_one_speed(time: FloatArray, x: FloatArray, segments: Sequence[MotionSegment]) -> bool:
+def is_at_one_speed(time: FloatArray, x: FloatArray, segments: Sequence[MotionSegment]) -> bool:
     """Whether a compression goes in and back at one speed, and is never held."""
     moves = [part for part in segments if part.kind != "hold"]
     to_and_fro = {part.kind for part in moves} == {"load", "unload"}
@@ -123,7 +123,7 @@ def is_creep(
     if held and all(abs(_change(x, cycle.hold)) <= far for cycle in held):
         return False
     pushed = find_segments(time, force)
-    for turn, segments in ((1, pushed), (-1, negated(pushed))):
+    for turn, segments in ((1, pushed), (-1, negate_segments(pushed))):
         for cycle in cycles_of(segments):
             ramped = float(x[cycle.ramp.last] - x[cycle.ramp.first])
             onward = _change(x, cycle.hold) * np.sign(ramped)

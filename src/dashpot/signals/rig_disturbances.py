@@ -67,7 +67,7 @@ def earlier_press(
     .. math:: k_j m_j e^{-t/\tau_j}, \qquad m_j = (1 - e^{-D/\tau_j})\, e^{-R/\tau_j}
     """
     tau = np.asarray(solid.tau)
-    memory = _remembered(solid, machine.rested)
+    memory = _compute_memory(solid, machine.rested)
     return -np.exp(-time[:, None] / tau) @ memory, USUAL["earlier press"].size * depth
 
 
@@ -76,12 +76,12 @@ def set_sd(machine: Machine, solid: GeneralizedMaxwell, *, depth: float, gap: fl
 
     A set goes as what the solid remembers does.
     """
-    usual = float(_remembered(solid, USUAL["rest after it"].size).sum())
-    ratio = float(_remembered(solid, machine.rested).sum()) / usual if usual > 0 else 0.0
+    usual = float(_compute_memory(solid, USUAL["rest after it"].size).sum())
+    ratio = float(_compute_memory(solid, machine.rested).sum()) / usual if usual > 0 else 0.0
     return min(gap / 2, USUAL["set"].size * depth * ratio)
 
 
-def _remembered(solid: GeneralizedMaxwell, rested: float) -> FloatArray:
+def _compute_memory(solid: GeneralizedMaxwell, rested: float) -> FloatArray:
     """What each arm keeps of a press after a rest, s, over its compression, N/m."""
     tau = np.asarray(solid.tau)
     return np.asarray(-np.expm1(-PRESSED_FOR / tau) * np.exp(-rested / tau) * solid.k)

@@ -86,12 +86,12 @@ def find_segments(
         return (_segment("hold", time, x, 0, len(x) - 1),)
     corners = _polygon(time, x, max(2 * resolution, 0.01 * travel))
     kinds = _kinds(time[corners], x[corners], travel)
-    sides = _joined(zip(kinds, corners, corners[1:], strict=False))
-    sides = _settled(sides, time, x, travel)
+    sides = _merge_neighbours(zip(kinds, corners, corners[1:], strict=False))
+    sides = _merge_small_moves(sides, time, x, travel)
     return tuple(_segment(kind, time, x, first, last) for kind, first, last in sides)
 
 
-def negated(segments: Iterable[MotionSegment]) -> tuple[MotionSegment, ...]:
+def negate_segments(segments: Iterable[MotionSegment]) -> tuple[MotionSegment, ...]:
     """What :func:`find_segments` finds of the same record with its sign turned."""
     return tuple(
         part._replace(kind=_TURNED[part.kind], origin=-part.origin, level=-part.level)
@@ -132,7 +132,7 @@ def _polygon(time: FloatArray, x: FloatArray, tolerance: float) -> list[int]:
         if b - a < 2:
             continue
         remaining -= b - a
-        worst, miss = _farthest(time[a : b + 1], x[a : b + 1])
+        worst, miss = _find_farthest_sample(time[a : b + 1], x[a : b + 1])
         if miss > tolerance:
             corner = a + worst if remaining > 0 or b - a < _SHORT else (a + b) // 2
             corners.add(corner)
@@ -140,7 +140,7 @@ def _polygon(time: FloatArray, x: FloatArray, tolerance: float) -> list[int]:
     return sorted(corners)
 
 
-def _farthest(time: FloatArray, x: FloatArray) -> tuple[int, float]:
+def _find_farthest_sample(time: FloatArray, x: FloatArray) -> tuple[int, float]:
     """The sample of a stretch that is farthest from the line between its ends, and how far."""
     if len(x) < _FEW and time[-1] > time[0]:  # a loop costs less than the calls of NumPy
         (t, *_, end), (low, *_, high) = times, values = time.tolist(), x.tolist()
@@ -166,7 +166,7 @@ def _kinds(time: FloatArray, x: FloatArray, travel: float) -> list[_Kind]:
     ]
 
 
-def _joined(sides: Iterable[_Side]) -> list[_Side]:
+def _merge_neighbours(sides: Iterable[_Side]) -> list[_Side]:
     """Make one side of neighbours of one kind."""
     joined: list[_Side] = []
     for kind, first, last in sides:
@@ -175,10 +175,12 @@ def _joined(sides: Iterable[_Side]) -> list[_Side]:
     return joined
 
 
-def _settled(sides: list[_Side], time: FloatArray, x: FloatArray, travel: float) -> list[_Side]:
+def _merge_small_moves(
+    sides: list[_Side], time: FloatArray, x: FloatArray, travel: float
+) -> list[_Side]:
     """Give small moves to the hold beside them, then bridge stutters within a ramp."""
-    sides = _joined(_climbed(_joined(_rung_out(sides, x)), time))
-    sides = _joined(
+    sides = _merge_neighbours(_merge_steps(_merge_neighbours(_rung_out(sides, x)), time))
+    sides = _merge_neighbours(
         [
             ("hold" if abs(x[last] - x[first]) < _LEAST_MOVE * travel else kind, first, last)
             for kind, first, last in sides
@@ -190,10 +192,10 @@ def _settled(sides: list[_Side], time: FloatArray, x: FloatArray, travel: float)
         brief = time[last] - time[first] < 0.05 * (time[end] - time[start])
         if kind == "hold" and brief and before == after:
             bridged[i] = (before, first, last)
-    return _joined(bridged)
+    return _merge_neighbours(bridged)
 
 
-def _climbed(sides: list[_Side], time: FloatArray) -> list[_Side]:
+def _merge_steps(sides: list[_Side], time: FloatArray) -> list[_Side]:
     """Call the stops of an axis that climbs in steps a part of its ramp."""
     longest = max((time[b] - time[a] for kind, a, b in sides if kind == "hold"), default=0.0)
     climbed = list(sides)
@@ -254,7 +256,7 @@ class RampHoldCycle(NamedTuple):
 
     def words(self) -> str:
         """Every segment, in words."""
-        return ", ".join(_in_words(segment) for segment in self.segments)
+        return ", ".join(_format_segment(segment) for segment in self.segments)
 
 
 def cycles_of(segments: tuple[MotionSegment, ...]) -> tuple[RampHoldCycle, ...]:
@@ -277,9 +279,9 @@ def cycles_of(segments: tuple[MotionSegment, ...]) -> tuple[RampHoldCycle, ...]:
         current.append(segment)
         begin, top = current[0].origin, max(top, segment.level)
         if segment.kind == "unload" and segment.level <= begin + 0.1 * (top - begin):
-            cycles += _closed(rest, current)
+            cycles += _close_loading(rest, current)
             current, rest = [], None
-    return tuple(cycles + _closed(rest, current))
+    return tuple(cycles + _close_loading(rest, current))
 
 
 def choose_cycle(
@@ -305,12 +307,12 @@ def choose_cycle(
         return int(np.argmax([cycle.hold.duration for cycle in cycles])), cycles
     if not 1 <= number <= len(cycles):
         raise DataError(
-            f"{where}: cycle {number} was asked for, but the record holds {listed(cycles)}"
+            f"{where}: cycle {number} was asked for, but the record holds {format_cycles(cycles)}"
         )
     return number - 1, cycles
 
 
-def listed(cycles: tuple[RampHoldCycle, ...]) -> str:
+def format_cycles(cycles: tuple[RampHoldCycle, ...]) -> str:
     """The choices, in words."""
     parts = [f"cycle {i}: {cycle.words()}" for i, cycle in enumerate(cycles, start=1)]
     if len(parts) > _LISTED:
@@ -324,7 +326,7 @@ def nothing_held(segments: tuple[MotionSegment, ...], where: str, advice: str) -
     text = loading_of(segments)
     if text == "still":
         return f"{where}: the displacement never moves by more than its scatter. {sentence(advice)}"
-    shown = ", ".join(_in_words(segment) for segment in segments[:4])
+    shown = ", ".join(_format_segment(segment) for segment in segments[:4])
     more = f", and {len(segments) - 4} more" if len(segments) > 4 else ""
     names = {"cld": "a triangle, a ramp up and down", "cyclic": "a cyclic (fatigue) run"}
     if text in names:
@@ -353,7 +355,7 @@ def loading_of(segments: tuple[MotionSegment, ...]) -> Loading:
     return "other"
 
 
-def _closed(rest: MotionSegment | None, parts: list[MotionSegment]) -> list[RampHoldCycle]:
+def _close_loading(rest: MotionSegment | None, parts: list[MotionSegment]) -> list[RampHoldCycle]:
     """A loading up to its last hold, if it has one."""
     for stop in range(len(parts), 1, -1):
         hold, before = parts[stop - 1], parts[stop - 2]
@@ -363,7 +365,7 @@ def _closed(rest: MotionSegment | None, parts: list[MotionSegment]) -> list[Ramp
     return []
 
 
-def _in_words(segment: MotionSegment) -> str:
+def _format_segment(segment: MotionSegment) -> str:
     if segment.kind == "hold":
         return f"hold {segment.start:.5g} to {segment.end:.5g} s"
     verb = "ramp" if segment.kind == "load" else "unloading"

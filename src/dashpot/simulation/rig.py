@@ -15,7 +15,7 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.simulation.axis import Axis
 from dashpot.solids.demo_seals import SHIFT
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.shift_laws import TemperatureLaw, at_temperature
+from dashpot.solids.shift_laws import TemperatureLaw, shift_to_temperature
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ class Climate:
     r"""The temperature of a simulated test, and the law by which the seal follows it.
 
     The seal is thermorheologically simple, with stiffnesses in proportion to T:
-    :func:`~dashpot.solids.shift_laws.at_temperature`.
+    :func:`~dashpot.solids.shift_laws.shift_to_temperature`.
 
     Attributes
     ----------
@@ -158,7 +158,7 @@ class Climate:
 
     def felt(self, seal: GeneralizedMaxwell) -> GeneralizedMaxwell:
         """The seal of the law's reference as it is in this climate."""
-        return at_temperature(seal, self.temperature, self.law)
+        return shift_to_temperature(seal, self.temperature, self.law)
 
 
 def prepare_specimen(

@@ -88,7 +88,7 @@ def weights_at(u: FloatArray, alpha: float) -> Weights:
 def _with_ends(weights: Weights, u: FloatArray, density: FloatArray, alpha: float) -> Weights:
     """Add what lies beyond the first and the last arm to them."""
     for end, sign in ((0, -1.0), (-1, 1.0)):
-        share, slope = _beyond(sign * float(u[end]), alpha)
+        share, slope = _integrate_tail(sign * float(u[end]), alpha)
         weights.value[end] += share
         weights.by_log_tau[end] += sign * float(density[end])
         weights.by_alpha[end] += slope
@@ -102,7 +102,7 @@ def _even(reach: float, alpha: float, step: float) -> tuple[FloatArray, Weights]
     return u, weights_at(u, alpha)
 
 
-def _graded(reach: float, alpha: float, nodes: int) -> tuple[FloatArray, Weights]:
+def _build_graded_arms(reach: float, alpha: float, nodes: int) -> tuple[FloatArray, Weights]:
     """Arms at Gauss nodes of panels, as narrow at the peak of w as it is."""
     edges = [0.0, pi * (1 - alpha) / alpha]
     while edges[-1] < reach:
@@ -118,7 +118,7 @@ def _graded(reach: float, alpha: float, nodes: int) -> tuple[FloatArray, Weights
     return u, _with_ends(weights, cuts[[0, -1]], ends, alpha)
 
 
-def _gathered(
+def _select_arms(
     u: FloatArray, weights: Weights, low: float, high: float
 ) -> tuple[FloatArray, Weights]:
     """The arms between two ends, the first and the last with the weight of all beyond them."""
@@ -130,7 +130,7 @@ def _gathered(
     )
 
 
-def _beyond(u: float, alpha: float) -> tuple[float, float]:
+def _integrate_tail(u: float, alpha: float) -> tuple[float, float]:
     r"""Return :math:`\int_u^\infty w` and its derivative by alpha."""
     s, c = sin(alpha * pi), cos(alpha * pi)
     # of the other side, where the exponential could not be written
@@ -306,10 +306,10 @@ class FractionalZener(Solid, Serialisable):
             low = max(low, -log(2 * pi * last * self.tau) - margin)
             high = min(high, -log(2 * pi * first * self.tau) + margin)
         if step < _PANEL / nodes:
-            every = _graded(reach, self.alpha, nodes)
+            every = _build_graded_arms(reach, self.alpha, nodes)
         else:
             every = _even(reach, self.alpha, step)
-        return _gathered(*every, low, high)
+        return _select_arms(*every, low, high)
 
     # -- time ---------------------------------------------------------------------------------
 
@@ -319,7 +319,7 @@ class FractionalZener(Solid, Serialisable):
         The parallel dashpot's impulse at t = 0 is not in it.
         """
         t = np.asarray(t, dtype=float)
-        return self._within(t).relaxation(t)
+        return self._select_time_arms(t).relaxation(t)
 
     def creep(self, t: npt.ArrayLike) -> FloatArray:
         r"""Creep compliance, m/N, for t > 0 in s: the displacement under a unit step of force.
@@ -333,7 +333,7 @@ class FractionalZener(Solid, Serialisable):
         """
         t = np.asarray(t, dtype=float)
         if self.b > 0:
-            return self._within(t).creep(t)
+            return self._select_time_arms(t).creep(t)
         if self.k_0 == 0:
             raise DataError("a solid without stiffness creeps without end")
         if self.k_inf == 0:
@@ -345,7 +345,7 @@ class FractionalZener(Solid, Serialisable):
     def ramp_hold_force(self, t: npt.ArrayLike, *, depth: float, ramp_time: float) -> FloatArray:
         """Force, N, under a ramp of `ramp_time` s to `depth` m that is then held."""
         t = np.asarray(t, dtype=float)
-        return self._within(t).ramp_hold_force(t, depth=depth, ramp_time=ramp_time)
+        return self._select_time_arms(t).ramp_hold_force(t, depth=depth, ramp_time=ramp_time)
 
     def force(self, t: npt.ArrayLike, displacement: npt.ArrayLike) -> FloatArray:
         """Force, N, under a displacement history, m, that is straight between its samples."""
@@ -355,14 +355,14 @@ class FractionalZener(Solid, Serialisable):
         if len(time) < 2:
             return self.maxwell.force(time, x)
         span, step = float(time[-1] - time[0]), float(np.diff(time).min())
-        return self._between(step, span).force(time, x)
+        return self._select_arms_between(step, span).force(time, x)
 
-    def _within(self, t: FloatArray) -> GeneralizedMaxwell:
+    def _select_time_arms(self, t: FloatArray) -> GeneralizedMaxwell:
         """Arms for an answer in time that is exact to rounding."""
         requested = t[np.isfinite(t) & (t > 0)]
         if not requested.size:
             return self.maxwell
-        return self._between(float(requested.min()), float(requested.max()))
+        return self._select_arms_between(float(requested.min()), float(requested.max()))
 
-    def _between(self, first: float, last: float) -> GeneralizedMaxwell:
+    def _select_arms_between(self, first: float, last: float) -> GeneralizedMaxwell:
         return self.arms(EXACT, (1 / (2 * pi * last), 1 / (2 * pi * first)))

@@ -55,11 +55,11 @@ class Masing(RateIndependent):
         way = x - here[0]
         if way == 0:
             return here[1], state
-        if _opposed(way, here[0] - turns[-1][0]):
+        if _is_opposite(way, here[0] - turns[-1][0]):
             turns.append(here)
-        while len(turns) > 2 and not _opposed(x - turns[-2][0], way):
+        while len(turns) > 2 and not _is_opposite(x - turns[-2][0], way):
             del turns[-2:]
-        if len(turns) == 2 and abs(x) >= abs(turns[1][0]) and _opposed(x, turns[1][0]):
+        if len(turns) == 2 and abs(x) >= abs(turns[1][0]) and _is_opposite(x, turns[1][0]):
             del turns[1]  # past the mirror of its end the first loading goes on
         x_r, f_r = turns[-1]
         share = 1 if len(turns) == 1 else 2
@@ -68,7 +68,7 @@ class Masing(RateIndependent):
         return force, (*turns, (x, force))
 
 
-def _opposed(first: float, second: float) -> bool:
+def _is_opposite(first: float, second: float) -> bool:
     """Whether two motions go opposite ways; their product may be too small to have a sign."""
     return first < 0 < second or second < 0 < first
 

@@ -216,11 +216,13 @@ class InParallel(AmplitudeDependent):
 
     def start(self) -> tuple[Any, ...]:
         """The parts at rest."""
-        return tuple(part.start() for part in self._marched)
+        return tuple(part.start() for part in self._element_march)
 
     def advance(self, state: tuple[Any, ...], dt: float, x: float) -> tuple[float, tuple[Any, ...]]:
         """Force, N, and the states of the parts."""
-        pairs = [part.advance(item, dt, x) for part, item in zip(self._marched, state, strict=True)]
+        pairs = [
+            part.advance(item, dt, x) for part, item in zip(self._element_march, state, strict=True)
+        ]
         return sum(force for force, _ in pairs), tuple(item for _, item in pairs)
 
     def __mul__(self, count: float) -> InParallel:
@@ -228,8 +230,8 @@ class InParallel(AmplitudeDependent):
         return InParallel(tuple(part * count for part in self.parts))
 
     @cached_property
-    def _marched(self) -> tuple[AmplitudeDependent | _Stepped, ...]:
-        return tuple(_marched(part) for part in self.parts)
+    def _element_march(self) -> tuple[AmplitudeDependent | _Stepped, ...]:
+        return tuple(_march_part(part) for part in self.parts)
 
 
 @dataclass(frozen=True)
@@ -270,17 +272,17 @@ class InSeries(AmplitudeDependent):
         first, second, before = state
         arms = _Stepped(self.solid)
 
-        def over(y: float) -> float:
+        def compute_excess(y: float) -> float:
             return self.behind.advance(second, dt, y)[0] - arms.advance(first, dt, x - y)[0]
 
         # the difference rises with y: widen until it changes its sign
         reach = max(abs(x - before), 1e-9 * abs(before), _VANISHING)
         low, high = before - reach, before + reach
-        while over(low) > 0:
+        while compute_excess(low) > 0:
             low -= 2 * (high - low)
-        while over(high) < 0:
+        while compute_excess(high) < 0:
             high += 2 * (high - low)
-        y = float(brentq(over, low, high, xtol=1e-15 * (abs(before) + reach)))
+        y = float(brentq(compute_excess, low, high, xtol=1e-15 * (abs(before) + reach)))
         force, first = arms.advance(first, dt, x - y)
         return force, (first, self.behind.advance(second, dt, y)[1], y)
 
@@ -395,7 +397,7 @@ def require_positive_parameters(element: Any, *names: str) -> None:
     require_positive(f"{type(element).__name__}: ", **select_fields(element, *names))
 
 
-def _marched(part: Solid | AmplitudeDependent) -> AmplitudeDependent | _Stepped:
+def _march_part(part: Solid | AmplitudeDependent) -> AmplitudeDependent | _Stepped:
     return part if isinstance(part, AmplitudeDependent) else _Stepped(part)
 
 

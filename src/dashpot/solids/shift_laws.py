@@ -58,7 +58,7 @@ class TemperatureLaw(ABC, Serialisable):
         return np.asarray(10.0 ** self.log10_a_t(temperature))
 
 
-def at_temperature(
+def shift_to_temperature(
     solid: GeneralizedMaxwell, temperature: float, law: TemperatureLaw
 ) -> GeneralizedMaxwell:
     r"""The solid of the law's reference at T, K, its stiffness that of an ideal rubber.

@@ -87,12 +87,12 @@ def list_preloaded_levels(preloaded_levels: Sequence[PreloadedLevel], unit: str)
             ]
         )
         if level.interval is not None:
-            rows.append(_within(level, least))
-        says += _of_level(level, least)
+            rows.append(_format_interval_row(level, least))
+        says += _list_level_lines(level, least)
     return [*table(rows), *says]
 
 
-def _of_level(level: PreloadedLevel, least: float) -> Iterator[str]:
+def _list_level_lines(level: PreloadedLevel, least: float) -> Iterator[str]:
     """What else is to be known of the response at one level."""
     name, shift = f"at {level.level:.4g} {level.unit}", level.orbit.shift
     if level.interval is not None and level.interval.value is None:
@@ -116,7 +116,7 @@ def _of_level(level: PreloadedLevel, least: float) -> Iterator[str]:
         )
 
 
-def _within(level: PreloadedLevel, least: float) -> list[str]:
+def _format_interval_row(level: PreloadedLevel, least: float) -> list[str]:
     """The row of 95 % intervals under a level's, as far as they are known."""
     hz, height, shift, *harmonics = level.facts
     cells = ["  95 %"]

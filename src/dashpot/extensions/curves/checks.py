@@ -68,7 +68,7 @@ def kramers_kronig(misfit: tuple[FloatArray, FloatArray] | None) -> Finding:
         "Storage and loss contradict each other (Kramers-Kronig), so no fit can follow both",
         "Look for a wrong shift, slip, or a changed temperature or strain.",
         excused=all(
-            value <= max(MAX_INCONSISTENT, _by_chance(error))
+            value <= max(MAX_INCONSISTENT, _compute_chance_level(error))
             for value, error in zip(smooth, misfit, strict=True)
         ),
     )
@@ -327,7 +327,7 @@ def _without_scatter(error: FloatArray) -> float:
     return float(np.sqrt(max(float(np.mean(error[1:] * error[:-1])), 0.0)))
 
 
-def _by_chance(error: FloatArray) -> float:
+def _compute_chance_level(error: FloatArray) -> float:
     r"""Return what :func:`_without_scatter` finds in white residuals, 2.5 standard deviations.
 
     The mean product of n white neighbours has the standard deviation :math:`s^2/\sqrt n`.

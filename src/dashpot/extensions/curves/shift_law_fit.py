@@ -216,10 +216,12 @@ def fit_shift_law(
             "shifts themselves (dashpot fit --shift free)"
         )
     chosen, errors = entries[kind]
-    return ShiftLawFit(chosen, _PARAMETERS[kind], errors, tuple(scores), _odd(shifts, c))
+    return ShiftLawFit(
+        chosen, _PARAMETERS[kind], errors, tuple(scores), _find_odd_temperature(shifts, c)
+    )
 
 
-def _odd(shifts: _Shifts, covariance: FloatArray) -> ShiftOutlier | None:
+def _find_odd_temperature(shifts: _Shifts, covariance: FloatArray) -> ShiftOutlier | None:
     """Return the temperature without which a law follows the shifts that it fails with it."""
     pairs: list[tuple[float, ShiftOutlier]] = []
     n = len(shifts.temperature)

@@ -521,8 +521,10 @@ def peak_on_grid(step: float) -> float:
 UNSAID = tuple(
     Statement("unsaid", name, "not given", text)
     for name, text in (
-        ("the block's mass", f"12.71 Hz takes {convert_to_unit(PAPER_MASS, 'g'):.4f} g on two "
-                             "seals"),
+        (
+            "the block's mass",
+            f"12.71 Hz takes {convert_to_unit(PAPER_MASS, 'g'):.4f} g on two seals",
+        ),
         ("the length of seal under plate and block", "taken as equal"),
         ("the rate, the filter, the window of the fit", "1 kHz, none, the whole hold"),
         ("the length of the hammer's record", "the virtual hammer's"),

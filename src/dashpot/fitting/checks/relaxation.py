@@ -54,7 +54,7 @@ def same_specimen(stiffnesses: Sequence[EndStiffness]) -> Finding:
     pairs = [
         (abs(a.value - b.value) / max(float(np.hypot(a.sd, b.sd)), 1e-300), i, j)
         for (i, a), (j, b) in combinations(enumerate(stiffnesses), 2)
-        if _alike(a, b)
+        if _is_same_condition(a, b)
     ]
     if not pairs:
         return Finding("No two tests have one depth and temperature, so they are not compared")
@@ -74,7 +74,7 @@ def same_specimen(stiffnesses: Sequence[EndStiffness]) -> Finding:
     )
 
 
-def _alike(first: EndStiffness, second: EndStiffness) -> bool:
+def _is_same_condition(first: EndStiffness, second: EndStiffness) -> bool:
     """True of two tests of one depth at one temperature, as far as it is known."""
     if abs(first.depth / second.depth - 1) > SAME_DEPTH:
         return False
@@ -403,7 +403,9 @@ def hold_and_full_agree(
         excused=not failed.any(),
         # eq. 5 knows an ideal ramp alone: that its arms differ is no fault of the recorded motion,
         # and k_inf is an extrapolation of both
-        grade="limit" if (failed[0] if end is None else _outside(full, hold, end)) else None,
+        grade="limit"
+        if (failed[0] if end is None else _is_outside_hold(full, hold, end))
+        else None,
     )
 
 
@@ -427,12 +429,15 @@ def filter_bias(
             faulted=True,
         )
     slow = by.kind == "lowpass" and by.cutoff < 5 / fastest
-    says = f"{by} changes, by eq. 5 on the hold, {_listed(changes['hold'])}. With the whole record "
+    says = (
+        f"{by} changes, by eq. 5 on the hold, {_format_changes(changes['hold'])}. With the "
+        "whole record "
+    )
     if by.linear:
         most = max(changes["full"].values(), key=abs)
         says += f"it changes at most {100 * most:+.3g} %, because the displacement is filtered too"
     else:
-        says += f"it changes {_listed(changes['full'])}"
+        says += f"it changes {_format_changes(changes['full'])}"
     if slow:
         says += f". The cut-off is below 5/tau_1 = {5 / fastest:.3g} Hz"
     if by.causal:
@@ -445,7 +450,7 @@ def filter_bias(
     )
 
 
-def _outside(full: GeneralizedMaxwell, hold: GeneralizedMaxwell, end: EndOfHold) -> bool:
+def _is_outside_hold(full: GeneralizedMaxwell, hold: GeneralizedMaxwell, end: EndOfHold) -> bool:
     """True if eq. 5 has another stiffness at the end of the hold than the records allow."""
     ours, theirs = (float(model.relaxation(end.time)) for model in (full, hold))
     low, high = end.k_end
@@ -516,7 +521,7 @@ def noise_of_force(test: RampHold) -> float:
     return max(test.force_noise, float(rest.std()) if len(rest) >= 20 else 0.0)
 
 
-def _listed(changes: Mapping[str, float]) -> str:
+def _format_changes(changes: Mapping[str, float]) -> str:
     return ", ".join(
         f"{name} by {100 * change:+.3g} %" if change > -1 else f"{name} to nothing"
         for name, change in changes.items()

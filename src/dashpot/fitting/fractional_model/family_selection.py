@@ -37,7 +37,7 @@ from dashpot.fitting.fractional_model.checks import (
 )
 from dashpot.fitting.fractional_model.fractional_solver import ArmColumns, element_jacobian
 from dashpot.fitting.pipeline import SelectedModel
-from dashpot.fitting.uncertainty.solution_covariance import estimated, rounding
+from dashpot.fitting.uncertainty.solution_covariance import estimate_covariance, rounding
 from dashpot.numerics.inference.model_order import bic, deviance, is_significant_fall
 from dashpot.numerics.least_squares.problem import Optimum
 from dashpot.solids.fractional import FractionalZener
@@ -171,7 +171,7 @@ def element(data: FitData) -> FractionalFit:
             "fractional solid; use a longer record"
         )
     best = columns.best()
-    estimate = estimated(
+    estimate = estimate_covariance(
         columns.solution(best),
         data.samples,
         peak=data.peak,
@@ -271,7 +271,7 @@ def chosen_family(
     def criterion(contender: _Contender) -> float:
         return bic(contender.sse, effective=effective, parameters=contender.parameters, floor=floor)
 
-    def explained(contender: _Contender, best: _Contender) -> bool:
+    def compute_explained_share(contender: _Contender, best: _Contender) -> bool:
         value, least = (
             deviance(item.sse, effective=effective, floor=floor) for item in (contender, best)
         )
@@ -283,12 +283,16 @@ def chosen_family(
         # many arms leave less of few samples by chance alone
         return (contender.sse + floor) / max(effective - contender.parameters, 1.0)
 
-    single, several = _candidate(fit), _of_orders(arms)
+    single, several = _candidate(fit), _list_orders(arms)
     taken = several[0]
     better = criterion(single) + VERY_STRONG < criterion(taken) and not fit.at_edge
     best, others = (single, several) if better or family == "fractional" else (taken, [single])
     least = criterion(best) + VERY_STRONG
-    explain = [other for other in others if criterion(other) < least or explained(other, best)]
+    explain = [
+        other
+        for other in others
+        if criterion(other) < least or compute_explained_share(other, best)
+    ]
     other = (explain or others)[0]
     return FamilySelection(
         best.family,
@@ -308,7 +312,7 @@ def _candidate(selection: SelectedModel) -> _Contender:
     )
 
 
-def _of_orders(arms: SelectedModel) -> list[_Contender]:
+def _list_orders(arms: SelectedModel) -> list[_Contender]:
     """The number of arms that was taken, and the larger ones that were tried."""
     contender = _candidate(arms)
     more = [score.solution for score in arms.scores if score.solution.order > arms.solution.order]
@@ -372,11 +376,11 @@ def divergence_frequency(first: Solid, second: Solid, band: tuple[float, float])
     low, high = max(float(np.sqrt(band[0] * band[1])), 1e-6), max(10 * band[1], HEARD)
     count = int(np.ceil(_LINES * np.log10(high / low))) + 1
     f = np.geomspace(low, high, count)
-    indices = np.flatnonzero(_apart(first, second, f))
+    indices = np.flatnonzero(_find_disagreement(first, second, f))
     return float(f[indices[0]]) if indices.size else None
 
 
-def _apart(first: Solid, second: Solid, f: FloatArray) -> FloatArray:
+def _find_disagreement(first: Solid, second: Solid, f: FloatArray) -> FloatArray:
     """Where two solids differ by more than is worth telling."""
     a, b = (solid.complex_stiffness(omega=2 * np.pi * f) for solid in (first, second))
     loss = np.array([a.imag / a.real, b.imag / b.real])

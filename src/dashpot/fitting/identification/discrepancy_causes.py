@@ -139,12 +139,12 @@ def explain_discrepancy(
     single = not problem.relaxations and problem.constraints.before is None
     if single or not is_contradicted(plain):
         return None
-    before, alike, ranked = _ranked(plain, refit)
+    before, alike, ranked = _rank_causes(plain, refit)
     explanations = [
-        _told(cause, candidate, before, law, compression, leads=not place)
+        _format_cause(cause, candidate, before, law, compression, leads=not place)
         for place, (cause, candidate) in enumerate(ranked)
     ]
-    if not explanations[0].explains and _failed(plain) == {"lines_explained"}:
+    if not explanations[0].explains and _has_failed(plain) == {"lines_explained"}:
         # lines that no cause explains contradict no other test: the FRF holds something else
         return None
     rivals = [
@@ -167,7 +167,7 @@ def explain_discrepancy(
     return Discrepancy(tuple(explanations), lead, _to(held, lead).point.model, problem.priors)
 
 
-def _ranked(
+def _rank_causes(
     plain: Candidate, refit: Callable[[IdentificationProblem], Candidate]
 ) -> tuple[Candidate, float, list[tuple[DiscrepancyCause, Candidate]]]:
     """The plain optimum, up to which criterion two causes are alike, and the causes by rank.
@@ -181,10 +181,10 @@ def _ranked(
         if all(map(is_contradicted, candidates)):
             new = [cause for cause in causes if problem.priors.each[cause.quantity] is not None]
             free += new
-            candidates += [refit(_freed(problem, cause)) for cause in new]
+            candidates += [refit(_free_quantity(problem, cause)) for cause in new]
     scale = min(candidate.line_scale for candidate in candidates)
-    candidates = [_again(candidate, scale) for candidate in candidates]
-    before = _again(plain, scale)
+    candidates = [_refit_equal_weights(candidate, scale) for candidate in candidates]
+    before = _refit_equal_weights(plain, scale)
     least = min(candidate.criterion for candidate in candidates)
     # an arm that the model lacks also tells causes apart: only a decisive lead counts
     alike = least + max(DECISIVE, LACKING * (before.criterion - least))
@@ -198,7 +198,7 @@ def _ranked(
 def refit_with_free_cause(candidate: Candidate, name: str) -> Candidate:
     """The optimum of the same arms, or of the element, where the cause of that name is free."""
     cause = next(cause for cause in (*CAUSES, *PAIRS) if cause.name == name)
-    return _to(_freed(candidate.problem, cause), candidate)
+    return _to(_free_quantity(candidate.problem, cause), candidate)
 
 
 def _to(problem: IdentificationProblem, candidate: Candidate) -> Candidate:
@@ -208,10 +208,10 @@ def _to(problem: IdentificationProblem, candidate: Candidate) -> Candidate:
 
 def is_contradicted(candidate: Candidate) -> bool:
     """Return True if lines, a relaxation test, mass, gain or stiffness are beyond belief."""
-    return bool(_failed(candidate))
+    return bool(_has_failed(candidate))
 
 
-def _failed(candidate: Candidate) -> set[str]:
+def _has_failed(candidate: Candidate) -> set[str]:
     return {check.name for check in agreement(candidate) if check.failed}
 
 
@@ -230,7 +230,7 @@ def agreement(candidate: Candidate, known: NuisancePriors | None = None) -> list
     ]
     answers += [
         checks.relaxation_still_explained(
-            i, chi2 / relaxation.samples, missed=_missed(relaxation, chi2)
+            i, chi2 / relaxation.samples, missed=_compute_excess_force(relaxation, chi2)
         )
         for i, (relaxation, chi2) in enumerate(
             zip(problem.relaxations, candidate.relaxation_chi2, strict=True), 1
@@ -240,17 +240,17 @@ def agreement(candidate: Candidate, known: NuisancePriors | None = None) -> list
     if len(earlier):
         off = float(np.sqrt(np.mean(earlier**2)))
         answers.append(checks.earlier_fit_kept(off))
-    return answers + _of_rig(candidate.point, known or problem.priors)
+    return answers + _list_rig_shifts(candidate.point, known or problem.priors)
 
 
-def _missed(relaxation: RelaxationData, chi2: float) -> float:
+def _compute_excess_force(relaxation: RelaxationData, chi2: float) -> float:
     """Return the rms force that a joint fit adds to a test's residual, over the largest force."""
     added = max(chi2 - relaxation.samples, 0.0) / relaxation.block.samples
     peak = float(np.abs(relaxation.block.exact.target).max())
     return float(np.sqrt(added)) / (relaxation.weight * peak) if peak > 0 else np.inf
 
 
-def _of_rig(point: Parameters, priors: NuisancePriors) -> list[Check]:
+def _list_rig_shifts(point: Parameters, priors: NuisancePriors) -> list[Check]:
     """How far each nuisance had to go from what was known of it."""
     mass = priors.mass
     pairs = [
@@ -263,7 +263,9 @@ def _of_rig(point: Parameters, priors: NuisancePriors) -> list[Check]:
     return [judge(off, sd) for judge, off, sd in pairs if 0 < sd < np.inf]
 
 
-def _freed(problem: IdentificationProblem, cause: DiscrepancyCause) -> IdentificationProblem:
+def _free_quantity(
+    problem: IdentificationProblem, cause: DiscrepancyCause
+) -> IdentificationProblem:
     free = {
         name: (problem.priors.each[name] or UNCHANGED)._replace(sd=np.inf)
         for name in (cause.quantity, cause.beside)
@@ -272,12 +274,12 @@ def _freed(problem: IdentificationProblem, cause: DiscrepancyCause) -> Identific
     return replace(problem, priors=replace(problem.priors, **free))
 
 
-def _again(candidate: Candidate, scale: float) -> Candidate:
+def _refit_equal_weights(candidate: Candidate, scale: float) -> Candidate:
     """The same optimum, its lines weighted alike."""
     return descend(replace(candidate.problem, scale=scale), candidate.theta, tolerance=TOLERANCE)
 
 
-def _told(
+def _format_cause(
     cause: DiscrepancyCause,
     candidate: Candidate,
     before: Candidate,
@@ -287,13 +289,15 @@ def _told(
     leads: bool,
 ) -> Explanation:
     explains = not is_contradicted(candidate)
-    value, error = _known(candidate, cause.quantity)
+    value, error = _read_free_quantity(candidate, cause.quantity)
     supposed = float(getattr(before.problem.priors, cause.quantity).mean)
     says = cause.noun
     if explains and leads:
         says = _SENTENCES[cause.quantity](value, error)
         says += f", not {format_quantity(supposed, 'g', '.5g')}" if cause.quantity == "mass" else ""
-        says += _beside(cause, candidate) + _elsewhere(cause, value, law, compression)
+        says += _find_matching_stiffness(cause, candidate) + _format_other_compression(
+            cause, value, law, compression
+        )
     return Explanation(
         name=cause.name,
         value=value,
@@ -306,18 +310,18 @@ def _told(
     )
 
 
-def _known(candidate: Candidate, quantity: str) -> tuple[float, float]:
+def _read_free_quantity(candidate: Candidate, quantity: str) -> tuple[float, float]:
     """What a free quantity came to, and its standard error."""
     place = candidate.problem.at[quantity]
     value = float(getattr(candidate.point, quantity))
     return value, value * float(np.sqrt(candidate.covariance[place, place]))
 
 
-def _beside(cause: DiscrepancyCause, candidate: Candidate) -> str:
+def _find_matching_stiffness(cause: DiscrepancyCause, candidate: Candidate) -> str:
     """The stiffness that goes with a mass or a gain, where it is another one at all."""
     if not cause.beside:
         return ""
-    value, error = _known(candidate, cause.beside)
+    value, error = _read_free_quantity(candidate, cause.beside)
     if abs(value - 1) < _OTHER * error:
         return ""
     return f". Then {_SENTENCES[cause.beside](value, error)}"
@@ -351,7 +355,7 @@ _SENTENCES: dict[str, Callable[[float, float], str]] = {
 }
 
 
-def _elsewhere(
+def _format_other_compression(
     cause: DiscrepancyCause, value: float, law: ElasticLaw | None, compression: float | None
 ) -> str:
     """At which other compression the law has this stiffness, in words."""

@@ -21,7 +21,7 @@ from dashpot.fitting.fractional_model.checks import (
 )
 from dashpot.fitting.fractional_model.family_selection import VERY_STRONG, alternative_of
 from dashpot.fitting.identification.likelihood import Candidate
-from dashpot.fitting.identification.parametrisation import FractionalElement, at_edge
+from dashpot.fitting.identification.parametrisation import FractionalElement, is_at_edge
 from dashpot.numerics.inference.model_order import is_significant_fall
 
 # what would tell families apart that explain a hammer alone, and with relaxation tests
@@ -45,7 +45,7 @@ class AlternativeCandidate(NamedTuple):
     @property
     def worst(self) -> float:
         """Root of what the best leaves of a test over what the other does, of the worst test."""
-        mine, other = (_left(candidate) for candidate in (self.best, self.other))
+        mine, other = (_compute_misfits(candidate) for candidate in (self.best, self.other))
         return float(np.sqrt(np.max(mine / np.maximum(other, 1e-300))))
 
     def alternative(self, band: tuple[float, float]) -> Alternative:
@@ -74,7 +74,7 @@ def chosen_rival(
     family : "fractional" or "auto"
     """
     several = [arms, *(other for other in tried if other.arms > arms.arms)]
-    better = candidate.bic + VERY_STRONG < arms.bic and not at_bound(candidate)
+    better = candidate.bic + VERY_STRONG < arms.bic and not is_at_bound(candidate)
     best, others = (candidate, several) if family == "fractional" or better else (arms, [candidate])
     explain = [other for other in others if _explains(other, best)]
     return AlternativeCandidate(best, (explain or others)[0], bool(explain))
@@ -88,11 +88,11 @@ def reselected_family(
     return AlternativeCandidate(best, other, _explains(other, best))
 
 
-def at_bound(candidate: Candidate) -> bool:
+def is_at_bound(candidate: Candidate) -> bool:
     """True if a relaxation time or a slope stands at an end of what is sought."""
     problem = candidate.problem
     numbers = candidate.theta[: problem.sought.size]
-    return at_edge(problem.sought, numbers, problem.log_tau_range)
+    return is_at_edge(problem.sought, numbers, problem.log_tau_range)
 
 
 def family_checks(
@@ -101,13 +101,13 @@ def family_checks(
     """Ask of an element whether it is known and explains the tests, of either for the other."""
     answers = []
     if isinstance(best.problem.sought, FractionalElement):
-        answers.append(slope_known(float(np.sqrt(best.covariance[3, 3])), edge=at_bound(best)))
+        answers.append(slope_known(float(np.sqrt(best.covariance[3, 3])), edge=is_at_bound(best)))
         if rival is not None:
             answers.append(element_explains(rival.worst, rival.other.arms))
     return answers if rival is None else [*answers, families_told_apart(other)]
 
 
-def _left(candidate: Candidate) -> np.ndarray:
+def _compute_misfits(candidate: Candidate) -> np.ndarray:
     """Squared misfit of the lines, then of each relaxation test."""
     return np.array([candidate.line_misfit, *candidate.relaxation_chi2])
 

@@ -31,8 +31,8 @@ from dashpot.fitting.identification import checks
 from dashpot.fitting.identification.discrepancy_causes import Discrepancy, agreement
 from dashpot.fitting.identification.family_selection import (
     AlternativeCandidate,
-    at_bound,
     family_checks,
+    is_at_bound,
 )
 from dashpot.fitting.identification.likelihood import DELAY_UNIT, UNCHANGED, Candidate
 from dashpot.fitting.identification.parametrisation import Arms
@@ -103,13 +103,15 @@ def build_identified_fit(
             point.model,
             estimate,
             fewer=request != "auto" and most > point.model.maxwell.arms,
-            at_bound=at_bound(best),
+            at_bound=is_at_bound(best),
         ),
         Evidence(
             band,
             orders=tuple(_score(candidate) for candidate in orders),
             checks=answers,
-            moved=() if fit is None else _moved(fit, point.model, names, physical, end),
+            moved=()
+            if fit is None
+            else _compare_parameters(fit, point.model, names, physical, end),
             explanations=() if discrepancy is None else discrepancy.explanations,
             alternative=other,
             end_of_hold=end,
@@ -335,7 +337,7 @@ def _step(best: Candidate) -> Step:
     )
 
 
-def _moved(
+def _compare_parameters(
     before: Fit,
     solid: Solid,
     names: tuple[str, ...],

@@ -168,7 +168,7 @@ def identify(
     element = before.element if isinstance(best.problem.sought, FractionalElement) else before.arms
     discrepancy = explain_discrepancy(
         final,
-        lambda problem: _again(problem, final.point, numbers, element),
+        lambda problem: _solve_from_start(problem, final.point, numbers, element),
         law=None if earlier is None else earlier.elastic_law,
         compression=None if point is None else point.compression,
     )
@@ -240,7 +240,7 @@ def _best(
     if candidate is not None and before.known is not before.arms:
         # an earlier fit of four parameters is no prior of arms
         return candidate, [], None
-    candidates = _every(problems, numbers, before.arms)
+    candidates = _solve_every_order(problems, numbers, before.arms)
     best = _chosen(candidates)
     if candidate is None:
         return best, candidates, None
@@ -282,7 +282,7 @@ def _element(problems: Sequence[IdentificationProblem], before: PriorTests) -> C
 # -- the best solid for each number of arms ---------------------------------------------------
 
 
-def _every(
+def _solve_every_order(
     problems: Sequence[IdentificationProblem], numbers: Sequence[int], before: Fit | None
 ) -> list[Candidate]:
     """The optimum for every number of arms, or for fewer where the data reject so many."""
@@ -336,7 +336,7 @@ def _lowest(problem: IdentificationProblem, starts: Sequence[Parameters]) -> Can
     return min(tries, key=lambda candidate: candidate.cost)
 
 
-def _again(
+def _solve_from_start(
     problem: IdentificationProblem, start: Parameters, numbers: Sequence[int], before: Fit | None
 ) -> Candidate:
     """The best of a problem with no more arms than a start has, from there."""
@@ -422,7 +422,7 @@ def _dashpot_missed(best: Candidate, before: Fit | None) -> Check:
             tries += [(problem, start) for start in _spread(problem, before)]
     else:
         problem, point = replace(best.problem, dashpot=True), best.point
-        tries = [(problem, replace(point, model=_damped(problem, point.model)))]
+        tries = [(problem, replace(point, model=_add_parallel_dashpot(problem, point.model)))]
     candidates = [
         descend(problem, problem.pack(start), tolerance=LOOSE) for problem, start in tries
     ]
@@ -511,10 +511,12 @@ def _reaching(problems: list[IdentificationProblem], most: int) -> list[Identifi
 
 
 def _start(problem: IdentificationProblem, model: Solid, mass: float) -> Parameters:
-    return Parameters(_damped(problem, model), mass, 1.0, 0.0, problem.priors.factor.mean)
+    return Parameters(
+        _add_parallel_dashpot(problem, model), mass, 1.0, 0.0, problem.priors.factor.mean
+    )
 
 
-def _damped(problem: IdentificationProblem, model: Solid) -> Solid:
+def _add_parallel_dashpot(problem: IdentificationProblem, model: Solid) -> Solid:
     """The solid with a dashpot beside it, where one is sought."""
     if not problem.dashpot or model.maxwell.b > 0:
         return model

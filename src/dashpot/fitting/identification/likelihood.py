@@ -33,7 +33,7 @@ from dashpot.fitting.identification.parametrisation import (
     Arms,
     Parametrisation,
     RelaxationResiduals,
-    at_poles,
+    differentiate_poles,
     on_another_spring,
 )
 from dashpot.fitting.nuisance_priors import Prior
@@ -288,7 +288,7 @@ class ModelPrediction:
         """Residuals of the relaxation tests."""
         return [
             relaxation.residual + self._b * relaxation.dashpot
-            for relaxation in self._of_relaxations
+            for relaxation in self._relaxation_rows
         ]
 
     @cached_property
@@ -303,7 +303,7 @@ class ModelPrediction:
         """Those of everything known beforehand, shape (r,), and their slope (r, p)."""
         at, mean, sd = self.problem.rig
         rig = (self.theta[at] - mean) / sd, np.eye(len(self.theta))[at] / sd[:, None]
-        off, slopes = zip(rig, *self._of_solid(), self.earlier, strict=True)
+        off, slopes = zip(rig, *self._build_solid_rows(), self.earlier, strict=True)
         return np.concatenate(list(map(np.atleast_1d, off))), np.vstack(slopes)
 
     @cached_property
@@ -324,13 +324,13 @@ class ModelPrediction:
         size = len(self._numbers)
         tests = [
             np.zeros((len(relaxation.residual), len(self.theta)))
-            for relaxation in self._of_relaxations
+            for relaxation in self._relaxation_rows
         ]
-        for columns, residuals in zip(tests, self._of_relaxations, strict=True):
+        for columns, residuals in zip(tests, self._relaxation_rows, strict=True):
             columns[:, :size] = residuals.jacobian
             if self.problem.dashpot:
                 columns[:, self.problem.at["b"]] = self._b * residuals.dashpot
-        return np.concatenate([*tests, self._by_lines(), self.known[1]])
+        return np.concatenate([*tests, self._differentiate_lines(), self.known[1]])
 
     # -- private ------------------------------------------------------------------------------
 
@@ -343,7 +343,7 @@ class ModelPrediction:
         return float(np.exp(self.theta[self.problem.at["b"]])) if self.problem.dashpot else 0.0
 
     @cached_property
-    def _of_relaxations(self) -> list[RelaxationResiduals]:
+    def _relaxation_rows(self) -> list[RelaxationResiduals]:
         problem = self.problem
         return [
             problem.sought.residuals(relaxation, self._numbers)
@@ -354,22 +354,24 @@ class ModelPrediction:
     def _response(self) -> Response:
         return self.problem.frf_data.response(self.point.felt, self.point.mass)
 
-    def _by_lines(self) -> FloatArray:
+    def _differentiate_lines(self) -> FloatArray:
         problem, response, p = self.problem, self._response, self.point
         s, data = response.s, problem.frf_data
         values = problem.sought.at_lines(self._numbers, s)
         sensed = 1 / response.receptance - p.mass * s**2
 
-        def by_poles(lost: Lost) -> tuple[ComplexArray, ComplexArray]:
-            mass, columns = p.mass, at_poles(problem.sought, self._numbers, lost.p)
+        def differentiate_lost_poles(lost: Lost) -> tuple[ComplexArray, ComplexArray]:
+            mass, columns = p.mass, differentiate_poles(problem.sought, self._numbers, lost.p)
             return (
-                self._by_impedance(lost.p, columns[0], -mass * lost.p**2),
-                self._by_impedance(
+                self._differentiate_impedance(lost.p, columns[0], -mass * lost.p**2),
+                self._differentiate_impedance(
                     lost.p, columns[1], 1 / lost.residue - 2 * mass * lost.p, order=1
                 ),
             )
 
-        by = response.slope(self._by_impedance(s, values, sensed), by_poles)
+        by = response.slope(
+            self._differentiate_impedance(s, values, sensed), differentiate_lost_poles
+        )
         by, *rest = data.slopes(response, p.gain, p.delay, by)
         units = {"mass": 1.0, "gain": 1.0, "delay": DELAY_UNIT}
         for (name, unit), column in zip(units.items(), rest, strict=True):
@@ -377,7 +379,7 @@ class ModelPrediction:
                 by[:, problem.at[name]] += unit * column
         return stack_real_rows(by / data.sd[:, None]) / problem.scale
 
-    def _by_impedance(
+    def _differentiate_impedance(
         self, s: ComplexArray, own: ComplexArray, felt: npt.ArrayLike, *, order: int = 0
     ) -> ComplexArray:
         """Derivative of m s^2 + n K(s) under the hammer by the vector, or that of its slope by s.
@@ -400,7 +402,7 @@ class ModelPrediction:
             by[:, problem.at[name]] = rest[name]
         return by
 
-    def _of_solid(self) -> Iterator[tuple[float, FloatArray]]:
+    def _build_solid_rows(self) -> Iterator[tuple[float, FloatArray]]:
         constraints, p = self.problem.constraints, self.point
         if constraints.static_stiffness is not None:
             k_inf = p.model.k_inf
@@ -410,8 +412,8 @@ class ModelPrediction:
         solid = self.problem.frf_data.seals * p.felt
         pole = ringing_pole(solid, p.mass)
         at, size = np.array([pole]), abs(pole)
-        values = at_poles(self.problem.sought, self._numbers, at)[0]
-        by = self._by_impedance(at, values, -p.mass * at**2)[0]
+        values = differentiate_poles(self.problem.sought, self._numbers, at)[0]
+        by = self._differentiate_impedance(at, values, -p.mass * at**2)[0]
         change = -by * complex(residues(solid.maxwell, p.mass, at)[0])
         longer = (pole.conjugate() * change).real / size
         if constraints.natural_frequency is not None:
@@ -495,7 +497,7 @@ class Candidate:
         for relaxation, chi2 in zip(self.problem.relaxations, self.relaxation_chi2, strict=True):
             total += deviance(chi2 / relaxation.samples, effective=relaxation.samples)
         prior = self.modelled.known[0]
-        return self._penalised(total + float(prior @ prior))
+        return self._add_penalty(total + float(prior @ prior))
 
     @property
     def exact(self) -> bool:
@@ -509,9 +511,9 @@ class Candidate:
     @property
     def criterion(self) -> float:
         """That with the noise as it is weighted."""
-        return self._penalised(self.cost)
+        return self._add_penalty(self.cost)
 
-    def _penalised(self, total: float) -> float:
+    def _add_penalty(self, total: float) -> float:
         return bic_of_deviance(total, effective=self.samples, parameters=len(self.theta))
 
     @property

@@ -102,7 +102,7 @@ class Arms:
 
     def at_lines(self, numbers: FloatArray, s: ComplexArray) -> ComplexArray:
         """Derivative of the stiffness by the numbers, shape (n, size)."""
-        return at_poles(self, numbers, s)[0]
+        return differentiate_poles(self, numbers, s)[0]
 
     def kept(self, before: Fit) -> tuple[dict[str, float], list[int]]:
         """What an earlier fit found, by name, and which of the physical parameters those are."""
@@ -232,7 +232,7 @@ Parametrisation: TypeAlias = Arms | FractionalElement
 """How a solid is written as `size` free numbers."""
 
 
-def at_poles(
+def differentiate_poles(
     sought: Parametrisation, numbers: FloatArray, p: ComplexArray
 ) -> tuple[ComplexArray, ComplexArray]:
     """Derivative of the stiffness of its arms, and of its slope, by the numbers: (n, size)."""
@@ -241,7 +241,7 @@ def at_poles(
     return by_arms @ gradient, slope_by_arms @ gradient
 
 
-def at_edge(sought: Parametrisation, numbers: FloatArray, log_tau: tuple[float, float]) -> bool:
+def is_at_edge(sought: Parametrisation, numbers: FloatArray, log_tau: tuple[float, float]) -> bool:
     """True if a relaxation time or a slope stands at an end of what is sought."""
     low, high = (ends := sought.ends(log_tau)).T
     last = numbers[len(numbers) - len(ends) :]

@@ -75,7 +75,7 @@ def before_hammer(
     if len(temperatures_of(records)) > 1:
         refuse_beside_shifts(family)
     # arms are matched to arms: of a fractional solid, those of the same tests
-    before = _of_family("maxwell", fit) or fit_tests(list(records), **bench.choices)
+    before = _convert_to_family("maxwell", fit) or fit_tests(list(records), **bench.choices)
     if temperature is not None:
         before = before.at_temperature(temperature)
     same = len(records) == 1 and before.method in get_choice_values(Method)
@@ -91,13 +91,13 @@ def before_hammer(
     bent = before.elastic_law is not None and before.elastic_law.kind != "linear"
     if family == "maxwell" or bent:
         return PriorTests(before, None, relaxation_datasets, doubtful)
-    element = _of_family("fractional", fit) or fit_tests(
+    element = _convert_to_family("fractional", fit) or fit_tests(
         list(records), family="fractional", **bench.choices
     )
     return PriorTests(before, element, relaxation_datasets, doubtful)
 
 
-def _of_family(family: str, fit: Fit | None) -> Fit | None:
+def _convert_to_family(family: str, fit: Fit | None) -> Fit | None:
     return fit if fit is not None and fit.family == family else None
 
 

@@ -123,7 +123,7 @@ class RampLaw:
         return tuple(a / b for a, b in zip(self.followed.hold, self.hold.rms, strict=True))
 
 
-def described(
+def build_estimate(
     tests: Sequence[RampHold],
     hold: HoldEstimate,
     soundness: tuple[LinearFitQuality, ...],

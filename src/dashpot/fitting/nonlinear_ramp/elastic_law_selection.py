@@ -22,7 +22,7 @@ from dashpot.fitting.nonlinear_ramp.elastic_law_estimate import (
     ElasticLawScore,
     KnotSpacing,
     RampLaw,
-    described,
+    build_estimate,
     elastic_law_of,
 )
 from dashpot.fitting.nonlinear_ramp.goodness_of_fit import LinearFitQuality, sample_noise, soundness
@@ -93,19 +93,19 @@ def select_elastic_law(
     soundness, optimum = linear_fit_quality(rows, hold, noise, arms)
     if law != "nonlinear" and all(quality.sound for quality in soundness):
         score = ElasticLawScore(LINEAR, elastic_law_of(optimum), 0.0, optimum.ramp, optimum.hold)
-        return described(tests, hold, soundness, optimum, (score,))
+        return build_estimate(tests, hold, soundness, optimum, (score,))
     shown = int(rows.ramp.sum()) // _ROWS_PER_KNOT
     finer = DEPTHS_LADDER if len(set(rows.depths)) >= _SEVERAL else ()
     bent = [item for item in (*LADDER, *finer) if item.knots <= max(shown, LADDER[0].knots)]
     laws = {"linear": [LINEAR], "nonlinear": bent, "auto": [LINEAR, *bent]}[law]
     start = recorded_hold(rows, hold)
-    tried = {law: _followed(rows, law, hold, start) for law in laws}
+    tried = {law: _solve_law(rows, law, hold, start) for law in laws}
     scores = _scores(tried, hold)
-    taken = _taken(scores) if law == "auto" else min(scores, key=lambda score: score.bic)
+    taken = _select_law(scores) if law == "auto" else min(scores, key=lambda score: score.bic)
     ramp_optimum = _with_delay(tried[taken.spacing], hold)
     if arms is None and len(hold.log_tau) < max_arms:
         ramp_optimum = _with_faster_arm(ramp_optimum, hold)
-    return described(tests, hold, soundness, ramp_optimum, scores)
+    return build_estimate(tests, hold, soundness, ramp_optimum, scores)
 
 
 def supported_by_holds(tests: Sequence[RampHold], hold: HoldEstimate) -> Shortage | None:
@@ -129,7 +129,7 @@ def _rms(hold: HoldEstimate) -> float:
     return float(np.sqrt(np.mean(np.square(hold.rms))))
 
 
-def _followed(
+def _solve_law(
     rows: DownsampledRows, spacing: KnotSpacing, hold: HoldEstimate, start: RampHoldOptimum
 ) -> RampHoldOptimum:
     solid = QuasiLinear(rows, spacing.at(rows.depth))
@@ -171,7 +171,7 @@ def _bic(optimum: RampHoldOptimum, hold: HoldEstimate, correlation: Sequence[flo
     return bic_of_deviance(total, effective=max(effective, 2.0), parameters=free)
 
 
-def _taken(scores: Sequence[ElasticLawScore]) -> ElasticLawScore:
+def _select_law(scores: Sequence[ElasticLawScore]) -> ElasticLawScore:
     """Return the law of the least BIC if it gains and matters, else the linear one."""
     best = min(scores, key=lambda score: score.bic)
     linear = scores[0]

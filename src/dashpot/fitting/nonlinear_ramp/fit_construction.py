@@ -17,7 +17,7 @@ from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.check_suite import Residuals, run_relaxation_checks
 from dashpot.fitting.checks.solid import frequencies_informed, loss_factor_known
-from dashpot.fitting.design_matrix import FitSetup, compressed
+from dashpot.fitting.design_matrix import FitSetup, compress_tests
 from dashpot.fitting.fit_construction import SolidEstimate, build_fit, provenance_of
 from dashpot.fitting.nonlinear_ramp import checks
 from dashpot.fitting.nonlinear_ramp.elastic_law_estimate import RampLaw
@@ -60,12 +60,12 @@ def ramp_fit(
     spectra : AdmissibleSpectra, optional
         What the holds do not reject: they end the valid band.
     """
-    model, estimate = law.model, _doubted(law.estimate, law.model, tests)
+    model, estimate = law.model, _add_test_errors(law.estimate, law.model, tests)
     law = replace(law, estimate=estimate)
     residual = estimate.residual
     band = informed_band(
         tests,
-        compressed(tests, FitSetup("full")),
+        compress_tests(tests, FitSetup("full")),
         stiffness=max(model.k_0, 1e-300),
         noise=max(residual.rms * np.sqrt(residual.kappa), 1e-300),
     )
@@ -111,7 +111,7 @@ def depth_error(test: RampHold) -> float:
     return float(np.hypot(test.depth_doubt, test.contact_error / test.depth))
 
 
-def _doubted(
+def _add_test_errors(
     estimate: ParameterEstimate, model: GeneralizedMaxwell, tests: Sequence[RampHold]
 ) -> ParameterEstimate:
     r"""Return the estimate with what depth and clock of the tests leave unknown.
@@ -194,13 +194,13 @@ def ramp_checks(
         checks.clocks_agree(
             [
                 (late.value, late.standard_error, delay_prior(test).sd)
-                for late, test in zip(_of_kind("delay", law), tests, strict=False)
+                for late, test in zip(_select_nuisances("delay", law), tests, strict=False)
             ]
         ),
     )
 
 
-def _of_kind(kind: str, law: RampLaw) -> list[Nuisance]:
+def _select_nuisances(kind: str, law: RampLaw) -> list[Nuisance]:
     """The nuisances of a kind, in the order of the tests, where they were fitted."""
     return [nuisance for nuisance in law.estimate.nuisance if nuisance.name.startswith(kind)]
 

@@ -148,8 +148,8 @@ def hold_alone(
     most = max(min(max_arms if arms is None else arms, (fewest - 3) // 2), 0)
     one_more = (1 + len(blocks)) * float(np.log(fewest)) if arms is None else 0.0
     solutions = solve_orders(blocks, most, negligible=one_more)
-    chosen = _supported(rows, blocks, solutions) if arms is None else solutions[-1]
-    return _described(rows, blocks, chosen)
+    chosen = _select_order(rows, blocks, solutions) if arms is None else solutions[-1]
+    return _build_solution(rows, blocks, chosen)
 
 
 def _hold_block(rows: DownsampledRows, i: int, bounds: Bounds) -> DataBlock:
@@ -180,7 +180,7 @@ def _hold_block(rows: DownsampledRows, i: int, bounds: Bounds) -> DataBlock:
     return replace(block, arm_group=f"k@{i}")
 
 
-def _supported(
+def _select_order(
     rows: DownsampledRows, blocks: Sequence[DataBlock], solutions: Sequence[Solution]
 ) -> Solution:
     """Return the number of arms with the least BIC: rows that say something new, all samples."""
@@ -196,7 +196,7 @@ def _supported(
     )
 
 
-def _described(
+def _build_solution(
     rows: DownsampledRows, blocks: Sequence[DataBlock], solution: Solution
 ) -> HoldEstimate:
     jacobian = full_jacobian(blocks, solution)

@@ -82,7 +82,7 @@ class Weighted:
         values[: len(columns)] = self.root[:, None] * columns
         return values
 
-    def _by_row(self, k: FloatArray) -> FloatArray:
+    def _expand_by_row(self, k: FloatArray) -> FloatArray:
         """Stiffnesses of each row's own set, shape (M, 1 + N)."""
         return np.asarray(k.reshape(self.sets, -1)[self._set])
 
@@ -94,7 +94,7 @@ class Weighted:
         """Force of the solid alone, N, shape (M,)."""
         log_tau, shape = self.solid.parted(best.theta)
         columns = self.solid.columns(log_tau) @ shape
-        return np.asarray(np.sum(columns * self._by_row(self.stiffnesses(best)), axis=1))
+        return np.asarray(np.sum(columns * self._expand_by_row(self.stiffnesses(best)), axis=1))
 
     def problem(self, arms: int) -> Problem:
         """The problem of so many arms, their ln tau inside the window of the rows."""
@@ -110,7 +110,7 @@ class Weighted:
             A = np.concatenate((self._white(value), self._known), axis=1)
 
             def slope(beta: FloatArray) -> FloatArray:
-                k = self._by_row(beta[:stiff])
+                k = self._expand_by_row(beta[:stiff])
                 by_tau = solid.slopes(log_tau, shape, columns[:, 1:]) * k[:, 1:]
                 force = np.sum(columns * k, axis=1)
                 by_shape = (np.einsum("mnp,mn->mp", hats[:, :, solid.bends], k)
@@ -128,10 +128,10 @@ class Weighted:
             [Parameter(*tau_bounds(solid.rows))] * arms + [Parameter(0.0)] * len(bends),
             positive=np.arange(stiff + len(self.nuisances.names)) < stiff,
             priors=len(self.nuisances.names) + 1,
-            gauge=self._of_mean_one if len(bends) else None,
+            gauge=self._normalise_shape if len(bends) else None,
         )
 
-    def _of_mean_one(self, theta: FloatArray) -> FloatArray:
+    def _normalise_shape(self, theta: FloatArray) -> FloatArray:
         """The length of the shape is no parameter."""
         log_tau, shape = self.solid.parted(theta)
         return np.concatenate((log_tau, shape / float(self.solid.weights @ shape)))

@@ -116,13 +116,13 @@ class AdmissibleSpectra:
         high = np.log(longest)
         count = int(np.ceil((high - low) / np.log(10) * PER_DECADE)) + 1
         logs = np.log(np.asarray(extra, dtype=float))
-        log_tau = _merged(np.linspace(low, high, count), logs)
+        log_tau = _merge_grids(np.linspace(low, high, count), logs)
         # the fit is no bad spectrum: a plateau and its own arms
         remainder, weight = np.inf, np.zeros(len(log_tau) + 2)
         weight[0], weight[2 + np.searchsorted(log_tau, logs)] = 1.0, 1.0
         for _ in range(ROUNDS):
-            before, remainder = remainder, self._on(tests, log_tau, weight)
-            finer = _refined(log_tau, self.best[2:] > 0)
+            before, remainder = remainder, self._solve_on_grid(tests, log_tau, weight)
+            finer = _refine_grid(log_tau, self.best[2:] > 0)
             if before - remainder < GAIN or len(finer) == len(log_tau):
                 break
             weight = np.zeros(len(finer) + 2)
@@ -133,7 +133,9 @@ class AdmissibleSpectra:
         # all of one convex set: whatever is asked next, the best of them for it is a start
         self.met = deque([self.best], maxlen=REMEMBERED)
 
-    def _on(self, tests: Sequence[SpectralData], log_tau: FloatArray, start: FloatArray) -> float:
+    def _solve_on_grid(
+        self, tests: Sequence[SpectralData], log_tau: FloatArray, start: FloatArray
+    ) -> float:
         """Take a grid, find the best spectrum on it from a start, N/m; return what it leaves."""
         order = _spread(len(log_tau))
         parts = []
@@ -262,7 +264,7 @@ class AdmissibleSpectra:
 
     def reach(self, v: FloatArray) -> tuple[float, float]:
         """Smallest and largest v . k that the tests do not reject."""
-        return _along(v, self.farthest(-v)), _along(v, self.farthest(v))
+        return _project_spectrum(v, self.farthest(-v)), _project_spectrum(v, self.farthest(v))
 
     def ratio_reach(self, above: FloatArray, below: FloatArray) -> tuple[float, float]:
         """Smallest and largest (above . k) / (below . k), below . k > 0 (Dinkelbach 1967)."""
@@ -288,7 +290,7 @@ class AdmissibleSpectra:
         return ratio
 
 
-def _along(v: FloatArray, spectrum: FloatArray) -> float:
+def _project_spectrum(v: FloatArray, spectrum: FloatArray) -> float:
     """V . k, of what v asks for."""
     request = v != 0
     return float(v[request] @ spectrum[request])
@@ -307,16 +309,16 @@ def _spread(count: int) -> IndexArray:
     return reversed_[reversed_ < count]
 
 
-def _merged(first: FloatArray, second: FloatArray) -> FloatArray:
+def _merge_grids(first: FloatArray, second: FloatArray) -> FloatArray:
     """The points of both grids; `numpy.union1d` says the same and imports masked arrays."""
     both = np.sort(np.concatenate((first, second)))
     return np.asarray(both[np.append(True, np.diff(both) > 0)])
 
 
-def _refined(log_tau: FloatArray, active: BoolArray) -> FloatArray:
+def _refine_grid(log_tau: FloatArray, active: BoolArray) -> FloatArray:
     """The grid with points put into the gaps on both sides of every active arm."""
     gaps = np.diff(log_tau)
     parallel = (active[1:] | active[:-1]) & (gaps > FINEST)
     steps = np.arange(1, POINTS + 1) / (POINTS + 1)
     new = log_tau[:-1][parallel, None] + gaps[parallel, None] * steps
-    return _merged(log_tau, new.ravel())
+    return _merge_grids(log_tau, new.ravel())

@@ -40,7 +40,7 @@ def spectra_of_holds(
     dof: float,
     level: float = 0.95,
 ) -> AdmissibleSpectra:
-    """Return the spectra that some holds do not reject; the parameters of :func:`end_of_hold_limits`."""
+    """Return the spectra that some holds do not reject, as :func:`end_of_hold_limits` asks."""
     spectra = AdmissibleSpectra(
         relaxations, fastest=1 / time, limit=deviance_limit(level, dof), extra=own.tau
     )
@@ -132,7 +132,7 @@ def end_of_curve(
         spectra = spectra_of_curve(data, time=time, extra=extra, level=level)
 
     def reach(times: float) -> Interval:
-        return _of_curve(spectra, ended, times * time)
+        return _compute_curve_limits(spectra, ended, times * time)
 
     k_end, rest = reach(1), reach(AT_REST if ended == "creep" else np.inf)
     if ended == "creep":
@@ -152,7 +152,7 @@ def end_of_curve(
     return end.holding(model)
 
 
-def _of_curve(spectra: AdmissibleSpectra, ended: Ended, time: float) -> Interval:
+def _compute_curve_limits(spectra: AdmissibleSpectra, ended: Ended, time: float) -> Interval:
     """Limits of k(t), K'(1/t) or 1/J(t)."""
     if ended == "sweep":
         return _reach(spectra, spectra.stiffness_at(1 / time)[0])

@@ -53,7 +53,7 @@ def parameter_band(fit: Fit, frequency: npt.ArrayLike, *, level: float = 0.95) -
     """
     f = _frequencies(frequency)
     _level(level)
-    K = _drawn(fit, 2 * np.pi * f)
+    K = _draw_stiffnesses(fit, 2 * np.pi * f)
     stiffness = fit.solid.complex_stiffness(omega=2 * np.pi * f)
     # a draw that bears nothing has no loss factor
     borne = np.where(K == 0, stiffness, K)
@@ -221,7 +221,7 @@ class PredictedFRF:
             raise DataError(f"mass = {self.mass!r} kg; expected a number > 0")
 
     @property
-    def _pulled(self) -> float:
+    def _base_force(self) -> float:
         """What the base's acceleration pulls at, kg, or a force of 1 N at the mass."""
         over_base = self.kind is Kind.RELATIVE_TRANSMISSIBILITY
         return self.mass + self.coupled if over_base else 1.0
@@ -232,7 +232,7 @@ class PredictedFRF:
         with np.errstate(divide="ignore"):
             if self.kind is Kind.TRANSMISSIBILITY:
                 return np.asarray(np.abs(self.seals * stiffness + self.coupled * omega**2) / away)
-            return np.asarray(self._pulled * omega**2 / away)
+            return np.asarray(self._base_force * omega**2 / away)
 
     def reach(self, spectra: AdmissibleSpectra, omega: float) -> tuple[float, float]:
         """Lowest and highest magnitude over all spectra that the tests do not reject."""
@@ -240,7 +240,7 @@ class PredictedFRF:
         if self.kind is Kind.TRANSMISSIBILITY:
             return ratios(spectra, omega, self.mass * ratio, self.coupled * ratio)
         near, far = distances(spectra, omega, self.mass * ratio)
-        ratio = ratio * self._pulled
+        ratio = ratio * self._base_force
         # where a spectrum without loss may resonate, nothing limits the response
         return ratio / far, ratio / near if near > 0 else np.inf
 
@@ -250,13 +250,15 @@ def _formal(
 ) -> tuple[FloatArray, FloatArray]:
     """The fit's own magnitude, shape (n,), and its limits by the draws, shape (2, n)."""
     values = predicted.magnitude(fit.solid.complex_stiffness(omega=omega), omega)
-    return values, _quantiles(predicted.magnitude(_drawn(fit, omega), omega), values, level)
+    return values, _quantiles(
+        predicted.magnitude(_draw_stiffnesses(fit, omega), omega), values, level
+    )
 
 
 # -- draws ------------------------------------------------------------------------------------
 
 
-def _drawn(fit: Fit, omega: FloatArray) -> ComplexArray:
+def _draw_stiffnesses(fit: Fit, omega: FloatArray) -> ComplexArray:
     """Complex stiffness of solids drawn from the fit's covariance, shape (draws, n)."""
     solid, (names, mean, covariance) = fit.solid, own(fit)
     if isinstance(solid, FractionalZener):

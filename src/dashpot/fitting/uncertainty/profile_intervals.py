@@ -101,25 +101,27 @@ class _Scaling:
 
     def linear(self, row: str) -> ProfileTarget:
         index = self.estimate.names.index(row)
-        return self._along(Coordinate.LINEAR, index, self._unit(index))
+        return self._scale_direction(Coordinate.LINEAR, index, self._unit(index))
 
     def log_tau(self, arm: int) -> ProfileTarget:
         index = self.estimate.names.index(f"ln_tau_{arm + 1}")
-        return self._along(Coordinate.LOG_TAU, arm, self._unit(index))
+        return self._scale_direction(Coordinate.LOG_TAU, arm, self._unit(index))
 
     def log_b(self, arm: int, row: str, k: float, *, fixed: int) -> ProfileTarget:
         gradient = self._unit(self.estimate.names.index(f"ln_tau_{arm + 1}"))
         index = self.estimate.names.index(row)
         gradient[index] = 1.0 / k
         # the profile counts linear parameters, and b holds the arm's stiffness
-        return self._along(Coordinate.LOG_B, index - fixed, gradient)
+        return self._scale_direction(Coordinate.LOG_B, index - fixed, gradient)
 
     def _unit(self, index: int) -> FloatArray:
         unit = np.zeros(len(self.estimate.names))
         unit[index] = 1.0
         return unit
 
-    def _along(self, coordinate: Coordinate, index: int, gradient: FloatArray) -> ProfileTarget:
+    def _scale_direction(
+        self, coordinate: Coordinate, index: int, gradient: FloatArray
+    ) -> ProfileTarget:
         used = gradient != 0.0
         block = self.estimate.covariance[np.ix_(used, used)]
         directions = self.estimate.directions

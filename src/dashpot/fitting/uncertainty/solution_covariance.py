@@ -135,7 +135,7 @@ class Score(NamedTuple):
     significant: bool
 
 
-def estimated(
+def estimate_covariance(
     solution: Solution,
     every_sample: Sequence[DataBlock],
     *,
@@ -168,7 +168,7 @@ def estimated(
         The residual of each record, where its correlations are known already.
     """
     whole = whole or full_jacobian([*every_sample, *priors], solution)
-    every_residual, every_jacobian = by_record(whole, [*every_sample, *priors])
+    every_residual, every_jacobian = split_by_record(whole, [*every_sample, *priors])
     count = len(every_sample)
     series, known_by = (
         series or [*map(ResidualSeries, every_residual[:count])],
@@ -193,7 +193,7 @@ def estimated(
     )  # fmt: skip
 
 
-def by_record(
+def split_by_record(
     whole: Jacobian, every_sample: Sequence[DataBlock]
 ) -> tuple[tuple[FloatArray, ...], list[FloatArray]]:
     """Return residuals and Jacobians, one of each per record."""
@@ -237,7 +237,7 @@ def residual_of(solution: Solution, block: DataBlock) -> FloatArray:
     return np.asarray(rows.target - rows.fixed @ fixed - rows.arms @ arms)
 
 
-def scored(
+def score_solution(
     solution: Solution,
     blocks: Sequence[DataBlock],
     every_sample: Sequence[DataBlock],
@@ -267,16 +267,17 @@ def scored(
         return Score(solution, criterion, True)
     information = directions([full_jacobian([*blocks, *priors], solution).matrix])
 
-    def clear(independent: float) -> bool:
+    def is_significant(independent: float) -> bool:
         variance = (solution.sse + floor) / max(independent - parameters, 1.0)
         return _significant(solution, information.covariance(variance * information.gram))
 
     # if every sample counted in full and it is not significant, or if only the slowest
     # correlation counted and it is, the sandwich between the two need not be built
-    is_clear = clear(solution.samples) and (
-        clear(effective)
+    is_clear = is_significant(solution.samples) and (
+        is_significant(effective)
         or _significant(
-            solution, estimated(solution, every_sample, peak=peak, priors=priors).covariance
+            solution,
+            estimate_covariance(solution, every_sample, peak=peak, priors=priors).covariance,
         )
     )
     return Score(solution, criterion, is_clear)

@@ -126,7 +126,9 @@ class StiffnessSet:
         """The nearest point of the hull of all points met, and whether the origin is in it."""
         angles = sorted(map(phase, self.points))
         widest = max(b - a for a, b in pairwise((*angles, angles[0] + 2 * pi)))
-        nearest = min(starmap(_nearest, pairwise((*self.points, self.points[0]))), key=abs)
+        nearest = min(
+            starmap(_find_nearest_point, pairwise((*self.points, self.points[0]))), key=abs
+        )
         return nearest, widest < pi or nearest == 0
 
     def corners(self) -> list[complex]:
@@ -143,7 +145,7 @@ def _dot(first: complex, second: complex) -> float:
     return first.real * second.real + first.imag * second.imag
 
 
-def _nearest(start: complex, end: complex) -> complex:
+def _find_nearest_point(start: complex, end: complex) -> complex:
     """The point nearest to the origin of the way from one to another."""
     along = end - start
     length = _dot(along, along)

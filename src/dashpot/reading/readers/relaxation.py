@@ -126,7 +126,7 @@ def load_signals(
 def signals(
     file: OpenedFile, *roles: Role, least: int = 8, clock_matters: bool = True
 ) -> tuple[list[Channel], dict[Role, FloatArray], list[str]]:
-    """Return two signals in SI units by role, as :func:`load_signals`, or row by row without a clock.
+    """Return two signals in SI units, as :func:`load_signals`, or row by row without a clock.
 
     With their columns, and that of the time unless there is none or a rate is given, and notes. A
     clock that does not matter may be broken, or lack its unit: it is left out with a note.

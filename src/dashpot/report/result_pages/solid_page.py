@@ -249,11 +249,12 @@ def _make_error_row(fact: ReportedValue, name: str = "", *, single: bool) -> Row
 
 def _make_solid_sections(fit: Fit) -> Iterator[CollapsibleSection]:
     if fit.parameters:
+        in_newtons = fit.residual.unit == "N"
+        residual = round_to_error(fit.residual.rms * (1e3 if in_newtons else 1), digits=3)
         yield CollapsibleSection(
             "Every parameter",
             f"{_format_model_name(fit)}, each with its standard error; residual "
-            f"{round_to_error(fit.residual.rms * (1e3 if fit.residual.unit == 'N' else 1), digits=3)} "
-            f"{'mN' if fit.residual.unit == 'N' else fit.residual.unit}",
+            f"{residual} {'mN' if in_newtons else fit.residual.unit}",
             _fact_table(fit.known),
         )
     else:

@@ -13,7 +13,7 @@ from dashpot.datamodel.shift_factors import Shift
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.curves.creep.fit import fit_creep
 from dashpot.extensions.curves.modulus.read import read_modulus
-from dashpot.extensions.curves.superposition.isotherms import isotherms_of, joined
+from dashpot.extensions.curves.superposition.isotherms import isotherms_of, join_tests
 from dashpot.extensions.curves.superposition.joint_spectrum import ShiftSearch, grid_of, spectrum_at
 from dashpot.reading.read_options import ReadOptions
 
@@ -58,7 +58,7 @@ def test_exact_creep_compliances_give_their_shifts_back(flow):
 
 @pytest.mark.parametrize("data", [sweeps, moduli, compliances], ids=lambda make: make.__name__)
 def test_the_slopes_of_shifted_isotherms_are_those_of_their_rows(data):
-    isotherms = isotherms_of(joined(data())[0])[:3]
+    isotherms = isotherms_of(join_tests(data())[0])[:3]
     shifts, free = np.array([2.0, 0.9, 0.0, -0.1, 0.04, 0.0]), np.array([0, 1, 3, 4])
     search = ShiftSearch(isotherms, grid_of(isotherms, shifts[:3]), shifts, free, noise=0.01)
     spectrum = isotherms[0].size.mean() * (0.1 + np.arange(1 + len(search.ln_tau)) % 3)

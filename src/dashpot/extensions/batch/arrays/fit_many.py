@@ -161,8 +161,8 @@ def fit_many(
         history = _ideal(clock, ramp, method=method)
     else:
         x = samples("displacement", displacement if displacement is not None else ())
-        history = _recorded(clock, x, method=method)
-    solutions = history.solved(records, arms)
+        history = _build_recorded_motion(clock, x, method=method)
+    solutions = history.solve_records(records, arms)
     return BatchFit(
         k_inf=solutions.fixed[:, 0],
         k=solutions.arms,
@@ -196,7 +196,7 @@ class _SharedMotion(NamedTuple):
     block: Callable[[FloatArray], DataBlock]
     family: Callable[[], SharedSampling] | None
 
-    def solved(self, records: FloatArray, arms: int) -> ManySolutions:
+    def solve_records(self, records: FloatArray, arms: int) -> ManySolutions:
         """Fit every record, side by side where there are enough of them."""
         provided = records[:, self.given]
         if self.family is None or len(provided) < _STACK:
@@ -229,7 +229,7 @@ def _ideal(clock: FloatArray, ramp: tuple[float, float], *, method: str) -> _Sha
     )
 
 
-def _recorded(clock: FloatArray, x: FloatArray, *, method: str) -> _SharedMotion:
+def _build_recorded_motion(clock: FloatArray, x: FloatArray, *, method: str) -> _SharedMotion:
     if len(x) != len(clock):
         raise DataError(f"displacement has {len(x)} samples, time has {len(clock)}")
     if not x.max() > 0:

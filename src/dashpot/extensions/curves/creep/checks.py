@@ -202,7 +202,7 @@ def displacement_followed(test: LoadHold, residual: FloatArray) -> Finding:
 
     `residual` is of the last samples of the record.
     """
-    misfit, where = _worst(test, residual)
+    misfit, where = _find_worst_part(test, residual)
     travel = float(np.ptp(test.displacement))
     noise = max(test.displacement_noise, FINE_ENOUGH * travel)
     ratio = misfit / noise if noise > 0 else 1.0
@@ -245,7 +245,7 @@ def levels_agree(departure: float | None, error: float | None) -> Finding:
     )
 
 
-def _worst(test: LoadHold, residual: FloatArray) -> tuple[float, str]:
+def _find_worst_part(test: LoadHold, residual: FloatArray) -> tuple[float, str]:
     """The largest rms of load ramp, what follows it, hold and recovery; and where, in words."""
     time = test.time[-len(residual) :]
     settled = test.ramp_end + test.ramp_time

@@ -66,14 +66,18 @@ from dashpot.fitting.relaxation_likelihood import noise_power
 from dashpot.fitting.uncertainty.band_limits import band_of_curve
 from dashpot.fitting.uncertainty.curve_data import ENOUGH, CurveData, curve_data
 from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_curve, spectra_of_curve
-from dashpot.fitting.uncertainty.solution_covariance import SolutionEstimate, estimated, rounding
+from dashpot.fitting.uncertainty.solution_covariance import (
+    SolutionEstimate,
+    estimate_covariance,
+    rounding,
+)
 from dashpot.fitting.uncertainty.valid_band import informed_band
 from dashpot.numerics.design_matrices.block import DataBlock, retarding
 from dashpot.numerics.design_matrices.hold import hold_block
 from dashpot.numerics.design_matrices.recorded_motion import recorded_block
 from dashpot.numerics.exponential_fit.variable_projection import Solution, solve
 from dashpot.numerics.inference.model_order import MIN_K_OVER_SE, bic, significant
-from dashpot.preprocessing.checks import of_temperature
+from dashpot.preprocessing.checks import check_temperature
 from dashpot.signals.segments import find_segments
 from dashpot.solids.interconversion import CreepSpectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -139,16 +143,16 @@ def fit_creep(
     if isinstance(test, CreepCompliance) and test.temperature is not None:
         test = superpose(test)
     if isinstance(test, Superposition):
-        return _of_master_curve(test, arms, thorough=thorough, max_arms=max_arms)
+        return _fit_master_curve(test, arms, thorough=thorough, max_arms=max_arms)
     if isinstance(test, CreepCompliance):
         origin = UnshiftedCurve(sources_of([test]))
-        return _of_curve(test, origin, arms, thorough=thorough, max_arms=max_arms)
+        return _fit_curve(test, origin, arms, thorough=thorough, max_arms=max_arms)
     record = load_hold(test) if isinstance(test, CreepTest) else test
-    record, retardation = _in_step(record, arms, max_arms=max_arms, thorough=thorough)
+    record, retardation = _align_load(record, arms, max_arms=max_arms, thorough=thorough)
     return _fit_of_test(record, retardation, arms)
 
 
-def _in_step(
+def _align_load(
     record: LoadHold, arms: int | Literal["auto"], *, max_arms: int, thorough: bool
 ) -> tuple[LoadHold, Retarded]:
     r"""The record with its load as early as the displacement answers it, and what is found there.
@@ -376,7 +380,7 @@ def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["a
             sources_of([record]),
             (
                 *record.steps,
-                *_moved(record),
+                *_format_load_change(record),
                 _step(retardation, f"{len(residual)} samples of a creep test", arms),
             ),
             record.specimen,
@@ -401,7 +405,7 @@ def _late(nuisance: Sequence[Nuisance]) -> tuple[float, float, float]:
     return term.value, term.standard_error, term.prior_sd or 0.0
 
 
-def _moved(record: LoadHold) -> tuple[Step, ...]:
+def _format_load_change(record: LoadHold) -> tuple[Step, ...]:
     """What was done to the load."""
     if not record.lead:
         return ()
@@ -422,7 +426,7 @@ def _beyond_load_error(record: LoadHold, selection: SelectedModel) -> SelectedMo
     while True:
         solution = selection.scores[taken].solution
         rows = partial(load_rows, record=record, creep=spectrum_of(solution))
-        estimate = estimated(
+        estimate = estimate_covariance(
             solution, data.samples, peak=data.peak, priors=data.priors, others=[rows]
         )
         if choice is None or taken == 0 or _stand_out(selection, estimate):
@@ -547,7 +551,7 @@ def _departure(record: LoadHold, retardation: Retarded) -> tuple[float | None, f
         retardation.solution.order,
         log_tau_start=retardation.solution.log_tau,
     )
-    estimate = estimated(
+    estimate = estimate_covariance(
         solution, [bent.exact], peak=retardation.data.peak, priors=retardation.data.priors
     )
     return solution.coefficient("bend"), estimate.standard_error("bend")
@@ -566,7 +570,7 @@ def _step(result: Retarded, to: str, arms: int | Literal["auto"]) -> Step:
 # -- a curve --------------------------------------------------------------------------------------
 
 
-def _of_curve(
+def _fit_curve(
     curve: CreepCompliance,
     origin: Superposition | UnshiftedCurve,
     arms: int | Literal["auto"],
@@ -617,7 +621,7 @@ def _of_curve(
     answers = (
         *origin.checks,
         best.ended,
-        *of_temperature(curve.specimen),
+        *check_temperature(curve.specimen),
         *_checks(best, unit, window, "the curve", "1"),
         *_flow_checks(creep, float(t[-1])),
         checks.creep_finished(creep, float(t[-1])),
@@ -643,7 +647,7 @@ def _of_curve(
     )
 
 
-def _of_master_curve(
+def _fit_master_curve(
     superposition: Superposition, arms: int | Literal["auto"], *, thorough: bool, max_arms: int
 ) -> Fit:
     """Return the fit of a compliance that was shifted together from several temperatures."""
@@ -652,7 +656,7 @@ def _of_master_curve(
         raise FitError(
             "this master curve is no creep compliance: fit_dynamic or fit_modulus fits it"
         )
-    few = _of_curve(curve, superposition, arms, thorough=thorough, max_arms=max_arms)
+    few = _fit_curve(curve, superposition, arms, thorough=thorough, max_arms=max_arms)
     if arms != "auto" or few.creep is None:
         return few
     error = few.creep.spectrum.compliance(curve.time) / curve.compliance - 1

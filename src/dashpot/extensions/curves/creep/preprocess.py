@@ -16,7 +16,7 @@ from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import quantum
 from dashpot.extensions.curves.creep import checks
 from dashpot.extensions.curves.datamodel.creep import STRAIGHT, CreepTest, LoadHold
-from dashpot.preprocessing.checks import clock_steady, of_temperature
+from dashpot.preprocessing.checks import check_temperature, clock_steady
 from dashpot.signals.noise import scatter, without_spikes
 from dashpot.signals.segments import cycles_of, find_segments
 
@@ -69,10 +69,10 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
     machine.heeds("sync", of="a creep test")
     where = test.source.file if test.source is not None else "the record"
     force = without_spikes(test.time, test.force)
-    held = _held(test.time, force, where)
+    held = _find_longest_hold(test.time, force, where)
     pressed = held.turn * test.force - held.preload
     noise = _noise_held(test.time, test.force, held)
-    load, corners, heights = _freed(test.time, held.turn * force - held.preload, noise)
+    load, corners, heights = _remove_load_noise(test.time, held.turn * force - held.preload, noise)
     if held.ramp_end > test.time[0]:
         load, heights = load - load[0], heights - load[0]
     turn = _turn(test, held, where)
@@ -101,12 +101,12 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
         checks.load_held(record),
         checks.travel_renewed(record, test.displacement),
         clock_steady(record),
-        *of_temperature(test.specimen),
+        *check_temperature(test.specimen),
     )
     return replace(record, checks=answers)
 
 
-def _held(time: FloatArray, force: FloatArray, where: str) -> _HeldLoad:
+def _find_longest_hold(time: FloatArray, force: FloatArray, where: str) -> _HeldLoad:
     """The load with the longest hold."""
     holds = [_cycle(time, turn * force, turn) for turn in (1, -1)]
     loads = [hold for hold in holds if hold is not None]
@@ -198,7 +198,7 @@ def errors_of_load(record: LoadHold) -> Callable[[FloatArray], FloatArray]:
     return products
 
 
-def _freed(
+def _remove_load_noise(
     time: FloatArray, force: FloatArray, noise: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """The load behind its readings, freed of noise (errors in variables), its corners and heights.
@@ -211,15 +211,15 @@ def _freed(
     floor = max(noise, quantum(force) * OF_A_COUNT)
     if floor <= _EXACT * float(np.ptp(force)):
         return force, np.zeros(0), np.zeros(0)
-    corners = _straightened(time, force)
-    heights = _laid(time, corners, force)
+    corners = _fit_corner_times(time, force)
+    heights = _fit_corner_heights(time, corners, force)
     if not _is_noise(force - np.interp(time, corners, heights), floor, _SURELY):
-        corners = _divided(time, force, corners, floor)
-        heights = _laid(time, corners, force)
+        corners = _insert_corners(time, force, corners, floor)
+        heights = _fit_corner_heights(time, corners, force)
     return np.interp(time, corners, heights), corners, heights
 
 
-def _straightened(time: FloatArray, force: FloatArray) -> FloatArray:
+def _fit_corner_times(time: FloatArray, force: FloatArray) -> FloatArray:
     """Corners of a load, each at the time where least squares puts it: Gauss-Newton."""
     corners = np.array([time[0], *(segment.end for segment in find_segments(time, force))])
     if not 3 <= len(corners) <= STRAIGHT:
@@ -236,7 +236,9 @@ def _straightened(time: FloatArray, force: FloatArray) -> FloatArray:
     return corners
 
 
-def _divided(time: FloatArray, force: FloatArray, corners: FloatArray, noise: float) -> FloatArray:
+def _insert_corners(
+    time: FloatArray, force: FloatArray, corners: FloatArray, noise: float
+) -> FloatArray:
     """Corners, and more between them wherever the load is not straight."""
     arrays, stack = [corners], list(pairwise(corners.tolist()))[::-1]
     whole = set(stack)
@@ -259,7 +261,7 @@ def _divided(time: FloatArray, force: FloatArray, corners: FloatArray, noise: fl
     return distinct(np.concatenate(arrays))
 
 
-def _laid(time: FloatArray, corners: FloatArray, force: FloatArray) -> FloatArray:
+def _fit_corner_heights(time: FloatArray, corners: FloatArray, force: FloatArray) -> FloatArray:
     """The heights of corners whose straight lines are nearest to a force."""
     onto = _onto(time, corners, force[:, None])[:, 0]
     gram = _gram(time, corners)

@@ -47,7 +47,7 @@ from dashpot.fitting.checks.solid import (
     residuals_random,
     tau_inside_window,
 )
-from dashpot.fitting.design_matrix import FitSetup, compressed
+from dashpot.fitting.design_matrix import FitSetup, compress_tests
 from dashpot.fitting.fit_construction import build_fit
 from dashpot.fitting.fit_data import DOUBTED, FitData, fit_single_test
 from dashpot.fitting.fractional_model.family_selection import (
@@ -65,7 +65,7 @@ from dashpot.fitting.uncertainty.curve_data import ENOUGH, curve_data
 from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_curve, spectra_of_curve
 from dashpot.fitting.uncertainty.valid_band import informed_band
 from dashpot.numerics.design_matrices.block import DataBlock, frequency_block
-from dashpot.preprocessing.checks import of_temperature
+from dashpot.preprocessing.checks import check_temperature
 from dashpot.preprocessing.prepare_tests import Tests, ramp_holds
 from dashpot.solids.maxwell import Solid
 
@@ -145,7 +145,7 @@ def fit_dynamic(
     """
     temperature = convert_to_si(temperature, "temperature")
     checked_family(family, arms)
-    data, origin = _at_one_temperature(data, temperature)
+    data, origin = _select_one_temperature(data, temperature)
     records = _records(tests, data, dashpot=dashpot)
     shifted = isinstance(origin, Superposition)
     if shifted:
@@ -153,7 +153,7 @@ def fit_dynamic(
     weights = weights or _USUAL[shifted]
     most = requested_arms(arms, max_arms)
     sets = (_sweep(data, weights, dashpot=dashpot, most=most), *_relaxations(records, most))
-    selection = select_order(_stacked(sets), arms, max_arms=max_arms, thorough=thorough)
+    selection = select_order(_stack_parts(sets), arms, max_arms=max_arms, thorough=thorough)
     both = chosen_family(selection, family)
     selection = both.best
     band, met = _band(data, records, sets[1:], selection.model.k_0)
@@ -177,7 +177,9 @@ def fit_dynamic(
     )
     error = _relative_error(selection.solid, data, weights if shifted else "relative")
     residual = (
-        replace(selection.residual, unit="sd") if records else _left(error, selection.residual)
+        replace(selection.residual, unit="sd")
+        if records
+        else _compute_residual_statistics(error, selection.residual)
     )
     few = build_fit(
         selection.outcome(residual, selection.nuisances()),
@@ -188,7 +190,7 @@ def fit_dynamic(
             checks=(
                 selection.ended,
                 *of_data,
-                *of_temperature(data.specimen),
+                *check_temperature(data.specimen),
                 *_checks(selection, data, records, end, [n for item in sets for n in item.freedom]),
                 *both.checks(other),
                 *met,
@@ -221,7 +223,7 @@ def _relative_error(solid: Solid, data: DynamicTest, weights: str) -> FloatArray
     return np.concatenate(((K.real - data.storage) / storage, (K.imag - data.loss) / loss))
 
 
-def _left(error: FloatArray, weighted: Residual) -> Residual:
+def _compute_residual_statistics(error: FloatArray, weighted: Residual) -> Residual:
     """Statistics of relative errors, whose neighbours say as much alike as weighted ones do."""
     sse, rms = float(error @ error), float(np.sqrt(np.mean(error**2)))
     return replace(weighted, n=len(error), sse=sse, rms=rms, unit="1")
@@ -238,7 +240,7 @@ class _Set(NamedTuple):
     freedom: tuple[float, ...]
 
 
-def _at_one_temperature(
+def _select_one_temperature(
     data: DynamicTest | Superposition, temperature: float | None
 ) -> tuple[DynamicTest, Superposition | UnshiftedCurve]:
     """Return what is fitted, in order of frequency, and where it comes from."""
@@ -283,12 +285,12 @@ def _records(tests: Tests, data: DynamicTest, *, dashpot: bool) -> tuple[RampHol
     return records
 
 
-def _stacked(sets: Sequence[_Set]) -> FitData:
+def _stack_parts(sets: Sequence[_Set]) -> FitData:
     return FitData([item.block for item in sets], [row for item in sets for row in item.rows])
 
 
 def _sweep(data: DynamicTest, weights: str, *, dashpot: bool, most: int) -> _Set:
-    _checked(data, weights)
+    _validate_data(data, weights)
     n = len(data.frequency)
     first = _sweep_block(data, _scale(data, data.value, weights), dashpot=dashpot)
     best = fit_single_test([first], _halves(first, n), most)
@@ -310,7 +312,7 @@ def _sweep_block(
     )
 
 
-def _checked(data: DynamicTest, weights: str) -> None:
+def _validate_data(data: DynamicTest, weights: str) -> None:
     require_choice("weights", weights, Weights, FitError)
     bad = np.flatnonzero(data.storage <= 0)
     if bad.size:
@@ -346,7 +348,7 @@ def _halves(block: DataBlock, n: int) -> tuple[DataBlock, DataBlock]:
 
 def _relaxations(records: Sequence[RampHold], most: int) -> list[_Set]:
     design = FitSetup("full")
-    blocks = compressed(records, design)
+    blocks = compress_tests(records, design)
     sets = []
     for block in blocks:
         fit = fit_single_test([block], [block.exact], most)

@@ -38,7 +38,7 @@ from dashpot.fitting.uncertainty.curve_data import ENOUGH, curve_data
 from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_curve, spectra_of_curve
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.hold import hold_block
-from dashpot.preprocessing.checks import of_temperature
+from dashpot.preprocessing.checks import check_temperature
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a dense spectrum needs a curve
@@ -104,7 +104,7 @@ def fit_modulus(
     if unit not in {"Pa", "N/m"}:
         raise FitError(f"unit = {unit!r}; expected 'Pa' or 'N/m'")
     if isinstance(time, RelaxationModulus | Superposition):
-        data, origin = _at_one_temperature(time)
+        data, origin = _select_one_temperature(time)
     else:
         curve = RelaxationModulus(time, modulus, unit, specimen or Specimen(), source, units="SI")  # type: ignore[arg-type]
         data, origin = curve, UnshiftedCurve(sources_of([curve]))
@@ -114,7 +114,7 @@ def fit_modulus(
         raise DataError(f"this is no relaxation modulus: {decapitalise_sentence(falls.told)}")
     most = requested_arms(arms, max_arms)
     window = _window(t)
-    block = _weighed(t, values, weights, window, most)
+    block = _weight_curve(t, values, weights, window, most)
     selection = select_order(FitData([block], [block]), arms, max_arms=max_arms, thorough=thorough)
     model = selection.model
     positive = t[t > 0]
@@ -135,7 +135,7 @@ def fit_modulus(
     requested_checks = (
         selection.ended,
         *origin.checks,
-        *of_temperature(data.specimen),
+        *check_temperature(data.specimen),
         arms_supported(model, selection.error, unit=unit),
         tau_inside_window(model, window, "the curve"),
         arms_distinct(model),
@@ -203,7 +203,7 @@ def _misfit_in_band(
     return float(np.max(error[(line >= band[0]) & (line <= band[1])], initial=0.0))
 
 
-def _at_one_temperature(
+def _select_one_temperature(
     data: RelaxationModulus | Superposition,
 ) -> tuple[RelaxationModulus, Superposition | UnshiftedCurve]:
     """Return what is fitted, and where it comes from."""
@@ -216,7 +216,7 @@ def _at_one_temperature(
     return data.curve, data
 
 
-def _weighed(
+def _weight_curve(
     t: FloatArray, values: FloatArray, weights: str, window: tuple[float, float], most: int
 ) -> DataBlock:
     """The curve as rows, relative to what the best of up to `most` arms expects, or all alike."""

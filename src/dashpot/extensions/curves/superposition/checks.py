@@ -117,7 +117,9 @@ def thermorheologically_simple(ratio: float | None, by_chance: float, rms: float
     )
 
 
-def of_law(law_fit: ShiftLawFit, coldest: float, *, requested: bool = False) -> list[Check]:
+def collect_law_checks(
+    law_fit: ShiftLawFit, coldest: float, *, requested: bool = False
+) -> list[Check]:
     """Return what must hold of a law and of the shifts that it was laid through.
 
     `coldest` is the coldest test, K; `requested` is as in :func:`law_follows_shifts`.
@@ -246,7 +248,7 @@ def vertical_rule_holds(step: FloatArray, score: float, temperature: FloatArray)
     )
 
 
-def of_shifts(
+def collect_shift_checks(
     temperature: FloatArray,
     log10_a_t: npt.ArrayLike,
     covariance: FloatArray,
@@ -266,5 +268,5 @@ def of_shifts(
     return (
         shifts_determined(error, temperature),
         shift_monotone(step, error, temperature),
-        *of_law(law_fit, float(temperature[0]), requested=requested),
+        *collect_law_checks(law_fit, float(temperature[0]), requested=requested),
     )

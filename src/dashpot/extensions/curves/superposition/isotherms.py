@@ -111,7 +111,7 @@ class Isotherm:
         return np.concatenate((storage @ h, loss @ h)) / self.size
 
 
-def joined(data: Measured | Sequence[Measured]) -> tuple[Measured, tuple[Source, ...]]:
+def join_tests(data: Measured | Sequence[Measured]) -> tuple[Measured, tuple[Source, ...]]:
     """Return several tests as the samples of one, each at its specimen's temperature if need be.
 
     Rows that repeat another to the last digit are left out.

@@ -194,7 +194,7 @@ def spectrum_at(
     return ShiftSearch(isotherms, ln_tau, np.concatenate((ln_a, ln_b)), none).found
 
 
-def shifted(
+def solve_shifts(
     isotherms: Sequence[Isotherm],
     ln_a: FloatArray,
     ln_b: FloatArray,
@@ -226,7 +226,7 @@ def shifted(
     return spectrum
 
 
-def refined(
+def refine_shifts(
     isotherms: Sequence[Isotherm],
     spectrum: ShiftedSpectrum,
     *,

@@ -22,7 +22,7 @@ from dashpot.extensions.curves.datamodel.superposition import Superposition
 from dashpot.extensions.curves.shift_law_fit import ShiftLawFit, fit_shift_law
 from dashpot.extensions.curves.superposition.checks import (
     MIN_BIC_MARGIN,
-    of_shifts,
+    collect_shift_checks,
     overlap,
     thermorheologically_simple,
     vertical_rule_holds,
@@ -32,13 +32,13 @@ from dashpot.extensions.curves.superposition.isotherms import (
     Isotherm,
     Measured,
     isotherms_of,
-    joined,
+    join_tests,
 )
 from dashpot.extensions.curves.superposition.joint_spectrum import (
     ShiftedSpectrum,
     grid_of,
-    refined,
-    shifted,
+    refine_shifts,
+    solve_shifts,
     spectrum_at,
     vertical_step,
 )
@@ -98,7 +98,7 @@ def superpose(
         above 0.
     """
     require_choice("vertical", vertical, VerticalAsked, FitError)
-    test, sources = joined(data)
+    test, sources = join_tests(data)
     isotherms = isotherms_of(test)
     t = np.array([isotherm.temperature for isotherm in isotherms])
     if len(t) < 2:
@@ -107,11 +107,11 @@ def superpose(
             "several temperatures"
         )
     at = _reference(t, convert_to_si(reference, "temperature"))
-    parts = _alone(isotherms)
+    parts = _fit_isotherms_separately(isotherms)
     if shifts:
         best, how, checks = _as_given(isotherms, shifts, at)
     else:
-        best, how, checks = _searched(isotherms, at, vertical, np.sqrt(parts.variance))
+        best, how, checks = _search_shifts(isotherms, at, vertical, np.sqrt(parts.variance))
     covariance = _decadic(best, at)
     table = shifts_with(t, best.ln_a / _LN10, np.exp(best.ln_b), covariance)
     doubt = covariance[: len(t), : len(t)] if covariance.any() else _BY_EYE**2 * np.eye(len(t))
@@ -130,8 +130,8 @@ def superpose(
         solid,
         rms,
         (
-            *_judged(isotherms, best, at, law_fit, law),
-            thermorheologically_simple(*parts.beside(best), rms),
+            *_collect_checks(isotherms, best, at, law_fit, law),
+            thermorheologically_simple(*parts.compare_with_joint(best), rms),
             *checks,
         ),
         sources,
@@ -149,7 +149,7 @@ class _Apart(NamedTuple):
     def variance(self) -> float:
         return self.sse / max(self.dof, 1)
 
-    def beside(self, best: ShiftedSpectrum) -> tuple[float | None, float]:
+    def compare_with_joint(self, best: ShiftedSpectrum) -> tuple[float | None, float]:
         """Mean square of the joint fit over this, and what that reaches by chance."""
         if self.dof < _LEAST_DOF or self.sse <= 0:
             return None, 1.0
@@ -158,7 +158,7 @@ class _Apart(NamedTuple):
         return best.variance / self.variance, float(by_chance)
 
 
-def _alone(isotherms: Sequence[Isotherm]) -> _Apart:
+def _fit_isotherms_separately(isotherms: Sequence[Isotherm]) -> _Apart:
     at = np.zeros(1)
     spectra = [spectrum_at([isotherm], at, at, grid_of([isotherm], at)) for isotherm in isotherms]
     return _Apart(
@@ -177,7 +177,7 @@ def _reference(t: FloatArray, target: float | None) -> int:
     return nearest
 
 
-def _searched(
+def _search_shifts(
     isotherms: Sequence[Isotherm], at: int, vertical: VerticalAsked, noise: float
 ) -> tuple[ShiftedSpectrum, str, tuple[Check, ...]]:
     """Return the shifts by the vertical rule that was asked for, or that BIC takes."""
@@ -187,10 +187,10 @@ def _searched(
     spectra: dict[str, ShiftedSpectrum] = {}
     for name in requested:
         start = chained_starts(isotherms, rules[name], at)
-        spectra[name] = shifted(isotherms, start, rules[name], reference=at, noise=noise)
+        spectra[name] = solve_shifts(isotherms, start, rules[name], reference=at, noise=noise)
     how = min(spectra, key=lambda name: spectra[name].bic)
     free = vertical == "free"
-    best = refined(isotherms, spectra[how], reference=at, noise=noise, free_b=free)
+    best = refine_shifts(isotherms, spectra[how], reference=at, noise=noise, free_b=free)
     if free:
         return best, "free", (vertical_shift_known("free", 0.0, 0.0),)
     step, score = vertical_step(isotherms, best, reference=at, noise=noise)
@@ -241,7 +241,7 @@ def _decadic(best: ShiftedSpectrum, at: int) -> FloatArray:
     return full
 
 
-def _judged(
+def _collect_checks(
     isotherms: Sequence[Isotherm],
     best: ShiftedSpectrum,
     at: int,
@@ -251,12 +251,12 @@ def _judged(
     t = np.array([isotherm.temperature for isotherm in isotherms])
     values, requested = _decadic(best, at), law == "free"
     return (
-        overlap(_shared(isotherms, best), t),
-        *of_shifts(t, best.ln_a / _LN10, values, law_fit, requested=requested),
+        overlap(_compute_overlap(isotherms, best), t),
+        *collect_shift_checks(t, best.ln_a / _LN10, values, law_fit, requested=requested),
     )
 
 
-def _shared(isotherms: Sequence[Isotherm], best: ShiftedSpectrum) -> FloatArray:
+def _compute_overlap(isotherms: Sequence[Isotherm], best: ShiftedSpectrum) -> FloatArray:
     """Return the decades of reduced time that neighbours share, negative for a gap, (n - 1,)."""
     ends = np.array([isotherm.window for isotherm in isotherms]) - best.ln_a[:, None]
     return np.array(

@@ -20,7 +20,7 @@ from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate, pa
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.extensions.curves.shift_law_fit import ShiftLawFit
-from dashpot.extensions.curves.superposition.checks import of_shifts, overlap
+from dashpot.extensions.curves.superposition.checks import collect_shift_checks, overlap
 from dashpot.extensions.curves.temperatures import checks
 from dashpot.extensions.curves.temperatures.joint_covariance import (
     JointCovariance,
@@ -61,7 +61,7 @@ from dashpot.fitting.uncertainty.valid_band import informed_alone, informed_band
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit.variable_projection import Solution, solve
 from dashpot.numerics.inference.model_order import Shortage, chi2_sf
-from dashpot.preprocessing.checks import of_records
+from dashpot.preprocessing.checks import check_records
 
 # data that narrow what was held before by no more than this part of its variance say nothing
 _LITTLE = 0.01
@@ -176,7 +176,7 @@ def fit_thermal(
     if not intervals and arms is not None:
         return point_alone(best, vertical, shift_law, requested=arms)
     fit = MultiTemperatureFit(best, joint_covariance(best.joint, best.tests, best.point))
-    made = _assembled(fit, vertical, shift_law, requested=arms)
+    made = _build_fit(fit, vertical, shift_law, requested=arms)
     end = _end_of_hold(fit, made)
     band, error = _known_band(fit, made)
     checks = (*made.checks, hold_long_enough(end), loss_factor_known(error))
@@ -238,7 +238,7 @@ def _end_of_hold(fit: MultiTemperatureFit, made: Fit) -> EndOfHold | None:
 # -- the fit --------------------------------------------------------------------------------------
 
 
-def _assembled(
+def _build_fit(
     fit: MultiTemperatureFit, vertical: Vertical, shift_law: ShiftLaw, *, requested: int | None
 ) -> Fit:
     best, knowledge = fit
@@ -251,7 +251,7 @@ def _assembled(
     solution = _solution(fit)
     slower = [float(np.exp(point.log_a[i])) for i in best.joint.at]
     band = informed_band(
-        records, _reduced(fit), stiffness=max(model.k_0, 1e-300), noise=1.0, slower=slower
+        records, _reduce_tests(fit), stiffness=max(model.k_0, 1e-300), noise=1.0, slower=slower
     )
     estimate = ParameterEstimate(
         parameter_names(point.order),
@@ -267,7 +267,7 @@ def _assembled(
         Evidence(
             band,
             orders=_orders(fit),
-            certificate=certificate_for(_reduced(fit), solution),
+            certificate=certificate_for(_reduce_tests(fit), solution),
             checks=(*noticed, *_checks(fit, shifts, law_fit, band)),
         ),
         provenance(best, shifts),
@@ -276,7 +276,7 @@ def _assembled(
     )
 
 
-def _reduced(fit: MultiTemperatureFit) -> list[DataBlock]:
+def _reduce_tests(fit: MultiTemperatureFit) -> list[DataBlock]:
     """Every test in the time of the reference."""
     point = fit.best.point
     return [
@@ -287,7 +287,7 @@ def _reduced(fit: MultiTemperatureFit) -> list[DataBlock]:
 
 def _solution(fit: MultiTemperatureFit) -> Solution:
     """The optimum as the engine's, the shifts held."""
-    return solve(_reduced(fit), fit.best.point.order, log_tau_start=fit.best.point.log_tau)
+    return solve(_reduce_tests(fit), fit.best.point.order, log_tau_start=fit.best.point.log_tau)
 
 
 def _orders(fit: MultiTemperatureFit) -> tuple[OrderScore, ...]:
@@ -311,10 +311,10 @@ def _checks(
     point, knowledge = fit.best.point, fit.knowledge
     records, residual = [test.record for test in fit.best.tests], knowledge.residual
     solids = [point.solid_at(int(i)) for i in fit.best.joint.at]
-    low, high = zip(*(block.window for block in _reduced(fit)), strict=True)
+    low, high = zip(*(block.window for block in _reduce_tests(fit)), strict=True)
     answers = [
         optimum_found(stationary=True),
-        *of_records(records, method="full", solids=solids),
+        *check_records(records, method="full", solids=solids),
         *run_solid_checks(
             records,
             point.solid,
@@ -324,7 +324,7 @@ def _checks(
             solids=solids,
             needed=fit.best.choice is not None,
         ),
-        *_of_shifts(fit, shifts, law_fit),
+        *_collect_shift_checks(fit, shifts, law_fit),
         frequencies_informed(band),
     ]
     if fit.best.choice is not None:
@@ -334,7 +334,7 @@ def _checks(
     return tuple(answers)
 
 
-def _of_shifts(
+def _collect_shift_checks(
     fit: MultiTemperatureFit, shifts: TemperatureShifts, law_fit: ShiftLawFit
 ) -> list[Check]:
     temperatures = [shift.temperature for shift in shifts.shifts]
@@ -353,7 +353,7 @@ def _of_shifts(
     chance, excess = _misfit(fit)
     return [
         overlap(shared, temperatures, checks.SHARED),
-        *of_shifts(
+        *collect_shift_checks(
             fit.best.joint.temperatures,
             [shift.log10_a_t for shift in shifts.shifts],
             shifts.covariance,
@@ -363,7 +363,7 @@ def _of_shifts(
             chance,
             excess,
             temperatures=len(temperatures),
-            slope=None if slope is None else _by_data(slope, fit.best.joint.slope_sd),
+            slope=None if slope is None else _compute_data_estimate(slope, fit.best.joint.slope_sd),
         ),
         checks.stiffness_of_one_seal(shifts),
         checks.temperature_steady(warming),
@@ -371,7 +371,7 @@ def _of_shifts(
     ]
 
 
-def _by_data(nuisance: Nuisance, value: float) -> tuple[float, float] | None:
+def _compute_data_estimate(nuisance: Nuisance, value: float) -> tuple[float, float] | None:
     r"""What the data alone say of one that was held to 0 within `value`; None where that is little.
 
     .. math:: 1/s^2 = 1/s_d^2 + 1/s_0^2, \qquad v/s^2 = v_d/s_d^2
@@ -386,7 +386,7 @@ def _informed_at(fit: MultiTemperatureFit, i: int) -> tuple[float, float]:
     """The band that the tests of one temperature inform, Hz at the reference."""
     group = [
         informed_alone(block, stiffness=max(fit.best.point.solid.k_0, 1e-300), noise=1.0)
-        for block, at in zip(_reduced(fit), fit.best.joint.at, strict=True)
+        for block, at in zip(_reduce_tests(fit), fit.best.joint.at, strict=True)
         if at == i
     ]
     return min(low for low, _ in group), max(high for _, high in group)

@@ -79,7 +79,7 @@ class JointCovariance(ParameterCovariance):
     def nuisances(self) -> tuple[Nuisance, ...]:
         """The columns of each test, and how arms shift apart."""
         names = self.names[len(self.names) - len(self.own) :]
-        return of_tests(names, self.own, self.point, self.standard_error)
+        return build_test_columns(names, self.own, self.point, self.standard_error)
 
     @property
     def residual(self) -> Residual:
@@ -87,7 +87,7 @@ class JointCovariance(ParameterCovariance):
         return self.statistics([noise.samples for noise in self.noises])
 
 
-def of_tests(
+def build_test_columns(
     names: Sequence[str], base: FloatArray, point: ShiftedSolid, error: Callable[[str], float]
 ) -> tuple[Nuisance, ...]:
     """Return the columns of each test, ``"offset@0"``, and how arms shift apart, in words."""

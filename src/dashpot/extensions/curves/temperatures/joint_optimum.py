@@ -79,20 +79,21 @@ def optimum(
     choice = _choice(joint, tried, exhausted=len(tried) - 1 < most)
     # the columns of a warming seal are those of the solid found without them, then with them
     for _ in range(2):
-        point = _taken(tried, choice, arms).point
+        point = _select_candidate(tried, choice, arms).point
         tests = tuple(
-            _warmed(test, point, int(i), temperatures) for test, i in zip(tests, at, strict=True)
+            _shift_start(test, point, int(i), temperatures)
+            for test, i in zip(tests, at, strict=True)
         )
         joint = joint_of(tests)
         tried = refine_candidates(joint, tried, effective)
         choice = _choice(joint, tried, exhausted=len(tried) - 1 < most)
-    best = _ascending(_taken(tried, choice, arms).point)
+    best = _ascending(_select_candidate(tried, choice, arms).point)
     return ThermalOptimum(
         tuple(tests), joint, tried, choice if arms is None else None, best, thorough
     )
 
 
-def _warmed(
+def _shift_start(
     test: SingleTemperatureTest, point: ShiftedSolid, i: int, temperatures: FloatArray
 ) -> SingleTemperatureTest:
     by_a, by_b = (np.gradient(values, temperatures)[i] for values in (point.log_a, point.log_b))
@@ -111,7 +112,7 @@ def _choice(joint: JointTests, tried: Sequence[OrderCandidate], *, exhausted: bo
     return select_model_order(numbers, bics, clear, exhausted=exhausted, decisive=DECISIVE)
 
 
-def _taken(
+def _select_candidate(
     tried: Sequence[OrderCandidate], choice: OrderChoice, requested: int | None
 ) -> OrderCandidate:
     most = choice.arms if requested is None else requested

@@ -180,7 +180,9 @@ class JointTests:
             self.problem(point), [self.theta(point)], most=_STEPS, flat=_STATIONARY
         )
         k_inf, k = float(best.beta[0]), best.beta[1:]
-        return replace(self._placed(point, best.theta), k_inf=k_inf, k=k, chi_square=best.cost)
+        return replace(
+            self._replace_parameters(point, best.theta), k_inf=k_inf, k=k, chi_square=best.cost
+        )
 
     def clear(self, point: ShiftedSolid) -> bool:
         """Whether every arm is significant."""
@@ -189,38 +191,38 @@ class JointTests:
 
     def covariance(self, point: ShiftedSolid) -> FloatArray:
         """Covariance of what is shared under white noise of unit variance."""
-        return white(_part(self._every(point), point).by, 1.0)
+        return white(_part(self._stack_all_tests(point), point).by, 1.0)
 
     def problem(self, start: ShiftedSolid) -> Problem:
         """All tests at once, with as many arms."""
         n, (low, high) = start.order, np.array([block.bounds for block in self.blocks]).T
 
-        def shown(theta: FloatArray) -> FloatArray:
+        def select_visible_times(theta: FloatArray) -> FloatArray:
             """Relaxation times that one of the tests shows."""
-            change = self._placed(start, theta).log_a[self.at]
+            change = self._replace_parameters(start, theta).log_a[self.at]
             tau = np.clip(theta[:n], (low - change).min(), (high - change).max())
             return np.concatenate((tau, theta[n:]))
 
         kinds = [name.rpartition("_")[0] or name for name in self.names(n)[1 + n :]]
         return Problem(
-            lambda theta: Rows(*self._every(self._placed(start, theta))),
+            lambda theta: Rows(*self._stack_all_tests(self._replace_parameters(start, theta))),
             [Parameter(scale=_SIZES[kind]) for kind in kinds],
             positive=True,
-            priors=len(self._known(start)),
-            gauge=shown,
+            priors=len(self._build_prior_rows(start)),
+            gauge=select_visible_times,
         )
 
-    def _known(self, point: ShiftedSolid) -> FloatArray:
+    def _build_prior_rows(self, point: ShiftedSolid) -> FloatArray:
         """Rows by theta of what is known of g, below one of what no model of the tests removes."""
         values = np.zeros((1 + (point.order > 1), len(self.theta(point))))
         values[1:, -1:] = 1 / self.slope_sd
         return values
 
-    def _every(self, point: ShiftedSolid) -> _Rows:
+    def _stack_all_tests(self, point: ShiftedSolid) -> _Rows:
         """Every test, and what is known beside them."""
         tests = zip(self.blocks, self.at.tolist(), strict=True)
         y, A, slopes = zip(*(self._test(block, i, point) for block, i in tests), strict=True)
-        values = self._known(point)
+        values = self._build_prior_rows(point)
         extra = -values @ self.theta(point)
         extra[0] = np.sqrt(sum(block.floor for block in self.blocks))
         return (
@@ -255,7 +257,7 @@ class JointTests:
         slope = [point.slope] * (point.order > 1)
         return np.concatenate((point.log_tau, point.log_a[self.further], log_b, slope))
 
-    def _placed(self, point: ShiftedSolid, theta: FloatArray) -> ShiftedSolid:
+    def _replace_parameters(self, point: ShiftedSolid, theta: FloatArray) -> ShiftedSolid:
         """The point with its ln tau, shifts and g."""
         n, m = point.order, len(self.further)
         log_a, log_b = point.log_a.copy(), point.log_b.copy()

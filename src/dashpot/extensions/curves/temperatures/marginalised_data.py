@@ -220,12 +220,14 @@ def _marginal(test: SingleTemperatureTest) -> DataBlock:
     data, residual = white(basis.turn), white(basis.target - mean)
     stiff = white(basis.fixed[:, [names.index("k_inf")]])
 
-    def at(log_tau: FloatArray, derivative: bool) -> Evaluation:
+    def evaluate_block(log_tau: FloatArray, derivative: bool) -> Evaluation:
         evaluation = compact.evaluate(log_tau, derivative)
         arms = data @ evaluation.arms
         return Evaluation(residual, stiff, arms, data @ evaluation.d_arms if derivative else arms)
 
-    return replace(compact, rows=at, fixed_names=("k_inf",), floor=basis.floor, arm_group="k")
+    return replace(
+        compact, rows=evaluate_block, fixed_names=("k_inf",), floor=basis.floor, arm_group="k"
+    )
 
 
 def shift_block(block: DataBlock, log_a: float, log_b: float, slope: float = 0.0) -> DataBlock:

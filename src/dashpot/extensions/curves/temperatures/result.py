@@ -14,7 +14,11 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Provenance
 from dashpot.datamodel.shift_factors import TemperatureShifts, shifts_with
 from dashpot.extensions.curves.shift_law_fit import ShiftLawFit, fit_shift_law
-from dashpot.extensions.curves.temperatures.joint_covariance import left_of, of_tests, own_names
+from dashpot.extensions.curves.temperatures.joint_covariance import (
+    build_test_columns,
+    left_of,
+    own_names,
+)
 from dashpot.extensions.curves.temperatures.joint_optimum import ThermalOptimum
 from dashpot.extensions.curves.temperatures.marginalised_data import SingleTemperatureTest
 from dashpot.fitting.fit_construction import UNJUDGED, SolidEstimate, build_fit, point_estimate
@@ -115,7 +119,7 @@ def point_alone(best: ThermalOptimum, vertical: Vertical, law: ShiftLaw, *, requ
         np.concatenate([getattr(test_residual, part) for test_residual in residuals])
         for part in ("left", "own")
     )
-    nuisance = of_tests(own_names(best.tests), values, point, lambda _: np.inf)
+    nuisance = build_test_columns(own_names(best.tests), values, point, lambda _: np.inf)
     estimate = point_estimate(point.solid, len(residual), float(residual @ residual), nuisance)
     return build_fit(
         SolidEstimate(point.solid, estimate, fewer=point.order < requested),

@@ -224,7 +224,7 @@ class Hyperelastic:
             terms = zip(self.constants, self.exponents, strict=True)
             return np.asarray(sum(mu * power_column(along, a) for mu, a in terms))
         e = np.log(x)[..., None] * direction(mode, self.poisson)
-        by_first, by_second = self._by_invariants(e)
+        by_first, by_second = self._compute_invariant_derivatives(e)
         first = np.expm1(2 * e[..., 0]) - np.expm1(2 * e[..., 2])
         second = np.expm1(-2 * e[..., 2]) - np.expm1(-2 * e[..., 0])
         return np.asarray(2 * (by_first * first + by_second * second) / x)
@@ -298,7 +298,7 @@ class Hyperelastic:
             )
         return self.bulk
 
-    def _by_invariants(self, e: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _compute_invariant_derivatives(self, e: FloatArray) -> tuple[FloatArray, FloatArray]:
         """dW/dI1 and dW/dI2."""
         a, b = np.expm1(2 * e).sum(-1), np.expm1(-2 * e).sum(-1)
         first, second = np.zeros_like(a), np.zeros_like(a)
@@ -311,7 +311,7 @@ class Hyperelastic:
         """d2W / de_i de_j, shape (..., 3, 3)."""
         eye = np.eye(3)
         if self.kind in POWERS:
-            first, second = self._by_invariants(e)
+            first, second = self._compute_invariant_derivatives(e)
             a, grown = np.expm1(2 * e).sum(-1), np.exp(2 * e)
             # of the laws here I1 alone comes in powers
             terms = zip(self.constants, POWERS[self.kind], strict=True)
