@@ -25,6 +25,10 @@ scripts:
 test *args:
     pytest {{args}}
 
+# figures of the structure: names, tokens, files that fit and report run, imports of extensions
+structure *args:
+    python tests/kit/structure.py {{args}}
+
 # the statistical sweeps that are too long for every run
 slow *args:
     pytest -m slow {{args}}

@@ -35,6 +35,7 @@ RUNS = [
     ("engine", "--once", r"^batch, hold, R = 200, errors, per record .*scipy's optimum alone"),
     ("frf_peers", "", r"^  at the end  dashpot .*2\.00 .* %$"),
     ("global_optimum", "4", r"^wide +thorough +[01]\.\d{4} / "),
+    ("main_calls", "", r"^all main calls ran$"),
     ("master_curves", "", r"^together +5 arms, loss 0\.004-50 Hz off by +0\."),
     ("nist", "", r"^MGH17 +1\d\.\d"),
     ("order", "--seeds 1 --noise white", r"^white( +[01]\.\d\d){3}"),

@@ -1,0 +1,63 @@
+"""Names of modules, functions and variables say what they are, to a reader who is new here.
+
+The limits are today's figures, rounded up. They may only fall, and the floor of the share of verbs
+may only rise. ``python tests/kit/structure.py`` prints the figures.
+"""
+
+from __future__ import annotations
+
+import pytest
+from kit.structure import (
+    begins_with_verb,
+    compute_share,
+    compute_vague_share,
+    count_bare_functions,
+    is_bare,
+    list_bare_modules,
+    list_functions,
+    read_bare_names,
+)
+
+MOST_BARE_FUNCTIONS = 22.0  # % of all functions; goal 4
+LEAST_VERBS = 8.4  # % of all functions begin with a verb; goal 20
+MOST_VAGUE_IDENTIFIERS = 6.8  # % of all identifiers; goal 4
+
+
+def test_no_module_has_a_bare_name():
+    assert list_bare_modules() == []
+
+
+def test_few_functions_have_a_bare_name():
+    assert compute_share(list_functions(), is_bare) <= MOST_BARE_FUNCTIONS
+
+
+def test_no_function_has_a_new_bare_name():
+    """A participle, preposition, adverb or adjective alone: begin with a verb instead."""
+    assert dict(count_bare_functions() - read_bare_names()) == {}
+
+
+def test_every_allowed_bare_name_exists():
+    """Shorten the list by ``python tests/kit/structure.py --write-lists``."""
+    assert sorted(read_bare_names().keys() - count_bare_functions().keys()) == []
+
+
+def test_functions_begin_with_a_verb():
+    assert compute_share(list_functions(), begins_with_verb) >= LEAST_VERBS
+
+
+def test_few_identifiers_hold_a_vague_word():
+    assert compute_vague_share() <= MOST_VAGUE_IDENTIFIERS
+
+
+@pytest.mark.parametrize(
+    "name", ["_told", "of_arms", "_apart", "rounded", "Elsewhere", "soundest", "each"]
+)
+def test_a_bare_name_is_recognised(name: str) -> None:
+    assert is_bare(name)
+
+
+@pytest.mark.parametrize(
+    "name", ["fit_arms", "speed", "_seed", "storage_modulus", "__init__", "rounded_value", "_"]
+)
+def test_a_name_of_an_object_is_not_bare(name: str) -> None:
+    assert not is_bare(name)

@@ -1,0 +1,80 @@
+"""The core stays small, knows no extension, and holds what the main commands run.
+
+The limits are today's figures, rounded up; they may only fall. ``python tests/kit/structure.py``
+prints the figures.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from kit.structure import (
+    EXTENSION_IMPORTS,
+    FILES_NOT_ENTERED,
+    FIT_COMMAND,
+    REPORT_COMMAND,
+    count_tokens,
+    list_extension_imports,
+    list_files_not_entered,
+    measure_main_commands,
+    read_linter_exceptions,
+    read_rows,
+    select_core,
+    trace_files,
+    write_example_files,
+)
+
+MOST_TOKENS = 479_000  # of the core; goal 430,000
+MOST_FILES = 410  # of the core; goal 400
+MOST_FILES_OF_FIT = 171  # that `dashpot fit FILE` runs; goal 120
+MOST_FILES_OF_REPORT = 284  # that `dashpot report TEST HAMMER` runs; goal 200
+MOST_FILES_NOT_ENTERED = 99  # by the main commands; goal 40
+MOST_EXTENSION_IMPORTS = 92  # by the core; goal 0
+
+
+def test_the_core_is_small():
+    core = select_core()
+    assert len(core) <= MOST_FILES
+    assert count_tokens(core) <= MOST_TOKENS
+
+
+@pytest.mark.parametrize(
+    ("command", "limit"),
+    [(FIT_COMMAND, MOST_FILES_OF_FIT), (REPORT_COMMAND, MOST_FILES_OF_REPORT)],
+    ids=["fit", "report"],
+)
+def test_a_command_runs_few_files(command: tuple[str, ...], limit: int, tmp_path: Path) -> None:
+    write_example_files(tmp_path)
+    files = trace_files(*command, folder=tmp_path)
+    assert "cli/__init__.py" in files
+    assert len(files) <= limit
+
+
+def test_the_core_imports_no_extension():
+    """Ask the registry instead: see ``src/dashpot/registry``."""
+    imports = list_extension_imports()
+    allowed = read_linter_exceptions() | read_rows(EXTENSION_IMPORTS).keys()
+    assert sorted(imports - allowed) == []
+    assert len(imports) <= MOST_EXTENSION_IMPORTS
+
+
+def test_every_allowed_import_exists():
+    """Shorten the list by ``python tests/kit/structure.py --write-lists``."""
+    assert sorted(read_rows(EXTENSION_IMPORTS).keys() - list_extension_imports()) == []
+
+
+@pytest.mark.once
+def test_the_main_commands_enter_every_file_of_the_core(tmp_path: Path) -> None:
+    """A file that they do not enter needs a reason in the list, or belongs in an extension."""
+    not_entered = list_files_not_entered(measure_main_commands(tmp_path))
+    assert sorted(not_entered - read_rows(FILES_NOT_ENTERED).keys()) == []
+    entered = {file.path for file in select_core()} - not_entered
+    assert sorted(entered & read_rows(FILES_NOT_ENTERED).keys()) == []  # needs its reason no more
+
+
+def test_every_file_that_is_not_entered_has_a_reason():
+    rows, core = read_rows(FILES_NOT_ENTERED), {file.path for file in select_core()}
+    assert sorted(rows.keys() - core) == []
+    assert [path for path, reason in rows.items() if len(reason.split()) < 2] == []
+    assert len(rows) <= MOST_FILES_NOT_ENTERED
