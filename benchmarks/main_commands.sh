@@ -34,6 +34,7 @@ dashpot fit seal_8mm.csv --model fractional -o fractional.json
 dashpot fit hammer.csv -o frf.csv --json
 dashpot fit seal_8mm.csv hammer.csv "${mass[@]}" -o joint.json
 dashpot predict fit.json "${mass[@]}" -o predicted.csv
+dashpot predict fit.json "${mass[@]}" -o predicted.html
 dashpot compare fit.json hammer.csv "${mass[@]}" --json
 dashpot compare frf.csv predicted.csv
 dashpot report seal_8mm.csv hammer.csv "${mass[@]}" -o report.html

@@ -6,8 +6,9 @@
 The core is ``src/dashpot`` without ``extensions/``. Three lists hold the exceptions that
 ``tests/test_names.py`` and ``tests/test_structure.py`` allow: ``tests/data/bare_names.txt``,
 ``tests/data/extension_imports.txt`` and ``tests/data/core_files_not_entered.txt``.
-``--write-lists`` removes the entries of the first two that are no longer needed and never adds
-one; ``--admit-new`` adds new ones, too, which a review has to justify.
+``--write-lists`` removes entries that are no longer needed, of the third those of files that no
+longer exist, and never adds one. ``--write-lists --admit-new`` adds to the first two what is new,
+which a review has to justify.
 """
 
 from __future__ import annotations
@@ -431,6 +432,9 @@ def shorten_lists(*, admit_new: bool = False) -> None:
     if not admit_new:
         imports &= set(read_rows(EXTENSION_IMPORTS))
     write_rows(EXTENSION_IMPORTS, sorted(imports))
+    core = {file.path for file in select_core()}
+    reasons = read_rows(FILES_NOT_ENTERED)
+    write_rows(FILES_NOT_ENTERED, (f"{path}: {reasons[path]}" for path in reasons if path in core))
 
 
 def print_figures() -> None:
