@@ -18,7 +18,7 @@ from kit.structure import (
     read_bare_names,
 )
 
-MOST_BARE_FUNCTIONS = 4.3  # % of all functions; goal 4
+MOST_BARE_FUNCTIONS = 4.0  # % of all functions; goal 4
 LEAST_VERBS = 26.0  # % of all functions begin with a verb; goal 20
 MOST_VAGUE_IDENTIFIERS = 0.8  # % of all identifiers; goal 4
 

@@ -12,7 +12,7 @@ from dashpot.base.errors import DataError
 from dashpot.datamodel.machine import Machine
 from dashpot.planning.plan import Plan
 from dashpot.planning.planned_ramp_hold import Bench, PlannedRows
-from dashpot.planning.temperature_repeats import Elsewhere, elsewhere, rows_with
+from dashpot.planning.temperature_repeats import Elsewhere, plan_repeat, rows_with
 from dashpot.solids.demo_seals import BROAD, HIDDEN, SHIFT
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import Arrhenius
@@ -45,7 +45,7 @@ def usual(method: str = "full", machine: Machine | None = None) -> Bench:
 
 
 def places(*celsius: float, b_t: float | None = None) -> list[Elsewhere]:
-    found = [elsewhere(each + 273.15, ROOM, SHIFT) for each in celsius]
+    found = [plan_repeat(each + 273.15, ROOM, SHIFT) for each in celsius]
     return found if b_t is None else [Elsewhere(e.temperature, e.a_t, b_t) for e in found]
 
 
@@ -246,8 +246,8 @@ def test_what_cannot_be_is_refused(changes, words):
 def test_just_what_can_be_is_not():
     assert len(asked(cold=(273.15, 273.6501)).repeats) == 2
     for kelvin, law in itertools.product((296.15 + 0.5001, 228.15), (SHIFT, Arrhenius(6e4, ROOM))):
-        assert elsewhere(kelvin, ROOM, law).temperature == kelvin
+        assert plan_repeat(kelvin, ROOM, law).temperature == kelvin
     # the solid is that of the room, wherever the law's reference lies
-    there = elsewhere(273.15, 283.15, SHIFT)
+    there = plan_repeat(273.15, 283.15, SHIFT)
     assert there.a_t == pytest.approx(float(SHIFT.a_t(273.15) / SHIFT.a_t(283.15)))
     assert there.b_t == 273.15 / 283.15

@@ -619,7 +619,7 @@ def test_words_from_a_file_stay_words():
     hostile = plot.hits(replace(S.impact, channels=(r"$\frac{", "加速度 \x07")), S.measured)
     assert "\x07" not in plot.to_svg(hostile)
     assert r"$\frac{" in plot.to_svg(hostile)
-    assert plot.rendered(hostile, ".png", dpi=40)
+    assert plot.render_figure(hostile, ".png", dpi=40)
 
 
 def test_limits_without_an_end_are_drawn_within_the_axes():

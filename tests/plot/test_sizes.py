@@ -19,7 +19,7 @@ def drawn(size: str | None, columns: int = 1) -> tuple[float, str]:
     axes = Scale("time, s", (0, 1)), Scale("force, N", (0, 1))
     panel = Panel(*axes, (Line(ends, ends, FIT),))
     picture = Picture("p", "A line.", ((panel,),) * columns, columns=columns)
-    svg = dp.plot.rendered(picture, "svg", size=size).decode()
+    svg = dp.plot.render_figure(picture, "svg", size=size).decode()
     return float(re.search(r'width="(\d+)"', svg)[1]), svg
 
 

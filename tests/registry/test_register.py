@@ -126,7 +126,7 @@ def test_every_word_of_a_row_is_there(kind: KindOfTest) -> None:
         assert isinstance(load_object(noun), type)
     if kind.panel:
         assert asks_of(kind.name)
-        assert callable(load_object(f"{kind.panel}:answered"))
+        assert callable(load_object(f"{kind.panel}:fit_form_files"))
     assert not kind.also or KINDS[kind.also].panel
     if kind.checks:
         stage = load_object(f"{kind.checks}:__name__")

@@ -14,7 +14,7 @@ from dashpot.simulation.kinematics import (
     depth_along,
     misalignment,
     setpoints,
-    tilted,
+    tilt_motion,
     unit,
 )
 
@@ -63,7 +63,7 @@ def test_an_encoder_without_steps_reads_the_truth():
 @given(angle=st.floats(0, 1.5), towards=st.floats(-3, 3), force=st.floats(0.01, 70))
 def test_the_lateral_force_tells_the_angle(angle: float, towards: float, force: float):
     # R4: atan(F_lat / F_z)
-    x, y, z = tilted([force], angle, towards=towards)[:, 0]
+    x, y, z = tilt_motion([force], angle, towards=towards)[:, 0]
     assert np.hypot(np.hypot(x, y), z) == pytest.approx(force)
     assert misalignment(x, y, z) == pytest.approx(angle, abs=1e-12)
 

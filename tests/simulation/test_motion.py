@@ -14,7 +14,7 @@ from dashpot.extensions.materials.cld.preprocess import cld
 from dashpot.extensions.materials.cld.read import read_cld
 from dashpot.planning.setpoints import planned_trajectory
 from dashpot.reading.write import write_trajectory
-from dashpot.simulation.motion import simulate_motion, softened
+from dashpot.simulation.motion import simulate_motion, soften_motion
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Climate, Rig
 from dashpot.solids.demo_seals import BROAD, PAPER
@@ -54,7 +54,7 @@ def test_a_record_can_be_replayed():
 def test_softening_is_12_percent_of_what_cycles_bring_in_the_end():
     # 1 - 0.12 (1 - e^(-(n - 1)/1.5)) in cycle n
     x = np.tile(np.concatenate([np.linspace(0, 1, 50), np.linspace(1, 0, 50)]), 4)
-    part = softened(x, 0.12)
+    part = soften_motion(x, 0.12)
     deep = part[50::100]
     expected = 1 - 0.12 * (1 - np.exp(-np.arange(4) / 1.5))
     np.testing.assert_allclose(deep, expected, rtol=1e-12)
@@ -63,7 +63,7 @@ def test_softening_is_12_percent_of_what_cycles_bring_in_the_end():
     waves = np.concatenate(
         [np.linspace(0, 1, 50), np.linspace(1, 0.06, 50), np.linspace(0.06, 1, 50)]
     )
-    np.testing.assert_array_equal(softened(waves, 0.12), 1.0)
+    np.testing.assert_array_equal(soften_motion(waves, 0.12), 1.0)
 
 
 @pytest.mark.parametrize("share", [-0.01, 1.0])

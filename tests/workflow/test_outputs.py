@@ -41,7 +41,7 @@ WRITTEN = {
     "compact": lambda: to_json(MODEL, indent=None).encode(),
     "profile": lambda: dump_profile(ReadOptions(force="F")).encode(),
     **{
-        suffix: lambda suffix=suffix: dp.plot.rendered(dp.plot.stiffness(a_fit(MODEL)), suffix)
+        suffix: lambda suffix=suffix: dp.plot.render_figure(dp.plot.stiffness(a_fit(MODEL)), suffix)
         for suffix in (".png", ".svg", ".pdf")
     },
     **{

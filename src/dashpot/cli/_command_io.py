@@ -179,7 +179,7 @@ def note_written(path: str | Path) -> None:
 def write_figure(path: str, figure: dp.plot.Picture) -> None:
     """Write a figure as the suffix of its file says."""
     size = click.get_current_context().params.get("size")
-    write(path, dp.plot.rendered(figure, Path(path).suffix, size=size))
+    write(path, dp.plot.render_figure(figure, Path(path).suffix, size=size))
 
 
 def _open(written: Sequence[str]) -> None:

@@ -170,7 +170,7 @@ def open_deck(
         )
     problems = {name: (says, _REMEDIES[name]) for name, says in _problems(deck).items()}
     return replace(
-        deck, overrides=overlooked(problems, allow, "deck", units=units, missing=missing)
+        deck, overrides=list_allowed_problems(problems, allow, "deck", units=units, missing=missing)
     )
 
 
@@ -194,7 +194,7 @@ def _apply_temperature(fit: Fit, specimen: Specimen | None) -> Fit:
     return replace(shifted_fit, evidence=replace(shifted_fit.evidence, checks=checks))
 
 
-def overlooked(
+def list_allowed_problems(
     problems: Mapping[str, tuple[str, str]],
     allow: Collection[str],
     what: str,

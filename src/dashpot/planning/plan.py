@@ -32,7 +32,7 @@ from dashpot.planning.expected_errors import (
 )
 from dashpot.planning.plan_options import IN_SI, HammerPlan
 from dashpot.planning.planned_ramp_hold import Bench
-from dashpot.planning.temperature_repeats import Elsewhere, elsewhere, refuse_twice
+from dashpot.planning.temperature_repeats import Elsewhere, plan_repeat, refuse_twice
 from dashpot.solids.demo_seals import SHIFT
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import TemperatureLaw
@@ -186,7 +186,7 @@ def plan(
     for place in places:
         require_positive(cold=place, expected=IN_SI)
     margin, law = seal.room, seal.law
-    repeats = tuple(elsewhere(kelvin, margin, law) for kelvin in places)
+    repeats = tuple(plan_repeat(kelvin, margin, law) for kelvin in places)
     refuse_twice(places)
     supposed, arm = seal.with_arm(at)
     index = None if arm is None else supposed.tau.index(arm[1])
@@ -245,7 +245,7 @@ def _usual_cold(margin: float, law: TemperatureLaw) -> list[tuple[Elsewhere]]:
     if margin < USUAL_COLD + COLDER:
         return []
     try:
-        return [(elsewhere(USUAL_COLD, margin, law),)]
+        return [(plan_repeat(USUAL_COLD, margin, law),)]
     except DataError:
         return []
 

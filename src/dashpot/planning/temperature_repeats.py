@@ -48,7 +48,7 @@ class Elsewhere:
     b_t: float
 
 
-def elsewhere(temperature: float, margin: float, law: TemperatureLaw) -> Elsewhere:
+def plan_repeat(temperature: float, margin: float, law: TemperatureLaw) -> Elsewhere:
     """What the law, and stiffness in proportion to T, suppose at a temperature, K.
 
     The solid is that of the `margin`, K.

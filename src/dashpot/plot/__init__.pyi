@@ -3,7 +3,7 @@ from collections.abc import Callable
 from .bench_tests_figure import bench as bench
 from .columns_figure import columns as columns
 from .dynamic_stiffness_figure import dynamic_stiffness as dynamic_stiffness
-from .figure_files import rendered as rendered
+from .figure_files import render_figure as render_figure
 from .figure_files import save as save
 from .frf_figure import comparison as comparison
 from .frf_figure import frf as frf

@@ -28,7 +28,7 @@ def save(
     """
     target = Path(path)
     try:
-        write_atomic(target, rendered(picture, target.suffix, dpi=dpi, size=size))
+        write_atomic(target, render_figure(picture, target.suffix, dpi=dpi, size=size))
     except ExportError as error:
         raise ExportError(f"{target.name}: {error}") from None
     except OSError as error:
@@ -36,7 +36,7 @@ def save(
         raise ExportError(f"{target}: the figure cannot be written: {reason}") from error
 
 
-def rendered(
+def render_figure(
     picture: Picture, suffix: str, *, dpi: float = 300.0, size: FigureSize | None = None
 ) -> bytes:
     """Return `picture` as the file that `suffix` names: .pdf, .png or .svg.

@@ -15,7 +15,7 @@ from dashpot.report.page_frame import COLOURS, environment, frame
 from dashpot.workflow.recommendation import recommendation
 from dashpot.workflow.study import Study
 
-__all__ = ["html", "paged", "write_study"]
+__all__ = ["has_page", "html", "write_study"]
 
 
 def html(
@@ -56,7 +56,7 @@ def write_study(study: Study) -> str:
     return _render_template("report.html", _contents(study))
 
 
-def paged(result: object) -> bool:
+def has_page(result: object) -> bool:
     """Whether a result has a page."""
     return find_handler("html", result) is not None or result_page.has_kind_page(result)
 

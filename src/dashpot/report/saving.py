@@ -68,9 +68,9 @@ def _document(document: Any, name: str) -> str:
 
 
 def _page(item: Any, name: str) -> str:
-    from dashpot.report import html, paged
+    from dashpot.report import has_page, html
 
-    if not paged(item):
+    if not has_page(item):
         raise ExportError(
             f"{name}: a {type(item).__name__} has no page of its own. Write it as .json, or make a "
             'report: dp.report(test, hits).save("report.html")'

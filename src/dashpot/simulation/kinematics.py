@@ -155,7 +155,7 @@ class Arm:
         return self.place(np.column_stack(turned))
 
 
-def tilted(force: npt.ArrayLike, angle: float, *, towards: float = 0.0) -> FloatArray:
+def tilt_motion(force: npt.ArrayLike, angle: float, *, towards: float = 0.0) -> FloatArray:
     r"""Return the force that a misaligned transducer feels, shape (3, n), N.
 
     A seal pushes along the plate's normal; a transducer turned by `angle` from it feels

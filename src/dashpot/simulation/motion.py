@@ -141,7 +141,7 @@ def _simulate_record(
     if not glued:
         answer = np.maximum(answer, 0.0)
     if rig.softening:
-        answer *= softened(pressed, rig.softening)
+        answer *= soften_motion(pressed, rig.softening)
     time = np.arange(int(np.floor(end * rig.rate * (1 + 1e-12))) + 1) / rig.rate
     position, force = np.interp(time, clock, motion), np.interp(time, clock, answer)
     measured = position + rig.position_noise * random.standard_normal(len(time))
@@ -155,7 +155,7 @@ def _simulate_record(
     return test, position, force
 
 
-def softened(compression: FloatArray, share: float) -> FloatArray:
+def soften_motion(compression: FloatArray, share: float) -> FloatArray:
     r"""Return what part of its first force a seal carries, that softens with each cycle.
 
     :math:`1 - s (1 - e^{-(n-1)/1.5})` in cycle n. A cycle ends where a seal that was pressed by

@@ -13,7 +13,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import format_quantity
 from dashpot.base.version import byline
 from dashpot.simulation.daq import Daq
-from dashpot.simulation.kinematics import tilted
+from dashpot.simulation.kinematics import tilt_motion
 from dashpot.simulation.rig import Rig
 
 AXES = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
@@ -116,7 +116,7 @@ class Instrument:
 
     def load(self, force: FloatArray) -> FloatArray:
         """Return force and torque, shape (6, n), under a force along the plate's normal, N."""
-        response = tilted(force, self.misaligned, towards=self.towards)
+        response = tilt_motion(force, self.misaligned, towards=self.towards)
         return np.vstack([response, np.zeros_like(response)])
 
     def read(self, time: FloatArray, force: FloatArray, *, rig: Rig, seed: int = 0) -> FloatArray:

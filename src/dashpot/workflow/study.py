@@ -286,7 +286,7 @@ def characterise(
     if impact_temperature is not None:
         chosen = chosen.at_temperature(impact_temperature)
     # what is shown is of the temperature of the solid
-    first = of_solid(chosen, every)
+    first = find_reference_test(chosen, every)
     test, prepared = (test, *tests)[first], every[first]
     value = mass
     if measured is not None:
@@ -420,7 +420,7 @@ def _get_fixed_order_fit(arms: int, chosen: Fit, prepared: RampHold) -> Fit:
     return fit_fixed_order(prepared, arms)
 
 
-def of_solid(chosen: Fit, tests: Sequence[RampHold]) -> int:
+def find_reference_test(chosen: Fit, tests: Sequence[RampHold]) -> int:
     """Which test is of the temperature of the fit's solid; the first if all are of one."""
     if chosen.temperatures is None:
         return 0

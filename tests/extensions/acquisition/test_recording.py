@@ -21,7 +21,7 @@ from dashpot.base.version import is_ours
 from dashpot.extensions.acquisition.line_parser import LONGEST, Lines
 from dashpot.extensions.acquisition.record_to_file import record
 from dashpot.extensions.acquisition.recorder import Description
-from dashpot.extensions.acquisition.replay_device import Paced, replay, simulated
+from dashpot.extensions.acquisition.replay_device import Paced, create_simulated_device, replay
 from dashpot.extensions.acquisition.serial_line import SerialLine
 from dashpot.fitting.relaxation import fit
 from dashpot.reading.readers.relaxation import read_relaxation
@@ -225,7 +225,7 @@ def test_a_replay_is_the_record(tmp_path):
 
 
 def test_the_virtual_rig_is_a_device_and_stops_after_its_seconds(tmp_path):
-    played = simulated(speed=400.0)
+    played = create_simulated_device(speed=400.0)
     rows, _ = record(played, tmp_path / "a.csv", seconds=5.0)
     assert 5000 <= rows < 42501
     assert read_relaxation(tmp_path / "a.csv").source.simulated
@@ -338,7 +338,7 @@ def test_a_full_disk_leaves_whole_rows(tmp_path, monkeypatch):
 
 def test_a_stop_between_any_two_steps_ends_the_reading():
     # the handler of a signal runs in the thread that reads, whatever that thread holds
-    device = simulated(speed=0.5)
+    device = create_simulated_device(speed=0.5)
 
     def read():
         sys.setprofile(lambda *_: device.stop())

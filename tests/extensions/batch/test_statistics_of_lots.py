@@ -8,7 +8,7 @@ from kit.shell import ran, told
 
 import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
-from dashpot.extensions.batch.comparison import compared, opened, opened_both
+from dashpot.extensions.batch.comparison import compare_two_lots, open_lot, opened_both
 from dashpot.extensions.batch.quantities import make_natural_sort_key, quantity
 from dashpot.extensions.batch.summary import summary
 
@@ -62,15 +62,18 @@ def test_a_record_that_is_given_again_is_named_and_a_lot_is_not_held_against_its
     rows = [row | {"sha256": f"{i}"} for i, row in enumerate(scattered(lots=1, seals=3, repeats=2))]
     sound = lot_of(rows)
     assert sound.copies == {}
-    both = compared(("may", sound), ("june", sound), ["k_end"])
+    both = compare_two_lots(("may", sound), ("june", sound), ["k_end"])
     assert [one.value for one in both.checks if one.name == "records_distinct"] == [6, 0, 0]
     assert both.each[0].different is both.document["differences"][0]["different"] is None
     assert "not judged, the lots have six records in common" in str(both)
     assert "no difference" not in str(both)
     others = [row | {"sha256": f"{i}*"} for i, row in enumerate(rows)]
-    assert compared(("may", sound), ("june", lot_of(others)), ["k_end"]).each[0].different is False
+    assert (
+        compare_two_lots(("may", sound), ("june", lot_of(others)), ["k_end"]).each[0].different
+        is False
+    )
     others[0]["sha256"] = "0"
-    assert compared(("may", sound), ("june", lot_of(others)), ["k_end"]).each[0].shared == 1
+    assert compare_two_lots(("may", sound), ("june", lot_of(others)), ["k_end"]).each[0].shared == 1
     rows[3]["sha256"] = "0"
     lot = lot_of(rows)
     assert lot.copies == {"L1/2_2.csv": "L1/1_1.csv"}
@@ -157,12 +160,14 @@ def test_two_lots_that_differ_and_two_that_do_not(tmp_path):
         lot_of(scattered(lots=1, sds=(0, 0.03, 0.01), mean=mean, seed=seed))
         for mean, seed in ((200, 1), (210, 2))
     )
-    found = compared(("A", same), ("B", apart), ["k_end"]).each[0]
+    found = compare_two_lots(("A", same), ("B", apart), ["k_end"]).each[0]
     assert found.different
     low, high = found.difference.interval
     assert low < 10 < high
     assert found.difference.counts == (25, 25)
-    alike = compared(("A", same), ("C", lot_of(scattered(lots=1, sds=(0, 0.03, 0.01), seed=5))))
+    alike = compare_two_lots(
+        ("A", same), ("C", lot_of(scattered(lots=1, sds=(0, 0.03, 0.01), seed=5)))
+    )
     assert [one.quantity.name for one in alike.each] == ["k_end", "k_0"]
     assert not any(one.different for one in alike.each)
     # 25 seals of 3 % find 2.4 %: 2.86 standard errors of 3.04 % times the root of 2/25
@@ -184,20 +189,20 @@ def test_lots_tested_otherwise_are_not_called_the_same_test():
     one, other = scattered(lots=1), scattered(lots=1, seed=1)
     for row in other:
         row["depth_m"] = 0.006
-    found = compared(("A", lot_of(one)), ("B", lot_of(other)))
+    found = compare_two_lots(("A", lot_of(one)), ("B", lot_of(other)))
     (check,) = [each for each in found.checks if each.name == "lots_tested_alike"]
     assert check.failed
     assert "depth 0.008 and 0.006 m" in check.says
     fitted = [each.says[:5] for each in found.checks if each.name == "files_fitted"]
     assert fitted == ["In A,", "In B,"]
-    assert not compared(("A", lot_of(one)), ("B", lot_of(one))).checks[0].failed
+    assert not compare_two_lots(("A", lot_of(one)), ("B", lot_of(one))).checks[0].failed
 
 
 def test_a_test_without_a_seal_is_said_to_count_as_one():
     rows = scattered(lots=1, seals=4, repeats=2)
     for row in rows:
         row["seal"] = ""
-    found = compared(("A", lot_of(rows)), ("B", lot_of(rows)))
+    found = compare_two_lots(("A", lot_of(rows)), ("B", lot_of(rows)))
     assert found.each[0].difference.counts == (8, 8)
     (check,) = [one for one in found.checks if one.name == "seals_named"]
     assert check.value == 16
@@ -205,15 +210,15 @@ def test_a_test_without_a_seal_is_said_to_count_as_one():
 
 def test_a_folder_of_several_lots_is_asked_which(tmp_path):
     folder = in_folder(tmp_path / "all", lot_of(scattered(lots=3, seals=2)))
-    assert opened(f"{folder}:L2")[1].table.height == 8
+    assert open_lot(f"{folder}:L2")[1].table.height == 8
     for named, error, words in (
         (folder, DataError, "holds 3 lots: L1, L2, L3; say which"),
         (f"{folder}:L9", DataError, "there is no lot 'L9'; there are L1, L2, L3"),
         (str(tmp_path), ReadError, "holds no rows of a batch"),
     ):
         with pytest.raises(error, match=words):
-            opened(named)
+            open_lot(named)
     one = lot_of(scattered(lots=1, seals=1))
     with pytest.raises(DataError, match="lots of 1 and 1 seals"):
-        compared(("A", one), ("B", one))
+        compare_two_lots(("A", one), ("B", one))
     assert np.isfinite(one.seals()[0].mean)

@@ -13,7 +13,7 @@ from kit.shell import ran
 from dashpot.base.errors import ReadError
 from dashpot.base.version import is_ours
 from dashpot.extensions.batch import workbook as workbooks
-from dashpot.extensions.batch.acceptance import judged
+from dashpot.extensions.batch.acceptance import check_lot_acceptance
 from dashpot.extensions.batch.limits import Limits, read_limits
 from dashpot.extensions.batch.page import html
 from dashpot.extensions.batch.summary import summary
@@ -83,11 +83,11 @@ def test_a_seal_passes_where_its_uncertainty_leaves_no_doubt(tmp_path):
     rows = repeated(*means)
     rows.append({"lot": "A", "seal": "lost", "file": "z.csv", "outcome": "refused"})
     (asked,) = limits(tmp_path, '[k_end]\nlower = "100N/m"')
-    found = judged(lot_of(rows), asked)
+    found = check_lot_acceptance(lot_of(rows), asked)
     assert [one.decision for one in found] == ["pass", "pass", "not proven", "fail", "no result"]
     assert found[0].guard == pytest.approx(guard, rel=1e-4)
     # without repeats the uncertainty is not known
-    alone = judged(lot_of(rows[:16:4]), asked)
+    alone = check_lot_acceptance(lot_of(rows[:16:4]), asked)
     assert [(one.decision, one.guard) for one in alone][:2] == [("pass", None), ("pass", None)]
 
 
@@ -102,7 +102,7 @@ def test_a_guard_band_keeps_its_promise(tmp_path):
             for i in range(25)
             for _ in range(3)
         ]
-        passed += [one.decision for one in judged(lot_of(rows), asked)].count("pass")
+        passed += [one.decision for one in check_lot_acceptance(lot_of(rows), asked)].count("pass")
     assert passed / 1000 < 0.05 + 4 * math.sqrt(0.05 * 0.95 / 1000)
 
 
@@ -121,10 +121,10 @@ def test_a_limit_of_a_modulus_is_not_held_against_a_stiffness(tmp_path):
 def test_what_operators_add_widens_the_guard_band(tmp_path):
     rows = scattered(lots=1, seals=10, sds=(0, 0.03, 0.005), operators=("a", "b"), seed=1)
     (asked,) = limits(tmp_path, '[k_end]\nlower = "100N/m"')
-    one = judged(lot_of(rows), asked)[0].guard
+    one = check_lot_acceptance(lot_of(rows), asked)[0].guard
     for row in rows:
         row["k_end_N_per_m"] += 8 * (row["operator"] == "b")
-    assert judged(lot_of(rows), asked)[0].guard > 3 * one
+    assert check_lot_acceptance(lot_of(rows), asked)[0].guard > 3 * one
 
 
 def test_what_stands_out_is_named_and_what_does_not_is_not():
@@ -242,7 +242,7 @@ def test_a_test_that_lacks_the_quantity_of_a_limit_has_no_result(tmp_path):
     rows[0]["frequency_Hz"] = 12.0
     rows.append({"lot": "L1", "file": "notes.txt", "outcome": "refused"})
     (asked,) = limits(tmp_path, '[frequency]\nlower = "10Hz"\n', ("frequency_Hz",))
-    found = judged(lot_of(rows), asked)
+    found = check_lot_acceptance(lot_of(rows), asked)
     assert [(one.seal, one.decision) for one in found] == [
         ("L1/1_1.csv", "pass"), ("L1/2_1.csv", "no result"), ("L1/3_1.csv", "no result"),
     ]  # fmt: skip

@@ -15,7 +15,12 @@ from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.seal_line import SealLine, SealSection
 from dashpot.extensions.door import air_flow
 from dashpot.extensions.door.closing import ELASTIC, GRAVITY, HINGE, VISCOUS, ClosingDoor, march
-from dashpot.extensions.door.closing_analysis import SealDoubt, close_door, least_speed, scattered
+from dashpot.extensions.door.closing_analysis import (
+    SealDoubt,
+    close_door,
+    least_speed,
+    simulate_scatter,
+)
 from dashpot.extensions.door.closing_setup import (
     Between,
     Cabin,
@@ -348,21 +353,21 @@ def test_a_door_that_closes_by_itself_and_one_that_never_does():
 
 def test_the_scatter_of_a_spring_is_the_closed_one():
     door = a_door()
-    none = scattered(door, Tolerances(count=5), 0.33)
+    none = simulate_scatter(door, Tolerances(count=5), 0.33)
     assert none.speed == pytest.approx(np.full(5, 0.33), rel=1e-3)
     # E = k L x^2/2: v ~ |x| sqrt(load)
-    drawn = scattered(door, Tolerances(gap=1.5e-3, load=0.15, count=60, seed=3), 0.328634)
+    drawn = simulate_scatter(door, Tolerances(gap=1.5e-3, load=0.15, count=60, seed=3), 0.328634)
     exact = 0.328634 * drawn.least / 6e-3
     load = drawn.contact / (K * drawn.least)
     assert drawn.speed == pytest.approx(exact * np.sqrt(load), rel=3e-3)
     assert np.ptp(load) > 0.1
     assert drawn.leaking == 0
-    again = scattered(door, Tolerances(gap=1.5e-3, load=0.15, count=60, seed=3), 0.328634)
+    again = simulate_scatter(door, Tolerances(gap=1.5e-3, load=0.15, count=60, seed=3), 0.328634)
     assert np.array_equal(drawn.speed, again.speed)
     # along the line a gap that forgets itself evens out
     along = Tolerances(gap=1.5e-3, correlation=0.05, count=60, seed=3)
-    assert scattered(door, along, 0.328634).speed.std() < 0.5 * drawn.speed.std()
-    leaky = scattered(door, Tolerances(gap=12e-3, count=60, limit=0.4), 0.328634)
+    assert simulate_scatter(door, along, 0.328634).speed.std() < 0.5 * drawn.speed.std()
+    leaky = simulate_scatter(door, Tolerances(gap=12e-3, count=60, limit=0.4), 0.328634)
     assert 0 < leaky.leaking < 1
     assert leaky.above == (leaky.speed > 0.4).mean()
 

@@ -126,7 +126,7 @@ def _device(
             raise DataError("--driver serial needs the line: add --port, e.g. /dev/ttyUSB0")
         return dp.files.recording.SerialLine(port, columns=columns.split(","), baud=baud)
     if driver == "simulated":
-        return dp.files.recording.simulated(seal_named(seal).solid, speed=speed)
+        return dp.files.recording.create_simulated_device(seal_named(seal).solid, speed=speed)
     if played is None:
         raise DataError("--driver replay needs the record: add --from FILE")
     with as_it_stands(played):

@@ -75,7 +75,7 @@ def replay(path: str | Path, *, speed: float = 1.0) -> Paced:
     return Paced(test, f"{made}replayed from {Path(path).name}", speed=speed)
 
 
-def simulated(
+def create_simulated_device(
     seal: GeneralizedMaxwell | None = None, *, speed: float = 1.0, seed: int = 0
 ) -> Paced:
     """Return the virtual rig as a device, at work on a seal: the paper's if none is given."""

@@ -69,7 +69,9 @@ def _fit_with_page(request: KindRequest) -> tuple[Any, KindPage]:
     if row is None or not (row.panel or row.fits):
         raise DataError(f"'{request.kind}' is no kind of test that is fitted by itself")
     if row.panel:
-        result = load_object(f"{row.panel}:answered")(request.files, request.said, request.options)
+        result = load_object(f"{row.panel}:fit_form_files")(
+            request.files, request.said, request.options
+        )
     else:
         result = load_object(row.fit)(request.files, options=request.options)
     return result, kind_page(result)

@@ -15,7 +15,7 @@ from dashpot.base.choices import Driver, require_choice
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.extensions.acquisition.record_to_file import record
 from dashpot.extensions.acquisition.recorder import Block, Recorder
-from dashpot.extensions.acquisition.replay_device import replay, simulated
+from dashpot.extensions.acquisition.replay_device import create_simulated_device, replay
 from dashpot.extensions.acquisition.serial_line import SerialLine
 from dashpot.extensions.app.upload_store import LIMIT, Store, path_in
 from dashpot.plot.picture import Line, Panel, Pen, Scale, compute_padded_limits
@@ -195,7 +195,9 @@ class Live:
                 columns=str(options.get("columns", "")).split(","),
                 baud=_number(options, "baud", 115200, int),
             ),
-            "simulated": lambda: simulated(speed=_number(options, "speed", 1.0, float)),
+            "simulated": lambda: create_simulated_device(
+                speed=_number(options, "speed", 1.0, float)
+            ),
             "replay": lambda: replay(
                 path_in(self._store.folder, options.get("file")),
                 speed=_number(options, "speed", 1.0, float),

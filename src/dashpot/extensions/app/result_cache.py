@@ -16,7 +16,7 @@ from dashpot.vibration.systems.frf_prediction import highest_peak
 from dashpot.workflow.job import Cuts, Job, deciding
 from dashpot.workflow.prepare_tests import prepared_tests
 from dashpot.workflow.response.frf_prediction import Prediction, prediction
-from dashpot.workflow.study import Study, of_solid, run
+from dashpot.workflow.study import Study, find_reference_test, run
 
 KEPT = 8
 """Results of each kind that a worker remembers."""
@@ -116,7 +116,7 @@ def select_shown_test(
 ) -> tuple[RelaxationTest, RampHold]:
     """The test that is drawn: that of the temperature of the solid."""
     ready = prepare_job_tests(select_test_choices(job), most)
-    first = of_solid(fit, ready)
+    first = find_reference_test(fit, ready)
     return tests(job)[first], ready[first]
 
 

@@ -49,7 +49,7 @@ class SealDecision(NamedTuple):
         return f"inside the limits by less than its guard band, {guard}"
 
 
-def judged(lot: Lot, limits: Limits) -> tuple[SealDecision, ...]:
+def check_lot_acceptance(lot: Lot, limits: Limits) -> tuple[SealDecision, ...]:
     r"""Return what limits make of every seal that was tested, in the order of lot and seal.
 
     The guard band is :math:`t_{0.95,\nu}\,u`, the decision rule of ISO 14253-1, with the standard

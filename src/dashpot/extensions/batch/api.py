@@ -127,9 +127,9 @@ def _arrays(
 
 def compare_lots(first: Lot, second: Lot, /, *, quantities: Sequence[str] = ()) -> LotComparison:
     """Compare the quantities of two lots."""
-    from dashpot.extensions.batch.comparison import compared
+    from dashpot.extensions.batch.comparison import compare_two_lots
 
-    return compared(("the first lot", first), ("the second lot", second), tuple(quantities))
+    return compare_two_lots(("the first lot", first), ("the second lot", second), tuple(quantities))
 
 
 def read_lot(folder: Place) -> Lot:

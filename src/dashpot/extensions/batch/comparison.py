@@ -126,7 +126,7 @@ def _format_comparison(item: Compared) -> Iterator[str]:
     )
 
 
-def opened(named: str) -> tuple[str, Lot]:
+def open_lot(named: str) -> tuple[str, Lot]:
     """Return the one lot that ``FOLDER`` or ``FOLDER:LOT`` names, and what it is called.
 
     Raises
@@ -151,13 +151,13 @@ def opened(named: str) -> tuple[str, Lot]:
 
 def opened_both(named: Sequence[str]) -> list[tuple[str, Lot]]:
     """Return two lots, opened each; those of one name are called as they were named."""
-    lots = [opened(name) for name in named]
+    lots = [open_lot(name) for name in named]
     if len({name for name, _ in lots}) == 1:
         return [(called, lot) for called, (_, lot) in zip(named, lots, strict=True)]
     return lots
 
 
-def compared(
+def compare_two_lots(
     first: tuple[str, Lot], second: tuple[str, Lot], names: Sequence[str] = ()
 ) -> LotComparison:
     """Return by how much the second lot differs from the first, and what could have been seen.
@@ -203,7 +203,7 @@ def compared(
 def compare_folders(first: str, second: str, quantities: Sequence[str]) -> LotComparison:
     """Compare two lots; ``FOLDER:NAME`` is one lot of several."""
     pair, other = opened_both((first, second))
-    return compared(pair, other, tuple(quantities))
+    return compare_two_lots(pair, other, tuple(quantities))
 
 
 def _count_shared_records(first: Lot, second: Lot) -> int:

@@ -15,7 +15,7 @@ from dashpot.base.number_format import ascii_only, format_count
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.sentences import sentence
 from dashpot.base.serialisation import Serialisable
-from dashpot.extensions.batch.acceptance import SealDecision, judged
+from dashpot.extensions.batch.acceptance import SealDecision, check_lot_acceptance
 from dashpot.extensions.batch.checks import (
     asked_in_band,
     capability_as_asked,
@@ -351,7 +351,7 @@ def _compute_quantity_summary(lot: Lot, quantity: Quantity, limits: Limits | Non
     within = {} if limits is None else lot.capability(name, limits.lower, limits.upper)
     return OfQuantity(
         quantity, lot.seals(name), lot.charts(name), lot.lot_chart(name), scatter, gauge,
-        limits, within, () if limits is None else judged(lot, limits),
+        limits, within, () if limits is None else check_lot_acceptance(lot, limits),
     )  # fmt: skip
 
 

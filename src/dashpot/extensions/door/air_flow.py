@@ -56,7 +56,7 @@ def pressure_of(density: npt.ArrayLike, exponent: float) -> FloatArray:
     return np.asarray(AMBIENT * (np.asarray(density) / DENSITY) ** exponent)
 
 
-def stored(density: FloatArray, volume: FloatArray, exponent: float) -> FloatArray:
+def compute_stored_energy(density: FloatArray, volume: FloatArray, exponent: float) -> FloatArray:
     """What the air of a chamber would give back were it let to expand against the ambient, J."""
     p = pressure_of(density, exponent)
     free = volume * density / DENSITY
@@ -67,7 +67,7 @@ def stored(density: FloatArray, volume: FloatArray, exponent: float) -> FloatArr
     return np.asarray(inner - AMBIENT * (free - volume))
 
 
-def emptied(
+def compute_next_density(
     density: FloatArray,
     volumes: tuple[FloatArray, FloatArray],
     opening: FloatArray,

@@ -299,7 +299,7 @@ def close_door(
         minimum=minimum,
         interval=None if doubt is None else (float(least[1]), float(least[2])),
         monotone=_faster_close(moving, minimum),
-        scatter=None if variation is None else scattered(moving, variation, minimum),
+        scatter=None if variation is None else simulate_scatter(moving, variation, minimum),
     )
 
 
@@ -398,7 +398,7 @@ def _reduce_stations(door: ClosingDoor) -> tuple[ClosingDoor, IndexArray]:
     return few, group
 
 
-def scattered(door: ClosingDoor, variation: Tolerances, minimum: float) -> Scatter:
+def simulate_scatter(door: ClosingDoor, variation: Tolerances, minimum: float) -> Scatter:
     """Draw doors within their tolerances, and find the least speed that closes each.
 
     The gap moves as one, or by a normal process along the line whose correlation falls to 1/e over

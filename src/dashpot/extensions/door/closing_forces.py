@@ -111,7 +111,7 @@ class Chambers:
         volume, opening = self._compute_chamber_geometry(angle)
         jet = 0.5 * self.kind.discharge * (opening + self.opening)
         before = self.pressure
-        self.density = air_flow.emptied(
+        self.density = air_flow.compute_next_density(
             self.density, (self.volume, volume), jet, seconds[:, None], self.kind.exponent
         )
         mean = 0.5 * (before + self.pressure) - air_flow.AMBIENT
@@ -131,5 +131,5 @@ class Chambers:
 
     def compute_stored_energy(self) -> FloatArray:
         """What the air would give back, J, shape (doors,)."""
-        row = air_flow.stored(self.density, self.volume, self.kind.exponent)
+        row = air_flow.compute_stored_energy(self.density, self.volume, self.kind.exponent)
         return np.asarray(row.sum(axis=1))

@@ -26,7 +26,7 @@ def run(folder: Path, seed: int) -> CommandResult:
     for name, text in paper_records(reproduction).items():
         write(folder / name, text)
     for name, picture in paper_pictures(reproduction).items():
-        write(folder / f"{name}.svg", dp.plot.rendered(picture, "svg"))
+        write(folder / f"{name}.svg", dp.plot.render_figure(picture, "svg"))
     write(folder / "paper.json", json.dumps(reproduction.document, indent=2) + "\n")
     write(folder / "paper.html", paper_page(reproduction))
     record = folder / "paper.csv"

@@ -139,7 +139,7 @@ def _parts(file: OpenedFile) -> dict[Role, RoleAssignment | Question]:
     other = _find_loss_substitute(file)
     size = file.column("complex_modulus")
     size = None if options.storage else size
-    separate = _both(answers) and not options.loss_factor
+    separate = _find_both_columns(answers) and not options.loss_factor
     if options.loss or separate or other is None:
         if size and not separate:
             _require_loss_angle(file, table.columns[size.index].name)
@@ -173,7 +173,7 @@ def _told_apart(file: OpenedFile, columns: Sequence[RoleAssignment]) -> None:
     )
 
 
-def _both(answers: Mapping[Role, RoleAssignment | Question]) -> bool:
+def _find_both_columns(answers: Mapping[Role, RoleAssignment | Question]) -> bool:
     """Whether storage and loss are columns of their own."""
     pair = [answers["storage"], answers["loss"]]
     at = {answer.index for answer in pair if isinstance(answer, RoleAssignment)}

@@ -9,7 +9,7 @@ from dashpot.base.provenance import Step
 from dashpot.datamodel.frf import FRF, Kind
 
 
-def entrained(seal: float | None, seals: float) -> float:
+def compute_coupled_mass(seal: float | None, seals: float) -> float:
     r"""Mass of the mounts that couples the mass to its base, kg: a sixth of theirs.
 
     The consistent mass matrix of a rod, of mass :math:`m_r`, is :math:`m_r/6\,(2\;1;\,1\;2)`: a
@@ -24,8 +24,9 @@ def on_heavy_mounts(frf: FRF, *, mass: float, coupled: float) -> FRF:
     .. math:: K + \omega^2\mu = T\,(K - \omega^2 M), \qquad T - 1 = (T_0 - 1)\,(1 + \mu / M)
 
     with T_0 that of mounts without mass under the moving mass M, and :math:`\mu` the mass that
-    couples it to the base (:func:`entrained`). Good to the second resonance of the mounts: within
-    0.2 % of K up to twice the natural frequency where they weigh a tenth of the mass.
+    couples it to the base (:func:`compute_coupled_mass`). Good to the second resonance of the
+    mounts: within 0.2 % of K up to twice the natural frequency where they weigh a tenth of the
+    mass.
 
     Parameters
     ----------

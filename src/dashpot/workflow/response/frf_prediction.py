@@ -35,7 +35,7 @@ from dashpot.vibration.systems.frf_prediction import (
     moving_mass,
     predict_frf,
 )
-from dashpot.vibration.systems.mount_mass import entrained, on_heavy_mounts
+from dashpot.vibration.systems.mount_mass import compute_coupled_mass, on_heavy_mounts
 from dashpot.vibration.systems.random_base import (
     RandomLimits,
     RandomResponse,
@@ -382,7 +382,7 @@ def prediction(
         )
     rests = find_static_equilibrium(here, mass=moving, seals=seals, compression=compression)
     # over a base, mounts that weigh something couple the mass to it
-    coupled = entrained(seal_mass, seals) if frf_kind.over_base else 0.0
+    coupled = compute_coupled_mass(seal_mass, seals) if frf_kind.over_base else 0.0
     on = MassOnSeals(here, rests, moving, seals, coupled, frf_kind)
     frf = on.frf(np.linspace(*band, lines))
     bounded = _bounds(on, fit, tests, temperature=temperature)

@@ -37,7 +37,7 @@ from dashpot.vibration.impact.checks import (
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.frf_prediction import moving_mass
-from dashpot.vibration.systems.mount_mass import as_relative, entrained, on_light_mounts
+from dashpot.vibration.systems.mount_mass import as_relative, compute_coupled_mass, on_light_mounts
 from dashpot.workflow.job import HammerChoices
 
 _NO_MASS = (
@@ -249,4 +249,4 @@ def remove_seal_mass(frf: FRF, mass: float | None, seal_mass: float | None, seal
     """Return a transmissibility as seals without mass would show it; another FRF as it is."""
     if not frf.quantity.over_base or mass is None:
         return frf
-    return on_light_mounts(frf, mass=mass, coupled=entrained(seal_mass, seals))
+    return on_light_mounts(frf, mass=mass, coupled=compute_coupled_mass(seal_mass, seals))

@@ -1,4 +1,4 @@
-"""What the app asks of pieces that were pressed, and their figures by what was answered."""
+"""What the app asks of pieces that were pressed, and their figures by what was fit_form_files."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ASKS = (
 )
 
 
-def answered(files: Sequence[str], form: FormData, options: ReadOptions) -> Pieces:
+def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -> Pieces:
     """The figures of the pieces."""
     length = form.number("length", "length")
     return cld_files(

@@ -1,4 +1,4 @@
-"""What the app asks of curves of stress over strain, and their law by what was answered."""
+"""What the app asks of curves of stress over strain, and their law by what was fit_form_files."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dashpot.reading.read_options import ReadOptions
 ASKS = (FormField("test", "Kind of test", "", "--test", tuple(MODES), each=True),)
 
 
-def answered(files: Sequence[str], form: FormData, options: ReadOptions) -> HyperelasticFit:
+def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -> HyperelasticFit:
     """The law of the curves."""
     modes: dict[str, list[str]] = {}
     for i, path in enumerate(files):

@@ -11,7 +11,7 @@ from dashpot.base.units import Quantity, convert_to_si, format_quantity
 from dashpot.base.version import byline
 from dashpot.export import refuse_untaken
 from dashpot.export.deck import NOT_VERIFIED, DeckText
-from dashpot.export.deck_validation import overlooked
+from dashpot.export.deck_validation import list_allowed_problems
 from dashpot.export.unit_systems import UnitSystem, convert_to_printable_ascii, text, unit_system
 from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
 from dashpot.extensions.materials.hyperelastic.strain_energy import POWERS, Hyperelastic
@@ -121,7 +121,9 @@ def hyperelastic_card(
     kelvin = fit.temperature if temperature is None else temperature
     stated = convert_to_si(bulk_modulus, "stress")
     missing = [*_missing(law, target, stated, density)]
-    overrides = overlooked(_problems(fit, kelvin), allow, "card", units=units, missing=missing)
+    overrides = list_allowed_problems(
+        _problems(fit, kelvin), allow, "card", units=units, missing=missing
+    )
     bulk, measured = _bulk(law, stated)
     card = _Card(
         fit, system, tuple(system.stress(c) for c in law.constants), system.stress(bulk), density

@@ -1,4 +1,4 @@
-"""What the app asks of an indenter's contact, and what it finds by what was answered."""
+"""What the app asks of an indenter's contact, and what it finds by what was fit_form_files."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ ASKS = (
 )
 
 
-def answered(files: Sequence[str], form: FormData, options: ReadOptions) -> IndentationFit:
+def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -> IndentationFit:
     """What the contact says of the surface."""
     indenter = Indenter(
         mass=form.require_quantity("mass", "mass"),

@@ -1,4 +1,4 @@
-"""What the app asks of a rod, which no file says it is, and its modulus by what was answered."""
+"""What the app asks of a rod beside its FRF, and the fit by the fields of that form."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ASKS = (
 )
 
 
-def answered(files: Sequence[str], form: FormData, options: ReadOptions) -> Rod:
+def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -> Rod:
     """The modulus of the rod's material."""
     disc = form.get_option_value("disc").removeprefix("disc:")
     if not disc:

@@ -1,4 +1,4 @@
-"""What the app asks of slams, and what they find by what was answered."""
+"""What the app asks of slams, and what they find by what was fit_form_files."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ASKS = (
 )
 
 
-def answered(files: Sequence[str], form: FormData, options: ReadOptions) -> SlamFit:
+def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -> SlamFit:
     """What the slams say of the piece."""
     mass = form.number("mass", "mass")
     return slam_files(files, mass=mass, slam=form.get_text("slam").split(), options=options)
